@@ -1,0 +1,56 @@
+# Two commands on a fresh machine: `make run` and `make test`.
+# Each target sets up what it needs; nothing has to be installed by hand first.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+CONFIG ?= configs/simulation.yaml
+
+.PHONY: help install install-dev run test lint types arrows check wheel clean
+.DEFAULT_GOAL := help
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-14s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "clearway needs Python 3.11 or newer; $(PYTHON) is $$($(PYTHON) --version 2>&1). Set PYTHON=..." >&2; exit 2; }
+	@$(PYTHON) -m venv $(VENV) || \
+	  { rm -rf $(VENV); echo "$(PYTHON) cannot make a virtual environment; on Debian: apt-get install python3-venv" >&2; exit 2; }
+
+$(VENV)/.installed: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/.installed-dev: pyproject.toml | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@ $(VENV)/.installed
+
+install: $(VENV)/.installed ## make .venv with .venv/bin/clearway
+
+install-dev: $(VENV)/.installed-dev ## the same with the tools for developers
+
+run: $(VENV)/.installed ## the whole loop on a simulated arena
+	$(BIN)/clearway run $(CONFIG) --once
+
+test: $(VENV)/.installed-dev ## every test
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.installed-dev ## ruff: style and format
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/.installed-dev ## mypy --strict
+	$(BIN)/mypy
+
+arrows: $(VENV)/.installed-dev ## import-linter: imports run downwards only
+	$(BIN)/lint-imports
+
+check: lint types arrows test ## everything a change has to pass
+
+wheel: $(VENV)/.installed-dev ## build the wheel into dist/
+	rm -rf dist
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+
+clean: ## remove what the other targets made
+	rm -rf $(VENV) dist build runs .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage htmlcov

@@ -1,0 +1,1 @@
+"""The wire: messages, framing, and both ends of the serial link, sans-IO."""

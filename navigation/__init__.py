@@ -1,0 +1,1 @@
+"""Navigation Control: configuration, the daemon, the simulator and the command line."""

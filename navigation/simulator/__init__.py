@@ -1,0 +1,1 @@
+"""The simulated arena: its geometry, its camera and its robot."""

@@ -1,0 +1,69 @@
+"""Trajectory Planning: from a scene to a roadmap, a path and timed waypoints.
+
+Names are imported on first use, so that a module that needs the scene's types only does not
+pay for the compiled kernels.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from planner.half_edges import HalfEdges
+    from planner.path import Bottleneck, Limits, NoPath, Path, Trajectory, Waypoint
+    from planner.roadmap import Roadmap, build_roadmap
+    from planner.scene import Scene, SceneError
+    from planner.scene_io import load_scene, read_scene_text, write_scene_text
+    from planner.trajectory import time_path
+    from planner.voronoi_diagram import voronoi
+
+__all__ = [
+    "Bottleneck",
+    "HalfEdges",
+    "Limits",
+    "NoPath",
+    "Path",
+    "Roadmap",
+    "Scene",
+    "SceneError",
+    "Trajectory",
+    "Waypoint",
+    "build_roadmap",
+    "load_scene",
+    "read_scene_text",
+    "time_path",
+    "voronoi",
+    "write_scene_text",
+]
+
+_HOME = {
+    "Bottleneck": "planner.path",
+    "HalfEdges": "planner.half_edges",
+    "Limits": "planner.path",
+    "NoPath": "planner.path",
+    "Path": "planner.path",
+    "Roadmap": "planner.roadmap",
+    "Scene": "planner.scene",
+    "SceneError": "planner.scene",
+    "Trajectory": "planner.path",
+    "Waypoint": "planner.path",
+    "build_roadmap": "planner.roadmap",
+    "load_scene": "planner.scene_io",
+    "read_scene_text": "planner.scene_io",
+    "time_path": "planner.trajectory",
+    "voronoi": "planner.voronoi_diagram",
+    "write_scene_text": "planner.scene_io",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'planner' has no attribute {name!r}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,100 @@
+"""The answers of the planner: a path with its certified clearance, or why there is none.
+
+Units are those of the scene; angles are radians in the scene's own coordinates (counter-
+clockwise in metres, where y is up; clockwise as seen in pictures, where y is down).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from planner.scene import FloatArray, Vec
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A polyline from the start through the stations to the goal.
+
+    ``points`` (n, 2) and ``clearances`` (n,) are read-only; ``min_clearance`` is exact for
+    the whole polyline (not only its points) against every border and the bounds, and lies at
+    ``min_clearance_at``. ``stations`` are indices into ``points``: start, every via, goal.
+    ``order`` is the order in which the vias are visited, as indices into the request.
+    ``headings_rad`` has one entry a station, None where any heading will do.
+    """
+
+    points: FloatArray
+    clearances: FloatArray
+    length: float
+    min_clearance: float
+    min_clearance_at: Vec
+    robot_radius: float
+    stations: tuple[int, ...]
+    headings_rad: tuple[float | None, ...]
+    order: tuple[int, ...] = ()
+    alternatives: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Bottleneck:
+    """The narrowest place on the widest way: ``width`` is twice the clearance there."""
+
+    x: float
+    y: float
+    width: float
+
+
+@dataclass(frozen=True, slots=True)
+class NoPath:
+    """There is no path for this robot: an expected answer, not a failure.
+
+    ``widest_radius`` is the largest radius that could make the journey, None where no robot
+    could (start or goal inside an obstacle, outside the bounds, or walled in).
+    """
+
+    reason: str
+    bottleneck: Bottleneck | None = None
+    widest_radius: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the robot can do; units of the scene and seconds, every value > 0.
+
+    ``chord_tolerance`` bounds how far the straight line between two waypoints may leave the
+    path; ``spacing`` is the largest distance between waypoints. ``turns_on_spot`` is True
+    for a differential drive. ``slow_clearance``: below this clearance the speed falls
+    linearly to ``slow_speed`` at the robot's radius.
+    """
+
+    speed: float
+    acceleration: float
+    lateral_acceleration: float
+    angular_rate_rad_s: float
+    angular_acceleration_rad_s2: float
+    jerk: float
+    spacing: float
+    chord_tolerance: float
+    slow_clearance: float
+    slow_speed: float
+    turns_on_spot: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoint:
+    """Where to be, heading where, how fast and when; ``dwell_s`` is how long to stay."""
+
+    x: float
+    y: float
+    heading_rad: float
+    speed: float
+    time_s: float
+    station: int | None = None
+    dwell_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Timed waypoints along a path; the robot stands at the first and at the last."""
+
+    waypoints: tuple[Waypoint, ...]
+    duration_s: float

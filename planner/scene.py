@@ -1,0 +1,352 @@
+"""The scene: the free space's boundary and the objects in it, as the paper's records.
+
+Rules and units
+- A scene has its own units: ``px`` (a picture, y down, pixel centres at integers), ``m``
+  (a calibrated arena, y up) or ``cells`` (a grid map without a size, y down).
+- The paper's records: P (point), S (segment), C (circle), A (open chain of edges),
+  L (generalized polygon: closed sequence of edges). An edge is a segment or an arc.
+- An object is one connected obstacle: its outline's records and, for each hole, the records
+  of the hole's border. The solid is what lies between; a hole is free space.
+- Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw``
+  is as seen on the screen too, so that it survives the change from y down to y up.
+- Everything here is immutable; arrays are read-only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vec: TypeAlias = tuple[float, float]
+Units: TypeAlias = Literal["px", "m", "cells"]
+FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int32]
+
+POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
+"""The kinds of a flat primitive, see :class:`Primitives`."""
+
+
+class SceneError(ValueError):
+    """A scene, or a file that should hold one, cannot be used; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A straight edge from ``start`` to ``end``."""
+
+    start: Vec
+    end: Vec
+
+    @property
+    def length(self) -> float:
+        """Its length, in the scene's units."""
+        return math.dist(self.start, self.end)
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """A circular edge from ``start`` to ``end``; ``ccw`` as seen on the screen.
+
+    Equal ends mean the whole circle.
+    """
+
+    start: Vec
+    end: Vec
+    center: Vec
+    radius: float
+    ccw: bool
+
+    def sweep(self, y_down: bool) -> tuple[float, float]:
+        """``(start_rad, sweep_rad)`` in the coordinates' own sense: angle = atan2(y, x).
+
+        ``sweep_rad`` is signed, in (0, 2 pi] where the angle grows along the edge and in
+        [-2 pi, 0) where it falls.
+        """
+        a0 = math.atan2(self.start[1] - self.center[1], self.start[0] - self.center[0])
+        a1 = math.atan2(self.end[1] - self.center[1], self.end[0] - self.center[0])
+        if self.ccw != y_down:
+            turn = (a1 - a0) % math.tau
+            return a0, turn if turn > 0.0 else math.tau
+        turn = (a0 - a1) % math.tau
+        return a0, -(turn if turn > 0.0 else math.tau)
+
+
+Edge: TypeAlias = Segment | Arc
+
+
+@dataclass(frozen=True, slots=True)
+class PointRecord:
+    """P: a single pixel."""
+
+    at: Vec
+    residual_px: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentRecord:
+    """S: a straight line segment, an object without an inside."""
+
+    start: Vec
+    end: Vec
+    residual_px: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class CircleRecord:
+    """C: a circle, by its centre and radius."""
+
+    center: Vec
+    radius: float
+    residual_px: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ArcRecord:
+    """A: an open chain of edges; in the paper the polygonal line along one arc."""
+
+    edges: tuple[Edge, ...]
+    residual_px: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PolygonRecord:
+    """L: a generalized polygon, an ordered closed sequence of edges."""
+
+    edges: tuple[Edge, ...]
+    residual_px: float = 0.0
+
+
+Record: TypeAlias = PointRecord | SegmentRecord | CircleRecord | ArcRecord | PolygonRecord
+
+
+@dataclass(frozen=True, slots=True)
+class SceneObject:
+    """One connected obstacle: the records of its outline and of each hole's border."""
+
+    id: int
+    records: tuple[Record, ...]
+    holes: tuple[tuple[Record, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The rectangle that holds the free space; its sides are walls."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
+
+    @property
+    def width(self) -> float:
+        """Extent along x."""
+        return self.x_max - self.x_min
+
+    @property
+    def height(self) -> float:
+        """Extent along y."""
+        return self.y_max - self.y_min
+
+    def contains(self, point: Vec) -> bool:
+        """Whether the point lies inside or on the rectangle."""
+        return self.x_min <= point[0] <= self.x_max and self.y_min <= point[1] <= self.y_max
+
+    def corners(self) -> tuple[Vec, Vec, Vec, Vec]:
+        """The four corners, in the order of growing angle (x right, y along the axis)."""
+        return (
+            (self.x_min, self.y_min),
+            (self.x_max, self.y_min),
+            (self.x_max, self.y_max),
+            (self.x_min, self.y_max),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Binarisation:
+    """How a picture was made black and white, and why so."""
+
+    method: str
+    threshold: float
+    polarity: Literal["dark", "light"]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Primitives:
+    """All borders of a scene as flat arrays, the form that kernels take.
+
+    ``kind`` (k,) int8: POINT, SEGMENT, CIRCLE or ARC. ``data`` (k, 6) float64, unused = 0:
+    POINT x, y; SEGMENT x0, y0, x1, y1; CIRCLE cx, cy, r; ARC cx, cy, r, start_rad, sweep_rad
+    with sweep_rad in (0, 2 pi], the angle growing (an edge that ran the other way is turned
+    round; ``reversed`` says so). ``owner`` (k,) int32: index of the object in
+    ``Scene.objects``, or -1 for the bounds. ``border`` (k,) int32: number of the connected
+    border (outline or hole) the primitive belongs to, in order along it; the bounds come
+    last. ``is_hole`` (k,) bool: part of a hole's border.
+    """
+
+    kind: NDArray[np.int8]
+    data: FloatArray
+    owner: IntArray
+    border: IntArray
+    is_hole: NDArray[np.bool_]
+    reversed: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The free space's boundary and the objects, with what was learned while seeing them.
+
+    ``bounds_given`` is False where the source had none and a generous rectangle was derived.
+    ``size`` is the picture's (width, height) in pixels, or the grid's in cells.
+    ``border_pixels`` is n of the paper; ``timings_ms`` holds the stages' wall times.
+    ``remarks`` are plain sentences on what was degraded, dropped or found touching.
+    """
+
+    units: Units
+    bounds: Bounds
+    objects: tuple[SceneObject, ...]
+    bounds_given: bool = True
+    size: tuple[int, int] | None = None
+    border_pixels: int = 0
+    binarisation: Binarisation | None = None
+    timings_ms: Mapping[str, float] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        b = self.bounds
+        if not all(math.isfinite(v) for v in (b.x_min, b.y_min, b.x_max, b.y_max)):
+            raise SceneError(f"bounds {b}: must be finite")
+        if not (b.x_min < b.x_max and b.y_min < b.y_max):
+            raise SceneError(f"bounds {b}: must have a positive width and height")
+
+    @property
+    def y_down(self) -> bool:
+        """Whether y grows downwards on the screen (pictures and grid maps)."""
+        return self.units != "m"
+
+    @property
+    def vertex_count(self) -> int:
+        """m of the paper: the number of points and circles that the records store."""
+        return sum(_stored_points(r) for o in self.objects for r in object_records(o))
+
+    def with_bounds(self, bounds: Bounds) -> Scene:
+        """The same objects inside other bounds."""
+        return replace(self, bounds=bounds, bounds_given=True)
+
+    def primitives(self, include_bounds: bool = True) -> Primitives:
+        """All borders as flat arrays, in the order of the objects; the bounds come last."""
+        flat = _Flattener(self.y_down)
+        for index, obj in enumerate(self.objects):
+            flat.add_border(obj.records, index, is_hole=False)
+            for hole in obj.holes:
+                flat.add_border(hole, index, is_hole=True)
+        if include_bounds:
+            c = self.bounds.corners()
+            sides = tuple(Segment(c[i], c[(i + 1) % 4]) for i in range(4))
+            flat.add_border((PolygonRecord(sides),), -1, is_hole=True)
+        return flat.finish()
+
+
+def object_records(obj: SceneObject) -> Iterator[Record]:
+    """The outline's records, then those of every hole."""
+    yield from obj.records
+    for hole in obj.holes:
+        yield from hole
+
+
+def record_edges(record: Record) -> tuple[Edge, ...]:
+    """The edges of a record: none for P, one for S, two half circles for C."""
+    match record:
+        case PointRecord():
+            return ()
+        case SegmentRecord(start, end):
+            return (Segment(start, end),)
+        case CircleRecord(center, radius):
+            left, right = (center[0] - radius, center[1]), (center[0] + radius, center[1])
+            return (
+                Arc(left, right, center, radius, ccw=False),
+                Arc(right, left, center, radius, ccw=False),
+            )
+        case ArcRecord(edges) | PolygonRecord(edges):
+            return edges
+
+
+def _stored_points(record: Record) -> int:
+    match record:
+        case SegmentRecord():
+            return 2
+        case ArcRecord(edges):
+            return len(edges) + 1
+        case PolygonRecord(edges):
+            return len(edges)
+        case _:
+            return 1
+
+
+class _Flattener:
+    """Collects primitives border by border."""
+
+    def __init__(self, y_down: bool) -> None:
+        self.y_down = y_down
+        self.rows: list[tuple[float, ...]] = []
+        self.kind: list[int] = []
+        self.owner: list[int] = []
+        self.border: list[int] = []
+        self.is_hole: list[bool] = []
+        self.reversed: list[bool] = []
+        self.borders = 0
+
+    def add_border(self, records: Sequence[Record], owner: int, *, is_hole: bool) -> None:
+        for record in records:
+            match record:
+                case PointRecord(at):
+                    self._add(POINT, (*at, 0.0, 0.0, 0.0, 0.0), owner, is_hole)
+                case CircleRecord(center, radius):
+                    self._add(CIRCLE, (*center, radius, 0.0, 0.0, 0.0), owner, is_hole)
+                case _:
+                    for edge in record_edges(record):
+                        self._add_edge(edge, owner, is_hole)
+        self.borders += 1
+
+    def _add_edge(self, edge: Edge, owner: int, is_hole: bool) -> None:
+        match edge:
+            case Segment(start, end) if start == end:
+                self._add(POINT, (*start, 0.0, 0.0, 0.0, 0.0), owner, is_hole)
+            case Segment(start, end):
+                self._add(SEGMENT, (*start, *end, 0.0, 0.0), owner, is_hole)
+            case Arc():
+                a0, turn = edge.sweep(self.y_down)
+                backwards = turn < 0.0
+                if backwards:
+                    a0, turn = a0 + turn, -turn
+                row = (*edge.center, edge.radius, a0, turn, 0.0)
+                self._add(ARC, row, owner, is_hole, backwards)
+
+    def _add(
+        self, kind: int, row: tuple[float, ...], owner: int, is_hole: bool, backwards: bool = False
+    ) -> None:
+        self.kind.append(kind)
+        self.rows.append(row)
+        self.owner.append(owner)
+        self.border.append(self.borders)
+        self.is_hole.append(is_hole)
+        self.reversed.append(backwards)
+
+    def finish(self) -> Primitives:
+        data = np.array(self.rows, dtype=np.float64).reshape(-1, 6)
+        arrays = (
+            np.array(self.kind, dtype=np.int8),
+            data,
+            np.array(self.owner, dtype=np.int32),
+            np.array(self.border, dtype=np.int32),
+            np.array(self.is_hole, dtype=np.bool_),
+            np.array(self.reversed, dtype=np.bool_),
+        )
+        for array in arrays:
+            array.setflags(write=False)
+        return Primitives(*arrays)

@@ -1,0 +1,1 @@
+"""Global Vision: from a picture to a scene and robot poses."""
