@@ -7,7 +7,10 @@ pay for the compiled kernels.
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path as _FilePath
 from typing import TYPE_CHECKING, Any
+
+from planner.kernel_cache import choose_kernel_cache
 
 if TYPE_CHECKING:
     from planner.half_edges import HalfEdges
@@ -36,6 +39,8 @@ __all__ = [
     "voronoi",
     "write_scene_text",
 ]
+
+choose_kernel_cache(_FilePath(__file__).parent)
 
 _HOME = {
     "Bottleneck": "planner.path",

@@ -1,0 +1,63 @@
+"""Where the compiled kernels are kept, chosen before numba is imported.
+
+numba keeps compiled code beside the source, or else in the user's cache directory, and raises
+``RuntimeError: cannot cache function`` on import where neither can be written: a system-wide
+install under a service user without a home. Then a private directory is chosen here. The
+directory holds code, so one that others can write to is never used.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+import tempfile
+from pathlib import Path
+
+
+def choose_kernel_cache(package_folder: Path) -> Path | None:
+    """Set ``NUMBA_CACHE_DIR`` where numba's own choice would fail; the folder chosen, or None.
+
+    None means that numba's own rules do: the variable is set already, or the folder beside
+    the source can be written to.
+    """
+    if os.environ.get("NUMBA_CACHE_DIR") or _is_writable(package_folder):
+        return None
+    for folder in _candidates():
+        if _make_private(folder):
+            break
+    else:
+        folder = Path(tempfile.mkdtemp(prefix="clearway-kernels-"))
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    if "numba" in sys.modules:
+        sys.modules["numba"].config.CACHE_DIR = str(folder)
+    return folder
+
+
+def _candidates() -> list[Path]:
+    """systemd's CacheDirectory=, the user's cache, the temporary folder: the first that works."""
+    found = []
+    if service := os.environ.get("CACHE_DIRECTORY"):
+        found.append(Path(service.split(":")[0]) / "kernels")
+    if xdg := os.environ.get("XDG_CACHE_HOME"):
+        found.append(Path(xdg) / "clearway" / "kernels")
+    home = Path(os.path.expanduser("~"))
+    if home.is_dir():
+        found.append(home / ".cache" / "clearway" / "kernels")
+    found.append(Path(tempfile.gettempdir()) / f"clearway-kernels-{os.getuid()}")
+    return found
+
+
+def _is_writable(folder: Path) -> bool:
+    cache = folder / "__pycache__"
+    return os.access(cache if cache.is_dir() else folder, os.W_OK)
+
+
+def _make_private(folder: Path) -> bool:
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        info = folder.lstat()
+    except OSError:
+        return False
+    mine = stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid()
+    return mine and not info.st_mode & 0o022 and os.access(folder, os.W_OK)

@@ -1,0 +1,44 @@
+"""What every test may use: the folder of real pictures and maps, and the rule on skips."""
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "default", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("default")
+
+FAIL_ON_SKIP = bool(os.environ.get("CLEARWAY_FAIL_ON_SKIP"))
+
+
+@pytest.fixture(scope="session")
+def real_data() -> Path:
+    """The folder of real pictures and maps that CLEARWAY_REAL_DATA names."""
+    folder = os.environ.get("CLEARWAY_REAL_DATA")
+    if not folder:
+        pytest.skip("CLEARWAY_REAL_DATA is not set: no real pictures and maps here")
+    return Path(folder)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Where skips fail and no real data is at hand, its tests are left out, and that is said."""
+    if not FAIL_ON_SKIP or os.environ.get("CLEARWAY_REAL_DATA"):
+        return
+    with_data = [item for item in items if "real_data" in getattr(item, "fixturenames", ())]
+    if with_data:
+        config.hook.pytest_deselected(items=with_data)
+        items[:] = [item for item in items if item not in with_data]
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """With CLEARWAY_FAIL_ON_SKIP a skipped test fails the run."""
+    if not FAIL_ON_SKIP or exitstatus != pytest.ExitCode.OK:
+        return
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if reporter is not None and reporter.stats.get("skipped"):
+        reporter.write_line("skipped tests fail this run: CLEARWAY_FAIL_ON_SKIP is set", red=True)
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
