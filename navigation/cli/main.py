@@ -1,0 +1,194 @@
+"""The entry point ``clearway``: finds the command, runs it, turns errors into exit codes.
+
+Rules
+- A command is imported when it is called, so that ``clearway --help`` needs click only.
+- Errors are one sentence on stderr, ``clearway: error: what, where, the limit``; a traceback
+  only with ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
+- Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path; 78 bad configuration;
+  1 anything else. Ctrl-C gives 130 and a reader that went away 141, both without a word.
+- A command ends with another code by returning it as an int.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NamedTuple
+
+import click
+
+DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
+INTERRUPTED = 128 + 2
+"""As a shell reports SIGINT."""
+READER_GONE = 128 + 13
+"""As a shell reports SIGPIPE."""
+
+OUR_PACKAGES = ("vision", "planner", "navigation", "firmware_protocol")
+
+
+class Listed(NamedTuple):
+    """Where a command lives and what it does, so that listing it imports nothing."""
+
+    where: str
+    help: str
+
+
+COMMANDS: dict[str, Listed] = {
+    "run": Listed("navigation.cli.run:command", "Drive the robot: camera, planning, serial link."),
+    "extract": Listed("navigation.cli.extract:command", "The geometric structure of a picture."),
+    "plan": Listed("navigation.cli.plan:command", "One plan through a picture, scene or map."),
+    "roadmap": Listed("navigation.cli.roadmap:command", "The AGVD roadmap as a file."),
+    "robot": Listed("navigation.cli.robot:command", "A simulated robot on a serial port."),
+    "check": Listed("navigation.cli.check:command", "Check a configuration; tell every error."),
+    "calibrate": Listed("navigation.cli.calibrate:command", "Calibrate a camera from pictures."),
+    "marker": Listed("navigation.cli.marker:command", "A robot marker or a board to print."),
+    "devices": Listed("navigation.cli.devices:command", "The serial ports and cameras here."),
+    "init": Listed("navigation.cli.init_config:command", "Write a commented configuration."),
+    "schema": Listed("navigation.cli.schema:command", "The configuration's JSON Schema."),
+}
+
+
+class LazyGroup(click.Group):
+    """A group whose commands stand in :data:`COMMANDS` and are imported on call."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names in the table's order, which is the order of use."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import the command; None where the table has no such name."""
+        listed = COMMANDS.get(cmd_name)
+        if listed is None:
+            return None
+        module, attribute = listed.where.split(":")
+        command = getattr(import_module(module), attribute)
+        if not isinstance(command, click.Command):
+            raise TypeError(f"{listed.where} is not a click command")
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command, or say which one may have been meant."""
+        name = args[0]
+        if name in COMMANDS or name.startswith("-"):
+            return super().resolve_command(ctx, args)
+        near = difflib.get_close_matches(name, COMMANDS, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f"the commands are {', '.join(COMMANDS)}"
+        raise click.UsageError(f"no command '{name}': {hint}", ctx)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the table without importing a command."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, listed.help) for name, listed in COMMANDS.items()])
+
+
+def _show_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        from importlib.metadata import version
+
+        click.echo(f"clearway {version('clearway')}")
+        ctx.exit()
+
+
+@click.group(
+    cls=LazyGroup,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Exit codes: 0 done, 2 wrong usage or unreadable input, 3 no path, "
+    "78 bad configuration, 1 anything else.",
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_show_version,
+    help="Show the version and exit.",
+)
+@click.pass_context
+def clearway(ctx: click.Context, debug: bool) -> None:
+    """One camera above an arena, a roadmap with the largest clearance, a robot that follows it."""
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help(), err=True)
+        ctx.exit(BAD_INPUT)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with the code that the module's text names."""
+    sys.exit(run(sys.argv[1:] if arguments is None else arguments))
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit code; nothing but a bug here raises."""
+    arguments, debug = _take_debug(list(arguments))
+    try:
+        code = clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)
+        sys.stdout.flush()
+    except (click.Abort, KeyboardInterrupt):
+        return INTERRUPTED
+    except BrokenPipeError:
+        return _reader_gone()
+    except Exception as error:  # noqa: BLE001 - the last frame: told in one sentence, never lost
+        if debug:
+            traceback.print_exc()
+        click.echo(f"clearway: error: {_sentence(error)}", err=True)
+        return exit_code_of(error)
+    return code if isinstance(code, int) else DONE
+
+
+def exit_code_of(error: BaseException) -> int:
+    """The exit code of an error that ended a command, by whose fault it is.
+
+    An error class may carry its own ``exit_code``, as click's and ConfigError do. Our own
+    ValueErrors and OSErrors, and the system's errors about a file, are the input's fault.
+    """
+    own = getattr(error, "exit_code", None)
+    if isinstance(own, int):
+        return own
+    if _is_ours(error) and isinstance(error, ValueError | OSError):
+        return BAD_INPUT
+    if isinstance(error, OSError) and error.filename is not None:
+        return BAD_INPUT
+    return FAILED
+
+
+def _sentence(error: Exception) -> str:
+    match error:
+        case click.UsageError():
+            path = error.ctx.command_path if error.ctx else "clearway"
+            message = error.format_message().rstrip(".")
+            return f"{message} (see '{path} --help')"
+        case click.ClickException():
+            return error.format_message()
+        case OSError() if error.filename is not None and not _is_ours(error):
+            return f"{error.filename}: {error.strerror or error}"
+    text = str(error)
+    if _is_ours(error) and text:
+        return text
+    return f"unexpected {type(error).__name__}: {text} (--debug shows where)"
+
+
+def _is_ours(error: BaseException) -> bool:
+    return type(error).__module__.split(".")[0] in OUR_PACKAGES
+
+
+def _take_debug(arguments: list[str]) -> tuple[list[str], bool]:
+    """Accept ``--debug`` behind the command too, where it is needed and typed."""
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    options = [a for a in arguments[:end] if a != "--debug"]
+    asked = len(options) < end or os.environ.get("CLEARWAY_DEBUG", "") not in ("", "0")
+    return options + arguments[end:], asked
+
+
+def _reader_gone() -> int:
+    """Point stdout at nothing, so that the interpreter's last flush stays quiet too."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+    return READER_GONE
