@@ -1,0 +1,139 @@
+"""The mission: what is to be visited, and the table of states between standing and done.
+
+The table is the whole of the logic of states: what is not in it does not happen. The
+documentation's diagram is drawn from it (`python -m navigation.mission`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from enum import Enum
+
+
+class State(Enum):
+    """Where the mission stands."""
+
+    IDLE = "idle"
+    PLANNING = "planning"
+    DRIVING = "driving"
+    HOLDING = "holding"
+    STOPPED = "stopped"
+    DONE = "done"
+    FAILED = "failed"
+
+
+class Event(Enum):
+    """What may happen to a mission."""
+
+    GIVEN = "mission given"
+    PLANNED = "plan accepted"
+    NO_PLAN = "no safe plan"
+    REPLAN = "new plan needed"
+    HOLD = "unsafe or paused"
+    CLEARED = "cause gone"
+    ARRIVED = "last station reached"
+    STOP = "emergency stop"
+    REARM = "re-armed by hand"
+    FAIL = "given up"
+
+
+_S, _E = State, Event
+
+TRANSITIONS: dict[tuple[State, Event], State] = {
+    (_S.IDLE, _E.GIVEN): _S.PLANNING,
+    (_S.DONE, _E.GIVEN): _S.PLANNING,
+    (_S.FAILED, _E.GIVEN): _S.PLANNING,
+    (_S.PLANNING, _E.GIVEN): _S.PLANNING,
+    (_S.DRIVING, _E.GIVEN): _S.PLANNING,
+    (_S.HOLDING, _E.GIVEN): _S.HOLDING,
+    (_S.PLANNING, _E.PLANNED): _S.DRIVING,
+    (_S.PLANNING, _E.NO_PLAN): _S.HOLDING,
+    (_S.PLANNING, _E.HOLD): _S.HOLDING,
+    (_S.PLANNING, _E.REPLAN): _S.PLANNING,
+    (_S.DRIVING, _E.REPLAN): _S.PLANNING,
+    (_S.DRIVING, _E.HOLD): _S.HOLDING,
+    (_S.DRIVING, _E.ARRIVED): _S.DONE,
+    (_S.HOLDING, _E.HOLD): _S.HOLDING,
+    (_S.HOLDING, _E.CLEARED): _S.PLANNING,
+    (_S.STOPPED, _E.REARM): _S.IDLE,
+    **{(state, _E.STOP): _S.STOPPED for state in State},
+    **{
+        (state, _E.FAIL): _S.FAILED
+        for state in (_S.IDLE, _S.PLANNING, _S.DRIVING, _S.HOLDING, _S.STOPPED)
+    },
+}
+
+
+class MissionError(ValueError):
+    """An event that the mission's state does not allow, or a station that cannot be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """A place to visit: metres in the arena, the heading to stand at, and how long to stay."""
+
+    x: float
+    y: float
+    heading_rad: float | None = None
+    dwell_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """Stations, how many of them were visited, the state, and the sentence that explains it."""
+
+    stations: tuple[Station, ...] = ()
+    visited: int = 0
+    state: State = State.IDLE
+    reason: str = "no mission was given"
+
+    @property
+    def remaining(self) -> tuple[Station, ...]:
+        """The stations that are still to be visited, in order."""
+        return self.stations[self.visited :]
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more will happen without a new order."""
+        return self.state in (State.DONE, State.FAILED, State.STOPPED)
+
+    def after(self, event: Event, reason: str) -> Mission:
+        """The mission after an event; ``MissionError`` where the table has no such move."""
+        try:
+            state = TRANSITIONS[self.state, event]
+        except KeyError:
+            raise MissionError(
+                f"a mission that is {self.state.value} cannot take '{event.value}'"
+            ) from None
+        return replace(self, state=state, reason=reason)
+
+    def allows(self, event: Event) -> bool:
+        """Whether the table has a move for the event."""
+        return (self.state, event) in TRANSITIONS
+
+    def given(self, stations: tuple[Station, ...], reason: str) -> Mission:
+        """A new mission in place of this one."""
+        if not stations:
+            raise MissionError("a mission needs at least one station")
+        return replace(self.after(Event.GIVEN, reason), stations=stations, visited=0)
+
+    def with_visited(self, visited: int) -> Mission:
+        """The same with more stations visited; the count never falls."""
+        if not self.visited <= visited <= len(self.stations):
+            raise MissionError(
+                f"visited = {visited}: must be in {self.visited}..{len(self.stations)}"
+            )
+        return replace(self, visited=visited)
+
+
+def diagram() -> Iterator[str]:
+    """The table as a Mermaid state diagram, a line each."""
+    yield "stateDiagram-v2"
+    yield f"    [*] --> {State.IDLE.value}"
+    for (state, event), following in TRANSITIONS.items():
+        yield f"    {state.value} --> {following.value}: {event.value}"
+
+
+if __name__ == "__main__":
+    print("\n".join(diagram()))

@@ -1,0 +1,132 @@
+"""The safety rules: what must hold for the robot to move, each with the sentence that says why not.
+
+`judge` looks at one cycle's facts and answers go, hold or stop; it opens nothing, keeps
+nothing and is called once a control cycle. Units: metres, radians, seconds.
+
+- hold: the cause may pass by itself (a hidden marker, a lost frame); driving goes on with a new
+  plan when it has.
+- stop: the world is not what the plan took it for; it is latched, and only a person re-arms.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class Action(IntEnum):
+    """What the rules allow, ordered by severity."""
+
+    GO = 0
+    HOLD = 1
+    STOP = 2
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyLimits:
+    """The numbers of the rules, from the configuration."""
+
+    pose_stale_s: float
+    frame_stale_s: float
+    link_stale_s: float
+    max_deviation_m: float
+    robot_radius_m: float
+    clearance_slack_m: float
+    """How far below the radius the measured clearance may fall before it is a violation:
+    the camera's own uncertainty."""
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What one control cycle knows; ages are infinite where a thing was never seen."""
+
+    frame_age_s: float
+    pose_age_s: float
+    link_age_s: float
+    link_down_reason: str | None
+    robot_estopped: bool
+    robot_disarmed: bool
+    position_m: tuple[float, float] | None
+    inside_arena: bool
+    clearance_m: float | None
+    deviation_m: float | None
+    paused: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """The most severe action, and every sentence that asks for it or less."""
+
+    action: Action
+    reasons: tuple[str, ...]
+
+    @property
+    def sentence(self) -> str:
+        """All reasons in one line, the most severe first; empty where the robot may go."""
+        return "; ".join(self.reasons)
+
+
+def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
+    """Whether the robot may move in this cycle."""
+    found = [
+        *_camera(facts, limits),
+        *_link(facts, limits),
+        *_place(facts, limits),
+    ]
+    if facts.paused:
+        found.append((Action.HOLD, "paused by the operator"))
+    found.sort(key=lambda item: -item[0])
+    action = found[0][0] if found else Action.GO
+    return Verdict(action, tuple(text for _, text in found))
+
+
+def _camera(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
+    if facts.frame_age_s > limits.frame_stale_s:
+        return [(Action.HOLD, f"no picture from the camera {_since(facts.frame_age_s)}")]
+    if facts.pose_age_s > limits.pose_stale_s:
+        return [(Action.HOLD, f"the robot's marker was not seen {_since(facts.pose_age_s)}")]
+    return []
+
+
+def _link(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
+    if facts.robot_estopped:
+        return [(Action.STOP, "the robot reports an emergency stop")]
+    if facts.link_down_reason is not None:
+        return [(Action.HOLD, f"the link to the robot is down: {facts.link_down_reason}")]
+    if facts.link_age_s > limits.link_stale_s:
+        return [(Action.HOLD, f"the robot did not report {_since(facts.link_age_s)}")]
+    if facts.robot_disarmed:
+        return [(Action.HOLD, "the robot has disarmed itself: its lease lapsed")]
+    return []
+
+
+def _place(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
+    if facts.position_m is None:
+        return []
+    x, y = facts.position_m
+    where = f"at ({x:.3f}, {y:.3f}) m"
+    if not facts.inside_arena:
+        return [(Action.STOP, f"the robot is outside the arena {where}")]
+    least = limits.robot_radius_m - limits.clearance_slack_m
+    if facts.clearance_m is not None and facts.clearance_m < least:
+        return [
+            (
+                Action.STOP,
+                f"the robot's clearance is {facts.clearance_m:.3f} m {where}: "
+                f"must be at least {least:.3f} m",
+            )
+        ]
+    if facts.deviation_m is not None and facts.deviation_m > limits.max_deviation_m:
+        return [
+            (
+                Action.HOLD,
+                f"the robot is {facts.deviation_m:.3f} m off its path {where}: "
+                f"the limit is {limits.max_deviation_m:.3f} m",
+            )
+        ]
+    return []
+
+
+def _since(age_s: float) -> str:
+    return "at all yet" if math.isinf(age_s) else f"for {age_s * 1e3:.0f} ms"
