@@ -1,0 +1,162 @@
+"""The configuration of a run: read, overridden from the environment, checked, then trusted.
+
+Rules
+- `load_config` gives a whole `Config` or raises `ConfigError` with every problem at once.
+- Environment variables override the file: CLEARWAY_SERIAL__PORT=/dev/ttyUSB0 sets
+  serial.port; two underscores go one level down, the value is read as YAML.
+- What spans sections (`config_checks`) is told together with the errors of other sections.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from navigation.config_checks import CHECKS
+from navigation.config_errors import ConfigError, Problem, mark_of, problems_of
+from navigation.config_marks import Document, Location, read_document
+from navigation.config_sections import Config
+from planner.path import Limits
+
+__all__ = ["Config", "ConfigError", "limits_of", "load_config", "parse_config"]
+
+ENVIRONMENT_PREFIX = "CLEARWAY_"
+
+
+def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
+    """The configuration in a file, with ``environment``'s overrides (default: the process's).
+
+    Raises ``ConfigError`` (exit code 78) with every problem: unreadable file, YAML, unknown
+    or missing keys, wrong types and values, and what does not fit together.
+    """
+    file = Path(path)
+    try:
+        text = file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(str(path), [Problem((), error.strerror or str(error))]) from error
+    except UnicodeDecodeError as error:
+        sentence = f"is not UTF-8 text (byte {error.start} is 0x{error.object[error.start]:02x})"
+        raise ConfigError(str(path), [Problem((), sentence)]) from error
+    overrides = os.environ if environment is None else environment
+    return parse_config(text, str(path), file.parent, overrides)
+
+
+def parse_config(
+    text: str,
+    name: str = "configuration",
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> Config:
+    """The configuration in a text; ``name`` is used in errors, ``folder`` for relative files."""
+    document = read_document(text)
+    defects = [Problem((), defect.message, defect.mark) for defect in document.defects]
+    if document.data is None and not defects:
+        raise ConfigError(name, [Problem((), "is empty; `clearway init` writes one to start with")])
+    if defects and not isinstance(document.data, dict):
+        raise ConfigError(name, defects, text)
+    if not isinstance(document.data, dict):
+        place = mark_of(document, ())
+        raise ConfigError(name, [Problem((), "must be sections (key: value lines)", place)], text)
+    from_environment, bad_overrides = _override(document.data, environment or {})
+    config, problems = _validate(document, folder)
+    told = [_sourced(problem, from_environment) for problem in problems]
+    if config is None or defects or told or bad_overrides:
+        raise ConfigError(name, _in_order([*defects, *told, *bad_overrides]), text)
+    return config
+
+
+def limits_of(config: Config) -> Limits:
+    """What the robot can do, as the planner takes it; metres."""
+    robot, planning = config.robot, config.planning
+    return Limits(
+        speed=robot.speed_m_s,
+        acceleration=robot.acceleration_m_s2,
+        lateral_acceleration=robot.lateral_acceleration_m_s2,
+        angular_rate_rad_s=robot.angular_rate_rad_s,
+        angular_acceleration_rad_s2=robot.angular_acceleration_rad_s2,
+        jerk=robot.jerk_m_s3,
+        spacing=planning.waypoint_spacing_m,
+        chord_tolerance=planning.chord_tolerance_m,
+        slow_clearance=planning.slow_clearance_m,
+        slow_speed=planning.slow_speed_m_s,
+        turns_on_spot=robot.turns_on_spot,
+    )
+
+
+def _validate(document: Document, folder: Path | None) -> tuple[Config | None, list[Problem]]:
+    context = {"folder": folder}
+    try:
+        config = Config.model_validate(document.data, context=context)
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+        problems = list(problems_of(errors, document, Config))
+        bad = {str(e["loc"][0]) for e in errors}
+        sound = _sound_sections(document.data, bad, context)
+        return None, [*problems, *_cross_problems(sound, document)]
+    sections = {name: getattr(config, name) for name in Config.model_fields}
+    return config, list(_cross_problems(sections, document))
+
+
+def _sound_sections(
+    data: dict[str, Any], bad: set[str], context: dict[str, Path | None]
+) -> dict[str, Any]:
+    """The sections without errors of their own, for the checks that need no others."""
+    sound: dict[str, Any] = {}
+    for name, field in Config.model_fields.items():
+        if name in bad:
+            continue
+        if name in data:
+            adapter: TypeAdapter[Any] = TypeAdapter(field.rebuild_annotation())
+            sound[name] = adapter.validate_python(data[name], context=context)
+        elif not field.is_required():
+            sound[name] = field.get_default(call_default_factory=True)
+    return sound
+
+
+def _override(
+    data: dict[str, Any], environment: Mapping[str, str]
+) -> tuple[dict[Location, str], list[Problem]]:
+    """Put the environment's values into ``data``; where each came from, and what is wrong."""
+    came_from: dict[Location, str] = {}
+    problems = []
+    for name in sorted(environment):
+        if not name.startswith(ENVIRONMENT_PREFIX) or "__" not in name:
+            continue
+        where = tuple(part.lower() for part in name[len(ENVIRONMENT_PREFIX) :].split("__"))
+        value = read_document(environment[name])
+        source = f"environment {name}"
+        if value.defects:
+            problems.append(Problem(where, value.defects[0].message, source=source))
+            continue
+        section = data
+        for part in where[:-1]:
+            inner = section.get(part)
+            if not isinstance(inner, dict):
+                inner = section[part] = {}
+            section = inner
+        section[where[-1]] = value.data
+        came_from[where] = source
+    return came_from, problems
+
+
+def _sourced(problem: Problem, came_from: Mapping[Location, str]) -> Problem:
+    """Blame the environment's variable for what it set."""
+    for where, source in came_from.items():
+        if problem.where[: len(where)] == where or where[: len(problem.where)] == problem.where:
+            return Problem(problem.where, problem.message, problem.mark, source)
+    return problem
+
+
+def _in_order(problems: list[Problem]) -> list[Problem]:
+    return sorted(problems, key=lambda p: (p.mark.line, p.mark.column) if p.mark else (0, 0))
+
+
+def _cross_problems(sections: Mapping[str, Any], document: Document) -> Iterator[Problem]:
+    for needed, check in CHECKS:
+        if all(name in sections for name in needed):
+            for where, sentence in check(*(sections[name] for name in needed)):
+                yield Problem(where, sentence, mark_of(document, where))

@@ -1,0 +1,165 @@
+"""What must fit together across a configuration's keys and sections.
+
+Each check gets the sections that it needs, all of them sound by themselves, and yields the
+place and the sentence of what does not fit. `CHECKS` is the table of all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from navigation.config_marks import Location
+from navigation.config_sections import SIMULATED, MarkerSection, Place
+
+_Found = Iterator[tuple[Location, str]]
+
+
+def _bounds_have_an_inside(arena: Any) -> _Found:
+    x0, y0, x1, y1 = arena.bounds_m
+    if not (x0 < x1 and y0 < y1):
+        yield ("arena", "bounds_m"), "must be [x_min, y_min, x_max, y_max] with min < max"
+
+
+def _camera_has_a_scale(camera: Any) -> _Found:
+    if camera.calibration is not None and camera.metres_per_pixel is not None:
+        yield ("camera", "metres_per_pixel"), "must not be given beside a calibration"
+    if camera.source != SIMULATED and camera.calibration is None and not camera.metres_per_pixel:
+        yield (
+            ("camera",),
+            "needs a calibration (`clearway calibrate` makes one) or metres_per_pixel",
+        )
+
+
+def _fixed_has_a_threshold(vision: Any) -> _Found:
+    if vision.method == "fixed" and vision.threshold is None:
+        yield ("vision", "method"), "'fixed' needs a threshold"
+    if vision.method != "fixed" and vision.threshold is not None:
+        yield ("vision", "threshold"), f"is used by method 'fixed' only, not '{vision.method}'"
+
+
+def _robot_fits_together(robot: Any) -> _Found:
+    yield from _marker_lies_on_the_body(robot, ("robot",))
+    if robot.track_m > 2 * robot.radius_m:
+        limit = 2 * robot.radius_m
+        yield ("robot", "track_m"), f"must be <= {limit:g}, the body's width, not {robot.track_m:g}"
+
+
+def _marker_lies_on_the_body(robot: MarkerSection, where: Location) -> _Found:
+    limit = robot.radius_m * 2**0.5
+    if robot.marker_size_m > limit:
+        yield (
+            (*where, "marker_size_m"),
+            f"must be <= {limit:.4g} to lie on the body of radius {robot.radius_m:g}, "
+            f"not {robot.marker_size_m:g}",
+        )
+
+
+def _robots_differ(robot: Any, other_robots: Any) -> _Found:
+    taken = {robot.marker_id: "the driven robot"}
+    for index, other in enumerate(other_robots):
+        yield from _marker_lies_on_the_body(other, ("other_robots", index))
+        if other.marker_id in taken:
+            owner = taken[other.marker_id]
+            yield ("other_robots", index, "marker_id"), f"{other.marker_id} is {owner}'s already"
+        taken[other.marker_id] = f"other_robots[{index}]"
+
+
+def _dictionary_holds_the_markers(robot: Any, other_robots: Any) -> _Found:
+    size = dictionary_size(robot.dictionary)
+    marked: list[tuple[Location, int]] = [(("robot", "marker_id"), robot.marker_id)]
+    marked += [(("other_robots", i, "marker_id"), o.marker_id) for i, o in enumerate(other_robots)]
+    for where, marker_id in marked:
+        if marker_id >= size:
+            yield where, f"must be < {size} in {robot.dictionary}, not {marker_id}"
+
+
+_APRILTAG_SIZES = {"16h5": 30, "25h9": 35, "36h10": 2320, "36h11": 587, "36h12": 250}
+
+
+def dictionary_size(name: str) -> int:
+    """How many markers a dictionary of OpenCV holds."""
+    if name == "DICT_ARUCO_ORIGINAL":
+        return 1024
+    kind = name.rsplit("_", 1)[1]
+    return _APRILTAG_SIZES[kind] if kind in _APRILTAG_SIZES else int(kind)
+
+
+def _speeds_agree(robot: Any, planning: Any) -> _Found:
+    if planning.slow_speed_m_s > robot.speed_m_s:
+        limit = robot.speed_m_s
+        yield (
+            ("planning", "slow_speed_m_s"),
+            f"must be <= {limit:g}, robot.speed_m_s, not {planning.slow_speed_m_s:g}",
+        )
+
+
+def _spacing_is_fine_enough(robot: Any, planning: Any) -> _Found:
+    if planning.spacing_m is not None and planning.spacing_m >= 2 * robot.radius_m:
+        limit = 2 * robot.radius_m
+        yield (
+            ("planning", "spacing_m"),
+            f"must be < {limit:g}, twice the robot's radius, not {planning.spacing_m:g}",
+        )
+
+
+def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) -> _Found:
+    places: list[tuple[Location, Place]] = [
+        (("mission", "stations", index), station) for index, station in enumerate(mission.stations)
+    ]
+    if simulation is not None:
+        places.append((("simulation", "start"), simulation.start))
+    x0, y0, x1, y1 = arena.bounds_m
+    r = robot.radius_m
+    for where, place in places:
+        for key, value, low, high in (
+            ("x_m", place.x_m, x0 + r, x1 - r),
+            ("y_m", place.y_m, y0 + r, y1 - r),
+        ):
+            if not low <= value <= high:
+                yield (
+                    (*where, key),
+                    f"must be in {low:g}..{high:g} for a robot of radius {r:g} "
+                    f"inside the arena, not {value:g}",
+                )
+
+
+def _simulation_is_there(camera: Any, serial: Any, simulation: Any) -> _Found:
+    if simulation is not None:
+        return
+    for where, value in ((("camera", "source"), camera.source), (("serial", "port"), serial.port)):
+        if value == SIMULATED:
+            yield where, "'simulated' needs a section 'simulation'"
+
+
+def _simulation_has_one_arena(simulation: Any) -> _Found:
+    if simulation is None:
+        return
+    if simulation.arena is None and simulation.arena_text is None:
+        yield ("simulation",), "needs an arena (a scene text file) or arena_text"
+    if simulation.arena is not None and simulation.arena_text is not None:
+        yield ("simulation", "arena_text"), "must not be given beside an arena file"
+
+
+def _lease_outlives_the_pose(safety: Any) -> _Found:
+    if safety.lease_s < safety.pose_stale_s:
+        yield (
+            ("safety", "lease_s"),
+            f"must be >= {safety.pose_stale_s:g}, safety.pose_stale_s, not {safety.lease_s:g}",
+        )
+
+
+CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
+    (("arena",), _bounds_have_an_inside),
+    (("camera",), _camera_has_a_scale),
+    (("vision",), _fixed_has_a_threshold),
+    (("robot",), _robot_fits_together),
+    (("robot", "other_robots"), _robots_differ),
+    (("robot", "other_robots"), _dictionary_holds_the_markers),
+    (("robot", "planning"), _speeds_agree),
+    (("robot", "planning"), _spacing_is_fine_enough),
+    (("arena", "robot", "mission", "simulation"), _places_lie_inside),
+    (("camera", "serial", "simulation"), _simulation_is_there),
+    (("simulation",), _simulation_has_one_arena),
+    (("safety",), _lease_outlives_the_pose),
+)

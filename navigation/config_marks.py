@@ -1,0 +1,150 @@
+"""YAML with the place of every value, so that an error can point at its line and column.
+
+Rules
+- The scalars are those of YAML 1.2's core schema: ``1e-3`` is a number, ``on`` and ``no`` are
+  words. PyYAML alone follows YAML 1.1, where it is the other way round.
+- A key that stands twice, a key that is not a word and an alias inside itself are errors.
+- Lines and columns count from 1.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import yaml
+
+Location: TypeAlias = tuple[str | int, ...]
+"""Where a value stands in the document: ``("mission", "stations", 0, "x_m")``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A place in the text: line and column from 1, and how many characters to underline."""
+
+    line: int
+    column: int
+    width: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Defect:
+    """What is wrong with the YAML itself, and where."""
+
+    mark: Mark
+    message: str
+
+
+@dataclass(slots=True)
+class Document:
+    """A parsed text: plain data, the marks of keys and of values, and the YAML's defects."""
+
+    text: str
+    data: Any = None
+    keys: dict[Location, Mark] = field(default_factory=dict)
+    values: dict[Location, Mark] = field(default_factory=dict)
+    defects: list[Defect] = field(default_factory=list)
+
+
+class _Loader(yaml.SafeLoader):
+    """PyYAML's safe loader with YAML 1.2's scalars."""
+
+
+_TAG = "tag:yaml.org,2002:"
+_CORE = (
+    ("bool", r"true|True|TRUE|false|False|FALSE", "tTfF"),
+    ("null", r"~|null|Null|NULL|", "~nN"),
+    ("int", r"[-+]?[0-9]+|0x[0-9a-fA-F]+", "-+0123456789"),
+    (
+        "float",
+        r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+        "-+.0123456789",
+    ),
+)
+_Loader.yaml_implicit_resolvers = {}
+for _name, _pattern, _first in _CORE:
+    _Loader.add_implicit_resolver(  # type: ignore[no-untyped-call]
+        _TAG + _name,
+        re.compile(f"(?:{_pattern})$"),
+        [*_first, ""] if _name == "null" else [*_first],
+    )
+
+
+def read_document(text: str) -> Document:
+    """Parse YAML text; what is wrong with it stands in ``defects``, nothing is raised."""
+    document = Document(text)
+    try:
+        loader = _Loader(text)
+        node = loader.get_single_node()
+        if node is not None:
+            document.data = _Walk(loader, document).value(node, ())
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        parts = (error.context, error.problem)
+        message = "not YAML: " + ", ".join(part for part in parts if part)
+        document.defects.append(Defect(_mark(mark) if mark else Mark(1, 1), message))
+    except yaml.reader.ReaderError as error:
+        place = text[: error.position]
+        mark_here = Mark(place.count("\n") + 1, len(place) - place.rfind("\n"))
+        message = f"not YAML: the character {chr(error.character)!r} is not allowed"
+        document.defects.append(Defect(mark_here, message))
+    return document
+
+
+def _mark(start: yaml.Mark, end: yaml.Mark | None = None) -> Mark:
+    same_line = end is not None and end.line == start.line
+    width = end.column - start.column if end is not None and same_line else 1
+    return Mark(start.line + 1, start.column + 1, max(1, width))
+
+
+class _Walk:
+    """Turns nodes into plain data, noting where everything stood."""
+
+    def __init__(self, loader: _Loader, document: Document) -> None:
+        self._loader = loader
+        self._document = document
+        self._open: list[yaml.Node] = []
+
+    def value(self, node: yaml.Node, at: Location) -> Any:
+        document = self._document
+        document.values[at] = _mark(node.start_mark, node.end_mark)
+        if any(node is outer for outer in self._open):
+            document.defects.append(Defect(_mark(node.start_mark), "an alias inside itself"))
+            return None
+        self._open.append(node)
+        try:
+            if isinstance(node, yaml.MappingNode):
+                return self._mapping(node, at)
+            if isinstance(node, yaml.SequenceNode):
+                return [self.value(item, (*at, i)) for i, item in enumerate(node.value)]
+            return self._scalar(node)
+        finally:
+            self._open.pop()
+
+    def _mapping(self, node: yaml.MappingNode, at: Location) -> dict[str, Any]:
+        result: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            mark = _mark(key_node.start_mark, key_node.end_mark)
+            key = self._scalar(key_node) if isinstance(key_node, yaml.ScalarNode) else None
+            if not isinstance(key, str):
+                self._document.defects.append(Defect(mark, "a key must be a word"))
+                continue
+            if key in result:
+                first = self._document.keys[(*at, key)].line
+                message = f"the key '{key}' stands here a second time, first in line {first}"
+                self._document.defects.append(Defect(mark, message))
+                continue
+            self._document.keys[(*at, key)] = mark
+            result[key] = self.value(value_node, (*at, key))
+        return result
+
+    def _scalar(self, node: yaml.Node) -> Any:
+        try:
+            return self._loader.construct_object(node, deep=True)  # type: ignore[no-untyped-call]
+        except (yaml.constructor.ConstructorError, ValueError) as error:
+            problem = getattr(error, "problem", None) or error
+            self._document.defects.append(
+                Defect(_mark(node.start_mark, node.end_mark), str(problem))
+            )
+            return None

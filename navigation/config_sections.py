@@ -1,0 +1,354 @@
+"""The sections of a configuration, in the order of the data: arena, camera, ..., recording.
+
+Units are SI and stand in the names; angles in a configuration are degrees, because people
+write them. The arena's frame: metres, x right, y up, headings counter-clockwise from +x.
+The descriptions here are the reference: `clearway schema`, `clearway init` and
+docs/configuration.md are made from them.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictBool,
+    ValidationInfo,
+)
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
+Count = Annotated[int, Field(strict=True, ge=0)]
+Text = Annotated[str, Field(strict=True, min_length=1)]
+
+SIMULATED = "simulated"
+"""The word that stands for a source or port made by the simulator."""
+
+Dictionary: TypeAlias = Literal[
+    "DICT_4X4_50", "DICT_4X4_100", "DICT_4X4_250", "DICT_4X4_1000",
+    "DICT_5X5_50", "DICT_5X5_100", "DICT_5X5_250", "DICT_5X5_1000",
+    "DICT_6X6_50", "DICT_6X6_100", "DICT_6X6_250", "DICT_6X6_1000",
+    "DICT_7X7_50", "DICT_7X7_100", "DICT_7X7_250", "DICT_7X7_1000",
+    "DICT_ARUCO_ORIGINAL", "DICT_ARUCO_MIP_36h12",
+    "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11",
+]  # fmt: skip
+
+
+def _beside_the_file(path: Path, info: ValidationInfo) -> Path:
+    """A relative path is meant from the folder of the configuration."""
+    folder = (info.context or {}).get("folder")
+    return path if folder is None or path.is_absolute() else Path(folder) / path
+
+
+def _source(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise ValueError("must be 'simulated', a camera's number, or a device, file or address")
+    if isinstance(value, int) and value < 0:
+        raise ValueError(f"must be a camera's number >= 0, not {value}")
+    if value == "":
+        raise ValueError("must not be empty")
+    return value
+
+
+def _preference(value: Any) -> Any:
+    words = ("clearance", "length", "balanced")
+    if value in words and isinstance(value, str):
+        return value
+    if isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= 1:
+        return float(value)
+    raise ValueError(
+        f"must be 'clearance', 'length', 'balanced' or a number in 0..1, not {value!r}"
+    )
+
+
+NeighbourFile = Annotated[Path, AfterValidator(_beside_the_file)]
+Source = Annotated[int | str, BeforeValidator(_source)]
+Preference = Annotated[
+    float | Literal["clearance", "length", "balanced"], BeforeValidator(_preference)
+]
+
+
+class Section(BaseModel):
+    """A section: nothing but its own keys, and unchangeable."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=False)
+
+
+class Place(Section):
+    """A place in the arena."""
+
+    x_m: Number = Field(description="metres to the right")
+    y_m: Number = Field(description="metres up")
+
+
+class Pose(Place):
+    """A place and a heading."""
+
+    heading_deg: Number = Field(0.0, description="degrees counter-clockwise from +x")
+
+    @property
+    def heading_rad(self) -> float:
+        """The heading in radians in (-pi, pi]."""
+        return wrapped_rad(self.heading_deg)
+
+
+class Station(Place):
+    """A place to visit."""
+
+    heading_deg: Number | None = Field(
+        None, description="heading to stand at, degrees; empty: any heading"
+    )
+    dwell_s: NotNegative = Field(0.0, description="how long to stay there")
+
+    @property
+    def heading_rad(self) -> float | None:
+        """The heading in radians in (-pi, pi], None for any."""
+        return None if self.heading_deg is None else wrapped_rad(self.heading_deg)
+
+
+def wrapped_rad(heading_deg: float) -> float:
+    """Degrees as radians in (-pi, pi]."""
+    turned = math.remainder(math.radians(heading_deg), math.tau)
+    return math.pi if turned == -math.pi else turned
+
+
+class ArenaSection(Section):
+    """The rectangle the robot may use; its sides are walls."""
+
+    bounds_m: tuple[Number, Number, Number, Number] = Field(
+        description="[x_min, y_min, x_max, y_max] of the free space"
+    )
+
+
+class CameraSection(Section):
+    """The camera above the arena and how its pixels become metres."""
+
+    source: Source = Field(
+        description="'simulated', a camera's number (0), a device (/dev/v4l/by-id/...), "
+        "an rtsp:// or http:// address, a video file, a picture or a folder of pictures"
+    )
+    size_px: tuple[
+        Annotated[int, Field(strict=True, ge=16)], Annotated[int, Field(strict=True, ge=16)]
+    ] = Field((1280, 960), description="[width, height] asked of the camera")
+    rate_hz: Annotated[Positive, Field(le=1000)] = Field(
+        30.0, description="frames a second asked of the camera"
+    )
+    calibration: NeighbourFile | None = Field(
+        None,
+        description="file written by `clearway calibrate`, relative to this file; "
+        "empty with a simulated camera: its true values",
+    )
+    metres_per_pixel: Positive | None = Field(
+        None, description="instead of a calibration: a camera looking straight down, no distortion"
+    )
+    loop: StrictBool = Field(False, description="start a video file again at its end")
+
+
+class VisionSection(Section):
+    """How obstacles are told from the floor."""
+
+    polarity: Literal["dark", "light"] = Field(
+        "dark", description="whether obstacles are darker or lighter than the floor"
+    )
+    method: Literal["auto", "otsu", "fixed", "adaptive", "background"] = Field(
+        "auto", description="how the picture is made black and white"
+    )
+    threshold: Annotated[Number, Field(ge=0, le=65535)] | None = Field(
+        None, description="grey level for method 'fixed'"
+    )
+
+
+class MarkerSection(Section):
+    """A robot as the camera sees it: its marker and its body."""
+
+    marker_id: Count = Field(description="the number of the marker on the robot")
+    marker_size_m: Positive = Field(description="side of the marker's black square")
+    marker_height_m: NotNegative = Field(0.0, description="height of the marker above the floor")
+    radius_m: Positive = Field(
+        description="radius of the disc around the marker's centre that holds the whole robot"
+    )
+
+
+class RobotSection(MarkerSection):
+    """The robot that is driven: its marker, its body, what it can do, its wheels."""
+
+    dictionary: Dictionary = Field("DICT_4X4_50", description="OpenCV's name of the marker family")
+    marker_turn_deg: Number = Field(
+        0.0, description="how the marker is mounted: its x axis against the robot's forward"
+    )
+    speed_m_s: Positive = Field(0.3, description="highest speed")
+    acceleration_m_s2: Positive = Field(0.5, description="highest acceleration and braking")
+    lateral_acceleration_m_s2: Positive = Field(0.5, description="highest acceleration in bends")
+    jerk_m_s3: Positive = Field(5.0, description="highest change of acceleration")
+    angular_rate_rad_s: Positive = Field(2.0, description="highest turning rate")
+    angular_acceleration_rad_s2: Positive = Field(6.0, description="highest turning acceleration")
+    track_m: Positive = Field(0.12, description="distance between the driven wheels")
+    wheel_radius_m: Positive = Field(0.03, description="radius of the driven wheels")
+    turns_on_spot: StrictBool = Field(True, description="whether it can turn without driving")
+
+
+class PlanningSection(Section):
+    """Which way to choose and how to drive it."""
+
+    margin_m: NotNegative = Field(
+        0.01, description="kept free around the robot's radius in every plan"
+    )
+    spacing_m: Positive | None = Field(
+        None, description="distance of the diagram's generators; empty: chosen from the radius"
+    )
+    prefer: Preference = Field(
+        "balanced",
+        description="'clearance', 'length', 'balanced', or from 0 (length) to 1 (clearance)",
+    )
+    waypoint_spacing_m: Positive = Field(0.05, description="largest distance between waypoints")
+    chord_tolerance_m: Positive = Field(
+        0.002, description="how far the line between two waypoints may leave the path"
+    )
+    slow_clearance_m: Positive = Field(
+        0.20, description="below this clearance the robot drives more slowly"
+    )
+    slow_speed_m_s: Positive = Field(
+        0.12, description="speed where the clearance is the robot's radius"
+    )
+    replan_distance_m: NotNegative = Field(
+        0.15, description="plan again when a changed obstacle is nearer than this to the path"
+    )
+
+
+class SerialSection(Section):
+    """The line to the robot."""
+
+    port: Text = Field(
+        SIMULATED,
+        description="'simulated', or a device; a name under /dev/serial/by-id survives replugging",
+    )
+    baud: Annotated[int, Field(strict=True, ge=1200, le=4_000_000)] = Field(
+        115_200, description="bits a second, as the robot's firmware has it"
+    )
+
+
+class SafetySection(Section):
+    """When the robot must hold or stop."""
+
+    pose_stale_s: Positive = Field(0.2, description="hold when the marker was not seen for longer")
+    frame_stale_s: Positive = Field(0.2, description="hold when no picture came for longer")
+    link_stale_s: Positive = Field(0.5, description="hold when the robot did not report for longer")
+    lease_s: Annotated[Positive, Field(le=10)] = Field(
+        0.5, description="the robot stops by itself when the host was silent for longer"
+    )
+    max_deviation_m: Positive = Field(
+        0.05, description="hold and plan again when further off the path"
+    )
+    clearance_slack_m: NotNegative = Field(
+        0.01, description="how far the measured clearance may be below the radius: camera error"
+    )
+    give_up_s: Positive = Field(
+        30.0, description="the mission fails when the robot had to hold for longer"
+    )
+
+
+class MissionSection(Section):
+    """Where to go; without stations the program waits for orders."""
+
+    stations: tuple[Station, ...] = Field((), description="places to visit; the last is the goal")
+    order: Literal["fixed", "best"] = Field(
+        "fixed", description="as written, or the shortest order (the last stays the goal)"
+    )
+    tolerance_m: Positive = Field(0.01, description="how near to a station counts as there")
+    tolerance_deg: Positive = Field(2.0, description="how near to its heading counts as turned")
+
+
+class SimulatedCameraSection(Section):
+    """The simulated camera: a pinhole with lens distortion above the arena."""
+
+    position_m: tuple[Number, Number, Positive] = Field(
+        (1.215, 0.88, 2.5), description="[x, y, height] of the lens"
+    )
+    tilt_deg: tuple[Number, Number] = Field(
+        (1.2, -0.8), description="leaning from straight down: [about x, about y]"
+    )
+    turn_deg: Number = Field(0.7, description="turned about its own axis")
+    focal_px: Positive = Field(1235.0, description="focal length")
+    centre_offset_px: tuple[Number, Number] = Field(
+        (5.3, -3.8), description="principal point against the picture's centre: [right, down]"
+    )
+    distortion: tuple[Number, Number, Number, Number, Number] = Field(
+        (-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
+    )
+    blur_px: NotNegative = Field(0.6, description="sigma of the lens's blur")
+    noise_grey: NotNegative = Field(2.5, description="sigma of the sensor's noise, grey levels")
+    light_fall: Fraction = Field(0.12, description="how much darker the darkest corner's light is")
+    latency_s: NotNegative = Field(0.0, description="from the exposure to the program")
+
+
+class SimulatedRobotSection(Section):
+    """How the simulated robot differs from the ideal one."""
+
+    wheel_radius_error: tuple[Number, Number] = Field(
+        (0.01, -0.005), description="relative error of the [left, right] wheel's radius"
+    )
+    track_error: Number = Field(0.01, description="relative error of the wheels' distance")
+    slip: Fraction = Field(0.0, description="part of the wheels' motion that is lost")
+    motion_noise: Fraction = Field(0.01, description="relative noise of each wheel's speed")
+    motor_time_s: NotNegative = Field(0.05, description="time constant of the motors")
+    faults: str = Field("", description="faults of the line, as in `clearway robot --faults`")
+
+
+class SimulationSection(Section):
+    """The simulated world; ignored where camera and port are real."""
+
+    seed: Count = Field(1, description="of everything random")
+    arena: NeighbourFile | None = Field(
+        None, description="scene text file of the obstacles, metres, relative to this file"
+    )
+    arena_text: Text | None = Field(None, description="the same, written here")
+    start: Pose = Field(description="where the robot stands at the beginning")
+    time_limit_s: Positive = Field(120.0, description="the run fails when it takes longer")
+    camera: SimulatedCameraSection = Field(
+        default_factory=SimulatedCameraSection, description="the simulated camera"
+    )
+    robot: SimulatedRobotSection = Field(
+        default_factory=SimulatedRobotSection, description="the simulated robot's errors"
+    )
+
+
+class RecordingSection(Section):
+    """What a run leaves behind."""
+
+    runs_dir: Path = Field(
+        Path("runs"), description="each run makes a folder in this one (from the current folder)"
+    )
+
+
+class Config(Section):
+    """A whole configuration."""
+
+    arena: ArenaSection = Field(description="the free space")
+    camera: CameraSection = Field(description="the camera above it")
+    vision: VisionSection = Field(default_factory=VisionSection, description="seeing obstacles")
+    robot: RobotSection = Field(description="the robot that is driven")
+    other_robots: tuple[MarkerSection, ...] = Field(
+        (), description="robots that drive by themselves: moving obstacles"
+    )
+    planning: PlanningSection = Field(
+        default_factory=PlanningSection, description="choosing the way"
+    )
+    serial: SerialSection = Field(
+        default_factory=SerialSection, description="the line to the robot"
+    )
+    safety: SafetySection = Field(default_factory=SafetySection, description="holding and stopping")
+    mission: MissionSection = Field(default_factory=MissionSection, description="where to go")
+    simulation: SimulationSection | None = Field(
+        None, description="the simulated world; needed where camera or port is simulated"
+    )
+    recording: RecordingSection = Field(
+        default_factory=RecordingSection, description="what a run leaves behind"
+    )
