@@ -1,0 +1,300 @@
+"""Grid maps, exactly: an obstacle is the union of its cells, its border the cells' edges.
+
+Cell (i, j) is column i, row j counted from the top; it covers [i - 1/2, i + 1/2] x
+[j - 1/2, j + 1/2] in cells, y down. Cells that touch, be it only at a corner, belong to one
+object and leave no gap; free cells that touch only at a corner are not connected. Collinear
+edges are merged into the longest segments. Outlines run clockwise as seen on the screen, holes
+counter-clockwise: the obstacle is always on the right hand.
+
+All steps are numpy on whole arrays but the last, which walks the segments, not the cells.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import (
+    Bounds,
+    PolygonRecord,
+    Scene,
+    SceneError,
+    SceneObject,
+    Segment,
+    Vec,
+)
+
+EAST, SOUTH, WEST, NORTH = 0, 1, 2, 3
+
+IndexArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class GridPose:
+    """Where a map's lower left corner lies, how it is turned, and how large a cell is."""
+
+    resolution: float
+    x: float
+    y: float
+    yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Borders:
+    """The segments of all borders: ends as grid vertices, heading, and the loop they run in."""
+
+    start: IndexArray  # (k, 2) column, row of grid vertices
+    heading: IndexArray  # (k,)
+    loops: list[list[int]]  # segments, in order
+
+
+def grid_scene(obstacle: NDArray[np.bool_], remarks: tuple[str, ...] = ()) -> Scene:
+    """The scene of an (h, w) grid in units of cells; True is an obstacle.
+
+    O(cells) in numpy, O(segments) in Python. Raises :class:`SceneError` on an empty grid.
+    """
+    height, width = _checked_shape(obstacle)
+
+    def vertex(column: int, row: int) -> Vec:
+        return column - 0.5, row - 0.5
+
+    return Scene(
+        units="cells",
+        bounds=Bounds(-0.5, -0.5, width - 0.5, height - 0.5),
+        objects=_objects(obstacle, vertex),
+        size=(width, height),
+        border_pixels=_border_cells(obstacle),
+        remarks=remarks,
+    )
+
+
+def map_scene(obstacle: NDArray[np.bool_], pose: GridPose, remarks: tuple[str, ...] = ()) -> Scene:
+    """The scene of an (h, w) grid in metres, y up, as a ROS map: row 0 is the top.
+
+    A turned map lies in an upright rectangle; what the map does not cover is an obstacle, with
+    a rim one cell wide. Raises :class:`SceneError` on an empty grid.
+    """
+    height, width = _checked_shape(obstacle)
+    turned = math.sin(pose.yaw_rad) != 0.0 or math.cos(pose.yaw_rad) < 0.0
+    cos, sin = (math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)) if turned else (1.0, 0.0)
+    rim = 1 if turned else 0
+
+    def vertex(column: int, row: int) -> Vec:
+        x = (column - rim) * pose.resolution
+        y = (height - (row - rim)) * pose.resolution
+        return pose.x + (cos * x - sin * y), pose.y + (sin * x + cos * y)
+
+    corners = [vertex(c, r) for c in (0, width + 2 * rim) for r in (0, height + 2 * rim)]
+    xs, ys = zip(*corners, strict=True)
+    bounds = Bounds(min(xs), min(ys), max(xs), max(ys))
+    objects = _objects(np.pad(obstacle, rim, constant_values=True), vertex)
+    if turned:
+        objects = (_fill_rectangle(objects[0], bounds), *objects[1:])
+    return Scene(
+        units="m",
+        bounds=bounds,
+        objects=objects,
+        size=(width, height),
+        border_pixels=_border_cells(obstacle),
+        remarks=remarks,
+    )
+
+
+def _checked_shape(obstacle: NDArray[np.bool_]) -> tuple[int, int]:
+    if obstacle.ndim != 2 or obstacle.size == 0:
+        raise SceneError(f"grid of shape {obstacle.shape}: must have rows and columns")
+    return obstacle.shape[0], obstacle.shape[1]
+
+
+def _fill_rectangle(rim: SceneObject, bounds: Bounds) -> SceneObject:
+    """The rim of a turned map, grown outwards until it fills the upright rectangle."""
+    x0, y0, x1, y1 = bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max
+    corners = [(x0, y1), (x1, y1), (x1, y0), (x0, y0)]
+    sides = tuple(Segment(corners[k], corners[(k + 1) % 4]) for k in range(4))
+    return SceneObject(rim.id, (PolygonRecord(sides),), rim.holes)
+
+
+def _border_cells(obstacle: NDArray[np.bool_]) -> int:
+    """Obstacle cells with a free side neighbour or on the map's edge: n of the paper."""
+    free = np.pad(~obstacle, 1, constant_values=True)
+    beside = free[:-2, 1:-1] | free[2:, 1:-1] | free[1:-1, :-2] | free[1:-1, 2:]
+    return int(np.count_nonzero(obstacle & beside))
+
+
+def _objects(
+    obstacle: NDArray[np.bool_], vertex: Callable[[int, int], Vec]
+) -> tuple[SceneObject, ...]:
+    borders = _trace(np.ascontiguousarray(obstacle, dtype=np.bool_))
+    columns, rows = borders.start[:, 0].tolist(), borders.start[:, 1].tolist()
+    positions = [vertex(c, r) for c, r in zip(columns, rows, strict=True)]
+    outlines: list[PolygonRecord] = []
+    holes: list[list[tuple[PolygonRecord, ...]]] = []
+    for segments, parent in zip(borders.loops, _parents(obstacle, borders), strict=True):
+        ring = [positions[s] for s in segments]
+        after = [*ring[1:], ring[0]]
+        record = PolygonRecord(tuple(map(Segment, ring, after)))
+        if parent < 0:
+            outlines.append(record)
+            holes.append([])
+        else:
+            holes[parent].append((record,))
+    return tuple(
+        SceneObject(number, (outline,), tuple(inside))
+        for number, (outline, inside) in enumerate(zip(outlines, holes, strict=True))
+    )
+
+
+def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
+    """Every border as a closed loop of longest segments, the obstacle on the right hand.
+
+    Loops come in the order of their first vertex, top row first; each begins there.
+    """
+    cell = np.pad(obstacle, 1).view(np.int8)
+    across = cell[1:, :] - cell[:-1, :]  # +1: the obstacle begins below this row of edges
+    along = cell[:, 1:] - cell[:, :-1]  # +1: the obstacle begins right of this edge
+    # horizontal edges run east above an obstacle and west below one; vertical ones run north
+    # left of an obstacle and south right of one
+    h_first, h_last, h_sign = _runs(across)
+    v_first, v_last, v_sign = _runs(np.ascontiguousarray(along.T))
+    # a run of sign s between vertices: (row, column) for across, (column, row) for along
+    h_heading = np.where(h_sign > 0, EAST, WEST)
+    v_heading = np.where(v_sign > 0, NORTH, SOUTH)
+    h0 = np.stack([h_first[:, 1] - 1, h_first[:, 0]], axis=1)
+    h1 = np.stack([h_last[:, 1], h_last[:, 0]], axis=1)
+    v0 = np.stack([v_first[:, 0], v_first[:, 1] - 1], axis=1)
+    v1 = np.stack([v_last[:, 0], v_last[:, 1]], axis=1)
+    start = np.concatenate(
+        [
+            np.where((h_sign > 0)[:, None], h0, h1),
+            np.where((v_sign > 0)[:, None], v1, v0),
+        ]
+    )
+    end = np.concatenate(
+        [
+            np.where((h_sign > 0)[:, None], h1, h0),
+            np.where((v_sign > 0)[:, None], v0, v1),
+        ]
+    )
+    heading = np.concatenate([h_heading, v_heading]).astype(np.int64)
+    order = np.lexsort((heading, start[:, 0], start[:, 1]))
+    start, end, heading = start[order], end[order], heading[order]
+    follower = _followers(start, end, heading, obstacle.shape[1] + 1)
+    return _Borders(start, heading, _loops(follower))
+
+
+def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
+    """Runs of equal non-zero signs along the rows: first and last (row, column), and the sign.
+
+    Where four cells meet as a chess board the sign flips, so that a run ends there.
+    """
+    edge = np.pad(sign, ((0, 0), (1, 1)))
+    change = edge[:, 1:] != edge[:, :-1]
+    first = np.argwhere(change[:, :-1] & (sign != 0))
+    last = np.argwhere(change[:, 1:] & (sign != 0))
+    return first, last, sign[first[:, 0], first[:, 1]].astype(np.int64)
+
+
+def _followers(start: IndexArray, end: IndexArray, heading: IndexArray, columns: int) -> list[int]:
+    """For each segment the one that follows: left where both turns are open, so that obstacle
+    cells which touch at a corner stay together, else the only one."""
+    key = (start[:, 1] * columns + start[:, 0]) * 4 + heading
+    at_end = (end[:, 1] * columns + end[:, 0]) * 4
+    left = _find(key, at_end + (heading + 3) % 4)
+    right = _find(key, at_end + (heading + 1) % 4)
+    follower: list[int] = np.where(left >= 0, left, right).tolist()
+    return follower
+
+
+def _find(sorted_keys: IndexArray, wanted: IndexArray) -> IndexArray:
+    """The index of each wanted key, -1 where it is not there."""
+    if sorted_keys.size == 0:
+        return np.empty(0, dtype=np.int64)
+    index = np.minimum(np.searchsorted(sorted_keys, wanted), sorted_keys.size - 1)
+    return np.where(sorted_keys[index] == wanted, index, -1)
+
+
+def _loops(follower: list[int]) -> list[list[int]]:
+    loops = []
+    done = bytearray(len(follower))
+    for first in range(len(follower)):
+        if done[first]:
+            continue
+        loop, segment = [], first
+        while not done[segment]:
+            done[segment] = 1
+            loop.append(segment)
+            segment = follower[segment]
+        loops.append(loop)
+    return loops
+
+
+def _parents(obstacle: NDArray[np.bool_], borders: _Borders) -> list[int]:
+    """For each loop -1 if it is an outline, else the number of the outline it is a hole of.
+
+    A loop's first vertex is its topmost, leftmost one: an outline leaves it eastwards. From a
+    hole's leftmost edge the obstacle reaches left to an edge of another loop of the same
+    object; following that leads to the outline, since every step goes further left.
+    """
+    loop_of = np.empty(len(borders.heading), dtype=np.int64)
+    for number, loop in enumerate(borders.loops):
+        loop_of[loop] = number
+    outline_number: dict[int, int] = {}
+    holes: list[int] = []
+    for number, loop in enumerate(borders.loops):
+        if borders.heading[loop[0]] == EAST:
+            outline_number[number] = len(outline_number)
+        else:
+            holes.append(number)
+    parent = [-1] * len(borders.loops)
+    if not holes:
+        return parent
+    left_loop = _left_neighbours(obstacle, borders, loop_of, holes)
+    for hole in holes:
+        outer = hole
+        while outer not in outline_number:
+            outer = left_loop[outer]
+        parent[hole] = outline_number[outer]
+    return parent
+
+
+def _left_neighbours(
+    obstacle: NDArray[np.bool_], borders: _Borders, loop_of: IndexArray, holes: list[int]
+) -> dict[int, int]:
+    """For each hole the loop that bounds the obstacle left of the hole's leftmost edge."""
+    height, width = obstacle.shape
+    flat = obstacle.ravel()
+    begins = obstacle.copy()
+    begins[:, 1:] &= ~obstacle[:, :-1]
+    run_starts = np.flatnonzero(begins.ravel())
+    # edges with the obstacle on their right run north; sorted by column and row of their top
+    north = np.flatnonzero(borders.heading == NORTH)
+    ends = _segment_ends(borders)
+    top = ends[north, 1]
+    order = np.lexsort((top, borders.start[north, 0]))
+    north, top = north[order], top[order]
+    keys = borders.start[north, 0] * (height + 1) + top
+    result = {}
+    for hole in holes:
+        loop = np.array(borders.loops[hole])
+        south = loop[borders.heading[loop] == SOUTH]
+        leftmost = south[np.argmin(borders.start[south, 0])]
+        column, row = borders.start[leftmost].tolist()
+        cell = row * width + column - 1
+        if not flat[cell]:
+            raise SceneError("grid border tracing lost its way: please report the map")
+        begin = int(run_starts[np.searchsorted(run_starts, cell, side="right") - 1])
+        key = (begin % width) * (height + 1) + row
+        edge = north[np.searchsorted(keys, key, side="right") - 1]
+        result[hole] = int(loop_of[edge])
+    return result
+
+
+def _segment_ends(borders: _Borders) -> IndexArray:
+    ends = np.empty_like(borders.start)
+    for loop in borders.loops:
+        ends[loop] = borders.start[[*loop[1:], loop[0]]]
+    return ends
