@@ -1,0 +1,362 @@
+"""The pilot: every decision of a control cycle, sans-IO.
+
+`Pilot.step` takes what one cycle knows (`Sight`, `RobotReport`, the planner's answer, the time)
+and returns what to do (`Orders`). It opens nothing, waits for nothing and reads no clock, so
+the same pilot runs in the daemon, in virtual time and in replay. Units: metres, radians,
+seconds.
+
+One cycle: judge safety -> follow progress -> move the mission's state -> orders. Every order
+to move is a lease that this cycle gives; a pilot that is not stepped moves nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from navigation.mission import Event, Mission, MissionError, State, Station
+from navigation.watch import Action, Facts, SafetyLimits, Verdict, judge
+from planner.path import NoPath, Path, Trajectory
+from planner.scene import Bounds, FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class PilotSettings:
+    """The pilot's numbers, from the configuration."""
+
+    limits: SafetyLimits
+    bounds_m: Bounds
+    goal_tolerance_m: float
+    goal_tolerance_rad: float
+    settle_s: float
+    """How long the cause of a hold must be gone before a new plan is made, and how long the
+    robot must stand before the camera judges its arrival."""
+    retry_s: float
+    """How long to wait before asking for a plan again where there was none."""
+    corrections: int
+    """How often the last stretch is planned again where the camera sees the robot off its goal."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What the camera says: the robot's pose and how old picture and pose are."""
+
+    frame_age_s: float = math.inf
+    pose_age_s: float = math.inf
+    pose: tuple[float, float, float] | None = None
+    scene_revision: int = 0
+    """Counts the scenes seen; 0 before the first."""
+    clearance_m: float | None = None
+    """From the robot's centre to the nearest border in the newest scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotReport:
+    """What the link says of the robot."""
+
+    age_s: float = math.inf
+    down_reason: str | None = "not connected yet"
+    estopped: bool = False
+    disarmed: bool = False
+    mission_id: int | None = None
+    """The mission that the robot holds."""
+    executed: int = 0
+    """How many waypoints of that mission the robot has reached."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """Ask for a way from here through these stations."""
+
+    id: int
+    start: tuple[float, float, float]
+    stations: tuple[Station, ...]
+    scene_revision: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlanAnswer:
+    """The planner's answer to a request, or its check of the running plan in a new scene."""
+
+    id: int
+    scene_revision: int
+    path: Path | NoPath
+    trajectory: Trajectory | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Orders:
+    """What to do after a cycle; None and False mean nothing."""
+
+    permit: bool
+    """Whether the lease lets the robot move."""
+    request: PlanRequest | None = None
+    upload: tuple[int, Trajectory] | None = None
+    """A new mission for the robot: its id and the waypoints."""
+    halt: bool = False
+    """Stop under control and drop the queue."""
+    estop: bool = False
+    rearm: bool = False
+
+
+class Pilot:
+    """Keeps the mission, the running plan and the robot's progress along it."""
+
+    def __init__(self, settings: PilotSettings, first_mission_id: int) -> None:
+        self.settings = settings
+        self.mission = Mission()
+        self.verdict = Verdict(Action.HOLD, ("nothing was seen yet",))
+        self.path: Path | None = None
+        self.trajectory: Trajectory | None = None
+        self.replans = 0
+        self.plans = 0
+        self.waypoints_sent = 0
+        self.waypoints_executed = 0
+        self._paused = False
+        self._stop_reason: str | None = None
+        self._rearm = False
+        self._mission_id = first_mission_id
+        self._request_id = 0
+        self._asked: PlanRequest | None = None
+        self._ask_again_s = -math.inf
+        self._clear_since_s: float | None = None
+        self._path_start_index = 0
+        self._corrections = 0
+        self._executed_here = 0
+        self._standing_since_s: float | None = None
+
+    # Orders from people: taken at once, acted on in the next cycle.
+
+    def give(self, stations: tuple[Station, ...]) -> None:
+        """Replace the mission; ``MissionError`` where a station lies outside the arena."""
+        for number, station in enumerate(stations, 1):
+            if not self.settings.bounds_m.contains((station.x, station.y)):
+                raise MissionError(
+                    f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena"
+                )
+        self.mission = self.mission.given(stations, "a mission was given")
+        self._forget_plan()
+        self._corrections = 0
+
+    def stop(self, reason: str) -> None:
+        """Emergency stop: latched until `rearm`."""
+        self._stop_reason = reason
+
+    def rearm(self) -> None:
+        """Leave the latched stop; the mission has to be given anew."""
+        self.mission = self.mission.after(Event.REARM, "re-armed by hand")
+        self._stop_reason = None
+        self._rearm = True
+
+    def pause(self) -> None:
+        """Hold where the robot is, until `resume`."""
+        self._paused = True
+
+    def resume(self) -> None:
+        """End a pause; the way is planned anew from where the robot is."""
+        self._paused = False
+
+    # The cycle.
+
+    def step(
+        self,
+        now_s: float,
+        sight: Sight,
+        robot: RobotReport,
+        answer: PlanAnswer | None = None,
+    ) -> Orders:
+        """One control cycle; see the module's text for its order."""
+        self.verdict = judge(self._facts(sight, robot), self.settings.limits)
+        if self._stop_reason is not None:
+            self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
+        rearm, self._rearm = self._rearm, False
+        was = self.mission.state
+        if self.verdict.action is Action.STOP:
+            self._enter_stop(robot)
+        if self.mission.state is State.STOPPED:
+            return Orders(permit=False, estop=True)
+        self._follow_progress(robot)
+        upload = self._take_answer(now_s, sight, answer)
+        self._hold_or_go_on(now_s, sight)
+        self._finish(now_s, sight, robot)
+        driving = self.mission.state is State.DRIVING
+        return Orders(
+            permit=driving,
+            request=self._ask(now_s, sight),
+            upload=upload if driving else None,
+            halt=was is State.DRIVING and not driving,
+            rearm=rearm,
+        )
+
+    def _facts(self, sight: Sight, robot: RobotReport) -> Facts:
+        position = None if sight.pose is None else sight.pose[:2]
+        driving = self.mission.state is State.DRIVING
+        running = driving and robot.mission_id == self._mission_id
+        return Facts(
+            frame_age_s=sight.frame_age_s,
+            pose_age_s=sight.pose_age_s,
+            link_age_s=robot.age_s,
+            link_down_reason=robot.down_reason,
+            robot_estopped=robot.estopped and not self._rearm,
+            robot_disarmed=robot.disarmed and running,
+            position_m=position,
+            inside_arena=position is None or self.settings.bounds_m.contains(position),
+            clearance_m=sight.clearance_m,
+            deviation_m=self._deviation_m(position) if driving else None,
+            paused=self._paused,
+        )
+
+    def _deviation_m(self, position: tuple[float, float] | None) -> float | None:
+        if position is None or self.path is None:
+            return None
+        return distance_to_polyline(self.path.points, position)
+
+    def _enter_stop(self, robot: RobotReport) -> None:
+        idle = self.mission.state in (State.IDLE, State.DONE, State.FAILED)
+        if robot.estopped and idle and self._stop_reason is None:
+            return  # a robot that was stopped before we came is armed by the first mission
+        if self.mission.state is not State.STOPPED:
+            self.mission = self.mission.after(Event.STOP, self.verdict.sentence)
+            self._forget_plan()
+
+    def _follow_progress(self, robot: RobotReport) -> None:
+        if self.trajectory is None or robot.mission_id != self._mission_id:
+            return
+        executed = min(robot.executed, len(self.trajectory.waypoints))
+        self.waypoints_executed += max(0, executed - self._executed_here)
+        self._executed_here = max(self._executed_here, executed)
+        passed = [w.station for w in self.trajectory.waypoints[:executed] if w.station is not None]
+        last = len(self.mission.stations) - 1
+        visited = self._path_start_index + max(passed, default=0)
+        # the last station counts when the camera has seen the robot stand there
+        visited = min(visited, last)
+        if visited > self.mission.visited:
+            self.mission = self.mission.with_visited(visited)
+
+    def _take_answer(
+        self, now_s: float, sight: Sight, answer: PlanAnswer | None
+    ) -> tuple[int, Trajectory] | None:
+        if answer is None or self._asked is None or answer.id != self._asked.id:
+            return None
+        self._asked = None
+        if self.mission.state is not State.PLANNING:
+            return None
+        if isinstance(answer.path, NoPath) or answer.trajectory is None:
+            why = answer.path.reason if isinstance(answer.path, NoPath) else "no trajectory"
+            self.mission = self.mission.after(Event.NO_PLAN, f"no safe plan: {why}")
+            self._ask_again_s = now_s + self.settings.retry_s
+            self._clear_since_s = None
+            return None
+        if answer.scene_revision != sight.scene_revision:
+            return None  # the world changed while planning: ask again
+        self.replans += self.plans > 0
+        self.plans += 1
+        self._mission_id = (self._mission_id + 1) & 0xFFFFFFFF or 1
+        self.path, self.trajectory = answer.path, answer.trajectory
+        self._path_start_index = self.mission.visited
+        self._executed_here = 0
+        self.waypoints_sent += len(answer.trajectory.waypoints)
+        self.mission = self.mission.after(Event.PLANNED, self._describe(answer.path))
+        return self._mission_id, answer.trajectory
+
+    def _describe(self, path: Path) -> str:
+        left = len(self.mission.remaining)
+        return (
+            f"driving {path.length:.2f} m to {left} station{'s' * (left != 1)}, "
+            f"clearance at least {path.min_clearance:.3f} m"
+        )
+
+    def _hold_or_go_on(self, now_s: float, sight: Sight) -> None:
+        if self.verdict.action is Action.HOLD:
+            self._clear_since_s = None
+            if self.mission.state in (State.DRIVING, State.PLANNING):
+                self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
+                self._forget_plan()
+            elif self.mission.state is State.HOLDING:
+                self.mission = replace(self.mission, reason=self.verdict.sentence)
+            return
+        if self.mission.state is not State.HOLDING:
+            return
+        if self._clear_since_s is None:
+            self._clear_since_s = now_s
+        settled = now_s - self._clear_since_s >= self.settings.settle_s
+        if settled and now_s >= self._ask_again_s:
+            self.mission = self.mission.after(Event.CLEARED, "planning from where the robot is")
+
+    def new_scene(self, path_clearance_m: float | None) -> None:
+        """The scene changed; the running path keeps this clearance in it (None: no path runs).
+
+        Below the robot's radius the robot holds and the way is planned anew.
+        """
+        if self.mission.state is not State.DRIVING or path_clearance_m is None:
+            return
+        if path_clearance_m < self.settings.limits.robot_radius_m:
+            self.mission = self.mission.after(
+                Event.REPLAN,
+                f"an obstacle leaves the path {path_clearance_m:.3f} m of clearance: planning anew",
+            )
+            self._forget_plan()
+
+    def _finish(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
+        if self.mission.state is not State.DRIVING or self.trajectory is None:
+            return
+        if robot.mission_id != self._mission_id:
+            return
+        if robot.executed < len(self.trajectory.waypoints) or sight.pose is None:
+            self._standing_since_s = None
+            return
+        if self._standing_since_s is None:
+            self._standing_since_s = now_s
+        if now_s - self._standing_since_s < self.settings.settle_s:
+            return
+        goal = self.mission.stations[-1]
+        off_m = math.dist(sight.pose[:2], (goal.x, goal.y))
+        off_rad = 0.0
+        if goal.heading_rad is not None:
+            off_rad = abs(math.remainder(sight.pose[2] - goal.heading_rad, math.tau))
+        within = off_m <= self.settings.goal_tolerance_m
+        if within and off_rad <= self.settings.goal_tolerance_rad:
+            where = f"{off_m * 1e3:.1f} mm and {math.degrees(off_rad):.2f} deg from the goal"
+            self.mission = self.mission.with_visited(len(self.mission.stations))
+            self.mission = self.mission.after(Event.ARRIVED, f"the robot stands {where}")
+            return
+        if self._corrections < self.settings.corrections:
+            self._corrections += 1
+            self.mission = self.mission.after(Event.REPLAN, "correcting the last stretch")
+            self._forget_plan()
+            return
+        self.mission = self.mission.after(
+            Event.FAIL,
+            f"the robot says that it has arrived, the camera sees it {off_m * 1e3:.1f} mm and "
+            f"{math.degrees(off_rad):.2f} deg away after {self._corrections} corrections",
+        )
+
+    def _ask(self, now_s: float, sight: Sight) -> PlanRequest | None:
+        if self.mission.state is not State.PLANNING or self._asked is not None:
+            return None
+        if sight.pose is None or sight.scene_revision == 0 or now_s < self._ask_again_s:
+            return None
+        self._request_id += 1
+        self._asked = PlanRequest(
+            self._request_id, sight.pose, self.mission.remaining, sight.scene_revision
+        )
+        return self._asked
+
+    def _forget_plan(self) -> None:
+        self.path = self.trajectory = self._asked = None
+        self._executed_here = 0
+        self._standing_since_s = None
+
+
+def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
+    """The distance from a position to a polyline (n, 2), n >= 1, in the same units."""
+    here = np.asarray(position, dtype=np.float64)
+    if len(points) == 1:
+        return float(np.hypot(*(points[0] - here)))
+    a, d = points[:-1], points[1:] - points[:-1]
+    squared = (d * d).sum(1)
+    t = ((here - a) * d).sum(1) / np.where(squared > 0.0, squared, 1.0)
+    nearest = a + np.clip(t, 0.0, 1.0)[:, None] * d
+    return float(np.hypot(*(nearest - here).T).min())
