@@ -27,7 +27,7 @@ class CameraError(ValueError):
     """A camera cannot be opened or gives no more pictures; the message says which and why."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One picture: ``image`` (h, w) or (h, w, 3) BGR uint8, read-only.
 
