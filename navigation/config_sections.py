@@ -270,7 +270,7 @@ class SimulatedCameraSection(Section):
     """The simulated camera: a pinhole with lens distortion above the arena."""
 
     position_m: tuple[Number, Number, Positive] = Field(
-        (1.215, 0.88, 2.5), description="[x, y, height] of the lens"
+        (1.155, 0.975, 2.5), description="[x, y, height] of the lens"
     )
     tilt_deg: tuple[Number, Number] = Field(
         (1.2, -0.8), description="leaning from straight down: [about x, about y]"

@@ -19,6 +19,7 @@ from planner.scene import FloatArray
 UNDISTORT_STEPS = 20
 """Newton steps when a distorted point is traced back; 4 suffice for mild lenses."""
 UNDISTORT_TOLERANCE = 1e-13
+SLOPE_STEP = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +66,7 @@ class Pinhole:
 
     def plane_from_ray(self, height_m: float) -> FloatArray:
         """The homography (3, 3) from normalised rays to the arena's plane at a height."""
-        x_axis, y_axis, z_axis = self.camera_from_arena.T
+        x_axis, y_axis, _ = self.camera_from_arena.T
         origin = self.camera_from_arena @ (np.array([0.0, 0.0, height_m]) - self.position_m)
         ray_from_plane = np.column_stack([x_axis, y_axis, origin])
         return np.asarray(np.linalg.inv(ray_from_plane))
@@ -91,27 +92,16 @@ def undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
     Raises ``ValueError`` where it does not converge: the lens folds the picture over.
     """
     points = np.array(distorted, dtype=np.float64)
-    step = 1e-6
+    right, down = np.array([SLOPE_STEP, 0.0]), np.array([0.0, SLOPE_STEP])
     for _ in range(UNDISTORT_STEPS):
         error = distort(points, terms) - distorted
         if float(np.abs(error).max(initial=0.0)) < UNDISTORT_TOLERANCE:
             return points
-        along_x = (distort(points + [step, 0.0], terms) - distort(points - [step, 0.0], terms)) / (
-            2.0 * step
-        )
-        along_y = (distort(points + [0.0, step], terms) - distort(points - [0.0, step], terms)) / (
-            2.0 * step
-        )
-        determinant = along_x[:, 0] * along_y[:, 1] - along_y[:, 0] * along_x[:, 1]
-        points -= (
-            np.column_stack(
-                [
-                    along_y[:, 1] * error[:, 0] - along_y[:, 0] * error[:, 1],
-                    along_x[:, 0] * error[:, 1] - along_x[:, 1] * error[:, 0],
-                ]
-            )
-            / determinant[:, None]
-        )
+        by_x = (distort(points + right, terms) - distort(points - right, terms)) / (2 * SLOPE_STEP)
+        by_y = (distort(points + down, terms) - distort(points - down, terms)) / (2 * SLOPE_STEP)
+        determinant = by_x[:, 0] * by_y[:, 1] - by_y[:, 0] * by_x[:, 1]
+        points[:, 0] -= (by_y[:, 1] * error[:, 0] - by_y[:, 0] * error[:, 1]) / determinant
+        points[:, 1] -= (by_x[:, 0] * error[:, 1] - by_x[:, 1] * error[:, 0]) / determinant
     raise ValueError("the lens distortion cannot be undone: the picture folds over")
 
 
