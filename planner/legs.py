@@ -1,0 +1,236 @@
+"""A path cut at the places where the robot stands, and what it may do between them.
+
+- A corner of the path is taken as an arc that leaves the corner by ``chord_tolerance``: the
+  heading turns evenly over the arc's tangents, t = tolerance / tan(turn / 4) before and after
+  the corner (at most half way to the next). The speed there keeps the angular rate and the
+  lateral acceleration. Where that would be a crawl, a robot that can turn on the spot stops.
+- Lengths are measured along a leg, from 0, in the scene's units.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from planner.path import Limits, Path
+from planner.polyline import arc_lengths, fewer_vertices, points_at
+from planner.scene import FloatArray, IntArray
+
+Clearance = Callable[[FloatArray], FloatArray]
+
+SHARP_TURN_RAD = math.radians(15.0)
+"""A robot never stops for less of a turn than this."""
+CRAWL = 0.25
+"""A sharp corner that allows less than this part of the speed is turned on the spot."""
+_CELLS_PER_SPACING = 4
+_LEAST_CELLS = 32
+_MOST_CELLS = 20_000
+_LEAST_WAYPOINTS = 4
+"""Chords between two stops, so that a follower sees the speed rise and fall between them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A stretch between two stops: dense points, the heading's corners, its station."""
+
+    points: FloatArray
+    lengths: FloatArray
+    clearances: FloatArray
+    turn_at: FloatArray  # lengths at which the heading changes slope
+    heading: FloatArray  # there, unwrapped
+    forced: FloatArray  # lengths that need a waypoint
+    stations: dict[float, int]  # length -> station passed without a stop
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A place where the robot stands: a station, a sharp corner or both ends."""
+
+    vertex: int
+    station: int | None
+    heading: float | None
+    dwell_s: float
+
+
+class Track:
+    """The path without repeated points, cut into legs at its stops."""
+
+    def __init__(
+        self,
+        path: Path,
+        limits: Limits,
+        clearance: Clearance | None,
+        dwells: tuple[float, ...],
+    ) -> None:
+        self.path = path
+        self.limits = limits
+        self.exact_clearance = clearance
+        self.slack = max(path.min_clearance - path.robot_radius, 0.0)
+        points = np.asarray(path.points, dtype=np.float64).reshape(-1, 2)
+        keep = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
+        new_index = np.cumsum(keep) - 1
+        self.points = points[keep]
+        self.lengths = arc_lengths(self.points)
+        self.clearances = np.asarray(path.clearances, dtype=np.float64)[keep]
+        self.station_vertex = [int(new_index[s]) for s in path.stations]
+        self.stops: list[Stop] = []
+        self._find_stops(dwells)
+
+    def _find_stops(self, dwells: tuple[float, ...]) -> None:
+        last = len(self.station_vertex) - 1
+        self.passed: dict[int, int] = {}
+        at_stations = []
+        for number, vertex in enumerate(self.station_vertex):
+            heading = self.path.headings_rad[number]
+            on_another = vertex in (self.station_vertex[number - 1 : number + 2 : 2])
+            if number in (0, last) or heading is not None or dwells[number] > 0.0 or on_another:
+                at_stations.append(Stop(vertex, number, heading, dwells[number]))
+            else:
+                self.passed[vertex] = number
+        for stop in at_stations:
+            if self.stops and self.limits.turns_on_spot:
+                self._add_sharp_corners(self.stops[-1].vertex, stop.vertex)
+            self.stops.append(stop)
+
+    def _add_sharp_corners(self, first: int, last: int) -> None:
+        if first == last:
+            return
+        vertices, turns, tangents = self._corners(first, last)
+        for vertex, turn, tangent in zip(vertices, turns, tangents, strict=True):
+            if abs(turn) < SHARP_TURN_RAD:
+                continue
+            if self._corner_speed(abs(turn), tangent) < CRAWL * self.limits.speed:
+                self.stops.append(Stop(int(vertex), self.passed.pop(int(vertex), None), None, 0.0))
+
+    def _corner_speed(self, turn: float, tangent: float) -> float:
+        curvature = turn / (2.0 * tangent)
+        return min(
+            math.sqrt(self.limits.lateral_acceleration / curvature),
+            self.limits.angular_rate_rad_s / curvature,
+        )
+
+    def _corners(self, first: int, last: int) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Between two vertices: those where the heading turns, by how much, and the tangents.
+
+        Vertices within a tenth of the chord tolerance of a straight line do not count, so
+        that the noise of a finely sampled path is no corner.
+        """
+        span = slice(first, last + 1)
+        kept = first + fewer_vertices(self.points[span], 0.1 * self.limits.chord_tolerance)
+        steps = np.diff(self.points[kept], axis=0)
+        direction = np.arctan2(steps[:, 1], steps[:, 0])
+        turns = _wrap(np.diff(direction))
+        half = 0.5 * np.diff(self.lengths[kept])
+        with np.errstate(divide="ignore"):
+            by_tolerance = self.limits.chord_tolerance / np.tan(0.25 * np.abs(turns))
+        tangents = np.minimum(np.minimum(half[:-1], half[1:]), by_tolerance)
+        return kept[1:-1], turns, tangents
+
+    def legs(self) -> list[Leg]:
+        """The stretches between consecutive stops, as many as stops less one."""
+        return [self._leg(before.vertex, after.vertex) for before, after in pairwise(self.stops)]
+
+    def _leg(self, first: int, last: int) -> Leg:
+        if first == last:
+            empty = np.empty(0)
+            return Leg(self.points[first : last + 1], empty, empty, empty, empty, empty, {})
+        span = slice(first, last + 1)
+        base = float(self.lengths[first])
+        vertices, turns, tangents = self._corners(first, last)
+        at = self.lengths[vertices] - base
+        step = self._first_step(first, last)
+        length = float(self.lengths[last]) - base
+        turn_at = np.concatenate([[0.0], np.stack([at - tangents, at + tangents], 1).ravel()])
+        gains = np.stack([np.zeros(len(turns)), turns], 1).ravel()
+        heading = math.atan2(step[1], step[0]) + np.concatenate([[0.0], np.cumsum(gains)])
+        stations = {
+            float(self.lengths[v]) - base: n for v, n in self.passed.items() if first < v < last
+        }
+        return Leg(
+            points=self.points[span],
+            lengths=self.lengths[span] - base,
+            clearances=self.clearances[span],
+            turn_at=np.append(turn_at, length),
+            heading=np.append(heading, heading[-1]),
+            forced=np.array(sorted(stations)),
+            stations=stations,
+        )
+
+    def _first_step(self, first: int, last: int) -> FloatArray:
+        span = self.points[first : last + 1]
+        kept = fewer_vertices(span, 0.1 * self.limits.chord_tolerance)
+        step: FloatArray = span[kept[1]] - span[0]
+        return step
+
+    def chord_tolerance(self) -> float:
+        """How far the waypoints' chords may leave the path, so that no clearance is lost."""
+        rounding = 1e-9 * self.path.robot_radius
+        return max(min(self.limits.chord_tolerance, self.slack), rounding)
+
+    def speed_limits(self, leg: Leg, nodes: FloatArray) -> FloatArray:
+        """The speed allowed in each cell between consecutive ``nodes`` along the leg."""
+        limits = self.limits
+        headings = np.interp(nodes, leg.turn_at, leg.heading)
+        curvature = np.abs(np.diff(headings)) / np.diff(nodes)
+        if self.exact_clearance is None:
+            clearances = np.interp(nodes, leg.lengths, leg.clearances)
+        else:
+            clearances = self.exact_clearance(points_at(leg.points, leg.lengths, nodes))
+        spare = np.minimum(clearances[:-1], clearances[1:]) - self.path.robot_radius
+        room = limits.slow_clearance - self.path.robot_radius
+        ease = np.clip(spare / room, 0.0, 1.0) if room > 0.0 else np.ones(len(spare))
+        slowest = min(limits.slow_speed, limits.speed)
+        speed = slowest + (limits.speed - slowest) * ease
+        bent = curvature > 0.0
+        tight = curvature[bent]
+        by_rate = limits.angular_rate_rad_s / tight
+        by_grip = np.sqrt(limits.lateral_acceleration / tight)
+        speed[bent] = np.minimum(speed[bent], np.minimum(by_rate, by_grip))
+        return speed
+
+    def waypoint_lengths(self, leg: Leg) -> FloatArray:
+        """Lengths along the leg at which it gets a waypoint; both ends are among them."""
+        spacing = min(self.limits.spacing, float(leg.lengths[-1]) / _LEAST_WAYPOINTS)
+        marks = np.concatenate([leg.lengths, leg.forced])
+        fine = np.unique(marks)
+        parts = np.ceil(np.diff(fine) / spacing).astype(int)
+        pieces = [
+            np.linspace(a, b, n, endpoint=False)
+            for a, b, n in zip(fine[:-1], fine[1:], np.maximum(parts, 1), strict=True)
+        ]
+        at = np.append(np.concatenate(pieces), fine[-1])
+        points = points_at(leg.points, leg.lengths, at)
+        cuts = np.searchsorted(at, np.concatenate([[0.0], leg.forced, leg.lengths[-1:]]))
+        chosen = [
+            a + fewer_vertices(points[a : b + 1], self.chord_tolerance(), spacing * (1 + 1e-12))
+            for a, b in pairwise(cuts.tolist())
+        ]
+        lengths: FloatArray = at[np.unique(np.concatenate(chosen))]
+        return lengths
+
+
+def speed_cells(leg: Leg, spacing: float) -> FloatArray:
+    """(n,) ends of the cells in which the speed limit is constant, from 0 to the leg's length."""
+    length = float(leg.lengths[-1])
+    wanted = math.ceil(min(length / spacing, _MOST_CELLS) * _CELLS_PER_SPACING)
+    count = min(max(wanted, _LEAST_CELLS), _MOST_CELLS)
+    nodes = np.unique(np.concatenate([leg.turn_at, np.linspace(0.0, length, count + 1)]))
+    nodes = nodes[(nodes >= 0.0) & (nodes < length)]
+    apart = np.diff(nodes, append=length) > 1e-9 * length
+    apart[0] = True
+    return np.append(nodes[apart], length)
+
+
+def _wrap(angles: FloatArray) -> FloatArray:
+    """Angles brought into (-pi, pi]."""
+    wrapped: FloatArray = math.pi - np.mod(math.pi - angles, math.tau)
+    return wrapped
+
+
+def wrap_angle(angle: float) -> float:
+    """The same angle in (-pi, pi]."""
+    return math.pi - (math.pi - angle) % math.tau
