@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from navigation.config import Config
 from planner.scene import (
@@ -54,7 +54,7 @@ class SimulatedArena:
                 "(the scene text's '#@ units m')"
             )
 
-    def clearances(self, points_m: FloatArray) -> FloatArray:
+    def clearances(self, points_m: ArrayLike) -> FloatArray:
         """Distance (n,) of points (n, 2) to the nearest border or wall.
 
         Negative inside an obstacle and outside the bounds. Exact but for rounding;
@@ -71,7 +71,7 @@ class SimulatedArena:
             solid |= inside
         return np.where(solid | ~_within(points, self.scene.bounds), -distance, distance)
 
-    def track_clearance(self, track_m: FloatArray) -> tuple[float, tuple[float, float]]:
+    def track_clearance(self, track_m: ArrayLike) -> tuple[float, tuple[float, float]]:
         """The least clearance of a polyline (n >= 1, 2) and where it is.
 
         Between its points too, to ``TRACK_TOLERANCE_M``: the clearance changes by no more than

@@ -15,6 +15,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.config_sections import SimulatedCameraSection
 from planner.scene import FloatArray
+from vision.calibration import Calibration
 
 UNDISTORT_STEPS = 20
 """Newton steps when a distorted point is traced back; 4 suffice for mild lenses."""
@@ -70,6 +71,12 @@ class Pinhole:
         origin = self.camera_from_arena @ (np.array([0.0, 0.0, height_m]) - self.position_m)
         ray_from_plane = np.column_stack([x_axis, y_axis, origin])
         return np.asarray(np.linalg.inv(ray_from_plane))
+
+    def calibration(self) -> Calibration:
+        """What a perfect calibration of this camera would find."""
+        shift = -self.camera_from_arena @ self.position_m
+        pose = np.column_stack([self.camera_from_arena, shift])
+        return Calibration.from_camera(self.size_px, self.matrix, self.distortion, pose)
 
 
 def distort(undistorted: FloatArray, terms: FloatArray) -> FloatArray:

@@ -1,0 +1,33 @@
+"""`clearway schema`: what a configuration may hold, for editors and for people."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+
+@click.command(short_help="The configuration's JSON Schema.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["json", "markdown"]),
+    default="json",
+    show_default=True,
+    help="JSON Schema for editors, or the reference for people.",
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="File to write."
+)
+def command(form: str, output: Path | None) -> None:
+    """Print the JSON Schema of a configuration, or its reference as Markdown."""
+    from navigation.config_reference import json_schema, reference_markdown
+
+    text = (
+        reference_markdown() if form == "markdown" else json.dumps(json_schema(), indent=2) + "\n"
+    )
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        output.write_text(text, encoding="utf-8")
