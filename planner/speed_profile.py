@@ -25,7 +25,8 @@ from planner.scene import FloatArray
 
 IndexArray: TypeAlias = NDArray[np.intp]
 
-_BISECTIONS = 60
+_STEPS = 16
+"""Newton needs a handful; halving alone would still reach 1e-5 of a bracket."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class SpeedProfile:
     def position(self, time_s: FloatArray) -> FloatArray:
         """Length along the leg at each time from 0 to ``duration_s``."""
         average = (self._area(time_s) - self._area(time_s - self.window_s)) / self.window_s
-        positions: FloatArray = np.clip(average, 0.0, self.lengths[-1])
+        positions: FloatArray = np.minimum(np.maximum(average, 0.0), self.lengths[-1])
         return positions
 
     def speed(self, time_s: FloatArray) -> FloatArray:
@@ -60,24 +61,28 @@ class SpeedProfile:
         return speeds
 
     def time_at(self, lengths: FloatArray) -> FloatArray:
-        """The time at which each length is reached, by bisection of the monotone position."""
-        low = np.zeros(len(lengths))
-        high = np.full(len(lengths), self.duration_s)
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            before = self.position(middle) < lengths
-            low = np.where(before, middle, low)
-            high = np.where(before, high, middle)
+        """The time at which each length is reached: Newton's steps kept inside a bracket."""
+        breaks = np.sort(np.concatenate([self.times, self.times + self.window_s]))
+        reached = np.maximum.accumulate(self.position(breaks))
+        above = np.minimum(np.searchsorted(reached, lengths), len(breaks) - 1)
+        low, high = breaks[np.maximum(above - 1, 0)], breaks[above]
         times: FloatArray = 0.5 * (low + high)
+        for _ in range(_STEPS):
+            off = self.position(times) - lengths
+            low = np.where(off < 0.0, times, low)
+            high = np.where(off < 0.0, high, times)
+            speed = np.maximum(self.speed(times), 1e-200)
+            newton = times - off / speed
+            times = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
         times[lengths <= 0.0] = 0.0
         times[lengths >= self.lengths[-1]] = self.duration_s
         return times
 
     def _cell(self, time_s: FloatArray) -> tuple[IndexArray, FloatArray, FloatArray]:
         """For each time: its cell's index, the time since the cell began, the acceleration."""
-        clamped = np.clip(time_s, 0.0, self.times[-1])
+        clamped = np.minimum(np.maximum(time_s, 0.0), self.times[-1])
         cell = np.searchsorted(self.times, clamped, side="right") - 1
-        cell = np.clip(cell, 0, len(self.times) - 2)
+        cell = np.minimum(cell, len(self.times) - 2)
         duration = self.times[cell + 1] - self.times[cell]
         acceleration = (self.speeds[cell + 1] - self.speeds[cell]) / duration
         return cell, clamped - self.times[cell], acceleration
