@@ -1,0 +1,415 @@
+"""Black and white: which pixels are obstacle, by which method and why.
+
+Rules and units
+- Grey values are 0 .. 255, obstacles dark, once ``as_grey`` has looked at the picture: a
+  16-bit picture is scaled by its brightest pixel, light obstacles are turned into dark ones.
+- A pixel is obstacle where its grey value lies below the level.
+- Methods: ``otsu`` (one level, from the histogram), ``fixed`` (the caller's), ``adaptive``
+  (the mean of the neighbourhood), ``background`` (division by a fitted surface of the light).
+- ``auto`` takes one level where the light is even, and divides by the light where it is not.
+- ``Binary.grey`` is what the mask was made from, with one level for the whole picture: the
+  sub-pixel edges are measured in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Binarisation
+from vision.binarise_kernels import noise_sigma, sampled_histogram
+
+Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
+Polarity: TypeAlias = Literal["dark", "light", "auto"]
+METHODS: tuple[Method, ...] = ("auto", "otsu", "fixed", "adaptive", "background")
+POLARITIES: tuple[Polarity, ...] = ("dark", "light", "auto")
+
+LEAST_CONTRAST = 8.0
+"""Grey levels between light and dark below which nothing is taken for an obstacle."""
+LEAST_CONTRAST_SIGMAS = 5.0
+"""The same in standard deviations of the noise."""
+SAFE_MARGIN_SIGMAS = 6.0
+"""From here on no pixel of a whole picture crosses the level by noise alone."""
+EVEN_SPREAD = 0.06
+"""Spread of the light pixels, as a share of the contrast, up to which light is even."""
+FREE_LEVEL = 200.0
+"""Grey value that free pixels get when the picture is divided by its light."""
+
+
+class PictureError(ValueError):
+    """A picture cannot be used; the message says what is wrong with it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """A picture in black and white.
+
+    ``mask`` (h + 2, w') uint8: 1 is obstacle, with a margin of free pixels and rows of a
+    multiple of eight bytes; ``grey`` (h, w), obstacles dark, ``level`` in its values;
+    ``noise`` its standard deviation and ``contrast`` the step between free and obstacle.
+    """
+
+    mask: NDArray[np.uint8]
+    grey: NDArray[Any]
+    level: float
+    noise: float
+    contrast: float
+    how: Binarisation
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Classes:
+    """Two classes of grey values: their middles, how wide each is, and how many are dark."""
+
+    dark: float
+    light: float
+    light_spread: float
+    dark_share: float
+    between_share: float
+
+    @property
+    def level(self) -> float:
+        """Half-way between the classes."""
+        return 0.5 * (self.dark + self.light)
+
+    @property
+    def contrast(self) -> float:
+        """Grey levels between the classes."""
+        return self.light - self.dark
+
+
+def as_grey(image: NDArray[Any]) -> NDArray[Any]:
+    """The picture's grey values as (h, w) uint8, or float32 in 0 .. 255 from 16 bits.
+
+    Takes uint8 or uint16 of shape (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, where
+    what is transparent counts as white. Raises ``PictureError`` for anything else. O(pixels).
+    """
+    if not isinstance(image, np.ndarray):
+        raise PictureError(f"the picture is a {type(image).__name__}: must be a NumPy array")
+    if image.dtype not in (np.uint8, np.uint16):
+        raise PictureError(f"the picture's values are {image.dtype}: must be uint8 or uint16")
+    if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (1, 3, 4)):
+        raise PictureError(
+            f"the picture's shape is {image.shape}: must be (h, w), (h, w, 3) or (h, w, 4)"
+        )
+    if image.size == 0:
+        raise PictureError(f"the picture is empty: {image.shape[1]} x {image.shape[0]} pixels")
+    grey = image
+    if image.ndim == 3 and image.shape[2] == 1:
+        grey = image[:, :, 0]
+    elif image.ndim == 3 and image.shape[2] == 3:
+        grey = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+    elif image.ndim == 3:
+        grey = _over_white(image)
+    if grey.dtype == np.uint16:
+        brightest = int(grey.max())
+        return grey.astype(np.float32) * np.float32(255.0 / max(brightest, 1))
+    return np.ascontiguousarray(grey)
+
+
+def binarise(
+    image: NDArray[Any],
+    *,
+    polarity: Polarity = "dark",
+    method: Method = "auto",
+    threshold: float | None = None,
+    ignore: NDArray[np.bool_] | None = None,
+) -> Binary:
+    """Decide for every pixel whether it is obstacle.
+
+    ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: a
+    dark obstacle's pixels lie below it, a light one's at it or above. Pixels of ``ignore``
+    (h, w) are free whatever they look like. Raises ``PictureError`` where there is no free
+    pixel, or an option is wrong. O(pixels).
+    """
+    if method not in METHODS:
+        raise PictureError(f"method {method!r}: must be one of {', '.join(METHODS)}")
+    if polarity not in POLARITIES:
+        raise PictureError(f"polarity {polarity!r}: must be one of {', '.join(POLARITIES)}")
+    grey = as_grey(image)
+    if threshold is not None:
+        if method not in ("auto", "fixed"):
+            raise PictureError(f"threshold {threshold}: only method fixed takes one, not {method}")
+        method = "fixed"
+        threshold = _scaled_threshold(threshold, image)
+    if ignore is not None and ignore.shape != grey.shape:
+        raise PictureError(f"ignore has shape {ignore.shape}: must be the picture's {grey.shape}")
+    side, why_side = _side(grey, polarity)
+    if side == "light":
+        grey = 255 - grey
+        threshold = None if threshold is None else 255.0 - threshold + 1e-6
+    binary = _by_method(grey, side, method, threshold)
+    if why_side:
+        how = binary.how
+        how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
+        binary = Binary(
+            binary.mask, binary.grey, binary.level, binary.noise, binary.contrast, how,
+            binary.remarks,
+        )  # fmt: skip
+    if ignore is not None:
+        width = grey.shape[1]
+        binary.mask[1:-1, 1 : width + 1][ignore] = 0
+    if cv2.countNonZero(binary.mask) == grey.size:
+        raise PictureError(
+            f"the picture has no free space: all {grey.shape[1]} x {grey.shape[0]} pixels are "
+            f"{'black' if side == 'dark' else 'white'}, which is what obstacles are"
+        )
+    return binary
+
+
+def _over_white(image: NDArray[Any]) -> NDArray[Any]:
+    top = np.iinfo(image.dtype).max
+    alpha = image[:, :, 3].astype(np.float32) / top
+    grey = cv2.cvtColor(image[:, :, :3], cv2.COLOR_BGR2GRAY).astype(np.float32)
+    blended: NDArray[Any] = np.rint(grey * alpha + top * (1.0 - alpha)).astype(image.dtype)
+    return blended
+
+
+def _scaled_threshold(threshold: float, image: NDArray[Any]) -> float:
+    top = np.iinfo(image.dtype).max
+    if not 0.0 <= threshold <= top:
+        raise PictureError(f"threshold {threshold}: must lie in 0 .. {top}")
+    if image.dtype == np.uint8:
+        return float(threshold)
+    return float(threshold) * 255.0 / max(int(image.max()), 1)
+
+
+def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:
+    """Which side of the level obstacles lie on: the rarer, where it is ours to find out."""
+    if polarity != "auto":
+        return polarity, ""
+    classes = split_classes(sampled_histogram(grey), noise_sigma(grey))
+    if classes is None or classes.dark_share <= 0.5:
+        share = 0.0 if classes is None else classes.dark_share
+        return "dark", f"obstacles are dark: dark pixels are {share:.1%} of the picture"
+    share = 1.0 - classes.dark_share
+    return "light", f"obstacles are light: light pixels are {share:.1%} of the picture"
+
+
+def _by_method(
+    grey: NDArray[Any], side: Literal["dark", "light"], method: Method, threshold: float | None
+) -> Binary:
+    noise = float(noise_sigma(grey))
+    classes = split_classes(sampled_histogram(grey), noise)
+    if classes is None:
+        classes = _rare_pixels(grey, noise)
+    if method == "fixed":
+        level = 127.5 if threshold is None else threshold
+        contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
+        how = Binarisation("fixed", _shown(level, side), side, "the level was given")
+        return _binary(grey, level, noise, contrast, how)
+    if method == "adaptive":
+        return _adaptive(grey, noise, classes, side)
+    if method == "background":
+        return _divided(grey, side, "asked for")
+    if classes is None:
+        return _uniform(grey, noise, side)
+    if method == "otsu":
+        level = _otsu(grey) + 0.5
+        how = Binarisation("otsu", _shown(level, side), side, "asked for")
+        return _binary(grey, level, noise, classes.contrast, how)
+    if _is_even(classes, noise):
+        return _even(grey, classes, noise, side)
+    divided = _divided(
+        grey,
+        side,
+        f"uneven light: free pixels spread by {classes.light_spread:.0f} of "
+        f"{classes.contrast:.0f} grey levels",
+    )
+    after = split_classes(sampled_histogram(divided.grey), divided.noise)
+    if after is not None and (
+        after.light_spread / after.contrast < 0.7 * classes.light_spread / classes.contrast
+    ):
+        return divided
+    return _even(grey, classes, noise, side)
+
+
+def _even(
+    grey: NDArray[Any], classes: Classes, noise: float, side: Literal["dark", "light"]
+) -> Binary:
+    reason = (
+        f"even light: obstacles at {classes.dark:.0f}, free at {classes.light:.0f}, "
+        f"noise {noise:.1f} grey levels; the level lies half-way"
+    )
+    how = Binarisation("otsu", _shown(classes.level, side), side, reason)
+    return _binary(grey, classes.level, noise, classes.contrast, how)
+
+
+def _uniform(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> Binary:
+    """A picture without contrast is all free or all obstacle."""
+    mean = float(cv2.mean(grey)[0])
+    level = 256.0 if mean < 127.5 else -1.0
+    how = Binarisation(
+        "fixed",
+        127.5,
+        side,
+        f"no contrast: every pixel is within noise of {mean:.0f}, "
+        f"{'darker' if mean < 127.5 else 'lighter'} than half",
+    )
+    return _binary(grey, level, noise, 255.0, how)
+
+
+def _adaptive(
+    grey: NDArray[Any], noise: float, classes: Classes | None, side: Literal["dark", "light"]
+) -> Binary:
+    block = (min(grey.shape) // 4) | 1
+    mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
+    offset = LEAST_CONTRAST if classes is None else max(LEAST_CONTRAST, 0.1 * classes.contrast)
+    centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
+    how = Binarisation(
+        "adaptive",
+        offset,
+        side,
+        f"a pixel is obstacle {offset:.0f} grey levels below the mean of {block} x {block} pixels",
+    )
+    contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
+    return _binary(centred.astype(np.float32), 127.5, noise, contrast, how)
+
+
+def _divided(grey: NDArray[Any], side: Literal["dark", "light"], why: str) -> Binary:
+    light = light_surface(grey)
+    flat = np.clip(grey / light * np.float32(FREE_LEVEL), 0.0, 255.0).astype(np.float32)
+    noise = float(noise_sigma(flat))
+    classes = split_classes(sampled_histogram(flat), noise)
+    level = 0.5 * FREE_LEVEL if classes is None else classes.level
+    contrast = FREE_LEVEL if classes is None else classes.contrast
+    how = Binarisation(
+        "background",
+        level / FREE_LEVEL,
+        side,
+        f"{why}; divided by a quadratic surface of the light, which runs from "
+        f"{float(light.min()):.0f} to {float(light.max()):.0f}",
+    )
+    return _binary(flat, level, noise, contrast, how)
+
+
+def light_surface(grey: NDArray[Any]) -> NDArray[np.float32]:
+    """The light on the free ground as a quadratic surface, (h, w) float32 >= 1.
+
+    Asymmetric least squares on a thumbnail: what lies below the surface is likely obstacle
+    and weighs little, then what lies below the half level weighs nothing.
+    """
+    height, width = grey.shape
+    size = (min(48, width), min(36, height))
+    small = cv2.resize(grey, size, interpolation=cv2.INTER_AREA).astype(np.float64)
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, size[0]), np.linspace(-1.0, 1.0, size[1]))
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
+    values = small.ravel()
+    weights = np.ones(values.size)
+    surface = values
+    for round_ in range(16):
+        root = np.sqrt(weights)[:, None]
+        surface = terms @ np.linalg.lstsq(terms * root, values * root[:, 0], rcond=None)[0]
+        weights = np.where(values > surface, 1.0, 0.03)
+        if round_ >= 8:
+            weights = np.where(values > 0.75 * surface, 1.0, 1e-4)
+    whole = cv2.resize(
+        np.maximum(surface, 1.0).reshape(small.shape).astype(np.float32),
+        (width, height),
+        interpolation=cv2.INTER_CUBIC,
+    )
+    return np.maximum(whole, np.float32(1.0))
+
+
+def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
+    """The two classes of a histogram (256,), or None where it has one class only.
+
+    Minimum error thresholding (Kittler and Illingworth, 1986), which does not mind a class
+    of one pixel in a thousand; no class is narrower than the noise and a grey level.
+    """
+    counts = histogram.astype(np.float64)
+    values = np.arange(256.0)
+    total = counts.sum()
+    below = np.cumsum(counts)
+    sums = np.cumsum(counts * values)
+    squares = np.cumsum(counts * values * values)
+    usable = (below[:-1] > 0.0) & (below[:-1] < total)
+    if not usable.any():
+        return None
+    n0 = np.maximum(below[:-1], 1e-9)
+    n1 = np.maximum(total - below[:-1], 1e-9)
+    m0 = sums[:-1] / n0
+    m1 = (sums[-1] - sums[:-1]) / n1
+    floor = noise * noise + 1.0
+    v0 = np.maximum(squares[:-1] / n0 - m0 * m0, floor)
+    v1 = np.maximum((squares[-1] - squares[:-1]) / n1 - m1 * m1, floor)
+    least = max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
+    usable &= m1 - m0 >= least
+    if not usable.any():
+        return None
+    p0, p1 = n0 / total, n1 / total
+    cost = p0 * np.log(v0) + p1 * np.log(v1) - 2.0 * (p0 * np.log(p0) + p1 * np.log(p1))
+    split = int(np.argmin(np.where(usable, cost, np.inf)))
+    dark = _quantile(counts[: split + 1], 0.5)
+    light_counts = np.where(values > split, counts, 0.0)
+    light = _quantile(light_counts, 0.5)
+    if light - dark < least:
+        return None
+    level = 0.5 * (dark + light)
+    quarter = _quantile(np.where(values > level, counts, 0.0), 0.25)
+    three = _quantile(np.where(values > level, counts, 0.0), 0.75)
+    near = np.abs(values - level) < 0.2 * (light - dark)
+    return Classes(
+        dark=dark,
+        light=light,
+        light_spread=(three - quarter) / 1.349,
+        dark_share=float(counts[values < level].sum() / total),
+        between_share=float(counts[near].sum() / total),
+    )
+
+
+def _is_even(classes: Classes, noise: float) -> bool:
+    return classes.light_spread <= 1.5 * noise + EVEN_SPREAD * classes.contrast
+
+
+def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
+    """Dark pixels so rare that no sample shows them: look at the extremes of all pixels."""
+    lowest, highest, _, _ = cv2.minMaxLoc(grey)
+    middle = float(np.median(grey[:: max(1, grey.shape[0] // 64)]))
+    least = max(LEAST_CONTRAST, 2.0 * SAFE_MARGIN_SIGMAS * noise)
+    if middle - lowest >= least and middle - lowest >= highest - middle:
+        return Classes(lowest, middle, 0.0, 0.0, 0.0)
+    if highest - middle >= least:
+        return Classes(middle, highest, 0.0, 1.0, 0.0)
+    return None
+
+
+def _quantile(counts: NDArray[np.float64], share: float) -> float:
+    running = np.cumsum(counts)
+    return float(np.searchsorted(running, share * running[-1]))
+
+
+def _otsu(grey: NDArray[Any]) -> float:
+    eight = grey if grey.dtype == np.uint8 else np.rint(grey).astype(np.uint8)
+    return float(cv2.threshold(eight, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)[0])
+
+
+def _shown(level: float, side: Literal["dark", "light"]) -> float:
+    """The level in the values of the picture as it came, where light may be obstacle."""
+    return round(level if side == "dark" else 255.0 - level, 3)
+
+
+def _binary(
+    grey: NDArray[Any], level: float, noise: float, contrast: float, how: Binarisation
+) -> Binary:
+    """Compare with the level, in a smoothed picture where noise alone could cross it."""
+    remarks: tuple[str, ...] = ()
+    compared = grey
+    if noise > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * noise:
+        sigma = 1.0 if 0.5 * contrast > 0.4 * SAFE_MARGIN_SIGMAS * noise else 2.0
+        compared = cv2.GaussianBlur(grey, (0, 0), sigma)
+        remarks = (
+            f"noise of {noise:.0f} grey levels at a contrast of {contrast:.0f}: the picture was "
+            f"smoothed by {sigma:.0f} px before the level was applied",
+        )
+    height, width = grey.shape
+    mask = np.zeros((height + 2, (width + 2 + 7) // 8 * 8), np.uint8)
+    inside = mask[1:-1, 1 : width + 1]
+    bound = float(np.ceil(level) - 1.0) if compared.dtype == np.uint8 else float(level)
+    inside[:] = cv2.threshold(compared, bound, 1, cv2.THRESH_BINARY_INV)[1]
+    return Binary(mask, grey, level, noise, contrast, how, remarks)

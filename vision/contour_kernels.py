@@ -1,0 +1,236 @@
+"""Contour following along the cracks between obstacle and free pixels, and sub-pixel edges.
+
+Rules and units
+- The mask has one free pixel of margin on every side and rows of a multiple of eight bytes:
+  1 is obstacle, 0 free. Coordinates given out are the picture's own (margin taken off).
+- A crack is the side of an obstacle pixel behind which a free pixel lies. A border is the
+  closed sequence of cracks around one component (clockwise as seen on the screen) or around
+  one hole (counter-clockwise): the obstacle is always on the right hand. Obstacles are
+  8-connected and free space is 4-connected. The pixels of the cracks in their order, without
+  repetition, are the contour of clockwise 8-connected contour following.
+- A crack's direction is that of the walk: 0 east (the free pixel lies north), 1 south (it
+  lies east), 2 west (south), 3 north (west).
+- Everything is O(pixels / 8) for the search and O(border) for the rest.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+OBSTACLE = np.uint8(1)
+"""Bit 0 of a mask byte: the pixel belongs to an obstacle."""
+SEEN = np.uint8(2)
+"""Bit 1 of a mask byte: the west crack of this pixel has been walked."""
+LOW_BITS = np.uint64(0x0101010101010101)
+BYTE = np.uint64(8)
+LAST_BYTE = np.uint64(56)
+
+
+@njit(cache=True, nogil=True)
+def follow_borders(mask):
+    """Walk every border of the padded mask (h + 2, w') uint8; the mask's bit 1 is used up.
+
+    Returns ``(x, y, direction, starts, area)``: per crack the obstacle pixel and the walk's
+    direction, per border the index of its first crack (one more entry than borders) and the
+    pixels it encloses, negative for a hole.
+    """
+    height, stride = mask.shape
+    flat = mask.reshape(-1)
+    words = flat.view(np.uint64)
+    per_row = stride // 8
+    ahead = np.array([1, stride, -1, -stride], dtype=np.int64)
+    step_x = np.array([1, 0, -1, 0])
+    step_y = np.array([0, 1, 0, -1])
+
+    room = 4096
+    xs = np.empty(room, np.int32)
+    ys = np.empty(room, np.int32)
+    directions = np.empty(room, np.int8)
+    count = 0
+    border_room = 64
+    starts = np.empty(border_room + 1, np.int64)
+    areas = np.empty(border_room, np.int64)
+    borders = 0
+
+    for row in range(1, height - 1):
+        before = np.uint64(0)
+        for word_index in range(row * per_row, (row + 1) * per_row):
+            word = words[word_index]
+            west = word & ~((word << BYTE) | before) & LOW_BITS
+            before = word >> LAST_BYTE
+            if west == 0:
+                continue
+            for byte in range(8):
+                start = word_index * 8 + byte
+                if flat[start] & 3 != 1 or flat[start - 1] & 1 != 0:
+                    continue
+                if borders == border_room:
+                    border_room *= 2
+                    starts = _grown_long(starts, border_room + 1)
+                    areas = _grown_long(areas, border_room)
+                starts[borders] = count
+                area = 0
+                at = start
+                direction = 3
+                x = start - row * stride
+                y = row
+                while True:
+                    if count == room:
+                        room *= 2
+                        xs = _grown_int(xs, room)
+                        ys = _grown_int(ys, room)
+                        directions = _grown_byte(directions, room)
+                    xs[count] = x - 1
+                    ys[count] = y - 1
+                    directions[count] = direction
+                    count += 1
+                    if direction == 3:
+                        flat[at] |= SEEN
+                        area -= x
+                    elif direction == 1:
+                        area += x + 1
+                    forward = ahead[direction]
+                    left = (direction + 3) & 3
+                    if flat[at + forward + ahead[left]] & 1:
+                        at += forward + ahead[left]
+                        x += step_x[direction] + step_x[left]
+                        y += step_y[direction] + step_y[left]
+                        direction = left
+                    elif flat[at + forward] & 1:
+                        at += forward
+                        x += step_x[direction]
+                        y += step_y[direction]
+                    else:
+                        direction = (direction + 1) & 3
+                    if at == start and direction == 3:
+                        break
+                areas[borders] = area
+                borders += 1
+    starts[borders] = count
+    return (
+        xs[:count].copy(),
+        ys[:count].copy(),
+        directions[:count].copy(),
+        starts[: borders + 1].copy(),
+        areas[:borders].copy(),
+    )
+
+
+@njit(cache=True, nogil=True)
+def hole_owners(mask, xs, ys, directions, starts, areas):
+    """The outline that each border belongs to: its own index, or for a hole its object's.
+
+    From the first crack of a hole, which is the west crack in the hole's topmost row, the
+    object lies to the left behind the hole; its run of pixels begins with a west crack that
+    an earlier border walked.
+    """
+    borders = areas.shape[0]
+    owners = np.arange(borders)
+    holes = 0
+    for b in range(borders):
+        if areas[b] < 0:
+            holes += 1
+    if holes == 0:
+        return owners
+    size = 4
+    while size < 4 * holes:
+        size *= 2
+    keys = np.full(size, -1, np.int64)
+    found = np.full(size, -1, np.int64)
+    asked = np.full(borders, -1, np.int64)
+    stride = mask.shape[1]
+    for b in range(borders):
+        if areas[b] >= 0:
+            continue
+        x = xs[starts[b]] + 1
+        y = ys[starts[b]] + 1
+        x -= 1
+        while mask[y, x] & 1 == 0:
+            x -= 1
+        while mask[y, x - 1] & 1:
+            x -= 1
+        key = np.int64(y) * stride + x
+        asked[b] = key
+        slot = _slot(key, size)
+        while keys[slot] >= 0 and keys[slot] != key:
+            slot = (slot + 1) & (size - 1)
+        keys[slot] = key
+    for b in range(borders):
+        for i in range(starts[b], starts[b + 1]):
+            if directions[i] != 3:
+                continue
+            key = np.int64(ys[i] + 1) * stride + xs[i] + 1
+            slot = _slot(key, size)
+            while keys[slot] >= 0:
+                if keys[slot] == key:
+                    found[slot] = b
+                    break
+                slot = (slot + 1) & (size - 1)
+    for b in range(borders):
+        if areas[b] >= 0:
+            continue
+        slot = _slot(asked[b], size)
+        while keys[slot] != asked[b]:
+            slot = (slot + 1) & (size - 1)
+        owners[b] = owners[found[slot]]
+    return owners
+
+
+@njit(cache=True, nogil=True)
+def contour_pixels(xs, ys, starts):
+    """The 8-connected contours: every border's pixels without immediate repetition.
+
+    Returns ``(x, y, starts)``; the walk turns round one pixel without leaving it, and comes
+    by again where the object is one pixel wide.
+    """
+    borders = starts.shape[0] - 1
+    out_x = np.empty(xs.shape[0], np.int32)
+    out_y = np.empty(xs.shape[0], np.int32)
+    out_starts = np.empty(borders + 1, np.int64)
+    count = 0
+    for b in range(borders):
+        first = count
+        out_starts[b] = first
+        for i in range(starts[b], starts[b + 1]):
+            if count > first and out_x[count - 1] == xs[i] and out_y[count - 1] == ys[i]:
+                continue
+            out_x[count] = xs[i]
+            out_y[count] = ys[i]
+            count += 1
+        while (
+            count > first + 1
+            and out_x[count - 1] == out_x[first]
+            and out_y[count - 1] == out_y[first]
+        ):
+            count -= 1
+    out_starts[borders] = count
+    return out_x[:count].copy(), out_y[:count].copy(), out_starts
+
+
+@njit(cache=True, nogil=True)
+def _slot(key, size):
+    return (key * 2654435761 >> 7) & (size - 1)
+
+
+@njit(cache=True, nogil=True)
+def _grown_long(old, room):
+    new = np.empty(room, np.int64)
+    new[: old.shape[0]] = old
+    return new
+
+
+@njit(cache=True, nogil=True)
+def _grown_int(old, room):
+    new = np.empty(room, np.int32)
+    new[: old.shape[0]] = old
+    return new
+
+
+@njit(cache=True, nogil=True)
+def _grown_byte(old, room):
+    new = np.empty(room, np.int8)
+    new[: old.shape[0]] = old
+    return new

@@ -1,0 +1,69 @@
+"""Lines, arcs and circles through sub-pixel edge points; every decision by residual.
+
+Rules and units
+- Pixels (or rectified pixels), y down. The tolerance follows the picture: the noise, the
+  steepness of its edges, and whether it was drawn without grey.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.contours import EdgePoints
+from vision.fitting_kernels import fit_borders
+from vision.structure import FittedBorders
+
+SMOOTHING = 0.5311
+"""The noise left by the profile's five-pixel Gaussian."""
+FLOOR_PX = 0.08
+"""The smallest spread of edge points that is believed: lenses, prints and edges are no lines."""
+CALM_PX = 0.08
+"""Deviation that costs nothing in a picture with grey."""
+STAIRCASE_PX = 0.5
+"""Deviation that costs nothing in a picture of black and white only."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """What a fit may miss: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
+
+    ``blur_px`` is how far light spreads at an edge, ``guard`` the points beside a corner
+    that take no part in a fit.
+    """
+
+    dead_zone_px: float
+    sigma_px: float
+    blur_px: float
+    guard: int
+
+
+def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
+    """The tolerance that a picture's noise (grey levels), contrast and edges call for."""
+    slope = min(max(edges.slope, 0.05), 0.4)
+    spread = SMOOTHING * noise / (slope * max(contrast, 1.0))
+    crisp = edges.crispness if edges.crispness > 0.3 else 0.0
+    blur = 0.3989 / slope
+    return Tolerance(
+        dead_zone_px=CALM_PX + (STAIRCASE_PX - CALM_PX) * crisp,
+        sigma_px=float(np.hypot(FLOOR_PX, spread)),
+        blur_px=blur,
+        guard=max(1, round(1.2 * blur + 0.5)),
+    )
+
+
+def fit_edges(
+    points: NDArray[np.float64], starts: NDArray[np.int64], tolerance: Tolerance
+) -> FittedBorders:
+    """Partition every border into lines and arcs, or take it for a circle. O(points)."""
+    kind, edge_starts, edge_kind, data = fit_borders(
+        np.ascontiguousarray(points),
+        starts,
+        tolerance.dead_zone_px,
+        tolerance.sigma_px,
+        tolerance.blur_px,
+        tolerance.guard,
+    )
+    return FittedBorders(kind, edge_starts, edge_kind, data)

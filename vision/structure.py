@@ -1,0 +1,144 @@
+"""From fitted borders to the paper's records P, S, C, A and L.
+
+Rules and units
+- Coordinates are pixels, y down, or metres, y up, where a ``place`` function turns rectified
+  pixels into metres; an arc's turn is as seen on the screen and so needs no change.
+- An outline comes first, then the borders of its holes in their order.
+- P: a single pixel. S: pixels in one straight line, one pixel wide. C: a circle. L: anything
+  else; the border of a tiny object is its pixels' outline, exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import (
+    Arc,
+    CircleRecord,
+    Edge,
+    PointRecord,
+    PolygonRecord,
+    Record,
+    SceneObject,
+    Segment,
+    SegmentRecord,
+)
+from vision.contours import Borders
+
+LINE, ARC_CW, ARC_CCW = 0, 1, 2
+POLYGON, CIRCLE, TINY = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True)
+class FittedBorders:
+    """Lines, arcs and circles of every border, as ``vision.fitting`` leaves them.
+
+    ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,):
+    LINE, ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an
+    arc or circle; rms deviation in pixels.
+    """
+
+    border_kind: NDArray[np.int8]
+    edge_starts: NDArray[np.int64]
+    kind: NDArray[np.int8]
+    data: NDArray[np.float64]
+
+
+def build_objects(borders: Borders, fitted: FittedBorders) -> tuple[SceneObject, ...]:
+    """The scene's objects in the order of their first pixel. O(records)."""
+    kinds = fitted.kind.tolist()
+    rows = fitted.data.tolist()
+    border_kind = fitted.border_kind.tolist()
+    starts = fitted.edge_starts.tolist()
+    owners = borders.owner.tolist()
+    outline: dict[int, Record] = {}
+    holes: dict[int, list[tuple[Record, ...]]] = {}
+    for b, owner in enumerate(owners):
+        if border_kind[b] == TINY:
+            record = tiny_record(borders, b)
+        elif border_kind[b] == CIRCLE:
+            _, _, cx, cy, r, rms = rows[starts[b]]
+            record = CircleRecord((cx, cy), r, rms)
+        else:
+            record = _polygon(kinds, rows, starts[b], starts[b + 1])
+        if owner == b:
+            outline[b] = record
+        else:
+            holes.setdefault(owner, []).append((record,))
+    return tuple(
+        SceneObject(number, (record,), tuple(holes.get(b, ())))
+        for number, (b, record) in enumerate(outline.items())
+    )
+
+
+def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -> Record:
+    edges: list[Edge] = []
+    total = 0.0
+    x0, y0 = rows[first][0], rows[first][1]
+    here = (x0, y0)
+    for e in range(first, last):
+        row = rows[e]
+        nxt = rows[e + 1] if e + 1 < last else rows[first]
+        there = (nxt[0], nxt[1]) if e + 1 < last else (x0, y0)
+        if kinds[e] == LINE:
+            edges.append(Segment(here, there))
+        else:
+            edges.append(Arc(here, there, (row[2], row[3]), row[4], kinds[e] == ARC_CCW))
+        total += row[5] * row[5]
+        here = there
+    return PolygonRecord(tuple(edges), math.sqrt(total / (last - first)))
+
+
+def tiny_record(borders: Borders, border: int) -> Record:
+    """P, S, or the pixels' own outline as L, for an object too small for a fit."""
+    xs, ys, directions = borders.cracks_of(border)
+    pixels = list(dict.fromkeys(zip(xs.tolist(), ys.tolist(), strict=True)))
+    if borders.owner[border] == border and borders.area[border] == len(pixels):
+        if len(pixels) == 1:
+            return PointRecord((float(pixels[0][0]), float(pixels[0][1])))
+        ends = straight_line(pixels)
+        if ends is not None:
+            return ends
+    corners = pixel_outline(xs, ys, directions)
+    edges = tuple(Segment(corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners)))
+    return PolygonRecord(edges)
+
+
+def straight_line(pixels: list[tuple[int, int]]) -> SegmentRecord | None:
+    """The segment along pixels that form one straight digital line, one pixel wide, or None."""
+    points = np.array(pixels, dtype=np.float64)
+    low, high = points.min(axis=0), points.max(axis=0)
+    if len(pixels) != int((high - low).max()) + 1:
+        return None
+    middle = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
+    along = (points - middle) @ axes[0]
+    across = (points - middle) @ np.array([-axes[0, 1], axes[0, 0]])
+    if float(np.abs(across).max()) > 0.5:
+        return None
+    a = middle + along.min() * axes[0]
+    b = middle + along.max() * axes[0]
+    start, end = sorted([(float(a[0]), float(a[1])), (float(b[0]), float(b[1]))])
+    return SegmentRecord(start, end, float(np.sqrt((across**2).mean())))
+
+
+def pixel_outline(
+    xs: NDArray[Any], ys: NDArray[Any], directions: NDArray[Any]
+) -> list[tuple[float, float]]:
+    """The corners of a sequence of cracks: where it turns."""
+    corners = []
+    for i in range(len(xs)):
+        if directions[i] != directions[i - 1]:
+            d = int(directions[i])
+            corners.append(
+                (
+                    float(xs[i]) + (0.5 if d in (1, 2) else -0.5),
+                    float(ys[i]) + (0.5 if d in (2, 3) else -0.5),
+                )
+            )
+    return corners
