@@ -128,7 +128,7 @@ def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code; nothing but a bug here raises."""
     arguments, debug = _take_debug(list(arguments))
     try:
-        code = clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)
+        code = _invoke(arguments)
         sys.stdout.flush()
     except (click.Abort, KeyboardInterrupt):
         return INTERRUPTED
@@ -140,6 +140,20 @@ def run(arguments: Sequence[str]) -> int:
         click.echo(f"clearway: error: {_sentence(error)}", err=True)
         return exit_code_of(error)
     return code if isinstance(code, int) else DONE
+
+
+def _invoke(arguments: list[str]) -> object:
+    """What the command returned, or the code it exited with.
+
+    click's own ``main`` is used for shell completion only: it answers a closed pipe itself.
+    """
+    if "_CLEARWAY_COMPLETE" in os.environ:
+        return clearway.main(args=arguments, prog_name="clearway", standalone_mode=False)
+    try:
+        with clearway.make_context("clearway", arguments) as ctx:
+            return clearway.invoke(ctx)
+    except click.exceptions.Exit as done:
+        return done.exit_code
 
 
 def exit_code_of(error: BaseException) -> int:

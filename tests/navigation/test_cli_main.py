@@ -1,0 +1,208 @@
+"""The entry point: exit codes, one-sentence errors, lazy commands."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import click
+import pytest
+
+from navigation.cli import main as entry
+from planner.scene import SceneError
+from vision.camera import CameraError
+
+
+def _install(monkeypatch: pytest.MonkeyPatch, body: Callable[[], object]) -> None:
+    """Make ``clearway plan`` call ``body``."""
+
+    @click.command()
+    @click.option("--radius", type=float)
+    def command(radius: float | None) -> object:
+        return body()
+
+    monkeypatch.setattr(sys.modules[__name__], "probe", command, raising=False)
+    monkeypatch.setitem(entry.COMMANDS, "plan", entry.Listed(f"{__name__}:probe", "help"))
+
+
+def _raise(error: BaseException) -> Callable[[], object]:
+    def body() -> object:
+        raise error
+
+    return body
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [
+        (SceneError("map.png: not a picture"), 2),
+        (CameraError("camera 0: busy"), 2),
+        (FileNotFoundError(2, "No such file or directory", "a.png"), 2),
+        (click.BadParameter("must be > 0"), 2),
+        (OSError(28, "No space left on device"), 1),
+        (ValueError("a bug in numpy's land"), 1),
+        (KeyError("x"), 1),
+        (KeyboardInterrupt(), 130),
+    ],
+)
+def test_each_error_has_its_exit_code(
+    error: BaseException, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _install(monkeypatch, _raise(error))
+    assert entry.run(["plan"]) == code
+
+
+def test_a_configuration_error_exits_with_78(monkeypatch: pytest.MonkeyPatch) -> None:
+    from navigation.config import parse_config
+
+    _install(monkeypatch, lambda: parse_config("arena: 3"))
+    assert entry.run(["plan"]) == 78
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_a_command_may_return_its_exit_code(code: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    _install(monkeypatch, lambda: code)
+    assert entry.run(["plan"]) == code
+
+
+def test_our_error_is_one_line_on_stderr(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, _raise(SceneError("map.png: is not a picture")))
+    entry.run(["plan"])
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "clearway: error: map.png: is not a picture\n")
+
+
+def test_a_missing_file_is_named_without_errno(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, Path("/no/such/file").read_bytes)
+    assert entry.run(["plan"]) == 2
+    assert capsys.readouterr().err == "clearway: error: /no/such/file: No such file or directory\n"
+
+
+@pytest.mark.parametrize("arguments", [["--debug", "plan"], ["plan", "--debug"]])
+def test_debug_shows_the_traceback_wherever_it_stands(
+    arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, _raise(SceneError("x")))
+    assert entry.run(arguments) == 2
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_without_debug_there_is_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, _raise(RuntimeError("boom")))
+    assert entry.run(["plan"]) == 1
+    err = capsys.readouterr().err
+    assert "Traceback" not in err
+    assert "RuntimeError: boom" in err
+
+
+def test_debug_behind_a_double_dash_is_left_to_the_command() -> None:
+    assert entry._take_debug(["plan", "--", "--debug"]) == (["plan", "--", "--debug"], False)
+
+
+def test_the_environment_can_ask_for_debug(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CLEARWAY_DEBUG", "1")
+    _install(monkeypatch, _raise(SceneError("x")))
+    entry.run(["plan"])
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_a_misspelt_command_is_corrected(capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run(["plam"]) == 2
+    assert "did you mean 'plan'?" in capsys.readouterr().err
+
+
+def test_an_unknown_command_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run(["xyzzy"]) == 2
+    assert "extract" in capsys.readouterr().err
+
+
+def test_an_unknown_option_is_a_usage_error(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _install(monkeypatch, lambda: 0)
+    assert entry.run(["plan", "--radios", "3"]) == 2
+    err = capsys.readouterr().err
+    assert "--radios" in err
+    assert err.count("\n") == 1
+
+
+def test_no_command_shows_the_help_and_fails(capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run([]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "Commands:" in err
+
+
+def test_help_lists_every_command_with_its_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run(["--help"]) == 0
+    out = capsys.readouterr().out
+    for name, listed in entry.COMMANDS.items():
+        assert f"  {name} " in out
+        assert listed.help.split()[0] in out
+
+
+def test_version_is_the_distribution_s(capsys: pytest.CaptureFixture[str]) -> None:
+    from importlib.metadata import version
+
+    assert entry.run(["--version"]) == 0
+    assert capsys.readouterr().out == f"clearway {version('clearway')}\n"
+
+
+HEAVY = ("numpy", "cv2", "numba", "pydantic", "serial", "networkx", "yaml")
+
+
+def test_help_imports_nothing_heavy() -> None:
+    script = (
+        "import sys\n"
+        "from navigation.cli.main import run\n"
+        "run(['--help'])\n"
+        f"sys.exit(','.join(m for m in {HEAVY} if m in sys.modules) or 0)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_help_is_quick() -> None:
+    """The best of five against a bare interpreter's start, as the machine may be busy."""
+
+    def seconds(script: str) -> float:
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", script], capture_output=True, timeout=60, check=True)
+        return time.perf_counter() - began
+
+    helping = min(seconds("from navigation.cli.main import run; run(['-h'])") for _ in range(5))
+    bare = min(seconds("") for _ in range(5))
+    assert helping - bare < 0.3
+
+
+def test_a_reader_that_goes_away_is_met_with_silence() -> None:
+    """`clearway schema | head -1`: no traceback, and the code that a shell gives SIGPIPE."""
+    script = "import sys; from navigation.cli.main import run; sys.exit(run(['schema']))"
+    done = subprocess.Popen(
+        [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert done.stdout is not None
+    assert done.stderr is not None
+    done.stdout.close()
+    error = done.stderr.read()
+    done.stderr.close()
+    assert (done.wait(60), error) == (141, "")
+
+
+@pytest.mark.parametrize("name", ["check", "init", "schema"])
+def test_each_command_explains_itself(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.run([name, "--help"]) == 0
+    assert "Usage: clearway" in capsys.readouterr().out
