@@ -1,0 +1,105 @@
+"""Values that several commands take: points, numbers and preferences, checked where typed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import click
+
+
+@dataclass(frozen=True, slots=True)
+class Station:
+    """A place, and a heading or None where any will do; radians in the scene's own sense."""
+
+    x: float
+    y: float
+    heading_rad: float | None = None
+
+    def as_tuple(self) -> tuple[float, ...]:
+        """(x, y) or (x, y, heading_rad), as ``Roadmap.plan`` takes it."""
+        return (self.x, self.y) if self.heading_rad is None else (self.x, self.y, self.heading_rad)
+
+
+class StationType(click.ParamType):
+    """``X,Y`` or ``X,Y,DEG`` in the scene's units and its own sense of turning."""
+
+    name = "X,Y[,DEG]"
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """As the help shows it."""
+        return self.name
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Station:
+        """Parse; click's usage error where it is not two or three finite numbers."""
+        if isinstance(value, Station):
+            return value
+        numbers = [_finite(word) for word in str(value).split(",")]
+        if len(numbers) not in (2, 3) or None in numbers:
+            self.fail(f"{value!r}: must be X,Y or X,Y,DEG, finite numbers", param, ctx)
+        x, y, *degrees = (float(n) for n in numbers if n is not None)
+        return Station(x, y, math.radians(degrees[0]) if degrees else None)
+
+
+class NumberType(click.ParamType):
+    """A finite number that is > 0, or >= 0 with ``zero``."""
+
+    name = "NUMBER"
+
+    def __init__(self, *, zero: bool = False) -> None:
+        self.zero = zero
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Parse; click's usage error where it is out of range."""
+        number = _finite(str(value))
+        if number is None or number < 0.0 or (number == 0.0 and not self.zero):
+            limit = ">= 0" if self.zero else "> 0"
+            self.fail(f"{value!r}: must be a finite number {limit}", param, ctx)
+        return number
+
+
+class PreferenceType(click.ParamType):
+    """``clearance``, ``length``, ``balanced``, or a number from 0 (length) to 1 (clearance)."""
+
+    name = "clearance|length|balanced|0..1"
+    names = ("clearance", "length", "balanced")
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """As the help shows it."""
+        return f"[{self.name}]"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str | float:
+        """Parse; click's usage error where it is neither a name nor in 0..1."""
+        if value in self.names:
+            return str(value)
+        number = _finite(str(value))
+        if number is None or not 0.0 <= number <= 1.0:
+            self.fail(
+                f"{value!r}: must be clearance, length, balanced or a number from 0 (length)"
+                " to 1 (clearance)",
+                param,
+                ctx,
+            )
+        return number
+
+
+STATION = StationType()
+POSITIVE = NumberType()
+NOT_NEGATIVE = NumberType(zero=True)
+PREFERENCE = PreferenceType()
+
+
+def _finite(word: str) -> float | None:
+    """The word as a finite number, None where it is none; no underscores, no ``nan``."""
+    try:
+        number = float(word)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) and "_" not in word else None

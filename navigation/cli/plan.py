@@ -1,0 +1,195 @@
+"""`clearway plan`: one plan through a picture, a scene text or a map."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import click
+
+from navigation.cli.options import NOT_NEGATIVE, POSITIVE, PREFERENCE, STATION, Station
+
+if TYPE_CHECKING:
+    from navigation.plan_answer import PlanAnswer
+    from planner.roadmap import Roadmap
+    from planner.scene import Scene
+
+NO_PATH = 3
+
+
+class PlanError(ValueError):
+    """The request makes no sense; the message says why."""
+
+
+@click.command(short_help="One plan through a picture, scene or map.")
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option("--start", type=STATION, required=True, help="Where the robot stands.")
+@click.option("--goal", type=STATION, required=True, help="Where it is to stand.")
+@click.option("--radius", type=POSITIVE, required=True, help="The robot's, in the scene's units.")
+@click.option("--via", type=STATION, multiple=True, help="A station on the way; repeatable.")
+@click.option(
+    "--order",
+    type=click.Choice(["fixed", "best"]),
+    default="fixed",
+    show_default=True,
+    help="The stations' order: as given, or the one with the shortest way.",
+)
+@click.option("--margin", type=NOT_NEGATIVE, default=0.0, help="Clearance on top of the radius.")
+@click.option("--spacing", type=POSITIVE, help="Between generators; less than 2 radius.")
+@click.option(
+    "--prefer", type=PREFERENCE, default="balanced", show_default=True, help="What a path is for."
+)
+@click.option(
+    "--alternatives",
+    type=click.IntRange(0, 20),
+    default=0,
+    metavar="K",
+    help="Other ways round the obstacles, besides the best.",
+)
+@click.option(
+    "--polarity",
+    type=click.Choice(["dark", "light", "auto"]),
+    default="auto",
+    show_default=True,
+    help="Of a picture: whether the obstacles are dark or light.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="Of the answer.",
+)
+@click.option(
+    "--render", type=click.Path(path_type=Path), help="Draw the plan: FILE.svg or FILE.png."
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Write the answer to this file."
+)
+def command(
+    source: Path,
+    start: Station,
+    goal: Station,
+    radius: float,
+    via: tuple[Station, ...],
+    order: Literal["fixed", "best"],
+    margin: float,
+    spacing: float | None,
+    prefer: str | float,
+    alternatives: int,
+    polarity: Literal["dark", "light", "auto"],
+    form: str,
+    render: Path | None,
+    output: Path | None,
+) -> int:
+    """Plan a path through SOURCE: a picture, a scene text, a ROS map's YAML or a MovingAI .map.
+
+    Coordinates are the source's own: pixels with y down for a picture, metres with y up for a
+    ROS map, cells for a .map. Exits 3 where there is no path, and says why.
+    """
+    from navigation.sources import hold_points, load_source
+
+    if render is not None and render.suffix.lower() not in (".svg", ".png"):
+        raise click.BadParameter(f"{render}: must end in .svg or .png", param_hint="--render")
+    if spacing is not None and spacing >= 2.0 * radius:
+        raise click.BadParameter(
+            f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
+        )
+    begin_s = time.perf_counter()
+    scene = load_source(source, polarity)
+    stations = [start, *via, goal]
+    room = 4.0 * (radius + margin)
+    scene = hold_points(scene, [(s.x, s.y) for s in stations], room)
+    roadmap, timings_ms = timed_roadmap(scene, radius, spacing)
+    planned_s = time.perf_counter()
+    try:
+        path = roadmap.plan(
+            start.as_tuple(),
+            goal.as_tuple(),
+            prefer=prefer,
+            via=[s.as_tuple() for s in via],
+            order=order,
+            alternatives=alternatives,
+            margin=margin,
+        )
+    except ValueError as error:
+        raise PlanError(str(error)) from error
+    timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
+    answer = _answer(scene, roadmap, path, timings_ms, begin_s)
+    text = answer.as_json() + "\n" if form == "json" else answer.as_text()
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        output.write_text(text, encoding="utf-8")
+    if render is not None:
+        _render(render, answer, roadmap, stations)
+    return NO_PATH if answer.trajectory is None else 0
+
+
+def timed_roadmap(
+    scene: Scene, radius: float, spacing: float | None
+) -> tuple[Roadmap, dict[str, float]]:
+    """The roadmap built stage by stage, with the milliseconds of every stage."""
+    from planner import agvd, generators
+    from planner.roadmap import finish_roadmap
+
+    times = [time.perf_counter()]
+    try:
+        delta = generators.choose_spacing(generators.check_radius(radius), spacing)
+        borders = generators.gather_borders(scene)
+        sites = generators.place_generators(borders, delta)
+    except ValueError as error:
+        raise PlanError(str(error)) from error
+    times.append(time.perf_counter())
+    half_edges = agvd.diagram(sites)
+    times.append(time.perf_counter())
+    valid = agvd.omit_invalid(half_edges, sites, "exact")
+    roadmap = finish_roadmap(scene, radius, "exact", valid, agvd.join_chains(valid))
+    times.append(time.perf_counter())
+    geometry, voronoi, chains = (1e3 * (b - a) for a, b in pairwise(times))
+    timings_ms = dict(scene.timings_ms)
+    timings_ms["geometry"] = timings_ms.get("geometry", 0.0) + geometry
+    return roadmap, timings_ms | {"voronoi": voronoi, "roadmap": chains}
+
+
+def _answer(
+    scene: Scene, roadmap: Roadmap, path: object, timings_ms: dict[str, float], begin_s: float
+) -> PlanAnswer:
+    from navigation.plan_answer import PlanAnswer
+    from planner.path import NoPath
+    from planner.path import Path as PlannedPath
+    from planner.trajectory import default_limits, time_path
+
+    trajectory = None
+    if isinstance(path, PlannedPath):
+        timed_s = time.perf_counter()
+        limits = default_limits(roadmap.radius)
+        trajectory = time_path(path, limits, clearance=roadmap.clearance)
+        timings_ms["trajectory"] = 1e3 * (time.perf_counter() - timed_s)
+    elif not isinstance(path, NoPath):
+        raise TypeError(f"a plan is a Path or a NoPath, not {type(path).__name__}")
+    counts = {
+        "border_pixels": scene.border_pixels,
+        "vertices": scene.vertex_count,
+        **roadmap.counts,
+    }
+    timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
+    remarks = (*scene.remarks, *roadmap.remarks)
+    return PlanAnswer(scene, roadmap.radius, path, trajectory, counts, timings_ms, remarks)
+
+
+def _render(file: Path, answer: PlanAnswer, roadmap: Roadmap, stations: list[Station]) -> None:
+    from navigation.draw import save_picture
+
+    places = [s.as_tuple() for s in stations]
+    save_picture(
+        file,
+        answer.scene,
+        roadmap=roadmap,
+        path=answer.path,
+        trajectory=answer.trajectory,
+        stations=places,
+    )

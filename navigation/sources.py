@@ -1,0 +1,104 @@
+"""From a SOURCE on the command line to a scene: a picture, a scene text, a ROS or MovingAI map.
+
+A file is judged by its content: what begins like a picture goes to ``vision.extract``, anything
+else to ``planner.load_scene``. This is also where the pictures of ROS maps that are not PGM
+(map_saver can write PNG) are decoded, since the planner knows no OpenCV.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.map_files import Shades, read_bytes
+from planner.scene import Bounds, Scene, SceneError
+from planner.scene_io import is_picture, load_scene
+
+Polarity = Literal["dark", "light", "auto"]
+
+PICTURE_SUFFIXES = frozenset(
+    (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".webp", ".pgm", ".ppm", ".pnm")
+)
+
+
+def load_source(
+    path: Path, polarity: Polarity = "auto", clock: Callable[[], float] = time.perf_counter
+) -> Scene:
+    """The scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
+
+    ``polarity`` is for pictures: whether the obstacles are dark or light. Raises
+    :class:`SceneError`, or a ValueError of ``vision``, naming the file.
+    """
+    begin_s = clock()
+    data = read_bytes(path)
+    if is_picture(data):
+        image = _decode(data, path)
+        loaded_s = clock()
+        scene = _extract(image, polarity, path)
+    elif path.suffix.lower() in PICTURE_SUFFIXES:
+        raise SceneError(f"{path}: not a picture: its content is none that OpenCV can decode")
+    else:
+        scene = load_scene(path, read_picture=read_shades)
+        loaded_s = clock()
+    return replace(scene, timings_ms={"load": 1e3 * (loaded_s - begin_s), **scene.timings_ms})
+
+
+def read_shades(path: Path) -> Shades:
+    """A map's picture as shades in [0, 1] and a mask of its transparent pixels."""
+    image = _decode(read_bytes(path), path)
+    most = float(np.iinfo(image.dtype).max)
+    if image.ndim == 2:
+        return image / most, np.zeros(image.shape, dtype=np.bool_)
+    colours = image[:, :, :3] if image.shape[2] >= 3 else image[:, :, :1]
+    shade = colours.mean(axis=2, dtype=np.float64) / most
+    clear = np.zeros(shade.shape, dtype=np.bool_)
+    if image.shape[2] in (2, 4):
+        clear = np.asarray(image[:, :, -1] < most, dtype=np.bool_)
+    return shade, clear
+
+
+def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) -> Scene:
+    """The scene with its derived bounds grown to hold the points with ``room`` around them.
+
+    Bounds that the source gave are the arena's walls and stay as they are.
+    """
+    b = scene.bounds
+    if scene.bounds_given or all(b.contains(p) for p in points):
+        return scene
+    xs, ys = zip(*points, strict=True)
+    bounds = Bounds(
+        min(b.x_min, min(xs) - room),
+        min(b.y_min, min(ys) - room),
+        max(b.x_max, max(xs) + room),
+        max(b.y_max, max(ys) + room),
+    )
+    return replace(scene, bounds=bounds)
+
+
+def _decode(data: bytes, path: Path) -> NDArray[Any]:
+    import cv2
+
+    try:
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        image = None
+    if image is None:
+        raise SceneError(f"{path}: a damaged picture, or of a kind that OpenCV cannot decode")
+    if image.dtype not in (np.uint8, np.uint16):
+        raise SceneError(f"{path}: a picture of {image.dtype}: must have 8 or 16 bits a channel")
+    return image
+
+
+def _extract(image: NDArray[Any], polarity: Polarity, path: Path) -> Scene:
+    import vision
+
+    try:
+        return vision.extract(image, polarity=polarity)
+    except ValueError as error:
+        raise SceneError(f"{path}: {error}") from error
