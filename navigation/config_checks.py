@@ -110,6 +110,8 @@ def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) ->
     if simulation is not None:
         places.append((("simulation", "start"), simulation.start))
     x0, y0, x1, y1 = arena.bounds_m
+    if not (x0 < x1 and y0 < y1):
+        return
     r = robot.radius_m
     for where, place in places:
         for key, value, low, high in (

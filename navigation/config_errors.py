@@ -7,6 +7,7 @@ place and, where one can be guessed, what was meant. All problems are told toget
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -182,9 +183,8 @@ def _sentence(error: Any) -> str:
     if kind in _KINDS:
         return f"must be {_KINDS[kind]}, not {given}"
     if kind == "literal_error":
-        near = difflib.get_close_matches(
-            str(error["input"]), [w.strip("'") for w in context["expected"].split(", ")], n=1
-        )
+        words = re.findall(r"'([^']*)'", context["expected"])
+        near = difflib.get_close_matches(str(error["input"]), words, n=1)
         hint = f"; did you mean '{near[0]}'?" if near else ""
         return f"must be {context['expected']}, not {given}{hint}"
     for name, sign in _LIMIT_SIGNS.items():

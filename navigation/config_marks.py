@@ -10,6 +10,7 @@ Rules
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -71,6 +72,25 @@ for _name, _pattern, _first in _CORE:
     )
 
 
+def _bool(word: str) -> bool:
+    if word.lower() not in ("true", "false"):
+        raise ValueError
+    return word.lower() == "true"
+
+
+def _float(word: str) -> float:
+    return float(word.lower().replace(".inf", "inf").replace(".nan", "nan"))
+
+
+_CONSTRUCT: dict[str, Callable[[str], Any]] = {
+    "str": str,
+    "int": lambda word: int(word, 16 if "x" in word else 10),
+    "float": _float,
+    "bool": _bool,
+    "null": lambda _: None,
+}
+
+
 def read_document(text: str) -> Document:
     """Parse YAML text; what is wrong with it stands in ``defects``, nothing is raised."""
     document = Document(text)
@@ -78,7 +98,7 @@ def read_document(text: str) -> Document:
         loader = _Loader(text)
         node = loader.get_single_node()
         if node is not None:
-            document.data = _Walk(loader, document).value(node, ())
+            document.data = _Walk(document).value(node, ())
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         parts = (error.context, error.problem)
@@ -101,8 +121,7 @@ def _mark(start: yaml.Mark, end: yaml.Mark | None = None) -> Mark:
 class _Walk:
     """Turns nodes into plain data, noting where everything stood."""
 
-    def __init__(self, loader: _Loader, document: Document) -> None:
-        self._loader = loader
+    def __init__(self, document: Document) -> None:
         self._document = document
         self._open: list[yaml.Node] = []
 
@@ -140,11 +159,13 @@ class _Walk:
         return result
 
     def _scalar(self, node: yaml.Node) -> Any:
+        kind = node.tag.removeprefix(_TAG)
         try:
-            return self._loader.construct_object(node, deep=True)  # type: ignore[no-untyped-call]
-        except (yaml.constructor.ConstructorError, ValueError) as error:
-            problem = getattr(error, "problem", None) or error
-            self._document.defects.append(
-                Defect(_mark(node.start_mark, node.end_mark), str(problem))
-            )
-            return None
+            if kind in _CONSTRUCT:
+                return _CONSTRUCT[kind](node.value)
+            problem = f"the tag {node.tag.replace(_TAG, '!!')} has no meaning here"
+        except ValueError:
+            problem = f"'{node.value}' is no {kind}"
+        mark = _mark(node.start_mark, node.end_mark)
+        self._document.defects.append(Defect(mark, problem))
+        return None
