@@ -1,0 +1,11 @@
+"""Whose fault it is: ours (``LocalError``) or the wire's (``RemoteError``)."""
+
+from __future__ import annotations
+
+
+class LocalError(ValueError):
+    """This program asked for something that the wire cannot carry; the message says what."""
+
+
+class RemoteError(ValueError):
+    """The other end sent something that is whole but makes no sense; the message says what."""

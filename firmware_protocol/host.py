@@ -1,0 +1,623 @@
+"""The host's end of the link, sans-IO: bytes in, events out, one frame at a time out.
+
+- ``receive_bytes`` and ``tick`` take the time; ``next_event`` tells what happened;
+  ``bytes_to_send`` hands out at most one frame, paced to the baud rate, so that no more than
+  one waits in the operating system and an emergency stop is never stuck behind a queue.
+- Orders (``upload``, ``start``, ``pause``, ``clear``, ``reset_estop``) are wishes: they are sent
+  until STATUS confirms them. A lease and a pose are sent once each; a newer one replaces them.
+- After a lost link the robot stands. It drives again only on a new ``start``.
+- Seconds of the host's monotonic clock; metres and radians.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections import deque
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_protocol.clock_sync import WRAP_US, ClockEstimate
+from firmware_protocol.errors import LocalError, RemoteError
+from firmware_protocol.framing import (
+    VERSION,
+    Frame,
+    FrameParser,
+    Sender,
+    encode_frame,
+    wire_bytes,
+)
+from firmware_protocol.host_events import (
+    CommandEnded,
+    EstopConfirmed,
+    Event,
+    LinkChanged,
+    MissionAccepted,
+    MissionDone,
+    MissionVoid,
+    RobotRebooted,
+    StatusReceived,
+)
+from firmware_protocol.host_state import TRANSITIONS, LinkEvent, LinkState
+from firmware_protocol.link import RttEstimate, SendWindow
+from firmware_protocol.messages import (
+    ESTOP_FRAME,
+    SCHEMA_HASH,
+    Ack,
+    Clear,
+    CommandResult,
+    Hello,
+    HelloAck,
+    Lease,
+    LeaseFlag,
+    MessageType,
+    Pause,
+    PoseFix,
+    ResetEstop,
+    RobotState,
+    Start,
+    Status,
+    TimeSync,
+    TimeSyncReply,
+    read_message,
+)
+from firmware_protocol.mission import Mission
+from firmware_protocol.upload import Upload
+
+SILENCE_S: Final = 0.5
+"""The link is lost after so long without a frame of the session."""
+HELLO_FIRST_S: Final = 0.05
+HELLO_LAST_S: Final = 0.5
+ESTOP_REPEAT_S: Final = 0.02
+SYNC_FAST_S: Final = 0.1
+SYNC_SLOW_S: Final = 1.0
+SYNC_FAST_COUNT: Final = 8
+COMMAND_RETRY_S: Final = 0.5
+"""A command that was acknowledged but not answered in STATUS is given again after this."""
+START_PATIENCE_S: Final = 1.0
+"""START is repeated for so long where the robot has no lease or pose yet."""
+START_RETRY_S: Final = 0.05
+PREFETCH_S: Final = 0.001
+"""The next frame may be handed out so long before the line is free."""
+FOREIGN_S: Final = 1.0
+
+
+@dataclass(slots=True)
+class HostCounters:
+    """What the host's end did and met, beside the parser's own counters."""
+
+    frames_sent: int = 0
+    bytes_sent: int = 0
+    sessions: int = 0
+    links_lost: int = 0
+    reboots: int = 0
+    naks: int = 0
+    retransmits: int = 0
+    timeouts: int = 0
+    foreign_session: int = 0
+    late_session: int = 0
+    nonsense: int = 0
+
+
+@dataclass(slots=True)
+class _Outstanding:
+    """The command that waits for its answer; one at a time."""
+
+    number: int
+    kind: MessageType
+    sent_s: float
+
+
+class HostConnection:
+    """One robot at the other end of one line.
+
+    ``rng`` gives session numbers; ``baud`` paces the output, None does not pace;
+    ``expected_boot_id`` is the boot that a journalled mission belongs to.
+    """
+
+    def __init__(
+        self,
+        rng: random.Random,
+        baud: int | None = 115_200,
+        expected_boot_id: int | None = None,
+    ) -> None:
+        self.state = LinkState.CLOSED
+        self.parser = FrameParser(Sender.ROBOT)
+        self.counters = HostCounters()
+        self.clock = ClockEstimate()
+        self.rtt = RttEstimate()
+        self.robot: HelloAck | None = None
+        self.status: Status | None = None
+        self.status_s = -math.inf
+        self.upload_state: Upload | None = None
+        self._rng = rng
+        self._baud = baud
+        self._boot_id = expected_boot_id
+        self._events: deque[Event] = deque()
+        self._session = 0
+        self._own_sessions: deque[int] = deque(maxlen=16)
+        self._window = SendWindow(0)
+        self._reason = "the port is not open"
+        self._opened_s = 0.0
+        self._heard_s = -math.inf
+        self._bytes_s = -math.inf
+        self._foreign_s = -math.inf
+        self._hello_s = 0.0
+        self._hello_wait_s = HELLO_FIRST_S
+        self._line_free_s = -math.inf
+        self._lease: tuple[Lease, float] | None = None
+        self._pose: tuple[PoseFix, float] | None = None
+        self._sync_s = -math.inf
+        self._sync_sent: dict[int, float] = {}
+        self._sync_count = 0
+        self._estop_wanted = False
+        self._estop_s = -math.inf
+        self._reset_wanted = False
+        self._pause_wanted = False
+        self._clear_wanted = False
+        self._start_wanted_s: float | None = None
+        self._start_again_s = -math.inf
+        self._command = 0
+        self._outstanding: _Outstanding | None = None
+
+    # Orders.
+
+    def open(self, now_s: float) -> None:
+        """The port is open: ask for a robot."""
+        self._opened_s = now_s
+        self._line_free_s = -math.inf
+        self._change(LinkEvent.OPEN, "looking for a robot")
+        self._new_session(now_s)
+
+    def close(self, reason: str = "the port was closed") -> None:
+        """The port is gone or closed; orders in flight are given up."""
+        self._drop_session()
+        self._change(LinkEvent.CLOSE, reason)
+        self._reason = reason
+
+    def upload(self, mission: Mission, now_s: float, start: bool = True) -> None:
+        """Replace the mission: stop under control, clear, send, and (``start``) drive.
+
+        A mission that the robot already holds (same id, same waypoints) goes on where it was.
+        """
+        self.upload_state = Upload(mission)
+        self._pause_wanted = self._clear_wanted = False
+        self._start_wanted_s = None
+        self._change(LinkEvent.MISSION_OVER, "a mission was given")
+        if self.status is not None and self.state is LinkState.STREAM:
+            void = self.upload_state.see_status(self.status, 0, False)
+            if void is not None:
+                self._void(void)
+                return
+        if start:
+            self.start(now_s)
+
+    def start(self, now_s: float) -> None:
+        """Drive the mission; LocalError where there is none."""
+        if self.upload_state is None:
+            raise LocalError("start: there is no mission")
+        self._pause_wanted = False
+        self._start_wanted_s = now_s
+        self._start_again_s = -math.inf
+
+    def pause(self) -> None:
+        """Stop under control and keep the mission."""
+        self._start_wanted_s = None
+        self._pause_wanted = True
+
+    def clear(self) -> None:
+        """Stop under control and forget the mission."""
+        self.upload_state = None
+        self._start_wanted_s = None
+        self._pause_wanted = False
+        self._clear_wanted = True
+        self._change(LinkEvent.MISSION_OVER, "the mission was cleared")
+
+    def lease(
+        self,
+        now_s: float,
+        ttl_s: float,
+        permit: bool,
+        pose_age_s: float = math.inf,
+        odometry: bool = False,
+    ) -> None:
+        """Sent once, now: the control loop lives. ``odometry``: may drive without poses."""
+        flags = LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry
+        lease = Lease(ttl_s, LeaseFlag(flags), pose_age_s)
+        lease.pack()
+        self._lease = (lease, now_s)
+
+    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
+        """Sent once: where the camera saw the robot at host time ``captured_s``."""
+        fix = PoseFix(x_m, y_m, heading_rad, 0.0)
+        fix.pack()
+        self._pose = (fix, captured_s)
+
+    def estop(self) -> None:
+        """Emergency stop: past every queue, repeated until the robot confirms it."""
+        self._estop_wanted = True
+        self._estop_s = -math.inf
+        self._reset_wanted = False
+        self._start_wanted_s = None
+
+    def reset_estop(self, now_s: float) -> None:
+        """Leave the emergency stop, in a fresh session; the mission is void."""
+        self._estop_wanted = False
+        self._reset_wanted = True
+        if self.state.is_up:
+            self._drop_session()
+            self._change(LinkEvent.RENEW, "a fresh session, to leave the emergency stop")
+            self._new_session(now_s)
+
+    # What is known.
+
+    def next_event(self) -> Event | None:
+        """The oldest event not yet told, None where all are."""
+        return self._events.popleft() if self._events else None
+
+    @property
+    def estopped(self) -> bool:
+        """Whether the robot's last report was ESTOP."""
+        return self.status is not None and self.status.state is RobotState.ESTOP
+
+    @property
+    def estop_pending(self) -> bool:
+        """Whether an emergency stop waits for its confirmation."""
+        return self._estop_wanted
+
+    @property
+    def heard_s(self) -> float:
+        """When the last frame of the session came; -infinity before the first."""
+        return self._heard_s
+
+    def heard_age_s(self, now_s: float) -> float:
+        """Time since the last frame of the session."""
+        return now_s - self._heard_s
+
+    def why_down(self, now_s: float) -> str | None:
+        """A plain sentence on why the link is not up, None where it is."""
+        if self.state.is_up:
+            return None
+        if self.state is LinkState.CLOSED:
+            return self._reason
+        count = self.parser.counters
+        if now_s - self._foreign_s < FOREIGN_S and self.state is LinkState.LINK_LOST:
+            return "another host has taken the robot over"
+        if now_s - self._bytes_s > SILENCE_S:
+            since = now_s - max(self._bytes_s, self._opened_s)
+            return (
+                f"no byte has come from the robot for {since:.1f} s: "
+                "is it switched on and the cable plugged in?"
+            )
+        if count.echoes and not count.frames:
+            return "the line echoes what is sent: are its two wires connected to each other?"
+        if count.version_errors and not count.frames:
+            return f"the robot speaks another protocol version than {VERSION}"
+        if not count.frames:
+            return (
+                f"{count.bytes} bytes came but no whole frame "
+                f"({count.faults} damaged): is the baud rate right?"
+            )
+        return "a robot was heard, but it does not answer"
+
+    # Bytes in.
+
+    def receive_bytes(self, data: bytes, now_s: float) -> None:
+        """Take what has arrived, in any portion."""
+        if data:
+            self._bytes_s = now_s
+        for frame in self.parser.feed(data):
+            self._receive(frame, now_s)
+
+    def _receive(self, frame: Frame, now_s: float) -> None:
+        if self.state is LinkState.CLOSED:
+            return
+        if frame.session != self._session:
+            if frame.session in self._own_sessions:
+                self.counters.late_session += 1
+            else:
+                self.counters.foreign_session += 1
+                self._foreign_s = now_s
+            return
+        try:
+            message = read_message(frame)
+        except RemoteError:
+            self.counters.nonsense += 1
+            return
+        if isinstance(message, HelloAck):
+            self._greeted(message, now_s)
+            return
+        if self.state in (LinkState.HELLO, LinkState.LINK_LOST):
+            return
+        self._heard_s = now_s
+        self._window.acknowledge(frame.acknowledged, now_s)
+        if frame.nak:
+            self.counters.naks += 1
+            self._window.complained(now_s)
+        match message:
+            case Ack(accept_next):
+                if self.upload_state is not None:
+                    self.upload_state.see_ack(accept_next, frame.credit)
+            case Status():
+                self._take_status(message, frame, now_s)
+            case TimeSyncReply(sent_us, received_us, answered_us):
+                sent_s = self._sync_sent.pop(sent_us, None)
+                if sent_s is not None:
+                    self.clock.add(sent_s, received_us, answered_us, now_s)
+            case _:
+                self.counters.nonsense += 1
+
+    def _greeted(self, hello: HelloAck, now_s: float) -> None:
+        if self.state not in (LinkState.HELLO, LinkState.LINK_LOST):
+            return
+        self.robot = hello
+        if hello.major != VERSION or hello.schema != SCHEMA_HASH:
+            what = (
+                f"the robot speaks protocol {hello.major} with schema {hello.schema:#010x}, "
+                f"this program {VERSION} with {SCHEMA_HASH:#010x}: update one of them"
+            )
+            self._drop_session()
+            self._change(LinkEvent.REFUSED, what)
+            self._reason = what
+            return
+        self._window = SendWindow(hello.rx_window)
+        self._window.rtt = self.rtt
+        self._heard_s = now_s
+        self._change(LinkEvent.GREETED, "a robot has answered")
+
+    def _take_status(self, status: Status, frame: Frame, now_s: float) -> None:
+        self.status, self.status_s = status, now_s
+        if self.state is LinkState.VERIFY:
+            self._verify(status)
+        if status.state is RobotState.ESTOP and self._estop_wanted:
+            self._estop_wanted = False
+            self._events.append(EstopConfirmed())
+        if self.upload_state is not None and self.state is not LinkState.REBOOTED:
+            self._follow_mission(self.upload_state, status, frame)
+        self._settle_command(status, now_s)
+        self._events.append(StatusReceived(status, now_s))
+
+    def _verify(self, status: Status) -> None:
+        known, self._boot_id = self._boot_id, status.boot_id
+        if known is None or known == status.boot_id:
+            self._change(LinkEvent.VERIFIED, "the link is up")
+            return
+        self.counters.reboots += 1
+        assert self.robot is not None
+        self.clock = ClockEstimate()
+        self._sync_count = 0
+        self._change(LinkEvent.REBOOT, "the robot has rebooted: its mission is gone")
+        self._events.append(RobotRebooted(status.boot_id, self.robot.reset_cause))
+        if self.upload_state is not None:
+            self._void("the robot has rebooted")
+
+    def _follow_mission(self, upload: Upload, status: Status, frame: Frame) -> None:
+        if status.state is RobotState.ESTOP:
+            self._void("the robot is in its emergency stop")
+            return
+        was_done = upload.done
+        everything = self._window.idle and frame.acknowledged == self._window.next_sequence
+        void = upload.see_status(status, frame.credit, everything)
+        if void is not None:
+            self._void(void)
+            self._pause_wanted = True
+            return
+        if upload.complete and not upload.announced:
+            upload.announced = True
+            self._events.append(MissionAccepted(upload.mission.id))
+        if upload.complete and not upload.done:
+            self._change(LinkEvent.ALL_ACCEPTED, "the robot has the whole mission")
+        if upload.done and not was_done:
+            self._events.append(MissionDone(upload.mission.id))
+            self._change(LinkEvent.MISSION_OVER, "the mission is done")
+
+    def _void(self, reason: str) -> None:
+        assert self.upload_state is not None
+        self._events.append(MissionVoid(self.upload_state.mission.id, reason))
+        self.upload_state = None
+        self._start_wanted_s = None
+        if self.state is LinkState.DRAIN:
+            self._change(LinkEvent.MISSION_OVER, reason)
+
+    # Commands.
+
+    def _settle_command(self, status: Status, now_s: float) -> None:
+        waiting = self._outstanding
+        if waiting is None or status.command != waiting.number:
+            return
+        self._outstanding = None
+        patient = (
+            waiting.kind is MessageType.START
+            and status.result in (CommandResult.NO_LEASE, CommandResult.NO_POSE)
+            and self._start_wanted_s is not None
+            and now_s - self._start_wanted_s < START_PATIENCE_S
+        )
+        if patient:
+            self._start_again_s = now_s + START_RETRY_S
+            return
+        if waiting.kind is MessageType.START:
+            self._start_wanted_s = None
+        elif waiting.kind is MessageType.PAUSE:
+            self._pause_wanted = False
+        elif waiting.kind is MessageType.RESET_ESTOP:
+            self._reset_wanted = False
+        elif waiting.kind is MessageType.CLEAR and status.mission == 0:
+            self._clear_wanted = False
+        self._events.append(CommandEnded(waiting.kind, status.result))
+
+    def _next_command(self, now_s: float) -> Pause | Clear | Start | ResetEstop | None:
+        """The command that is wanted and may be given now, the most urgent first."""
+        waiting = self._outstanding
+        if waiting is not None and not (
+            self._window.idle and now_s - waiting.sent_s > COMMAND_RETRY_S
+        ):
+            return None
+        number = self._command % 0xFFFF + 1
+        status, upload = self.status, self.upload_state
+        if status is None or self.state is LinkState.REBOOTED:
+            return None
+        if self._reset_wanted:
+            return ResetEstop(number)
+        if self._pause_wanted:
+            return Pause(number)
+        if self._clear_wanted and status.mission == 0:
+            self._clear_wanted = False
+        if self._clear_wanted:
+            return Clear(number, 0)
+        if upload is None or status.state is RobotState.ESTOP:
+            return None
+        if not upload.on_robot:
+            return Clear(number, upload.mission.id)
+        wanted = self._start_wanted_s is not None and now_s >= self._start_again_s
+        if wanted and (upload.blocked or upload.complete):
+            return Start(number, upload.mission.id, upload.executed)
+        return None
+
+    # Time and bytes out.
+
+    def tick(self, now_s: float) -> None:
+        """Timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
+        if self.state in (LinkState.CLOSED, LinkState.HELLO, LinkState.LINK_LOST):
+            return
+        if now_s - self._heard_s > SILENCE_S:
+            self.counters.links_lost += 1
+            self._drop_session()
+            self._change(LinkEvent.SILENCE, f"no frame for {now_s - self._heard_s:.2f} s")
+            self._new_session(now_s)
+            return
+        self._window.tick(now_s)
+
+    def bytes_to_send(self, now_s: float) -> bytes:
+        """At most one frame, empty where none is due or the line is still busy."""
+        if self.state is LinkState.CLOSED:
+            return b""
+        if self._estop_wanted and now_s - self._estop_s >= ESTOP_REPEAT_S:
+            self._estop_s = now_s
+            return self._account(ESTOP_FRAME, now_s)
+        if now_s < self._line_free_s - PREFETCH_S:
+            return b""
+        frame = self._next_frame(now_s)
+        return b"" if frame is None else self._account(encode_frame(frame, Sender.HOST), now_s)
+
+    def deadline_s(self, now_s: float) -> float:
+        """When to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
+        if self.state is LinkState.CLOSED:
+            return now_s + 0.1
+        soon = [now_s + 0.02]
+        if self._line_free_s - PREFETCH_S > now_s:
+            soon.append(self._line_free_s - PREFETCH_S)
+        timeout_s = self._window.deadline_s()
+        if timeout_s is not None:
+            soon.append(timeout_s)
+        return max(now_s, min(soon))
+
+    def _next_frame(self, now_s: float) -> Frame | None:
+        if self.state in (LinkState.HELLO, LinkState.LINK_LOST):
+            return self._next_hello(now_s)
+        if self._lease is not None:
+            lease, given_s = self._lease
+            self._lease = None
+            age_s = lease.pose_age_s + (now_s - given_s)
+            return self._frame(Lease(lease.ttl_s, lease.flags, age_s))
+        if self._pose is not None:
+            fix, captured_s = self._pose
+            self._pose = None
+            age_s = max(0.0, now_s - captured_s) + self._wire_s(wire_bytes(PoseFix.LAYOUT.size))
+            return self._frame(PoseFix(fix.x_m, fix.y_m, fix.heading_rad, age_s))
+        if self.state is LinkState.VERIFY:
+            return None
+        self._fill_window(now_s)
+        pending = self._window.next_frame(now_s)
+        if pending is not None:
+            self.counters.retransmits += pending.sent_again
+            return Frame(
+                kind=pending.kind,
+                session=self._session,
+                payload=pending.payload,
+                sequence=pending.sequence,
+                reliable=True,
+            )
+        return self._next_sync(now_s)
+
+    def _fill_window(self, now_s: float) -> None:
+        command = self._next_command(now_s)
+        if command is not None:
+            self._command = command.command
+            self._outstanding = _Outstanding(command.command, command.TYPE, now_s)
+            self._window.add(command.TYPE, command.pack())
+        upload = self.upload_state
+        if upload is None or self._window.has_unsent() or self.state is LinkState.REBOOTED:
+            return
+        batch = upload.next_batch()
+        if batch is None:
+            return
+        payload = batch.pack()
+        if self._window.room_for(len(payload)):
+            self._window.add(batch.TYPE, payload)
+            upload.sent(batch)
+
+    def _next_hello(self, now_s: float) -> Frame | None:
+        displaced = self.state is LinkState.LINK_LOST and now_s - self._foreign_s < FOREIGN_S
+        if now_s < self._hello_s or displaced:
+            return None
+        self._hello_s = now_s + self._hello_wait_s
+        self._hello_wait_s = min(HELLO_LAST_S, 1.5 * self._hello_wait_s)
+        return self._frame(Hello())
+
+    def _next_sync(self, now_s: float) -> Frame | None:
+        interval_s = SYNC_FAST_S if self._sync_count < SYNC_FAST_COUNT else SYNC_SLOW_S
+        if now_s - self._sync_s < interval_s:
+            return None
+        self._sync_s = now_s
+        self._sync_count += 1
+        sent_us = int(now_s * 1e6) % WRAP_US
+        self._sync_sent = {sent_us: now_s}
+        return self._frame(TimeSync(sent_us))
+
+    def _frame(self, message: Hello | Lease | PoseFix | TimeSync) -> Frame:
+        return Frame(kind=message.TYPE, session=self._session, payload=message.pack())
+
+    def _account(self, data: bytes, now_s: float) -> bytes:
+        self.counters.frames_sent += 1
+        self.counters.bytes_sent += len(data)
+        self._line_free_s = max(now_s, self._line_free_s) + self._wire_s(len(data))
+        return data
+
+    def _wire_s(self, count: int) -> float:
+        return 0.0 if self._baud is None else 10.0 * count / self._baud
+
+    # Sessions.
+
+    def _new_session(self, now_s: float) -> None:
+        self._own_sessions.append(self._session)
+        session = self._session
+        while session in self._own_sessions:
+            session = self._rng.randrange(1, 1 << 16)
+        self._session = session
+        self.counters.sessions += 1
+        self._hello_s = now_s
+        self._hello_wait_s = HELLO_FIRST_S
+
+    def _drop_session(self) -> None:
+        """Orders in flight end here; the robot stands, and only a new start moves it."""
+        if self._outstanding is not None or self._start_wanted_s is not None:
+            kind = MessageType.START if self._outstanding is None else self._outstanding.kind
+            self._events.append(CommandEnded(kind, CommandResult.NONE))
+        self.counters.timeouts += self._window.timeouts
+        self._outstanding = None
+        self._start_wanted_s = None
+        self._command = 0
+        self._window = SendWindow(0)
+        self._lease = self._pose = None
+        self._sync_sent = {}
+        self._heard_s = -math.inf
+        if self.upload_state is not None:
+            self.upload_state.new_session()
+
+    def _change(self, event: LinkEvent, reason: str) -> None:
+        old = self.state
+        new = TRANSITIONS.get((old, event))
+        if new is None or new is old:
+            return
+        self.state = new
+        self._events.append(LinkChanged(old, new, reason))

@@ -1,0 +1,81 @@
+"""What the host's end of the link tells its user, in order, through ``next_event``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from firmware_protocol.host_state import LinkState
+from firmware_protocol.messages import CommandResult, MessageType, ResetCause, Status
+
+
+@dataclass(frozen=True, slots=True)
+class LinkChanged:
+    """The link's state changed; ``reason`` is a plain sentence."""
+
+    old: LinkState
+    new: LinkState
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class StatusReceived:
+    """The robot reported."""
+
+    status: Status
+    at_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class CommandEnded:
+    """A command was carried out (DONE), refused, or given up (NONE: the link broke)."""
+
+    kind: MessageType
+    result: CommandResult
+
+
+@dataclass(frozen=True, slots=True)
+class MissionAccepted:
+    """The robot has all waypoints of the mission."""
+
+    mission: int
+
+
+@dataclass(frozen=True, slots=True)
+class MissionDone:
+    """The robot has executed all waypoints; the chain of executed waypoints agrees."""
+
+    mission: int
+
+
+@dataclass(frozen=True, slots=True)
+class MissionVoid:
+    """The mission can not go on; plan again and give a new one."""
+
+    mission: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRebooted:
+    """The robot's processor has started anew; its queue is gone."""
+
+    boot_id: int
+    cause: ResetCause
+
+
+@dataclass(frozen=True, slots=True)
+class EstopConfirmed:
+    """The robot has reported that it is in ESTOP."""
+
+
+Event: TypeAlias = (
+    LinkChanged
+    | StatusReceived
+    | CommandEnded
+    | MissionAccepted
+    | MissionDone
+    | MissionVoid
+    | RobotRebooted
+    | EstopConfirmed
+)

@@ -1,0 +1,63 @@
+"""The states of the host's end of the link, as a table: ``TRANSITIONS[state, event]``.
+
+CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mission is
+compared with ours. STREAM: up. DRAIN: up, the whole mission is with the robot, which executes
+it. LINK_LOST: it was up and fell silent; asking again. REBOOTED: up, but the robot's memory is
+gone; its mission is void until a new one is given.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Final
+
+
+class LinkState(Enum):
+    """Where the link stands."""
+
+    CLOSED = "closed"
+    HELLO = "hello"
+    VERIFY = "verify"
+    STREAM = "stream"
+    DRAIN = "drain"
+    LINK_LOST = "link lost"
+    REBOOTED = "rebooted"
+
+    @property
+    def is_up(self) -> bool:
+        """Whether frames of the session flow both ways."""
+        return self in (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
+
+
+class LinkEvent(Enum):
+    """What can happen to the link."""
+
+    OPEN = "the port was opened"
+    CLOSE = "the port was closed"
+    GREETED = "HELLO_ACK of our session, same schema"
+    REFUSED = "HELLO_ACK with another version or schema"
+    VERIFIED = "first STATUS of the session; the mission's prefix agrees or there is none"
+    REBOOT = "first STATUS of the session; another boot_id than before"
+    ALL_ACCEPTED = "the robot has the whole mission"
+    MISSION_OVER = "mission executed, void, or replaced"
+    SILENCE = "no frame of the session for too long"
+    RENEW = "a fresh session is wanted, to leave an emergency stop"
+
+
+_UP: Final = (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
+
+TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
+    (LinkState.CLOSED, LinkEvent.OPEN): LinkState.HELLO,
+    (LinkState.HELLO, LinkEvent.GREETED): LinkState.VERIFY,
+    (LinkState.LINK_LOST, LinkEvent.GREETED): LinkState.VERIFY,
+    (LinkState.VERIFY, LinkEvent.VERIFIED): LinkState.STREAM,
+    (LinkState.VERIFY, LinkEvent.REBOOT): LinkState.REBOOTED,
+    (LinkState.VERIFY, LinkEvent.SILENCE): LinkState.LINK_LOST,
+    (LinkState.STREAM, LinkEvent.ALL_ACCEPTED): LinkState.DRAIN,
+    (LinkState.DRAIN, LinkEvent.MISSION_OVER): LinkState.STREAM,
+    (LinkState.REBOOTED, LinkEvent.MISSION_OVER): LinkState.STREAM,
+    **{(state, LinkEvent.SILENCE): LinkState.LINK_LOST for state in _UP},
+    **{(state, LinkEvent.RENEW): LinkState.HELLO for state in _UP},
+    **{(state, LinkEvent.CLOSE): LinkState.CLOSED for state in LinkState},
+    **{(state, LinkEvent.REFUSED): LinkState.CLOSED for state in LinkState},
+}

@@ -1,0 +1,198 @@
+"""What both ends share: sequence numbers, the send window with go-back-N, round-trip times.
+
+- Reliable frames carry consecutive sequence numbers modulo 256; the receiver takes them in
+  order only and acknowledges with the number it expects next.
+- At most ``window`` bytes of the wire may be unacknowledged; a NAK or a timeout sends all of
+  them again from the oldest on.
+- Sequence numbers start at 0 in every session. Time is passed in, in seconds.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from firmware_protocol.framing import wire_bytes
+
+SEQUENCE_MODULUS: Final = 256
+RTO_MIN_S: Final = 0.025
+RTO_MAX_S: Final = 1.0
+NAK_INTERVAL_S: Final = 0.003
+"""A receiver complains no more often, so that a burst of noise cannot fill the line."""
+
+
+def is_before(earlier: int, later: int, modulus: int = SEQUENCE_MODULUS) -> bool:
+    """Whether ``earlier`` comes less than half the circle before ``later``."""
+    return 0 < (later - earlier) % modulus < modulus // 2
+
+
+class RttEstimate:
+    """Smoothed round-trip time and timeout, as Jacobson (1988) and RFC 6298 have them."""
+
+    def __init__(self) -> None:
+        self.smoothed_s = 0.0
+        self.variation_s = 0.0
+        self.samples = 0
+        self._backoff = 1.0
+
+    def add(self, rtt_s: float) -> None:
+        """Take a measured round trip of a frame that was sent once only (Karn's rule)."""
+        if self.samples == 0:
+            self.smoothed_s, self.variation_s = rtt_s, rtt_s / 2.0
+        else:
+            self.variation_s += (abs(rtt_s - self.smoothed_s) - self.variation_s) / 4.0
+            self.smoothed_s += (rtt_s - self.smoothed_s) / 8.0
+        self.samples += 1
+        self._backoff = 1.0
+
+    def back_off(self) -> None:
+        """A timeout: wait twice as long the next time."""
+        self._backoff = min(64.0, self._backoff * 2.0)
+
+    @property
+    def timeout_s(self) -> float:
+        """When to give up on an acknowledgement, in [25 ms, 1 s]; 100 ms before any sample."""
+        base = 0.1 if self.samples == 0 else self.smoothed_s + 4.0 * self.variation_s
+        return min(RTO_MAX_S, max(RTO_MIN_S, base) * self._backoff)
+
+
+@dataclass(slots=True)
+class PendingFrame:
+    """A reliable frame that is not yet acknowledged."""
+
+    sequence: int
+    kind: int
+    payload: bytes
+    sent_s: float | None = None
+    sent_again: bool = False
+
+    @property
+    def wire_bytes(self) -> int:
+        """Its size on the wire."""
+        return wire_bytes(len(self.payload))
+
+
+class SendWindow:
+    """The sender's half: which reliable frames are in flight and which to send next."""
+
+    def __init__(self, window_bytes: int) -> None:
+        self.window_bytes = window_bytes
+        self.rtt = RttEstimate()
+        self.timeouts = 0
+        self._next_sequence = 0
+        self._pending: deque[PendingFrame] = deque()
+        self._sent = 0
+        """How many of ``_pending``, from the left, are in flight."""
+        self._timer_s = 0.0
+        self._quiet_until_s = 0.0
+
+    @property
+    def bytes_pending(self) -> int:
+        """Bytes of all frames that are not acknowledged, sent or not."""
+        return sum(frame.wire_bytes for frame in self._pending)
+
+    @property
+    def next_sequence(self) -> int:
+        """What the receiver expects once it has everything."""
+        return self._next_sequence
+
+    @property
+    def idle(self) -> bool:
+        """Whether everything is acknowledged."""
+        return not self._pending
+
+    def room_for(self, payload_bytes: int) -> bool:
+        """Whether one more frame fits into the window (one frame always does)."""
+        if not self._pending:
+            return True
+        return self.bytes_pending + wire_bytes(payload_bytes) <= self.window_bytes
+
+    def add(self, kind: int, payload: bytes) -> None:
+        """Number a frame and queue it behind those that wait."""
+        self._pending.append(PendingFrame(self._next_sequence, kind, payload))
+        self._next_sequence = (self._next_sequence + 1) % SEQUENCE_MODULUS
+
+    def next_frame(self, now_s: float) -> PendingFrame | None:
+        """The next frame to put on the wire; it counts as sent."""
+        if self._sent >= len(self._pending):
+            return None
+        frame = self._pending[self._sent]
+        if frame.sent_s is not None:
+            frame.sent_again = True
+        frame.sent_s = now_s
+        if self._sent == 0:
+            self._timer_s = now_s
+        self._sent += 1
+        return frame
+
+    def has_unsent(self) -> bool:
+        """Whether :meth:`next_frame` has one."""
+        return self._sent < len(self._pending)
+
+    def acknowledge(self, expected: int, now_s: float) -> int:
+        """The receiver expects ``expected`` next; how many frames that acknowledges.
+
+        A number that belongs to no frame in flight (a late frame's) changes nothing.
+        """
+        in_flight = [frame.sequence for frame in self._pending if frame.sent_s is not None]
+        ends = [(sequence + 1) % SEQUENCE_MODULUS for sequence in in_flight]
+        if expected not in ends:
+            return 0
+        count = ends.index(expected) + 1
+        for _ in range(count):
+            frame = self._pending.popleft()
+            if not frame.sent_again and frame.sent_s is not None:
+                self.rtt.add(now_s - frame.sent_s)
+        self._sent = max(0, self._sent - count)
+        self._timer_s = now_s
+        return count
+
+    def complained(self, now_s: float) -> None:
+        """The receiver misses its next frame: send all again, once a round trip."""
+        if self._sent == 0 or now_s < self._quiet_until_s:
+            return
+        self._go_back(now_s)
+
+    def tick(self, now_s: float) -> None:
+        """Send all again where the oldest frame's acknowledgement is overdue."""
+        if self._sent and now_s - self._timer_s >= self.rtt.timeout_s:
+            self.timeouts += 1
+            self.rtt.back_off()
+            self._go_back(now_s)
+
+    def deadline_s(self) -> float | None:
+        """When the timeout strikes, None while nothing is in flight."""
+        return self._timer_s + self.rtt.timeout_s if self._sent else None
+
+    def _go_back(self, now_s: float) -> None:
+        self._sent = 0
+        self._timer_s = now_s
+        # the complaints about frames already in flight arrive within about one round trip
+        self._quiet_until_s = now_s + max(0.005, self.rtt.smoothed_s)
+
+
+class Arrival(Enum):
+    """What a reliable frame's sequence number says."""
+
+    NEXT = "next"
+    DUPLICATE = "duplicate"
+    GAP = "gap"
+
+
+class ReceiveSequence:
+    """The receiver's half: the sequence number expected next."""
+
+    def __init__(self) -> None:
+        self.expected = 0
+
+    def judge(self, sequence: int) -> Arrival:
+        """Sort a frame in; NEXT has to be confirmed by :meth:`take`."""
+        if sequence == self.expected:
+            return Arrival.NEXT
+        return Arrival.DUPLICATE if is_before(sequence, self.expected) else Arrival.GAP
+
+    def take(self) -> None:
+        """The expected frame was accepted."""
+        self.expected = (self.expected + 1) % SEQUENCE_MODULUS

@@ -1,0 +1,85 @@
+"""The upload of a mission: which waypoints to send next, and whether the robot has the same.
+
+The robot's reports are the truth: what it has accepted is never sent again, what it lost is.
+Its two fingerprints, over the accepted and over the executed waypoints, are compared with the
+mission's at every report; a difference ends the mission with a sentence.
+"""
+
+from __future__ import annotations
+
+from firmware_protocol.messages import WAYPOINTS_PER_FRAME, Status, StatusFlag, Waypoints
+from firmware_protocol.mission import Mission
+
+
+class Upload:
+    """One mission on its way to one robot."""
+
+    def __init__(self, mission: Mission) -> None:
+        self.mission = mission
+        self.on_robot = False
+        """Whether the robot has reported this mission's id."""
+        self.accepted = 0
+        self.executed = 0
+        self.done = False
+        self.announced = False
+        """Whether the user has been told that the robot has everything."""
+        self._next = 0
+        self._limit = 0
+
+    @property
+    def complete(self) -> bool:
+        """Whether the robot has all waypoints."""
+        return self.on_robot and self.accepted == len(self.mission)
+
+    @property
+    def blocked(self) -> bool:
+        """Whether nothing more can be sent before the robot drives: full queue or all sent."""
+        return self.accepted == self._next > 0 and self.next_batch() is None
+
+    def new_session(self) -> None:
+        """Frames in flight are void; go on from the robot's next report."""
+        self._next = self.accepted
+        self._limit = 0
+
+    def see_ack(self, accept_next: int, credit: int) -> None:
+        """The robot acknowledged; a number beyond what was sent is an old mission's."""
+        if self.on_robot and accept_next <= self._next:
+            self.accepted = max(self.accepted, accept_next)
+            self._limit = accept_next + credit
+
+    def see_status(self, status: Status, credit: int, all_acknowledged: bool) -> str | None:
+        """Compare with a report; a sentence where the mission cannot go on.
+
+        ``all_acknowledged``: the report was made after the robot had every frame sent.
+        """
+        if status.mission != self.mission.id:
+            if self.on_robot:
+                return f"the robot holds mission {status.mission:#010x} instead"
+            return None
+        if status.prefix_crc != self.mission.prefix_crc(status.accept_next):
+            return f"the robot's first {status.accept_next} waypoints are not those of the mission"
+        if status.exec_crc != self.mission.prefix_crc(status.exec_next):
+            return f"the {status.exec_next} executed waypoints are not the mission's first"
+        if not self.on_robot or all_acknowledged:
+            self._next = status.accept_next
+        self.on_robot = True
+        self._next = max(self._next, status.accept_next)
+        self.accepted = max(self.accepted, status.accept_next)
+        self.executed = max(self.executed, status.exec_next)
+        self._limit = status.accept_next + credit
+        finished = bool(status.flags & StatusFlag.MISSION_DONE)
+        self.done = finished and status.exec_next == len(self.mission)
+        return None
+
+    def next_batch(self) -> Waypoints | None:
+        """The next frame's waypoints, None where the queue is full or all are sent."""
+        end = min(self._next + WAYPOINTS_PER_FRAME, self._limit, len(self.mission))
+        full = end - self._next == WAYPOINTS_PER_FRAME or end == len(self.mission)
+        # a frame that carries less than it could would cost the line more than it brings
+        if not self.on_robot or end <= self._next or not full:
+            return None
+        return Waypoints(self.mission.id, self._next, self.mission.records[self._next : end])
+
+    def sent(self, batch: Waypoints) -> None:
+        """The batch is on its way; the next one follows it."""
+        self._next = batch.first + len(batch.records)

@@ -1,0 +1,374 @@
+"""The thread that alone owns the serial port, around the sans-IO ``HostConnection``.
+
+- Orders come from any thread through a queue; the emergency stop passes it. A snapshot and
+  the events go out; nobody but the thread touches the port or the connection.
+- The thread sends no lease of its own: a control loop that hangs stops the robot.
+- A port that breaks is closed, its reason told, and opened again by the same path with growing
+  pauses. Seconds are those of ``clock``; metres and radians.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import random
+import select
+import termios
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import serial
+
+from firmware_protocol.errors import LocalError
+from firmware_protocol.framing import MAX_WIRE, ParserCounters
+from firmware_protocol.host import HostConnection, HostCounters
+from firmware_protocol.host_events import Event, LinkChanged
+from firmware_protocol.host_state import LinkState
+from firmware_protocol.messages import (
+    STOP_SENTENCES,
+    RobotState,
+    Status,
+    StatusFlag,
+    StopReason,
+    Waypoint,
+)
+from firmware_protocol.mission import Mission
+from navigation.serial_port import PortError, open_port
+
+PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
+"""termios.error is no OSError, and pyserial lets it through after a hang-up."""
+REOPEN_FIRST_S: Final = 0.1
+REOPEN_LAST_S: Final = 2.0
+EVENTS_KEPT: Final = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class LinkSnapshot:
+    """What is known of link and robot; ages are those at the time of :meth:`SerialLink.snapshot`.
+
+    ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the
+    robot's last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
+    ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
+    ``standing_reason`` says why the robot is not running, None while it is in RUN.
+    """
+
+    state: LinkState
+    down_reason: str | None
+    heard_age_s: float
+    status: Status | None = None
+    status_age_s: float = math.inf
+    mission_id: int | None = None
+    accepted: int = 0
+    executed: int = 0
+    mission_done: bool = False
+    running: bool = False
+    estopped: bool = False
+    estop_pending: bool = False
+    disarmed: bool = False
+    standing_reason: str | None = None
+    boot_id: int | None = None
+    rtt_s: float | None = None
+    clock_offset_s: float | None = None
+    sent: HostCounters = field(default_factory=HostCounters)
+    received: ParserCounters = field(default_factory=ParserCounters)
+
+
+class SerialLink:
+    """One robot on one serial port; a context manager that opens and closes.
+
+    ``clock`` gives monotonic seconds, in which pose capture times are given too; ``rng`` gives
+    session numbers; ``expected_boot_id`` is the boot that a journalled mission belongs to.
+    """
+
+    def __init__(
+        self,
+        port: str,
+        baud: int = 115_200,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        rng: random.Random | None = None,
+        expected_boot_id: int | None = None,
+    ) -> None:
+        self.path = port
+        self.baud = baud
+        self._clock = clock
+        self._host = HostConnection(rng or random.SystemRandom(), baud, expected_boot_id)
+        self._serial: serial.Serial | None = None
+        self._unsent = b""
+        self._reopen_s = 0.0
+        self._reopen_wait_s = REOPEN_FIRST_S
+        self._port_fault = "the port is not open"
+        self._orders: deque[Callable[[float], None]] = deque()
+        self._estop = threading.Event()
+        self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._wake_out = self._wake_in = -1
+        self._published: tuple[LinkSnapshot, float, float] = (
+            LinkSnapshot(LinkState.CLOSED, self._port_fault, math.inf),
+            -math.inf,
+            -math.inf,
+        )
+        self._crash: BaseException | None = None
+
+    # Life.
+
+    def open(self) -> None:
+        """Open the port and start the thread; PortError where the port cannot be used."""
+        if self._thread is not None:
+            raise PortError(f"serial port {self.path}: is open already")
+        self._serial = open_port(self.path, self.baud)
+        self._wake_out, self._wake_in = os.pipe()
+        os.set_blocking(self._wake_out, False)
+        os.set_blocking(self._wake_in, False)
+        self._stop.clear()
+        self._host.open(self._clock())
+        self._publish()
+        self._thread = threading.Thread(target=self._run, name="serial link", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop the thread and close the port; the robot stops when its lease runs out."""
+        thread, self._thread = self._thread, None
+        if thread is None:
+            return
+        self._stop.set()
+        self._wake()
+        thread.join()
+        for end in (self._wake_out, self._wake_in):
+            os.close(end)
+
+    def __enter__(self) -> SerialLink:
+        self.open()
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self.close()
+
+    # Orders, from any thread.
+
+    def upload(self, mission: int, waypoints: Sequence[Waypoint], start: bool = True) -> Mission:
+        """Replace the robot's mission and (``start``) drive it; returns what is sent.
+
+        ``mission`` is an id in [1, 2**32) that this robot has not had, or the id of the
+        mission that it holds, to go on with the same waypoints. LocalError where a value does
+        not fit on the wire. Start needs a lease with permit and a pose within a second.
+        """
+        whole = Mission(mission, waypoints)
+        self._order(lambda now_s: self._host.upload(whole, now_s, start))
+        return whole
+
+    def start(self) -> None:
+        """Drive the mission (again, after a pause or a lapsed lease)."""
+        self._order(self._start)
+
+    def pause(self) -> None:
+        """Stop under control and keep the mission."""
+        self._order(lambda _now_s: self._host.pause())
+
+    def clear(self) -> None:
+        """Stop under control and drop the mission."""
+        self._order(lambda _now_s: self._host.clear())
+
+    def lease(
+        self,
+        permit: bool,
+        pose_age_s: float = math.inf,
+        ttl_s: float = 0.5,
+        odometry: bool = False,
+    ) -> None:
+        """From the control loop, 10 times a second or more: it lives, and the robot may drive.
+
+        ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
+        ``odometry`` lets it drive without the camera.
+        """
+        self._order(lambda now_s: self._host.lease(now_s, ttl_s, permit, pose_age_s, odometry))
+
+    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
+        """Where the camera saw the robot at ``captured_s`` of the clock."""
+        self._order(lambda _now_s: self._host.pose_fix(x_m, y_m, heading_rad, captured_s))
+
+    def estop(self) -> None:
+        """Emergency stop: before every other order, repeated until the robot confirms."""
+        self._estop.set()
+        self._wake()
+
+    def reset_estop(self) -> None:
+        """Leave the emergency stop; the mission is void."""
+        self._order(self._host.reset_estop)
+
+    # What is known, for any thread.
+
+    def snapshot(self) -> LinkSnapshot:
+        """The present state, ages counted up to now."""
+        if self._crash is not None:
+            raise RuntimeError("the serial link's thread has ended") from self._crash
+        snapshot, heard_s, status_s = self._published
+        now_s = self._clock()
+        return replace(snapshot, heard_age_s=now_s - heard_s, status_age_s=now_s - status_s)
+
+    def events(self) -> list[Event]:
+        """What has happened since the last call, oldest first (10,000 are kept)."""
+        out = []
+        with contextlib.suppress(IndexError):
+            while True:
+                out.append(self._events.popleft())
+        return out
+
+    # The thread.
+
+    def _run(self) -> None:
+        try:
+            while not self._stop.is_set():
+                self._cycle()
+        except BaseException as error:
+            self._crash = error
+            raise
+        finally:
+            self._shut("the link was closed")
+            self._publish()
+
+    def _cycle(self) -> None:
+        self._take_orders()
+        now_s = self._clock()
+        if self._serial is None:
+            self._reopen(now_s)
+        if self._serial is not None:
+            try:
+                self._exchange(self._serial)
+            except PORT_FAULTS as error:
+                self._shut(f"the port {self.path} broke: {error}")
+        self._publish()
+        self._wait(self._clock())
+
+    def _take_orders(self) -> None:
+        if self._estop.is_set():
+            self._estop.clear()
+            self._host.estop()
+        while self._orders:
+            order = self._orders.popleft()
+            if not self._estop.is_set():
+                order(self._clock())
+
+    def _exchange(self, port: serial.Serial) -> None:
+        data = port.read(4096)
+        now_s = self._clock()
+        if data:
+            self._host.receive_bytes(data, now_s)
+        self._host.tick(now_s)
+        while True:
+            if self._unsent:
+                if not select.select([], [port], [], 0)[1]:
+                    return
+                self._unsent = self._unsent[port.write(self._unsent) or 0 :]
+                if self._unsent:
+                    return
+            if port.out_waiting > MAX_WIRE and not self._host.estop_pending:
+                return
+            self._unsent = self._host.bytes_to_send(self._clock())
+            if not self._unsent:
+                return
+
+    def _wait(self, now_s: float) -> None:
+        watched: list[int | serial.Serial] = [self._wake_out]
+        timeout_s = self._host.deadline_s(now_s) - now_s
+        if self._serial is not None:
+            watched.append(self._serial)
+        else:
+            timeout_s = max(0.0, self._reopen_s - now_s)
+        writing = [self._serial] if self._serial is not None and self._unsent else []
+        if self._orders or self._estop.is_set() or self._stop.is_set():
+            timeout_s = 0.0
+        try:
+            ready, _, _ = select.select(watched, writing, [], min(timeout_s, 0.1))
+        except PORT_FAULTS as error:
+            self._shut(f"the port {self.path} broke: {error}")
+            return
+        if self._wake_out in ready:
+            with contextlib.suppress(BlockingIOError):
+                os.read(self._wake_out, 4096)
+
+    def _reopen(self, now_s: float) -> None:
+        if now_s < self._reopen_s:
+            return
+        try:
+            self._serial = open_port(self.path, self.baud)
+        except PortError as error:
+            self._port_fault = str(error)
+            self._reopen_s = now_s + self._reopen_wait_s
+            self._reopen_wait_s = min(REOPEN_LAST_S, 2.0 * self._reopen_wait_s)
+            return
+        self._reopen_wait_s = REOPEN_FIRST_S
+        self._host.open(now_s)
+
+    def _shut(self, reason: str) -> None:
+        self._host.close(reason)
+        self._port_fault = reason
+        self._unsent = b""
+        self._reopen_s = self._clock() + self._reopen_wait_s
+        port, self._serial = self._serial, None
+        if port is not None:
+            # a port that has hung up cannot be closed in order either
+            with contextlib.suppress(*PORT_FAULTS):
+                port.close()
+
+    def _publish(self) -> None:
+        host = self._host
+        while (event := host.next_event()) is not None:
+            self._events.append(event)
+        now_s = self._clock()
+        reason = host.why_down(now_s)
+        if host.state is LinkState.CLOSED and reason is not None:
+            reason = self._port_fault
+        snapshot = LinkSnapshot(
+            state=host.state,
+            down_reason=reason,
+            heard_age_s=0.0,
+            boot_id=None if host.robot is None else host.robot.boot_id,
+            rtt_s=host.rtt.smoothed_s if host.rtt.samples else None,
+            clock_offset_s=host.clock.offset_s(now_s) if host.clock.ready else None,
+            sent=replace(host.counters),
+            received=replace(host.parser.counters),
+            estop_pending=host.estop_pending or self._estop.is_set(),
+        )
+        if host.status is not None:
+            snapshot = _with_status(snapshot, host.status)
+        self._published = (snapshot, host.heard_s, host.status_s)
+
+    def _start(self, now_s: float) -> None:
+        # without a mission there is nothing to start: it may have become void meanwhile
+        with contextlib.suppress(LocalError):
+            self._host.start(now_s)
+
+    def _order(self, order: Callable[[float], None]) -> None:
+        self._orders.append(order)
+        self._wake()
+
+    def _wake(self) -> None:
+        if self._thread is not None or self._stop.is_set():
+            with contextlib.suppress(BlockingIOError):
+                os.write(self._wake_in, b"!")
+
+
+def _with_status(snapshot: LinkSnapshot, status: Status) -> LinkSnapshot:
+    running = status.state is RobotState.RUN
+    return replace(
+        snapshot,
+        status=status,
+        mission_id=status.mission or None,
+        accepted=status.accept_next,
+        executed=status.exec_next,
+        mission_done=bool(status.flags & StatusFlag.MISSION_DONE),
+        running=running,
+        estopped=status.state is RobotState.ESTOP,
+        disarmed=status.reason is StopReason.DISARMED,
+        standing_reason=None if running else STOP_SENTENCES[status.reason],
+    )
+
+
+__all__ = ["Event", "LinkChanged", "LinkSnapshot", "PortError", "SerialLink"]

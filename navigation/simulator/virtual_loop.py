@@ -1,0 +1,191 @@
+"""Host, line, robot and floor in virtual time: no threads, no port, no waiting.
+
+Everything that the real loop has is here but the operating system: the host's end, a line
+paced to its baud rate with faults in both directions, the robot's end, its controller at 100
+steps a second, the moving robot, a camera with noise and delay, and a control loop that gives
+leases. Twenty seconds take about a second.
+"""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from firmware_protocol.follower import DriveSettings
+from firmware_protocol.host import HostConnection
+from firmware_protocol.host_events import Event
+from firmware_protocol.messages import ResetCause
+from firmware_protocol.robot import RobotController, WheelSpeeds
+from firmware_protocol.robot_connection import Identity, RobotConnection
+from navigation.simulator.drive_model import Drive, DriveModel, TruePose
+from navigation.simulator.line_faults import FaultSpec, FaultyLine
+
+TICK_S = 0.001
+CONTROL_S = 0.01
+
+
+class PacedLine:
+    """Bytes that take their time: ten bits each."""
+
+    def __init__(self, baud: int) -> None:
+        self._byte_s = 10.0 / baud
+        self._bytes: deque[tuple[float, bytes]] = deque()
+        self._free_s = 0.0
+
+    def free(self, now_s: float) -> bool:
+        """Whether the sender may put the next byte."""
+        return now_s >= self._free_s
+
+    def put(self, data: bytes, now_s: float) -> None:
+        """Send bytes after those on their way."""
+        start = max(now_s, self._free_s)
+        self._free_s = start + len(data) * self._byte_s
+        for at in range(0, len(data), 8):
+            part = data[at : at + 8]
+            self._bytes.append((start + (at + len(part)) * self._byte_s, part))
+
+    def take(self, now_s: float) -> bytes:
+        """What has arrived."""
+        out = bytearray()
+        while self._bytes and self._bytes[0][0] <= now_s:
+            out += self._bytes.popleft()[1]
+        return bytes(out)
+
+
+@dataclass(frozen=True, slots=True)
+class CameraModel:
+    """The simulated camera's poses: rate, delay, noise (standard deviations)."""
+
+    rate_hz: float = 30.0
+    delay_s: float = 0.04
+    noise_m: float = 0.0008
+    noise_rad: float = 0.006
+
+
+@dataclass(slots=True)
+class Knobs:
+    """What a scenario may switch while the loop runs."""
+
+    cable: bool = True
+    camera: bool = True
+    lease: bool = True
+    permit: bool = True
+    frozen: bool = False
+    echo: bool = False
+
+
+@dataclass(slots=True)
+class VirtualLoop:
+    """The whole loop; :meth:`run` it, and look at ``host``, ``robot``, ``drive``, ``track``."""
+
+    seed: int = 0
+    faults: FaultSpec = field(default_factory=FaultSpec)
+    model: DriveModel = field(default_factory=DriveModel)
+    settings: DriveSettings = field(default_factory=DriveSettings)
+    camera: CameraModel = field(default_factory=CameraModel)
+    start: TruePose = TruePose(0.0, 0.0, 0.0)
+    baud: int = 115_200
+    lease_hz: float = 10.0
+    start_s: float = 0.0
+    robot_clock_offset_s: float = 0.0
+    robot_clock_drift: float = 0.0
+    now_s: float = field(init=False)
+    host: HostConnection = field(init=False)
+    robot: RobotConnection = field(init=False)
+    drive: Drive = field(init=False)
+    knobs: Knobs = field(default_factory=Knobs, init=False)
+    events: list[Event] = field(default_factory=list, init=False)
+    track: list[tuple[float, float, float, float]] = field(default_factory=list, init=False)
+    wheels: WheelSpeeds = field(default=WheelSpeeds(0.0, 0.0, False), init=False)
+    to_robot: PacedLine = field(init=False)
+    to_host: PacedLine = field(init=False)
+    _rng: np.random.Generator = field(init=False)
+    _faulty: tuple[FaultyLine, FaultyLine] = field(init=False)
+    _seen: deque[tuple[float, TruePose]] = field(default_factory=deque, init=False)
+    _captured_s: float = field(default=0.0, init=False)
+    _ticks: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self.now_s = self.start_s
+        self._rng = np.random.default_rng(self.seed)
+        self.to_robot, self.to_host = PacedLine(self.baud), PacedLine(self.baud)
+        self._faulty = (FaultyLine(self.faults, self._rng), FaultyLine(self.faults, self._rng))
+        self.drive = Drive(self.model, self.start, self._rng)
+        self.boot(ResetCause.POWER_ON)
+        self.host = HostConnection(random.Random(self.seed), self.baud)
+        self.host.open(self.now_s)
+
+    def boot(self, cause: ResetCause) -> None:
+        """The robot's processor starts: nothing of before is left."""
+        boot_id = int(self._rng.integers(1, 1 << 32))
+        controller = RobotController(self.settings)
+        self.robot = RobotConnection(Identity(boot_id, reset_cause=cause), controller)
+        self.wheels = WheelSpeeds(0.0, 0.0, powered=False)
+
+    @property
+    def robot_s(self) -> float:
+        """The robot's own clock."""
+        passed_s = self.now_s - self.start_s
+        return passed_s * (1.0 + self.robot_clock_drift) + self.robot_clock_offset_s
+
+    def run(self, seconds: float, until: Callable[[], bool] | None = None) -> bool:
+        """Let time pass; True as soon as ``until`` holds (looked at every 10 ms)."""
+        end_s = self.now_s + seconds
+        while self.now_s < end_s:
+            self.tick()
+            if until is not None and self._ticks % 10 == 0 and until():
+                return True
+        return until is None
+
+    def tick(self) -> None:
+        """One millisecond."""
+        self._ticks += 1
+        self.now_s += TICK_S
+        self._move_bytes()
+        if not self.knobs.frozen:
+            self.robot.controller.tick(self.robot_s)
+            if self._ticks % 10 == 0:
+                self.wheels = self.robot.controller.step(self.robot_s, *self.drive.encoders_m)
+        self.drive.step(TICK_S, self.wheels)
+        if self._ticks % 10 == 0:
+            self.track.append((self.now_s, *self.drive.pose))
+        self._look()
+        if self.knobs.lease and self._ticks % round(1.0 / self.lease_hz / TICK_S) == 0:
+            age_s = self.now_s - self._captured_s
+            self.host.lease(self.now_s, 0.5, self.knobs.permit, age_s)
+        while (event := self.host.next_event()) is not None:
+            self.events.append(event)
+
+    def _move_bytes(self) -> None:
+        now_s, cable = self.now_s, self.knobs.cable
+        arrived = self._faulty[0].carry(self.to_robot.take(now_s), now_s)
+        if arrived and cable and not self.knobs.frozen:
+            self.robot.receive_bytes(arrived, self.robot_s)
+        if self.knobs.echo and arrived:
+            self.to_host.put(arrived, now_s)
+        if self.to_host.free(now_s) and not self.knobs.frozen:
+            frame = self.robot.next_frame(self.robot_s)
+            if frame:
+                self.to_host.put(frame, now_s)
+        arrived = self._faulty[1].carry(self.to_host.take(now_s), now_s)
+        if arrived and cable:
+            self.host.receive_bytes(arrived, now_s)
+        self.host.tick(now_s)
+        data = self.host.bytes_to_send(now_s)
+        if data:
+            self.to_robot.put(data, now_s)
+
+    def _look(self) -> None:
+        if self._ticks % round(1.0 / self.camera.rate_hz / TICK_S) == 0 and self.knobs.camera:
+            x, y, heading = self.drive.pose
+            x += self.camera.noise_m * float(self._rng.standard_normal())
+            y += self.camera.noise_m * float(self._rng.standard_normal())
+            heading += self.camera.noise_rad * float(self._rng.standard_normal())
+            self._seen.append((self.now_s, TruePose(x, y, heading)))
+        while self._seen and self._seen[0][0] + self.camera.delay_s <= self.now_s:
+            self._captured_s, pose = self._seen.popleft()
+            self.host.pose_fix(*pose, self._captured_s)
