@@ -26,6 +26,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
+RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]
 Count = Annotated[int, Field(strict=True, ge=0)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 
@@ -292,13 +293,18 @@ class SimulatedCameraSection(Section):
 class SimulatedRobotSection(Section):
     """How the simulated robot differs from the ideal one."""
 
-    wheel_radius_error: tuple[Number, Number] = Field(
+    wheel_radius_error: tuple[RelativeError, RelativeError] = Field(
         (0.01, -0.005), description="relative error of the [left, right] wheel's radius"
     )
-    track_error: Number = Field(0.01, description="relative error of the wheels' distance")
-    slip: Fraction = Field(0.0, description="part of the wheels' motion that is lost")
-    motion_noise: Fraction = Field(0.01, description="relative noise of each wheel's speed")
-    motor_time_s: NotNegative = Field(0.05, description="time constant of the motors")
+    track_error: RelativeError = Field(
+        0.01, description="relative error of the distance between the wheels"
+    )
+    slip: Fraction = Field(
+        0.01, description="sigma of the part of each wheel's travel that is lost or gained"
+    )
+    motor_time_s: Positive = Field(0.05, description="time constant of the motors")
+    encoder_ticks_per_m: Positive = Field(4000.0, description="resolution of the encoders")
+    wheel_speed_m_s: Positive = Field(0.8, description="highest speed of a wheel")
     faults: str = Field("", description="faults of the line, as in `clearway robot --faults`")
 
 

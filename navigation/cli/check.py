@@ -36,6 +36,7 @@ def command(config: Path) -> None:
 def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
     """What is wrong with the files that a sound configuration names, and with what is in them."""
     from navigation.simulator.arena import load_arena
+    from navigation.simulator.line_faults import FaultSpec, FaultSpecError
     from planner.scene import SceneError
     from vision.calibration import CalibrationError
     from vision.calibration_file import load_calibration
@@ -50,6 +51,10 @@ def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
             yield ("camera", "calibration"), str(error)
     if config.simulation is None:
         return
+    try:
+        FaultSpec.parse(config.simulation.robot.faults)
+    except FaultSpecError as error:
+        yield ("simulation", "robot", "faults"), str(error)
     place = "arena" if config.simulation.arena is not None else "arena_text"
     try:
         arena = load_arena(config)

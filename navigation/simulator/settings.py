@@ -1,0 +1,37 @@
+"""From a configuration's section ``simulation`` to the simulated robot's own settings."""
+
+from __future__ import annotations
+
+from navigation.config import Config
+from navigation.simulator.drive_model import DriveModel, TruePose
+from navigation.simulator.line_faults import FaultSpec
+
+
+def drive_model_of(config: Config) -> DriveModel:
+    """How the configured robot really moves; the ideal one without a section ``simulation``."""
+    if config.simulation is None:
+        return DriveModel(track_m=config.robot.track_m)
+    errors = config.simulation.robot
+    left, right = errors.wheel_radius_error
+    return DriveModel(
+        track_m=config.robot.track_m * (1.0 + errors.track_error),
+        lag_s=errors.motor_time_s,
+        left_scale=1.0 + left,
+        right_scale=1.0 + right,
+        slip=errors.slip,
+        ticks_per_m=errors.encoder_ticks_per_m,
+        max_wheel_m_s=errors.wheel_speed_m_s,
+    )
+
+
+def true_start_of(config: Config) -> TruePose:
+    """Where the simulated robot stands at the beginning."""
+    if config.simulation is None:
+        raise ValueError("the configuration has no section 'simulation'")
+    start = config.simulation.start
+    return TruePose(start.x_m, start.y_m, start.heading_rad)
+
+
+def faults_of(config: Config) -> FaultSpec:
+    """What is wrong with the line; raises ``FaultSpecError`` for a specification that is none."""
+    return FaultSpec.parse(config.simulation.robot.faults if config.simulation else "")
