@@ -1,0 +1,116 @@
+"""Rendered markers and boards with known truth, for the tests and benchmarks of vision.
+
+A picture is made by asking, for each of several points within each pixel, where its ray meets
+the floor (``Calibration.arena_from_image``) and what is painted there: perspective and lens
+are those of the calibration, edges are area-averaged, and nothing is drawn with OpenCV's own
+anti-aliasing. Then blur, noise and rounding, as a sensor would.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.calibration import Calibration
+
+LIGHT, DARK = 200.0, 35.0
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A painted square grid on the floor or above it.
+
+    ``cells`` (n, m) grey values, row 0 at the top of the upright picture; ``cell_m`` their
+    size; centre ``x``, ``y``, turned by ``heading_rad`` counter-clockwise; ``height_m``.
+    """
+
+    cells: NDArray[np.float64]
+    cell_m: float
+    x: float
+    y: float
+    heading_rad: float
+    height_m: float = 0.0
+
+
+def marker_patch(
+    dictionary: int,
+    marker_id: int,
+    size_m: float,
+    pose: tuple[float, float, float],
+    height_m: float = 0.0,
+) -> Patch:
+    """A marker of side ``size_m`` with a white rim of one cell, at (x, y, heading)."""
+    book = cv2.aruco.getPredefinedDictionary(dictionary)
+    n = book.markerSize + 2
+    bits = cv2.aruco.generateImageMarker(book, marker_id, n)
+    cells = np.full((n + 2, n + 2), LIGHT)
+    cells[1:-1, 1:-1] = np.where(bits > 0, LIGHT, DARK)
+    return Patch(cells, size_m / n, *pose, height_m)
+
+
+def chessboard_patch(
+    inner: tuple[int, int], square_m: float, pose: tuple[float, float, float]
+) -> Patch:
+    """A chessboard with (columns, rows) inner corners and a white rim, its centre at the pose."""
+    columns, rows = inner[0] + 1, inner[1] + 1
+    cells = np.full((rows + 2, columns + 2), LIGHT)
+    parity = np.add.outer(np.arange(rows), np.arange(columns)) % 2
+    cells[1:-1, 1:-1] = np.where(parity == 0, DARK, LIGHT)
+    return Patch(cells, square_m, *pose)
+
+
+def render(
+    calibration: Calibration,
+    patches: Sequence[Patch],
+    *,
+    rng: np.random.Generator | None = None,
+    noise: float = 0.0,
+    blur: float = 0.7,
+    samples: int = 4,
+    window: tuple[int, int, int, int] | None = None,
+) -> NDArray[np.uint8]:
+    """The picture (h, w) of the patches; later ones cover earlier ones.
+
+    ``window`` (x, y, width, height) renders only that part in detail; the rest is floor.
+    """
+    width, height = calibration.size
+    x0, y0, w, h = window or (0, 0, width, height)
+    total = np.zeros((h, w))
+    ys, xs = np.mgrid[y0 : y0 + h, x0 : x0 + w].astype(np.float64)
+    for i in range(samples):
+        for j in range(samples):
+            dx, dy = (i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5
+            total += _paint(calibration, patches, xs + dx, ys + dy)
+    part = total / samples**2
+    image = np.full((height, width), LIGHT)
+    image[y0 : y0 + h, x0 : x0 + w] = part
+    if blur > 0.0:
+        image = cv2.GaussianBlur(image, (0, 0), blur)
+    if rng is not None and noise > 0.0:
+        image = image + rng.normal(0.0, noise, image.shape)
+    return np.clip(np.round(image), 0, 255).astype(np.uint8)
+
+
+def _paint(
+    calibration: Calibration,
+    patches: Sequence[Patch],
+    xs: NDArray[np.float64],
+    ys: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    pixels = np.stack([xs.ravel(), ys.ravel()], axis=1)
+    grey = np.full(len(pixels), LIGHT)
+    for patch in patches:
+        floor = calibration.arena_from_image(pixels, patch.height_m)
+        c, s = math.cos(patch.heading_rad), math.sin(patch.heading_rad)
+        dx, dy = floor[:, 0] - patch.x, floor[:, 1] - patch.y
+        rows, columns = patch.cells.shape
+        column = np.floor((c * dx + s * dy) / patch.cell_m + columns / 2).astype(int)
+        row = np.floor((s * dx - c * dy) / patch.cell_m + rows / 2).astype(int)
+        inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        grey[inside] = patch.cells[row[inside], column[inside]]
+    return grey.reshape(xs.shape)
