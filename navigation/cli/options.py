@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -22,7 +22,15 @@ class Station:
         return (self.x, self.y) if self.heading_rad is None else (self.x, self.y, self.heading_rad)
 
 
-class StationType(click.ParamType):
+if TYPE_CHECKING:  # generic for the type checker only: click 8.1 cannot be subscripted
+    StationBase = click.ParamType[Station]
+    NumberBase = click.ParamType[float]
+    PreferenceBase = click.ParamType[str | float]
+else:
+    StationBase = NumberBase = PreferenceBase = click.ParamType
+
+
+class StationType(StationBase):
     """``X,Y`` or ``X,Y,DEG`` in the scene's units and its own sense of turning."""
 
     name = "X,Y[,DEG]"
@@ -44,7 +52,7 @@ class StationType(click.ParamType):
         return Station(x, y, math.radians(degrees[0]) if degrees else None)
 
 
-class NumberType(click.ParamType):
+class NumberType(NumberBase):
     """A finite number that is > 0, or >= 0 with ``zero``."""
 
     name = "NUMBER"
@@ -63,7 +71,7 @@ class NumberType(click.ParamType):
         return number
 
 
-class PreferenceType(click.ParamType):
+class PreferenceType(PreferenceBase):
     """``clearance``, ``length``, ``balanced``, or a number from 0 (length) to 1 (clearance)."""
 
     name = "clearance|length|balanced|0..1"

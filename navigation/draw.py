@@ -1,0 +1,132 @@
+"""Pictures of a scene and what was made of it, as SVG or PNG, in one visual language.
+
+Dark obstacles on a light floor; the roadmap coloured by clearance, from warm (tight) to cool
+(wide); the planned path green with the corridor that the robot sweeps; waypoints as dots; the
+driven track violet; the narrowest place a red measure across the way; a legend and a scale.
+The same shapes go into both formats (``draw_shapes.py``).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from navigation.draw_layers import Content, layers
+from navigation.draw_legend import LEGEND_WIDTH, legend
+from navigation.draw_shapes import Drawing, fit_screen
+from planner.path import NoPath, Path, Trajectory
+from planner.scene import Scene
+
+if TYPE_CHECKING:
+    from planner.roadmap import Roadmap
+
+PLOT_WIDTH, PLOT_HEIGHT = 1000, 760
+"""Pixels that the scene may take."""
+LEAST_HEIGHT = 420
+"""So that the legend has room."""
+MARGIN = 24
+
+
+class DrawError(ValueError):
+    """A picture cannot be written; the message says why."""
+
+
+def draw_svg(
+    scene: Scene,
+    roadmap: Roadmap | None = None,
+    path: Path | NoPath | None = None,
+    *,
+    trajectory: Trajectory | None = None,
+    track: ArrayLike | None = None,
+    stations: Sequence[Sequence[float]] = (),
+    title: str = "Clearway",
+) -> str:
+    """The picture as SVG text.
+
+    ``track`` (n, 2) is where the robot drove, in the scene's units; ``stations`` are (x, y) or
+    (x, y, heading_rad): start, vias, goal. What is not given is not drawn.
+    """
+    from navigation.draw_svg import to_svg
+
+    return to_svg(_drawing(scene, roadmap, path, trajectory, track, stations, title))
+
+
+def draw_png(
+    scene: Scene,
+    roadmap: Roadmap | None = None,
+    path: Path | NoPath | None = None,
+    *,
+    trajectory: Trajectory | None = None,
+    track: ArrayLike | None = None,
+    stations: Sequence[Sequence[float]] = (),
+    title: str = "Clearway",
+) -> NDArray[np.uint8]:
+    """The same picture as (height, width, 3) uint8 pixels, BGR."""
+    from navigation.draw_png import to_pixels
+
+    return to_pixels(_drawing(scene, roadmap, path, trajectory, track, stations, title))
+
+
+def save_picture(
+    file: str | os.PathLike[str],
+    scene: Scene,
+    roadmap: Roadmap | None = None,
+    path: Path | NoPath | None = None,
+    *,
+    trajectory: Trajectory | None = None,
+    track: ArrayLike | None = None,
+    stations: Sequence[Sequence[float]] = (),
+    title: str = "Clearway",
+) -> None:
+    """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` where that cannot be done."""
+    target = FilePath(file)
+    drawing = _drawing(scene, roadmap, path, trajectory, track, stations, title)
+    match target.suffix.lower():
+        case ".svg":
+            from navigation.draw_svg import to_svg
+
+            data = to_svg(drawing).encode("utf-8")
+        case ".png":
+            import cv2
+
+            from navigation.draw_png import to_pixels
+
+            _, encoded = cv2.imencode(".png", to_pixels(drawing))
+            data = encoded.tobytes()
+        case suffix:
+            raise DrawError(f"{target}: cannot draw {suffix or 'without a suffix'}: .svg or .png")
+    try:
+        target.write_bytes(data)
+    except OSError as error:
+        raise DrawError(f"{target}: {error.strerror or error}") from None
+
+
+def _drawing(
+    scene: Scene,
+    roadmap: Roadmap | None,
+    path: Path | NoPath | None,
+    trajectory: Trajectory | None,
+    track: ArrayLike | None,
+    stations: Sequence[Sequence[float]],
+    title: str,
+) -> Drawing:
+    screen = fit_screen(scene, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
+    width = screen.scale * scene.bounds.width
+    height = screen.scale * scene.bounds.height
+    driven = None if track is None else np.asarray(track, dtype=np.float64).reshape(-1, 2)
+    places = tuple(tuple(float(v) for v in station) for station in stations)
+    content = Content(scene, roadmap, path, trajectory, driven, places, title)
+    left = 2 * MARGIN + width
+    page_height = round(max(height, LEAST_HEIGHT) + 2 * MARGIN)
+    shapes = legend(content, screen, left, MARGIN, page_height - MARGIN)
+    return Drawing(
+        width=round(left + LEGEND_WIDTH + MARGIN),
+        height=page_height,
+        layers=(*layers(content, screen), shapes),
+        title=title,
+    )

@@ -1,0 +1,272 @@
+"""The layers of a picture, from the floor up: obstacles, roadmap, path, track, places."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navigation.draw_shapes import (
+    BOTTLENECK,
+    FLOOR,
+    FRAME,
+    GOAL,
+    OBSTACLE,
+    OBSTACLE_EDGE,
+    OTHER_PATH,
+    PAGE,
+    PATH,
+    RAMP_STEPS,
+    START,
+    TRACK,
+    Area,
+    Colour,
+    Disc,
+    Label,
+    Layer,
+    Screen,
+    Shape,
+    Strokes,
+    ramp_colour,
+)
+from planner.path import NoPath, Path, Trajectory
+from planner.polyline import arc_lengths, points_at
+from planner.scene import (
+    Arc,
+    CircleRecord,
+    FloatArray,
+    PointRecord,
+    PolygonRecord,
+    Record,
+    Scene,
+    record_edges,
+)
+
+if TYPE_CHECKING:
+    from planner.roadmap import Roadmap
+
+ARC_STEP_RAD = math.radians(3.0)
+COLOUR_STEP_PX = 5.0
+"""Along an edge the colour follows the clearance this often."""
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """All that one picture shows; None or empty is not drawn."""
+
+    scene: Scene
+    roadmap: Roadmap | None
+    path: Path | NoPath | None
+    trajectory: Trajectory | None
+    track: FloatArray | None
+    stations: tuple[tuple[float, ...], ...]
+    title: str
+
+    @property
+    def found(self) -> Path | None:
+        """The path, where there is one."""
+        return self.path if isinstance(self.path, Path) else None
+
+    @property
+    def robot_radius(self) -> float | None:
+        """The robot's radius, where something tells it."""
+        if self.found:
+            return self.found.robot_radius
+        return self.roadmap.radius if self.roadmap else None
+
+    def clearance_span(self) -> tuple[float, float] | None:
+        """Least and largest clearance on the roadmap: the ends of the colour ramp."""
+        if self.roadmap is None or self.roadmap.graph.number_of_edges() == 0:
+            return None
+        graph = self.roadmap.graph
+        low = min(float(data["clearance"]) for _, _, data in graph.edges(data=True))
+        high = max(float(data["clearance"]) for _, data in graph.nodes(data=True))
+        return low, max(high, low)
+
+    def bottleneck(self) -> tuple[float, float, float] | None:
+        """x, y and width of the narrowest place, of the path or of the widest way."""
+        if self.found:
+            return (*self.found.min_clearance_at, 2.0 * self.found.min_clearance)
+        if isinstance(self.path, NoPath) and self.path.bottleneck:
+            gap = self.path.bottleneck
+            return gap.x, gap.y, gap.width
+        return None
+
+
+def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
+    """The layers inside the plot, from the bottom up."""
+    return (
+        Layer("floor", (Area((screen.frame,), FLOOR),)),
+        Layer("corridor", tuple(_corridor(content, screen))),
+        Layer("obstacles", tuple(_obstacles(content.scene, screen))),
+        Layer("bounds", (_frame(screen),)),
+        Layer("roadmap", tuple(_roadmap(content, screen))),
+        Layer("alternatives", tuple(_alternatives(content, screen))),
+        Layer("path", tuple(_path(content, screen))),
+        Layer("driven track", tuple(_track(content, screen))),
+        Layer("waypoints", tuple(_waypoints(content, screen))),
+        Layer("bottleneck", tuple(_bottleneck(content, screen))),
+        Layer("stations", tuple(_stations(content, screen))),
+    )
+
+
+def ring_points(records: tuple[Record, ...], y_down: bool) -> Iterator[FloatArray]:
+    """The closed borders among the records as (n, 2) rings in the scene's units."""
+    for record in records:
+        if isinstance(record, PolygonRecord | CircleRecord):
+            yield chain_points(record, y_down)
+
+
+def chain_points(record: Record, y_down: bool) -> FloatArray:
+    """A record's edges as an (n, 2) polyline; arcs in steps of ``ARC_STEP_RAD``."""
+    points: list[tuple[float, float]] = []
+    for edge in record_edges(record):
+        points.append(edge.start)
+        if isinstance(edge, Arc):
+            start, sweep = edge.sweep(y_down)
+            steps = max(2, math.ceil(abs(sweep) / ARC_STEP_RAD))
+            (x, y), r = edge.center, edge.radius
+            points += [
+                (x + r * math.cos(a), y + r * math.sin(a))
+                for a in (start + sweep * k / steps for k in range(1, steps))
+            ]
+        points.append(edge.end)
+    return np.array(points, dtype=np.float64).reshape(-1, 2)
+
+
+def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
+    for obj in scene.objects:
+        rings = [
+            screen.points(ring)
+            for border in (obj.records, *obj.holes)
+            for ring in ring_points(border, scene.y_down)
+        ]
+        if rings:
+            yield Area(tuple(rings), OBSTACLE, stroke=OBSTACLE_EDGE)
+        for record in obj.records:
+            if isinstance(record, PointRecord):
+                ((x, y),) = screen.points([record.at]).tolist()
+                yield Disc(x, y, 2.0, fill=OBSTACLE)
+            elif not isinstance(record, PolygonRecord | CircleRecord):
+                line = screen.points(chain_points(record, scene.y_down))
+                yield Strokes((line,), OBSTACLE, 2.0)
+
+
+def _frame(screen: Screen) -> Strokes:
+    return Strokes((np.vstack([screen.frame, screen.frame[:1]]),), FRAME, 1.5)
+
+
+def _corridor(content: Content, screen: Screen) -> Iterator[Shape]:
+    if content.found and len(content.found.points) > 1:
+        line = screen.points(content.found.points)
+        width = 2.0 * content.found.robot_radius * screen.scale
+        yield Strokes((line,), PATH, width, opacity=0.14)
+
+
+def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
+    span = content.clearance_span()
+    if content.roadmap is None or span is None:
+        return
+    pieces = [
+        _densely(np.asarray(data["polyline"]), COLOUR_STEP_PX / screen.scale)
+        for _, _, data in content.roadmap.graph.edges(data=True)
+    ]
+    clearances = content.roadmap.clearance(np.concatenate(pieces))
+    width = span[1] - span[0]
+    part = (clearances - span[0]) / width if width > 0.0 else np.ones(len(clearances))
+    steps = np.clip(np.rint(part * (RAMP_STEPS - 1)), 0, RAMP_STEPS - 1).astype(int)
+    by_step: dict[int, list[FloatArray]] = {}
+    first = 0
+    for piece in pieces:
+        for step, run in _runs(piece, steps[first : first + len(piece)]):
+            by_step.setdefault(step, []).append(screen.points(run))
+        first += len(piece)
+    for step in sorted(by_step, reverse=True):
+        yield Strokes(tuple(by_step[step]), ramp_colour(step), 1.8)
+
+
+def _densely(polyline: FloatArray, step: float) -> FloatArray:
+    lengths = arc_lengths(polyline)
+    count = math.ceil(lengths[-1] / step) + 1
+    at = np.union1d(lengths, np.linspace(0.0, lengths[-1], count))
+    return points_at(polyline, lengths, at)
+
+
+def _runs(points: FloatArray, steps: NDArray[np.int_]) -> Iterator[tuple[int, FloatArray]]:
+    """Stretches of one colour; each begins where the one before ended."""
+    cuts = [0, *(np.flatnonzero(np.diff(steps[:-1])) + 1).tolist(), len(points) - 1]
+    for a, b in pairwise(cuts):
+        yield int(steps[a]), points[a : b + 1]
+
+
+def _alternatives(content: Content, screen: Screen) -> Iterator[Shape]:
+    if content.found:
+        for other in content.found.alternatives:
+            yield Strokes((screen.points(other.points),), OTHER_PATH, 2.5, dash=(8.0, 5.0))
+
+
+def _path(content: Content, screen: Screen) -> Iterator[Shape]:
+    if content.found and len(content.found.points) > 1:
+        line = (screen.points(content.found.points),)
+        yield Strokes(line, PAGE, 6.5)
+        yield Strokes(line, PATH, 3.5)
+
+
+def _track(content: Content, screen: Screen) -> Iterator[Shape]:
+    if content.track is not None and len(content.track) > 1:
+        yield Strokes((screen.points(content.track),), TRACK, 2.0)
+
+
+def _waypoints(content: Content, screen: Screen) -> Iterator[Shape]:
+    if content.trajectory:
+        places = screen.points([(w.x, w.y) for w in content.trajectory.waypoints])
+        for x, y in places.tolist():
+            yield Disc(x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3)
+
+
+def _bottleneck(content: Content, screen: Screen) -> Iterator[Shape]:
+    gap = content.bottleneck()
+    if gap is None:
+        return
+    ((x, y),) = screen.points([gap[:2]]).tolist()
+    radius = 0.5 * gap[2] * screen.scale
+    yield Disc(x, y, max(radius, 3.0), stroke=BOTTLENECK, width=2.0)
+    yield Disc(x, y, 2.4, fill=BOTTLENECK)
+
+
+def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
+    last = len(content.stations) - 1
+    radius = content.robot_radius
+    size = 7.0 if radius is None else max(7.0, radius * screen.scale)
+    for number, station in enumerate(content.stations):
+        name, colour = _station_name(number, last)
+        ((x, y),) = screen.points([station[:2]]).tolist()
+        yield Disc(x, y, size, fill=colour, opacity=0.22)
+        yield Disc(x, y, size, stroke=colour, width=2.0)
+        yield Disc(x, y, 3.5, fill=colour)
+        if len(station) == 3:
+            angle = screen.heading(station[2])
+            tip = (x + size * math.cos(angle), y + size * math.sin(angle))
+            yield Strokes((np.array([(x, y), tip]),), colour, 2.5)
+        yield _name_beside(name, x, y, size, colour, screen)
+
+
+def _name_beside(
+    name: str, x: float, y: float, size: float, colour: Colour, screen: Screen
+) -> Label:
+    """The name right of the place, or left of it near the right side of the frame."""
+    right_side = float(screen.frame[:, 0].max())
+    if x + size + 8.0 * len(name) + 12.0 > right_side:
+        return Label(x - size - 6.0, y + 4.5, name, 14.0, colour, "end", bold=True, halo=True)
+    return Label(x + size + 6.0, y + 4.5, name, 14.0, colour, bold=True, halo=True)
+
+
+def _station_name(number: int, last: int) -> tuple[str, Colour]:
+    if number == 0:
+        return "start", START
+    return ("goal", GOAL) if number == last else (str(number), GOAL)

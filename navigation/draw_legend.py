@@ -1,0 +1,166 @@
+"""The legend beside the plot: what each mark means, with its figures, and a scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from navigation.draw_layers import Content
+from navigation.draw_shapes import (
+    BOTTLENECK,
+    FAINT_INK,
+    INK,
+    OBSTACLE,
+    OTHER_PATH,
+    PAGE,
+    PATH,
+    RAMP_STEPS,
+    TRACK,
+    Area,
+    Disc,
+    Label,
+    Layer,
+    Screen,
+    Shape,
+    Strokes,
+    ramp_colour,
+)
+from planner.path import NoPath
+from planner.polyline import arc_lengths
+from planner.scene import FloatArray
+
+LEGEND_WIDTH = 236
+_ROW = 26.0
+_TEXT = 40.0
+"""From the legend's left side to its words."""
+
+
+def legend(content: Content, screen: Screen, left: float, top: float, bottom: float) -> Layer:
+    """The legend's shapes, from ``top`` down, and the scale at ``bottom``."""
+    shapes: list[Shape] = [Label(left, top + 16.0, content.title, 18.0, INK, bold=True)]
+    y = top + 34.0
+    for line in _subtitle(content):
+        shapes.append(Label(left, y + 4.0, line, 12.0, FAINT_INK))
+        y += 17.0
+    y += 14.0
+    for mark, words in _rows(content, left, y):
+        shapes += mark
+        shapes.append(Label(left + _TEXT, y + 4.5, words, 13.0))
+        y += _ROW
+    shapes += _ramp(content, left, y)
+    shapes += _scale(screen, content.scene.units, left, bottom)
+    return Layer("legend", tuple(shapes))
+
+
+def _subtitle(content: Content) -> Iterator[str]:
+    radius, units = content.robot_radius, content.scene.units
+    if radius is not None:
+        yield f"robot radius {radius:.4g} {units}"
+    if isinstance(content.path, NoPath):
+        yield from _wrapped(f"no path: {content.path.reason}", 36)
+        if content.path.widest_radius is not None:
+            yield f"widest robot: radius {content.path.widest_radius:.4g} {units}"
+
+
+def _wrapped(text: str, width: int) -> Iterator[str]:
+    line = ""
+    for word in text.split():
+        if line and len(line) + 1 + len(word) > width:
+            yield line
+            line = word
+        else:
+            line = f"{line} {word}".strip()
+    yield line
+
+
+def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:
+    """The rows' marks and words, from ``first_y`` down, one every ``_ROW`` pixels."""
+    units = content.scene.units
+    y = first_y
+    found = content.found
+
+    def bar(row_y: float) -> FloatArray:
+        return np.array([(left + 2.0, row_y), (left + 30.0, row_y)])
+
+    count = len(content.scene.objects)
+    yield (
+        [Area((_box(left + 2.0, y - 7.0, left + 30.0, y + 7.0),), OBSTACLE)],
+        f"obstacles ({count})",
+    )
+    y += _ROW
+    if found:
+        yield (
+            [
+                Strokes((bar(y),), PATH, 13.0, opacity=0.14),
+                Strokes((bar(y),), PATH, 3.5),
+            ],
+            f"path, {found.length:.4g} {units}",
+        )
+        y += _ROW
+        if found.alternatives:
+            mark: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 2.5, dash=(8.0, 5.0))]
+            yield mark, f"alternatives ({len(found.alternatives)})"
+            y += _ROW
+    if content.trajectory:
+        waypoints = content.trajectory.waypoints
+        dots: list[Shape] = [
+            Disc(left + x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3) for x in (4, 16, 28)
+        ]
+        yield dots, f"waypoints ({len(waypoints)}), {content.trajectory.duration_s:.3g} s"
+        y += _ROW
+    if content.track is not None and len(content.track) > 1:
+        driven = arc_lengths(content.track)[-1]
+        yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {driven:.4g} {units}"
+        y += _ROW
+    gap = content.bottleneck()
+    if gap is not None:
+        ring: list[Shape] = [
+            Disc(left + 16.0, y, 8.0, stroke=BOTTLENECK, width=2.0),
+            Disc(left + 16.0, y, 2.4, fill=BOTTLENECK),
+        ]
+        yield ring, f"bottleneck, {gap[2]:.4g} {units} wide"
+
+
+def _ramp(content: Content, left: float, top: float) -> Iterator[Shape]:
+    span = content.clearance_span()
+    if span is None:
+        return
+    yield Label(left, top + 14.0, f"roadmap, clearance in {content.scene.units}", 13.0)
+    width = 200.0 / RAMP_STEPS
+    for step in range(RAMP_STEPS):
+        x0 = left + 2.0 + step * width
+        box = _box(x0, top + 24.0, x0 + width + 0.5, top + 34.0)
+        yield Area((box,), ramp_colour(step))
+    middle = 0.5 * (span[0] + span[1])
+    for part, value, anchor in (
+        (0.0, span[0], "start"),
+        (0.5, middle, "middle"),
+        (1, span[1], "end"),
+    ):
+        x = left + 2.0 + 200.0 * part
+        yield Label(x, top + 49.0, f"{value:.3g}", 12.0, FAINT_INK, anchor)
+
+
+def _box(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
+    return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+
+
+def _scale(screen: Screen, units: str, left: float, bottom: float) -> Iterator[Shape]:
+    """A bar of a round length, about 120 pixels long."""
+    wanted = 120.0 / screen.scale
+    power = 10.0 ** math.floor(math.log10(wanted))
+    length = power * max(m for m in (1.0, 2.0, 5.0) if m * power <= wanted)
+    pixels = length * screen.scale
+    y = bottom - 4.0
+    bar = np.array(
+        [
+            (left + 2.0, y - 5.0),
+            (left + 2.0, y),
+            (left + 2.0 + pixels, y),
+            (left + 2.0 + pixels, y - 5.0),
+        ]
+    )
+    yield Strokes((bar,), INK, 1.5)
+    yield Label(left + 2.0 + 0.5 * pixels, y - 8.0, f"{length:g} {units}", 12.0, INK, "middle")

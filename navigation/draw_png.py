@@ -1,0 +1,106 @@
+"""A drawing as pixels with OpenCV: everything is drawn twice as large and scaled down, smooth."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from navigation.draw_shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
+from planner.polyline import arc_lengths, points_at
+from planner.scene import FloatArray
+
+Canvas: TypeAlias = NDArray[Any]
+
+SUPERSAMPLING = 2
+_SHIFT = 4
+"""Fractional bits of OpenCV's coordinates."""
+_FONT = cv2.FONT_HERSHEY_SIMPLEX
+_FONT_HEIGHT = 22.0
+"""Pixels of a capital letter of the font at scale 1."""
+
+
+def to_pixels(drawing: Drawing) -> NDArray[np.uint8]:
+    """(height, width, 3) uint8, BGR."""
+    size = (drawing.height * SUPERSAMPLING, drawing.width * SUPERSAMPLING, 3)
+    canvas: Canvas = np.empty(size, dtype=np.uint8)
+    canvas[:] = _bgr(PAGE)
+    for layer in drawing.layers:
+        for shape in layer.shapes:
+            _draw(canvas, shape)
+    small = cv2.resize(canvas, (drawing.width, drawing.height), interpolation=cv2.INTER_AREA)
+    return np.asarray(small, dtype=np.uint8)
+
+
+def _draw(canvas: Canvas, shape: Shape) -> None:
+    opacity = 1.0 if isinstance(shape, Label) else shape.opacity
+    target = canvas if opacity >= 1.0 else canvas.copy()
+    match shape:
+        case Area(rings, fill, _, stroke):
+            fixed = [_fixed(ring) for ring in rings]
+            cv2.fillPoly(target, fixed, _bgr(fill), cv2.LINE_AA, _SHIFT)
+            if stroke:
+                cv2.polylines(target, fixed, True, _bgr(stroke), 2, cv2.LINE_AA, _SHIFT)
+        case Strokes(lines, colour, width, _, dash):
+            pieces = [p for line in lines for p in _dashes(line, dash)]
+            _polylines(target, pieces, colour, width)
+        case Disc():
+            _disc(target, shape)
+        case Label():
+            _text(target, shape)
+    if target is not canvas:
+        cv2.addWeighted(target, opacity, canvas, 1.0 - opacity, 0.0, dst=canvas)
+
+
+def _polylines(canvas: Canvas, lines: list[FloatArray], colour: Colour, width: float) -> None:
+    thickness = max(1, round(width * SUPERSAMPLING))
+    fixed = [_fixed(line) for line in lines]
+    cv2.polylines(canvas, fixed, False, _bgr(colour), min(thickness, 32767), cv2.LINE_AA, _SHIFT)
+
+
+def _disc(canvas: Canvas, disc: Disc) -> None:
+    (center,) = _fixed(np.array([[disc.x, disc.y]])).reshape(-1, 2).tolist()
+    radius = round(disc.radius * SUPERSAMPLING * (1 << _SHIFT))
+    if disc.fill:
+        cv2.circle(canvas, center, radius, _bgr(disc.fill), -1, cv2.LINE_AA, _SHIFT)
+    if disc.stroke:
+        thickness = max(1, round(disc.width * SUPERSAMPLING))
+        cv2.circle(canvas, center, radius, _bgr(disc.stroke), thickness, cv2.LINE_AA, _SHIFT)
+
+
+def _text(canvas: Canvas, label: Label) -> None:
+    scale = label.size * 0.73 * SUPERSAMPLING / _FONT_HEIGHT
+    weight = 2 if label.bold else 1
+    (width, _), _ = cv2.getTextSize(label.text, _FONT, scale, weight)
+    shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[label.anchor]
+    at = (round(label.x * SUPERSAMPLING - shift * width), round(label.y * SUPERSAMPLING))
+    if label.halo:
+        for angle in np.linspace(0.0, math.tau, 12, endpoint=False):
+            around = (at[0] + round(4 * math.cos(angle)), at[1] + round(4 * math.sin(angle)))
+            cv2.putText(canvas, label.text, around, _FONT, scale, _bgr(PAGE), weight, cv2.LINE_AA)
+    cv2.putText(canvas, label.text, at, _FONT, scale, _bgr(label.colour), weight, cv2.LINE_AA)
+
+
+def _dashes(line: FloatArray, dash: tuple[float, float] | None) -> list[FloatArray]:
+    if dash is None or len(line) < 2:
+        return [line]
+    lengths = arc_lengths(line)
+    pieces = []
+    for begin in np.arange(0.0, lengths[-1], dash[0] + dash[1]):
+        end = min(begin + dash[0], lengths[-1])
+        inside = lengths[(lengths > begin) & (lengths < end)]
+        pieces.append(points_at(line, lengths, np.concatenate([[begin], inside, [end]])))
+    return pieces
+
+
+def _fixed(points: FloatArray) -> NDArray[np.int32]:
+    """OpenCV's fixed-point coordinates; far off the page is clipped, for it stays off."""
+    scaled = (points * SUPERSAMPLING + 0.5 * (SUPERSAMPLING - 1)) * (1 << _SHIFT)
+    return np.rint(np.clip(scaled, -1e6, 1e6)).astype(np.int32)
+
+
+def _bgr(colour: Colour) -> tuple[int, int, int]:
+    return colour[2], colour[1], colour[0]

@@ -1,0 +1,158 @@
+"""What pictures are made of: a few flat shapes in screen pixels, and the colours they share.
+
+A picture is drawn once, as a list of shapes; ``draw_svg.py`` and ``draw_png.py`` write the list
+down. Screen pixels: x right, y down, (0, 0) is the picture's upper left corner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from planner.scene import Bounds, FloatArray, Scene
+
+Colour: TypeAlias = tuple[int, int, int]
+"""Red, green, blue, 0..255."""
+
+PAGE: Colour = (255, 255, 255)
+FLOOR: Colour = (247, 247, 244)
+OBSTACLE: Colour = (58, 64, 72)
+OBSTACLE_EDGE: Colour = (30, 34, 40)
+FRAME: Colour = (120, 126, 134)
+INK: Colour = (38, 42, 48)
+FAINT_INK: Colour = (110, 116, 124)
+PATH: Colour = (10, 122, 62)
+OTHER_PATH: Colour = (126, 176, 140)
+TRACK: Colour = (118, 42, 190)
+BOTTLENECK: Colour = (214, 28, 78)
+START: Colour = (10, 122, 62)
+GOAL: Colour = (184, 92, 0)
+
+CLEARANCE_RAMP: tuple[Colour, ...] = (
+    (202, 40, 36),
+    (236, 124, 44),
+    (214, 172, 60),
+    (96, 170, 140),
+    (44, 128, 184),
+    (30, 66, 140),
+)
+"""From tight, warm, to wide, cool; told apart by brightness too."""
+RAMP_STEPS = 24
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """The inside of closed rings, (n, 2) each, by the even-odd rule."""
+
+    rings: tuple[FloatArray, ...]
+    fill: Colour
+    opacity: float = 1.0
+    stroke: Colour | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Strokes:
+    """Open polylines, (n, 2) each, of one colour and width; ``dash`` is on and off in pixels."""
+
+    lines: tuple[FloatArray, ...]
+    colour: Colour
+    width: float
+    opacity: float = 1.0
+    dash: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A circle, filled, stroked or both."""
+
+    x: float
+    y: float
+    radius: float
+    fill: Colour | None = None
+    stroke: Colour | None = None
+    width: float = 1.0
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A line of text; (x, y) is the left end of its base line, or the middle, or the right end."""
+
+    x: float
+    y: float
+    text: str
+    size: float = 13.0
+    colour: Colour = INK
+    anchor: str = "start"
+    bold: bool = False
+    halo: bool = False
+
+
+Shape: TypeAlias = Area | Strokes | Disc | Label
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """Shapes that belong together, under a name that the SVG keeps."""
+
+    name: str
+    shapes: tuple[Shape, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A whole picture: its size in pixels and its layers from the bottom up."""
+
+    width: int
+    height: int
+    layers: tuple[Layer, ...]
+    title: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Screen:
+    """Where the scene lies on the page: a window of ``bounds`` at ``scale`` pixels a unit."""
+
+    bounds: Bounds
+    y_down: bool
+    scale: float
+    left: float
+    top: float
+    frame: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        corners = self.points(self.bounds.corners())
+        corners.setflags(write=False)
+        object.__setattr__(self, "frame", corners)
+
+    def points(self, scene_points: FloatArray | Sequence[Sequence[float]]) -> FloatArray:
+        """(n, 2) screen pixels of (n, 2) points of the scene."""
+        xy = np.asarray(scene_points, dtype=np.float64).reshape(-1, 2)
+        x = self.left + (xy[:, 0] - self.bounds.x_min) * self.scale
+        down = xy[:, 1] - self.bounds.y_min if self.y_down else self.bounds.y_max - xy[:, 1]
+        return np.stack([x, self.top + down * self.scale], axis=1)
+
+    def heading(self, heading_rad: float) -> float:
+        """The same heading as an angle on the screen, clockwise from the right."""
+        return heading_rad if self.y_down else -heading_rad
+
+
+def fit_screen(scene: Scene, width: float, height: float, left: float, top: float) -> Screen:
+    """The scene's bounds as large as they fit into ``width`` x ``height`` pixels."""
+    scale = min(width / scene.bounds.width, height / scene.bounds.height)
+    return Screen(scene.bounds, scene.y_down, scale, left, top)
+
+
+def ramp_colour(step: int) -> Colour:
+    """Colour of one of ``RAMP_STEPS`` steps from tight (0) to wide."""
+    at = step / (RAMP_STEPS - 1) * (len(CLEARANCE_RAMP) - 1)
+    low = min(int(at), len(CLEARANCE_RAMP) - 2)
+    part = at - low
+    r, g, b = (
+        round(p + part * (q - p))
+        for p, q in zip(CLEARANCE_RAMP[low], CLEARANCE_RAMP[low + 1], strict=True)
+    )
+    return r, g, b

@@ -1,0 +1,85 @@
+"""A drawing as SVG text: one group a layer, two decimals, no script, no outside resources."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from xml.sax.saxutils import escape, quoteattr
+
+from navigation.draw_shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
+from planner.scene import FloatArray
+
+FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"
+
+
+def to_svg(drawing: Drawing) -> str:
+    """The whole SVG document."""
+    return "\n".join(_lines(drawing)) + "\n"
+
+
+def _lines(drawing: Drawing) -> Iterator[str]:
+    w, h = drawing.width, drawing.height
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}"'
+        f' viewBox="0 0 {w} {h}" font-family="{FONT}" stroke-linecap="round"'
+        ' stroke-linejoin="round">'
+    )
+    yield f"<title>{escape(drawing.title)}</title>"
+    yield f'<rect width="{w}" height="{h}" fill="{_hex(PAGE)}"/>'
+    for layer in drawing.layers:
+        if layer.shapes:
+            yield f"<g id={quoteattr(layer.name.replace(' ', '-'))}>"
+            yield f"<title>{escape(layer.name)}</title>"
+            for shape in layer.shapes:
+                yield _element(shape)
+            yield "</g>"
+    yield "</svg>"
+
+
+def _element(shape: Shape) -> str:
+    match shape:
+        case Area(rings, fill, opacity, stroke):
+            data = "".join(_path_data(ring) + "Z" for ring in rings)
+            edge = f' stroke="{_hex(stroke)}" stroke-width="0.8"' if stroke else ""
+            return (
+                f'<path d="{data}" fill="{_hex(fill)}" fill-rule="evenodd"'
+                f"{_opacity(opacity)}{edge}/>"
+            )
+        case Strokes(lines, colour, width, opacity, dash):
+            data = "".join(_path_data(line) for line in lines)
+            dashes = f' stroke-dasharray="{dash[0]:g} {dash[1]:g}"' if dash else ""
+            return (
+                f'<path d="{data}" fill="none" stroke="{_hex(colour)}"'
+                f' stroke-width="{width:.4g}"{_opacity(opacity)}{dashes}/>'
+            )
+        case Disc(x, y, radius, disc_fill, stroke, width, opacity):
+            edge = f' stroke="{_hex(stroke)}" stroke-width="{width:.4g}"' if stroke else ""
+            inside = _hex(disc_fill) if disc_fill else "none"
+            return (
+                f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.2f}" fill="{inside}"'
+                f"{edge}{_opacity(opacity)}/>"
+            )
+        case Label():
+            return _text(shape)
+
+
+def _text(label: Label) -> str:
+    weight = ' font-weight="600"' if label.bold else ""
+    halo = f' stroke="{_hex(PAGE)}" stroke-width="3.5" paint-order="stroke"' if label.halo else ""
+    anchor = f' text-anchor="{label.anchor}"' if label.anchor != "start" else ""
+    return (
+        f'<text x="{label.x:.2f}" y="{label.y:.2f}" font-size="{label.size:g}"'
+        f' fill="{_hex(label.colour)}"{weight}{anchor}{halo}>{escape(label.text)}</text>'
+    )
+
+
+def _path_data(points: FloatArray) -> str:
+    return "M" + "L".join(f"{x:.2f},{y:.2f}" for x, y in points.tolist())
+
+
+def _opacity(opacity: float) -> str:
+    return "" if opacity >= 1.0 else f' opacity="{opacity:.3g}"'
+
+
+def _hex(colour: Colour) -> str:
+    r, g, b = colour
+    return f"#{r:02x}{g:02x}{b:02x}"
