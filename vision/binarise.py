@@ -40,6 +40,10 @@ FREE_LEVEL = 200.0
 """Grey value that free pixels get when the picture is divided by its light."""
 
 
+MOSTLY = 0.65
+"""Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles."""
+
+
 class PictureError(ValueError):
     """A picture cannot be used; the message says what is wrong with it."""
 
@@ -60,6 +64,16 @@ class Binary:
     contrast: float
     how: Binarisation
     remarks: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """The picture's (width, height)."""
+        return self.grey.shape[1], self.grey.shape[0]
+
+    @property
+    def inside(self) -> NDArray[np.uint8]:
+        """The mask without its margin, (h, w)."""
+        return self.mask[1:-1, 1 : self.grey.shape[1] + 1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,7 +198,7 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
     if polarity != "auto":
         return polarity, ""
     classes = split_classes(sampled_histogram(grey), noise_sigma(grey))
-    if classes is None or classes.dark_share <= 0.5:
+    if classes is None or classes.dark_share <= MOSTLY:
         share = 0.0 if classes is None else classes.dark_share
         return "dark", f"obstacles are dark: dark pixels are {share:.1%} of the picture"
     share = 1.0 - classes.dark_share

@@ -180,6 +180,21 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
 
 
 @njit(cache=True, nogil=True)
+def count_contour_pixels(xs, ys, starts):
+    """How many pixels ``contour_pixels`` gives, but for a turn at a border's very end."""
+    count = 0
+    for b in range(starts.shape[0] - 1):
+        last_x = -1
+        last_y = -1
+        for i in range(starts[b], starts[b + 1]):
+            if xs[i] != last_x or ys[i] != last_y:
+                count += 1
+                last_x = xs[i]
+                last_y = ys[i]
+    return count
+
+
+@njit(cache=True, nogil=True)
 def contour_pixels(xs, ys, starts):
     """The 8-connected contours: every border's pixels without immediate repetition.
 

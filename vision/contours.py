@@ -46,6 +46,11 @@ class Borders:
         part = slice(int(self.starts[border]), int(self.starts[border + 1]))
         return self.x[part], self.y[part], self.direction[part]
 
+    @property
+    def pixels(self) -> int:
+        """Border pixels, as often as contour following comes by: n of the paper."""
+        return int(kernels.count_contour_pixels(self.x, self.y, self.starts))
+
     def contours(self) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
         """The 8-connected contours: points (n, 2), and where each border's begin (b + 1,)."""
         x, y, starts = kernels.contour_pixels(self.x, self.y, self.starts)

@@ -2,23 +2,27 @@
 
 Rules and units
 - A picture's scene is in pixels, centres at integers, y down, its bounds the picture's edges.
-- With a calibration the edge points are mapped before anything is fitted, and the records
-  come out in metres, y up, inside the bounds that the caller gives.
+- With a calibration the edge points are mapped to the floor before anything is fitted, into
+  rectified pixels of the nominal size, so that tolerances stay in pixels; the records come
+  out in metres, y up, inside the bounds that the caller gives.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from time import perf_counter
 from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.scene import Bounds, Scene
-from vision.binarise import Method, PictureError, Polarity, binarise
-from vision.contours import follow_borders, locate_edges
+from planner.scene import Bounds, Scene, SceneObject
+from vision.binarise import Binary, Method, PictureError, Polarity, binarise
+from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.fitting import fit_edges, tolerance_of
-from vision.structure import build_objects
+from vision.paper import paper_objects
+from vision.placement import Placement, drop_outside, ignored_pixels
+from vision.structure import build_objects, find_specks
 
 Mode: TypeAlias = Literal["exact", "paper"]
 
@@ -31,7 +35,7 @@ class Calibration(Protocol):
         """The nominal size of a pixel on the floor."""
         ...
 
-    def arena_from_image(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
         """Points of the picture (n, 2) in pixels to the arena's metres (n, 2), y up."""
         ...
 
@@ -45,38 +49,86 @@ def extract(
     threshold: float | None = None,
     calibration: Calibration | None = None,
     bounds: Bounds | None = None,
-    ignore: NDArray[np.bool_] | None = None,
+    ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
 ) -> Scene:
-    """The minimum geometric structure of a picture.
+    """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
 
-    ``image`` (h, w), (h, w, 3) BGR or (h, w, 4) BGRA, uint8 or uint16, is never changed.
-    ``polarity`` says which side of the threshold is obstacle. ``ignore`` (h, w) marks pixels
-    that are no obstacle. Raises ``PictureError``. O(pixels) to threshold, then O(border).
+    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8 or uint16, is never
+    changed. ``mode`` is ``exact`` or the paper's recipe to the letter, ``paper``.
+    ``polarity`` says which side of the level is obstacle, ``method`` and ``threshold`` how
+    the level is found (see ``vision.binarise``). ``calibration`` and ``bounds`` (in metres)
+    make a scene in metres; objects wholly outside the bounds are dropped, with a remark.
+    ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
+    pixels. Raises ``PictureError`` for a picture or an option that cannot be used, and where
+    no pixel is free. Safe to call from several threads. O(pixels) to threshold, then
+    O(border pixels).
     """
     if mode not in ("exact", "paper"):
         raise PictureError(f"mode {mode!r}: must be exact or paper")
-    begin = perf_counter()
-    binary = binarise(image, polarity=polarity, method=method, threshold=threshold, ignore=ignore)
-    binarised = perf_counter()
+    if mode == "paper" and calibration is not None:
+        raise PictureError("mode paper: works in pixels, without a calibration")
+    if bounds is not None and calibration is None:
+        raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
+    clock = _StopWatch()
+    skip = ignored_pixels(ignore, image)
+    binary = binarise(image, polarity=polarity, method=method, threshold=threshold, ignore=skip)
+    clock.lap("binarise")
     borders = follow_borders(binary.mask)
+    if mode == "paper":
+        return _by_the_paper(binary, borders, clock)
     edges = locate_edges(binary, borders)
-    followed = perf_counter()
+    clock.lap("contours")
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
-    fitted = fit_edges(edges.points, edges.starts, tolerance)
-    objects = build_objects(borders, fitted)
-    done = perf_counter()
-    height, width = image.shape[:2]
+    placement = Placement.of(calibration, bounds, binary.size)
+    fitted = fit_edges(placement.rectified(edges.points), edges.starts, tolerance)
+    specks = find_specks(borders, binary.noise, binary.contrast)
+    objects = build_objects(borders, fitted, placement, specks.borders)
+    objects, remarks = drop_outside(objects, placement)
+    clock.lap("geometry")
+    return _scene(binary, objects, placement, borders.pixels, clock, (*specks.remarks, *remarks))
+
+
+def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:
+    border_pixels = int(np.count_nonzero(laplacian_border(binary.inside)))
+    clock.lap("contours")
+    objects = paper_objects(borders)
+    clock.lap("geometry")
+    return _scene(binary, objects, Placement.of(None, None, binary.size), border_pixels, clock, ())
+
+
+def _scene(
+    binary: Binary,
+    objects: tuple[SceneObject, ...],
+    placement: Placement,
+    border_pixels: int,
+    clock: _StopWatch,
+    remarks: tuple[str, ...],
+) -> Scene:
     return Scene(
-        units="px",
-        bounds=Bounds(-0.5, -0.5, width - 0.5, height - 0.5),
+        units=placement.units,
+        bounds=placement.bounds,
         objects=objects,
-        size=(width, height),
-        border_pixels=len(borders.contours()[0]),
+        bounds_given=placement.bounds_given,
+        size=binary.size,
+        border_pixels=border_pixels,
         binarisation=binary.how,
-        timings_ms={
-            "binarise": (binarised - begin) * 1e3,
-            "contours": (followed - binarised) * 1e3,
-            "geometry": (done - followed) * 1e3,
-        },
-        remarks=binary.remarks,
+        timings_ms=clock.laps,
+        remarks=(*binary.remarks, *remarks),
     )
+
+
+class _StopWatch:
+    """Wall time of the stages, in milliseconds."""
+
+    def __init__(self) -> None:
+        self._times: dict[str, float] = {}
+        self._begin = self._last = perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = perf_counter()
+        self._times[name] = (now - self._last) * 1e3
+        self._last = now
+
+    @property
+    def laps(self) -> Mapping[str, float]:
+        return {**self._times, "total": (self._last - self._begin) * 1e3}

@@ -11,6 +11,7 @@ Rules and units
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,11 +28,17 @@ from planner.scene import (
     SceneObject,
     Segment,
     SegmentRecord,
+    Vec,
 )
 from vision.contours import Borders
+from vision.placement import Placement
 
 LINE, ARC_CW, ARC_CCW = 0, 1, 2
 POLYGON, CIRCLE, TINY = 0, 1, 2
+SPECK_AREA = 4
+"""Pixels of the largest border that counts as noise, where there is so much of it."""
+SPECK_MARGIN_SIGMAS = 6.0
+"""Half the contrast, in standard deviations of the noise, below which specks are expected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,18 +56,50 @@ class FittedBorders:
     data: NDArray[np.float64]
 
 
-def build_objects(borders: Borders, fitted: FittedBorders) -> tuple[SceneObject, ...]:
+@dataclass(frozen=True, slots=True)
+class Specks:
+    """Borders that noise alone may have made, and the sentence that says so."""
+
+    borders: frozenset[int]
+    remarks: tuple[str, ...]
+
+
+def find_specks(borders: Borders, noise: float, contrast: float) -> Specks:
+    """Borders of at most ``SPECK_AREA`` pixels, where the noise could have made them.
+
+    Where noise cannot cross the level a single pixel is an obstacle (P), and stays.
+    """
+    if noise <= 0.0 or 0.5 * contrast >= SPECK_MARGIN_SIGMAS * noise:
+        return Specks(frozenset(), ())
+    small = np.flatnonzero(np.abs(borders.area) <= SPECK_AREA)
+    if len(small) == 0:
+        return Specks(frozenset(), ())
+    remark = (
+        f"{len(small)} {'speck' if len(small) == 1 else 'specks'} of up to {SPECK_AREA} pixels "
+        f"left out as noise (standard deviation {noise:.0f} of {contrast:.0f} grey levels)"
+    )
+    return Specks(frozenset(small.tolist()), (remark,))
+
+
+def build_objects(
+    borders: Borders,
+    fitted: FittedBorders,
+    placement: Placement,
+    skip: frozenset[int] = frozenset(),
+) -> tuple[SceneObject, ...]:
     """The scene's objects in the order of their first pixel. O(records)."""
     kinds = fitted.kind.tolist()
-    rows = fitted.data.tolist()
+    rows = _placed_rows(fitted.data, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
-    owners = borders.owner.tolist()
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}
-    for b, owner in enumerate(owners):
+    for b, owner in enumerate(borders.owner.tolist()):
+        if b in skip:
+            continue
+        record: Record
         if border_kind[b] == TINY:
-            record = tiny_record(borders, b)
+            record = tiny_record(borders, b, placement)
         elif border_kind[b] == CIRCLE:
             _, _, cx, cy, r, rms = rows[starts[b]]
             record = CircleRecord((cx, cy), r, rms)
@@ -76,6 +115,14 @@ def build_objects(borders: Borders, fitted: FittedBorders) -> tuple[SceneObject,
     )
 
 
+def _placed_rows(data: NDArray[np.float64], placement: Placement) -> list[list[float]]:
+    if placement.calibration is None:
+        return data.tolist()
+    x, y = placement.scale, placement.y_scale
+    placed = data * np.array([x, y, x, y, x, 1.0])
+    return placed.tolist()
+
+
 def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -> Record:
     edges: list[Edge] = []
     total = 0.0
@@ -83,8 +130,7 @@ def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -
     here = (x0, y0)
     for e in range(first, last):
         row = rows[e]
-        nxt = rows[e + 1] if e + 1 < last else rows[first]
-        there = (nxt[0], nxt[1]) if e + 1 < last else (x0, y0)
+        there = (rows[e + 1][0], rows[e + 1][1]) if e + 1 < last else (x0, y0)
         if kinds[e] == LINE:
             edges.append(Segment(here, there))
         else:
@@ -94,19 +140,27 @@ def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -
     return PolygonRecord(tuple(edges), math.sqrt(total / (last - first)))
 
 
-def tiny_record(borders: Borders, border: int) -> Record:
+def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
     """P, S, or the pixels' own outline as L, for an object too small for a fit."""
     xs, ys, directions = borders.cracks_of(border)
     pixels = list(dict.fromkeys(zip(xs.tolist(), ys.tolist(), strict=True)))
     if borders.owner[border] == border and borders.area[border] == len(pixels):
         if len(pixels) == 1:
-            return PointRecord((float(pixels[0][0]), float(pixels[0][1])))
-        ends = straight_line(pixels)
-        if ends is not None:
-            return ends
-    corners = pixel_outline(xs, ys, directions)
+            return PointRecord(_placed([pixels[0]], placement)[0])
+        line = straight_line(pixels)
+        if line is not None:
+            start, end = _placed([line.start, line.end], placement)
+            return SegmentRecord(start, end, line.residual_px)
+    corners = _placed(pixel_outline(xs, ys, directions), placement)
     edges = tuple(Segment(corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners)))
     return PolygonRecord(edges)
+
+
+def _placed(points: Sequence[tuple[float, float]], placement: Placement) -> list[Vec]:
+    """Points of the picture in the scene's coordinates."""
+    there = placement.rectified(np.array(points, dtype=np.float64))
+    there = there * np.array([placement.scale, placement.y_scale])
+    return [(x, y) for x, y in there.tolist()]
 
 
 def straight_line(pixels: list[tuple[int, int]]) -> SegmentRecord | None:

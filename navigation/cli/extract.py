@@ -1,0 +1,139 @@
+"""`clearway extract`: the minimum geometric structure of a picture."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from planner.scene import Scene
+
+
+class ExtractError(ValueError):
+    """The picture or an option cannot be used; the message says which and why."""
+
+
+@click.command(short_help="The geometric structure of a picture.")
+@click.argument("image", type=click.Path(path_type=Path))
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json"]),
+    default="text",
+    show_default=True,
+    help="The paper's records, or one JSON object.",
+)
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path), help="Write the answer to this file."
+)
+@click.option("--paper", is_flag=True, help="The paper's recipe to the letter.")
+@click.option(
+    "--polarity",
+    type=click.Choice(["dark", "light", "auto"]),
+    default="dark",
+    show_default=True,
+    help="Whether the obstacles are dark or light.",
+)
+@click.option(
+    "--method",
+    type=click.Choice(["auto", "otsu", "fixed", "adaptive", "background"]),
+    default="auto",
+    show_default=True,
+    help="How the picture is made black and white.",
+)
+@click.option("--threshold", type=float, help="The grey level of method fixed.")
+@click.option(
+    "--render", type=click.Path(path_type=Path), help="Draw the records over the picture: FILE.png."
+)
+def command(
+    image: Path,
+    form: Literal["text", "json"],
+    output: Path | None,
+    paper: bool,
+    polarity: Literal["dark", "light", "auto"],
+    method: Literal["auto", "otsu", "fixed", "adaptive", "background"],
+    threshold: float | None,
+    render: Path | None,
+) -> None:
+    """Find the obstacles in IMAGE and print their records P, S, C, A and L.
+
+    Coordinates are pixels, x right, y down, pixel centres at integers.
+    """
+    import vision
+
+    begin_s = time.perf_counter()
+    picture = load_picture(image)
+    load_ms = 1e3 * (time.perf_counter() - begin_s)
+    try:
+        scene = vision.extract(
+            picture,
+            mode="paper" if paper else "exact",
+            polarity=polarity,
+            method=method,
+            threshold=threshold,
+        )
+    except ValueError as error:
+        raise ExtractError(f"{image}: {error}") from error
+    total_ms = 1e3 * (time.perf_counter() - begin_s)
+    timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
+    scene = replace(scene, timings_ms=timings_ms)
+    answer = _as_json(scene) if form == "json" else _as_text(scene)
+    if output is None:
+        click.echo(answer, nl=False)
+    else:
+        output.write_text(answer, encoding="utf-8")
+    if render is not None:
+        _render(render, picture, scene)
+
+
+def load_picture(path: Path) -> NDArray[Any]:
+    """The picture in a file as OpenCV decodes it: grey, BGR or BGRA, 8 or 16 bits.
+
+    Raises ``OSError`` where the file cannot be read and ``ExtractError`` where it holds no
+    picture.
+    """
+    import cv2
+    import numpy as np
+
+    data = path.read_bytes()
+    if not data:
+        raise ExtractError(f"{path}: the file is empty: must hold a picture")
+    try:
+        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise ExtractError(f"{path}: the picture cannot be decoded: {error.err}") from error
+    if picture is None:
+        raise ExtractError(f"{path}: not a picture that OpenCV can decode")
+    return picture
+
+
+def _as_json(scene: Scene) -> str:
+    from vision.scene_json import scene_to_json
+
+    return json.dumps(scene_to_json(scene), indent=1) + "\n"
+
+
+def _as_text(scene: Scene) -> str:
+    from planner.scene_io import write_scene_text
+
+    return write_scene_text(scene)
+
+
+def _render(file: Path, picture: NDArray[Any], scene: Scene) -> None:
+    import cv2
+
+    from navigation.overlay import draw_overlay
+
+    try:
+        written = cv2.imwrite(str(file), draw_overlay(picture, scene))
+    except cv2.error as error:
+        raise ExtractError(f"{file}: no picture can be written: {error.err}") from error
+    if not written:
+        raise ExtractError(f"{file}: the picture cannot be written there")

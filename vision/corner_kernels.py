@@ -1,0 +1,123 @@
+"""Corners of a contour by the small eigenvalue of its covariance matrix, in O(n).
+
+The method is that of Tsai, Hou and Su (1999) as the paper's section 3.1 uses it; the letters
+k and lambda_S are the paper's. Contours are closed: indices wrap.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def small_eigenvalues(xs, ys, starts, k):
+    """lambda_S, equation 13, around every pixel of every contour: (n,) float64.
+
+    The sums of equations 7 to 11 slide along the contour; a contour of fewer than 2 k + 1
+    pixels has a support region of all it has.
+    """
+    values = np.zeros(xs.shape[0], np.float64)
+    for b in range(starts.shape[0] - 1):
+        first = starts[b]
+        n = starts[b + 1] - first
+        reach = min(k, (n - 1) // 2)
+        count = 2 * reach + 1
+        sx = 0.0
+        sy = 0.0
+        sxx = 0.0
+        syy = 0.0
+        sxy = 0.0
+        for j in range(-reach, reach + 1):
+            p = first + j % n
+            x = np.float64(xs[p] - xs[first])
+            y = np.float64(ys[p] - ys[first])
+            sx += x
+            sy += y
+            sxx += x * x
+            syy += y * y
+            sxy += x * y
+        for i in range(n):
+            cx = sx / count  # (10)
+            cy = sy / count  # (11)
+            c11 = sxx / count - cx * cx  # (7)
+            c22 = syy / count - cy * cy  # (8)
+            c12 = sxy / count - cx * cy  # (9)
+            values[first + i] = 0.5 * (
+                c11 + c22 - math.sqrt((c11 - c22) * (c11 - c22) + 4.0 * c12 * c12)
+            )  # (13)
+            old = first + (i - reach) % n
+            new = first + (i + reach + 1) % n
+            x = np.float64(xs[old] - xs[first])
+            y = np.float64(ys[old] - ys[first])
+            sx -= x
+            sy -= y
+            sxx -= x * x
+            syy -= y * y
+            sxy -= x * y
+            x = np.float64(xs[new] - xs[first])
+            y = np.float64(ys[new] - ys[first])
+            sx += x
+            sy += y
+            sxx += x * x
+            syy += y * y
+            sxy += x * y
+    return values
+
+
+@njit(cache=True, nogil=True)
+def strongest_apart(values, starts, k, threshold):
+    """Which pixels are corners: above the threshold, the strongest first, k pixels apart."""
+    chosen = np.zeros(values.shape[0], np.bool_)
+    for b in range(starts.shape[0] - 1):
+        first = starts[b]
+        n = starts[b + 1] - first
+        order = np.argsort(-values[first : first + n], kind="mergesort")
+        for i in order:
+            if values[first + i] <= threshold:
+                break
+            free = True
+            for j in range(1, min(k, n)):
+                if chosen[first + (i + j) % n] or chosen[first + (i - j) % n]:
+                    free = False
+                    break
+            chosen[first + i] = free
+    return chosen
+
+
+@njit(cache=True, nogil=True)
+def is_digital_circle(xs, ys, first, last, slack):
+    """Sauer's condition, equation 14, for the contour pixels first .. last.
+
+    Returns ``(accepted, x_m, y_m, r)`` with the centroid and the mean radius. The condition
+    bounds the circle within half a pixel in y; where the circle runs steeper than 45 degrees
+    x and y change places, as they do in Sauer's octants. ``slack`` widens the half pixel.
+    """
+    n = last - first
+    x_m = 0.0
+    y_m = 0.0
+    for i in range(first, last):
+        x_m += xs[i]
+        y_m += ys[i]
+    x_m /= n
+    y_m /= n
+    r = 0.0
+    for i in range(first, last):
+        r += math.sqrt((xs[i] - x_m) ** 2 + (ys[i] - y_m) ** 2)
+    r /= n
+    half = 0.5 + slack
+    for i in range(first, last):
+        u = abs(xs[i] - x_m)
+        v = abs(ys[i] - y_m)
+        if u > v:
+            u, v = v, u
+        if u > r:
+            return False, x_m, y_m, r
+        on_circle = math.sqrt(r * r - u * u)
+        if on_circle < v - half or on_circle > v + half:
+            return False, x_m, y_m, r
+    return True, x_m, y_m, r
