@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from navigation.mission import Event, Mission, MissionError, State, Station
+from navigation.targets import Target
 from navigation.watch import Action, Facts, SafetyLimits, Verdict, judge
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import Bounds, FloatArray
@@ -35,6 +36,10 @@ class PilotSettings:
     robot must stand before the camera judges its arrival."""
     retry_s: float
     """How long to wait before asking for a plan again where there was none."""
+    robot_grace_s: float
+    """How long the robot may take to begin, or stand without having finished."""
+    give_up_s: float
+    """How long the robot may have to hold before the mission fails."""
     corrections: int
     """How often the last stretch is planned again where the camera sees the robot off its goal."""
 
@@ -64,6 +69,8 @@ class RobotReport:
     """The mission that the robot holds."""
     executed: int = 0
     """How many waypoints of that mission the robot has reached."""
+    standing_reason: str | None = None
+    """Why the robot does not run its mission; None while it does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +91,8 @@ class PlanAnswer:
     scene_revision: int
     path: Path | NoPath
     trajectory: Trajectory | None = None
+    targets: tuple[Target, ...] = ()
+    """What the robot is given; empty where there is no path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +102,8 @@ class Orders:
     permit: bool
     """Whether the lease lets the robot move."""
     request: PlanRequest | None = None
-    upload: tuple[int, Trajectory] | None = None
-    """A new mission for the robot: its id and the waypoints."""
+    upload: tuple[int, tuple[Target, ...]] | None = None
+    """A new mission for the robot: its id and the targets."""
     halt: bool = False
     """Stop under control and drop the queue."""
     estop: bool = False
@@ -110,6 +119,7 @@ class Pilot:
         self.verdict = Verdict(Action.HOLD, ("nothing was seen yet",))
         self.path: Path | None = None
         self.trajectory: Trajectory | None = None
+        self.targets: tuple[Target, ...] = ()
         self.replans = 0
         self.plans = 0
         self.waypoints_sent = 0
@@ -126,6 +136,10 @@ class Pilot:
         self._corrections = 0
         self._executed_here = 0
         self._standing_since_s: float | None = None
+        self._idle_since_s: float | None = None
+        self._holding_since_s: float | None = None
+        self.no_path = False
+        """Whether the last plan asked for could not be made."""
 
     # Orders from people: taken at once, acted on in the next cycle.
 
@@ -168,7 +182,7 @@ class Pilot:
         answer: PlanAnswer | None = None,
     ) -> Orders:
         """One control cycle; see the module's text for its order."""
-        self.verdict = judge(self._facts(sight, robot), self.settings.limits)
+        self.verdict = judge(self._facts(now_s, sight, robot), self.settings.limits)
         if self._stop_reason is not None:
             self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
         rearm, self._rearm = self._rearm, False
@@ -179,7 +193,8 @@ class Pilot:
             return Orders(permit=False, estop=True)
         self._follow_progress(robot)
         upload = self._take_answer(now_s, sight, answer)
-        self._hold_or_go_on(now_s, sight)
+        self._hold_or_go_on(now_s)
+        self._give_up(now_s)
         self._finish(now_s, sight, robot)
         driving = self.mission.state is State.DRIVING
         return Orders(
@@ -190,7 +205,7 @@ class Pilot:
             rearm=rearm,
         )
 
-    def _facts(self, sight: Sight, robot: RobotReport) -> Facts:
+    def _facts(self, now_s: float, sight: Sight, robot: RobotReport) -> Facts:
         position = None if sight.pose is None else sight.pose[:2]
         driving = self.mission.state is State.DRIVING
         running = driving and robot.mission_id == self._mission_id
@@ -201,12 +216,29 @@ class Pilot:
             link_down_reason=robot.down_reason,
             robot_estopped=robot.estopped and not self._rearm,
             robot_disarmed=robot.disarmed and running,
+            robot_idle_reason=self._idle_reason(now_s, robot),
             position_m=position,
             inside_arena=position is None or self.settings.bounds_m.contains(position),
             clearance_m=sight.clearance_m,
             deviation_m=self._deviation_m(position) if driving else None,
             paused=self._paused,
         )
+
+    def _idle_reason(self, now_s: float, robot: RobotReport) -> str | None:
+        """Why the robot does not do what it was told, once it had time to begin."""
+        if self.mission.state is not State.DRIVING or not self.targets:
+            self._idle_since_s = None
+            return None
+        ours = robot.mission_id == self._mission_id
+        finished = ours and robot.executed >= len(self.targets)
+        if finished or (ours and robot.standing_reason is None):
+            self._idle_since_s = None
+            return None
+        if self._idle_since_s is None:
+            self._idle_since_s = now_s
+        if now_s - self._idle_since_s < self.settings.robot_grace_s:
+            return None
+        return (robot.standing_reason if ours else None) or "it has not taken the plan"
 
     def _deviation_m(self, position: tuple[float, float] | None) -> float | None:
         if position is None or self.path is None:
@@ -222,12 +254,12 @@ class Pilot:
             self._forget_plan()
 
     def _follow_progress(self, robot: RobotReport) -> None:
-        if self.trajectory is None or robot.mission_id != self._mission_id:
+        if not self.targets or robot.mission_id != self._mission_id:
             return
-        executed = min(robot.executed, len(self.trajectory.waypoints))
+        executed = min(robot.executed, len(self.targets))
         self.waypoints_executed += max(0, executed - self._executed_here)
         self._executed_here = max(self._executed_here, executed)
-        passed = [w.station for w in self.trajectory.waypoints[:executed] if w.station is not None]
+        passed = [t.station for t in self.targets[:executed] if t.station is not None]
         last = len(self.mission.stations) - 1
         visited = self._path_start_index + max(passed, default=0)
         # the last station counts when the camera has seen the robot stand there
@@ -237,29 +269,30 @@ class Pilot:
 
     def _take_answer(
         self, now_s: float, sight: Sight, answer: PlanAnswer | None
-    ) -> tuple[int, Trajectory] | None:
+    ) -> tuple[int, tuple[Target, ...]] | None:
         if answer is None or self._asked is None or answer.id != self._asked.id:
             return None
         self._asked = None
         if self.mission.state is not State.PLANNING:
             return None
-        if isinstance(answer.path, NoPath) or answer.trajectory is None:
-            why = answer.path.reason if isinstance(answer.path, NoPath) else "no trajectory"
-            self.mission = self.mission.after(Event.NO_PLAN, f"no safe plan: {why}")
+        if isinstance(answer.path, NoPath):
+            self.mission = self.mission.after(Event.NO_PLAN, f"no safe plan: {answer.path.reason}")
             self._ask_again_s = now_s + self.settings.retry_s
+            self.no_path = True
             self._clear_since_s = None
             return None
         if answer.scene_revision != sight.scene_revision:
             return None  # the world changed while planning: ask again
         self.replans += self.plans > 0
         self.plans += 1
+        self.no_path = False
         self._mission_id = (self._mission_id + 1) & 0xFFFFFFFF or 1
-        self.path, self.trajectory = answer.path, answer.trajectory
+        self.path, self.trajectory, self.targets = answer.path, answer.trajectory, answer.targets
         self._path_start_index = self.mission.visited
         self._executed_here = 0
-        self.waypoints_sent += len(answer.trajectory.waypoints)
+        self.waypoints_sent += len(answer.targets)
         self.mission = self.mission.after(Event.PLANNED, self._describe(answer.path))
-        return self._mission_id, answer.trajectory
+        return self._mission_id, answer.targets
 
     def _describe(self, path: Path) -> str:
         left = len(self.mission.remaining)
@@ -268,7 +301,19 @@ class Pilot:
             f"clearance at least {path.min_clearance:.3f} m"
         )
 
-    def _hold_or_go_on(self, now_s: float, sight: Sight) -> None:
+    def _give_up(self, now_s: float) -> None:
+        if self.mission.state is not State.HOLDING or self._paused:
+            if self.mission.state is not State.PLANNING:
+                self._holding_since_s = None
+            return
+        if self._holding_since_s is None:
+            self._holding_since_s = now_s
+        if now_s - self._holding_since_s > self.settings.give_up_s:
+            self.mission = self.mission.after(
+                Event.FAIL, f"given up after {self.settings.give_up_s:g} s: {self.mission.reason}"
+            )
+
+    def _hold_or_go_on(self, now_s: float) -> None:
         if self.verdict.action is Action.HOLD:
             self._clear_since_s = None
             if self.mission.state in (State.DRIVING, State.PLANNING):
@@ -300,11 +345,11 @@ class Pilot:
             self._forget_plan()
 
     def _finish(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
-        if self.mission.state is not State.DRIVING or self.trajectory is None:
+        if self.mission.state is not State.DRIVING or not self.targets:
             return
         if robot.mission_id != self._mission_id:
             return
-        if robot.executed < len(self.trajectory.waypoints) or sight.pose is None:
+        if robot.executed < len(self.targets) or sight.pose is None:
             self._standing_since_s = None
             return
         if self._standing_since_s is None:
@@ -346,6 +391,7 @@ class Pilot:
 
     def _forget_plan(self) -> None:
         self.path = self.trajectory = self._asked = None
+        self.targets = ()
         self._executed_here = 0
         self._standing_since_s = None
 

@@ -47,6 +47,7 @@ class Facts:
     link_down_reason: str | None
     robot_estopped: bool
     robot_disarmed: bool
+    robot_idle_reason: str | None
     position_m: tuple[float, float] | None
     inside_arena: bool
     clearance_m: float | None
@@ -98,6 +99,8 @@ def _link(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
         return [(Action.HOLD, f"the robot did not report {_since(facts.link_age_s)}")]
     if facts.robot_disarmed:
         return [(Action.HOLD, "the robot has disarmed itself: its lease lapsed")]
+    if facts.robot_idle_reason is not None:
+        return [(Action.HOLD, f"the robot stands: {facts.robot_idle_reason}")]
     return []
 
 

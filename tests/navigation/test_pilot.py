@@ -18,8 +18,9 @@ from navigation.pilot import (
     Sight,
     distance_to_polyline,
 )
+from navigation.targets import Target
 from navigation.watch import SafetyLimits
-from planner.path import NoPath, Path, Trajectory, Waypoint
+from planner.path import NoPath, Path
 from planner.scene import Bounds
 
 SETTINGS = PilotSettings(
@@ -29,6 +30,8 @@ SETTINGS = PilotSettings(
     goal_tolerance_rad=0.02,
     settle_s=0.3,
     retry_s=1.0,
+    robot_grace_s=1.0,
+    give_up_s=30.0,
     corrections=2,
 )
 PERIOD_S = 1 / 30
@@ -44,7 +47,7 @@ class World:
         self.sight, self.robot = SEEN, LINKED
         self.answer: PlanAnswer | None = None
         self.no_path: NoPath | None = None
-        self.waypoints: tuple[Waypoint, ...] = ()
+        self.targets: tuple[Target, ...] = ()
         self.uploads: list[int] = []
         self.moves = True
 
@@ -53,36 +56,33 @@ class World:
         orders = self.pilot.step(self.now_s, self.sight, self.robot, self.answer)
         self.answer = None if orders.request is None else self.plan(orders.request)
         if orders.upload is not None:
-            mission_id, trajectory = orders.upload
+            mission_id, self.targets = orders.upload
             self.uploads.append(mission_id)
-            self.waypoints = trajectory.waypoints
             self.robot = replace(self.robot, mission_id=mission_id, executed=0)
-        elif orders.permit and self.moves and self.robot.executed < len(self.waypoints):
-            w = self.waypoints[self.robot.executed]
+        elif orders.permit and self.moves and self.robot.executed < len(self.targets):
+            t = self.targets[self.robot.executed]
             self.robot = replace(self.robot, executed=self.robot.executed + 1)
-            self.sight = replace(self.sight, pose=(w.x, w.y, w.heading_rad))
+            self.sight = replace(self.sight, pose=(t.x_m, t.y_m, t.heading_rad or 0.0))
         return orders
 
     def plan(self, request: PlanRequest) -> PlanAnswer:
         if self.no_path is not None:
             return PlanAnswer(request.id, request.scene_revision, self.no_path)
         stops = [request.start[:2], *((s.x, s.y) for s in request.stations)]
-        waypoints, points = [], []
+        targets, points = [], []
         for leg, (a, b) in enumerate(pairwise(stops)):
             for t in np.linspace(0.0, 1.0, 5)[leg > 0 :]:
                 x, y = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
                 station = leg if t == 0 else leg + 1 if t == 1 else None
-                heading = request.stations[leg].heading_rad or 0.0
-                waypoints.append(Waypoint(x, y, heading, 0.3, len(waypoints) * 1.0, station))
+                heading = request.stations[leg].heading_rad
+                targets.append(Target(x, y, 0.3, t == 1, heading, station=station))
                 points.append((x, y))
         polyline = np.array(points)
         length = float(np.hypot(*np.diff(polyline, axis=0).T).sum())
         path = Path(
             polyline, np.full(len(polyline), 0.3), length, 0.3, stops[0], 0.1, (0,), (None,)
         )
-        return PlanAnswer(
-            request.id, request.scene_revision, path, Trajectory(tuple(waypoints), length / 0.3)
-        )
+        return PlanAnswer(request.id, request.scene_revision, path, targets=tuple(targets))
 
     def run(self, cycles: int) -> list[Orders]:
         return [self.cycle() for _ in range(cycles)]
@@ -241,11 +241,53 @@ def test_a_robot_off_its_goal_is_corrected_then_given_up_honestly(world: World) 
     world.moves = False
     world.run_until(State.DRIVING)
     for _ in range(SETTINGS.corrections + 1):
-        world.robot = replace(world.robot, executed=len(world.waypoints))
+        world.robot = replace(world.robot, executed=len(world.targets))
         world.run(15)
     assert world.pilot.mission.state is State.FAILED
     assert "the camera sees it 700.0 mm" in world.pilot.mission.reason
     assert len(world.uploads) == SETTINGS.corrections + 1
+
+
+def test_a_robot_that_does_not_begin_is_held_and_given_a_new_plan(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.moves = False
+    world.robot = replace(world.robot, standing_reason="its queue ran dry")
+    world.run(29)
+    assert world.pilot.mission.state is State.DRIVING
+    world.run(4)
+    assert world.pilot.mission.state is State.HOLDING
+    assert "the robot stands: its queue ran dry" in world.pilot.mission.reason
+    world.moves = True
+    world.robot = replace(world.robot, standing_reason=None)
+    world.run_until(State.DONE)
+    assert world.pilot.replans == 1
+
+
+def test_a_mission_that_holds_for_too_long_fails_with_the_reason(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.robot = replace(world.robot, down_reason="the cable is out")
+    world.run_until(State.FAILED, cycles=1000)
+    assert world.now_s > 30.0
+    assert "given up after 30 s" in world.pilot.mission.reason
+    assert "the cable is out" in world.pilot.mission.reason
+
+
+def test_a_goal_that_cannot_be_reached_fails_in_the_end(world: World) -> None:
+    world.no_path = NoPath("the goal is walled in")
+    world.pilot.give(TOUR)
+    world.run_until(State.FAILED, cycles=2000)
+    assert world.pilot.no_path
+    assert "the goal is walled in" in world.pilot.mission.reason
+
+
+def test_a_pause_is_never_given_up(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.pilot.pause()
+    world.run(1500)
+    assert world.pilot.mission.state is State.HOLDING
 
 
 def test_a_station_outside_the_arena_is_refused(world: World) -> None:

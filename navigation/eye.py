@@ -1,0 +1,89 @@
+"""The eye: one frame in, the robots' poses and, where the arena changed, the new scene out.
+
+It puts Global Vision's parts together for a running arena: markers first, because the robots'
+bodies must never be taken for obstacles; then the watch over what changed; the extractor only
+when something did. Units: metres and radians in the arena, seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from vision.change import Change, SceneWatcher
+from vision.markers import MarkerTracker, RobotPose, body_discs_px
+
+import vision
+from planner.scene import Bounds, Scene
+from vision.calibration import Calibration
+from vision.camera import Frame
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A robot's shape as the camera meets it: the disc that holds it, and its marker's height."""
+
+    radius_m: float
+    marker_height_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class EyeSettings:
+    """What to look for, from the configuration."""
+
+    bounds_m: Bounds
+    polarity: str
+    method: str
+    threshold: float | None
+    bodies: Mapping[int, Body]
+    """By marker id: the robot that is driven and the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Glimpse:
+    """What one frame told: poses by marker id, and the scene where it is new."""
+
+    captured_s: float
+    poses: Mapping[int, RobotPose]
+    scene: Scene | None
+    change: Change | None
+
+
+class Eye:
+    """Keeps the trackers and the picture of the arena without its robots."""
+
+    def __init__(
+        self, calibration: Calibration, tracker: MarkerTracker, settings: EyeSettings
+    ) -> None:
+        self.calibration = calibration
+        self.settings = settings
+        self._tracker = tracker
+        self._watcher = SceneWatcher()
+        self._seen_scene = False
+
+    def look(self, frame: Frame) -> Glimpse:
+        """Poses in this frame; a scene with the first frame and after every change."""
+        poses = {pose.id: pose for pose in self._tracker.update(frame)}
+        bodies = [
+            body_discs_px(poses[i], b.radius_m, self.calibration, b.marker_height_m)
+            for i, b in self.settings.bodies.items()
+            if i in poses
+        ]
+        discs = np.concatenate(bodies) if bodies else np.empty((0, 3))
+        change = self._watcher.update(frame.image, discs)
+        scene = None
+        if change is not None or not self._seen_scene:
+            scene = self._extract()
+            self._seen_scene = True
+        return Glimpse(frame.captured_s, poses, scene, change)
+
+    def _extract(self) -> Scene:
+        return vision.extract(
+            self._watcher.background,
+            polarity=self.settings.polarity,
+            method=self.settings.method,
+            threshold=self.settings.threshold,
+            calibration=self.calibration,
+            bounds=self.settings.bounds_m,
+        )

@@ -1,0 +1,173 @@
+"""From the newest scene and a request to a plan: the planner as the daemon uses it.
+
+`ArenaPlanner` is plain and synchronous; `PlannerThread` runs one beside the control loop, with
+a one-slot hand-off each way: the newest scene and the newest request win. Units: metres,
+radians, seconds.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+import planner
+from navigation.mission import Station
+from navigation.pilot import PlanAnswer, PlanRequest
+from navigation.targets import targets_of
+from planner.path import Limits, NoPath, Path
+from planner.roadmap import Roadmap
+from planner.scene import FloatArray, Scene, Vec
+
+
+@dataclass(frozen=True, slots=True)
+class PlanSettings:
+    """What a plan must keep, from the configuration."""
+
+    radius_m: float
+    margin_m: float
+    spacing_m: float | None
+    prefer: str | float
+    limits: Limits
+
+
+@dataclass(frozen=True, slots=True)
+class SceneCheck:
+    """A scene's revision, and the clearance that the running path keeps in it."""
+
+    revision: int
+    path_clearance_m: float | None
+
+
+class ArenaPlanner:
+    """Keeps the roadmap of the newest scene and answers requests with it."""
+
+    def __init__(self, settings: PlanSettings) -> None:
+        self.settings = settings
+        self.revision = 0
+        self.roadmap: Roadmap | None = None
+
+    def see(self, scene: Scene, revision: int) -> None:
+        """Build the roadmap of a new scene."""
+        self.roadmap = planner.build_roadmap(
+            scene, self.settings.radius_m, spacing=self.settings.spacing_m
+        )
+        self.revision = revision
+
+    def answer(self, request: PlanRequest) -> PlanAnswer:
+        """Plan from the request's start through its stations; `NoPath` says why not."""
+        path = self._route(request.start, request.stations)
+        if isinstance(path, NoPath):
+            return PlanAnswer(request.id, self.revision, path)
+        trajectory = planner.time_path(
+            path,
+            self.settings.limits,
+            clearance=None if self.roadmap is None else self.roadmap.clearance,
+            dwell_s=[0.0, *(s.dwell_s for s in request.stations)],
+        )
+        targets = targets_of(path, trajectory)
+        return PlanAnswer(request.id, self.revision, path, trajectory, targets)
+
+    def path_clearance_m(self, points: FloatArray) -> float | None:
+        """The exact clearance of a polyline in the newest scene; None before the first."""
+        if self.roadmap is None:
+            return None
+        return self.roadmap.path_clearance(points).distance
+
+    def clearance_m(self, position: Vec) -> float | None:
+        """The exact clearance of a place in the newest scene; None before the first."""
+        if self.roadmap is None:
+            return None
+        return float(self.roadmap.clearance(np.array([position]))[0])
+
+    def _route(
+        self, start: tuple[float, float, float], stations: tuple[Station, ...]
+    ) -> Path | NoPath:
+        if self.roadmap is None:
+            return NoPath("no scene was seen yet")
+        *vias, goal = [
+            (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad) for s in stations
+        ]
+        path = self.roadmap.plan(
+            start, goal, via=vias, prefer=self.settings.prefer, margin=self.settings.margin_m
+        )
+        if isinstance(path, NoPath) and self.settings.margin_m > 0.0:
+            # the margin is a wish: where the robot stands or must go nearer, the radius decides
+            path = self.roadmap.plan(start, goal, via=vias, prefer=self.settings.prefer)
+        return path
+
+
+class PlannerThread:
+    """An `ArenaPlanner` in a thread of its own; the newest scene and request win.
+
+    ``on_scene`` and ``on_answer`` are called in the thread; an error ends the thread and is
+    raised again by `check`.
+    """
+
+    def __init__(
+        self,
+        arena_planner: ArenaPlanner,
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[PlanAnswer], None],
+    ) -> None:
+        self.planner = arena_planner
+        self._on_scene, self._on_answer = on_scene, on_answer
+        self._wake = threading.Condition()
+        self._scene: tuple[Scene, int, FloatArray | None] | None = None
+        self._request: PlanRequest | None = None
+        self._stopping = False
+        self._error: Exception | None = None
+        self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self, timeout_s: float = 1.0) -> None:
+        """Ask the thread to end after what it is doing, and wait for it."""
+        with self._wake:
+            self._stopping = True
+            self._wake.notify()
+        self._thread.join(timeout_s)
+
+    def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
+        """Hand over a new scene, and the path that the robot is on."""
+        with self._wake:
+            self._scene = (scene, revision, path_points)
+            self._wake.notify()
+
+    def ask(self, request: PlanRequest) -> None:
+        """Hand over a request."""
+        with self._wake:
+            self._request = request
+            self._wake.notify()
+
+    def check(self) -> None:
+        """Raise the error that ended the thread, if one did."""
+        if self._error is not None:
+            raise self._error
+
+    def _run(self) -> None:
+        try:
+            while self._one_round():
+                pass
+        except Exception as error:  # noqa: BLE001 - handed to the control loop, which raises it
+            self._error = error
+
+    def _one_round(self) -> bool:
+        with self._wake:
+            self._wake.wait_for(lambda: self._scene or self._request or self._stopping)
+            scene, self._scene = self._scene, None
+            request, self._request = self._request, None
+            if self._stopping:
+                return False
+        if scene is not None:
+            self.planner.see(scene[0], scene[1])
+            points = scene[2]
+            clearance = None if points is None else self.planner.path_clearance_m(points)
+            self._on_scene(SceneCheck(scene[1], clearance))
+        if request is not None:
+            self._on_answer(self.planner.answer(request))
+        return True

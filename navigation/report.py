@@ -1,0 +1,149 @@
+"""The report of a run: what DESIGN lists, as a JSON file and as lines for a person.
+
+Units: metres, degrees, seconds; latencies in milliseconds.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from navigation.pilot import distance_to_polyline
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingError:
+    """How far the robot was off its planned path while driving, metres."""
+
+    rms: float | None = None
+    max: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LinkCounts:
+    """What went over the wire."""
+
+    frames: int = 0
+    bytes: int = 0
+    retransmits: int = 0
+    crc_errors: int = 0
+    rtt_ms: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FrameCounts:
+    """What the camera gave and what was made of it."""
+
+    captured: int = 0
+    dropped: int = 0
+    processed: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class CaptureToWire:
+    """From a frame's capture to its pose fix on the wire, milliseconds."""
+
+    p50: float | None = None
+    p99: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Latency:
+    """The run's latencies."""
+
+    capture_to_wire: CaptureToWire = field(default_factory=CaptureToWire)
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The summary of one run; None where a thing could not be known."""
+
+    state: str
+    reason: str
+    stations: int
+    stations_visited: int
+    waypoints_sent: int
+    waypoints_executed: int
+    replans: int
+    min_clearance_m: float | None
+    tracking_error_m: TrackingError
+    goal_error_m: float | None
+    goal_error_deg: float | None
+    duration_s: float
+    link: LinkCounts
+    frames: FrameCounts
+    latency_ms: Latency
+    ground_truth: bool
+    """Whether clearance, tracking and goal errors come from the simulation's truth or from the
+    camera."""
+
+    def to_json(self) -> str:
+        """As one JSON object; numbers are finite or null."""
+        return json.dumps(asdict(self), indent=2, allow_nan=False)
+
+    def write(self, path: Path) -> None:
+        """Write the JSON file."""
+        path.write_text(self.to_json() + "\n", encoding="utf-8")
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Label and value, for a person."""
+        t, c = self.tracking_error_m, self.latency_ms.capture_to_wire
+        source = "ground truth" if self.ground_truth else "camera"
+        return [
+            ("state", f"{self.state}: {self.reason}"),
+            ("stations visited", f"{self.stations_visited} of {self.stations}"),
+            ("waypoints executed", f"{self.waypoints_executed} of {self.waypoints_sent} sent"),
+            ("plans made anew", str(self.replans)),
+            ("least clearance", _millimetres(self.min_clearance_m) + f" ({source})"),
+            ("tracking error", f"{_millimetres(t.rms)} rms, {_millimetres(t.max)} at most"),
+            (
+                "goal error",
+                f"{_millimetres(self.goal_error_m)}, {_number(self.goal_error_deg)} deg",
+            ),
+            ("duration", f"{self.duration_s:.1f} s"),
+            (
+                "link",
+                f"{self.link.frames} frames, {self.link.bytes} bytes, "
+                f"{self.link.retransmits} sent again, {self.link.crc_errors} damaged, "
+                f"round trip {_number(self.link.rtt_ms)} ms",
+            ),
+            (
+                "camera",
+                f"{self.frames.captured} frames, {self.frames.processed} processed, "
+                f"{self.frames.dropped} dropped",
+            ),
+            ("capture to wire", f"{_number(c.p50)} ms p50, {_number(c.p99)} ms p99"),
+        ]
+
+
+def tracking_error(track: FloatArray, path: FloatArray) -> FloatArray:
+    """The distance (n,) of each position of a track (n, 2) from the planned path (k, 2)."""
+    return np.array([distance_to_polyline(path, (x, y)) for x, y in track])
+
+
+def rms_and_max(errors: FloatArray) -> TrackingError:
+    """Root mean square and maximum of distances (n,); None where there are none."""
+    if errors.size == 0:
+        return TrackingError()
+    return TrackingError(math.sqrt(float(np.mean(errors**2))), float(errors.max()))
+
+
+def percentiles_ms(latencies_s: list[float]) -> CaptureToWire:
+    """The median and 99th percentile of latencies, in milliseconds."""
+    if not latencies_s:
+        return CaptureToWire()
+    p50, p99 = np.percentile(np.array(latencies_s) * 1e3, [50.0, 99.0])
+    return CaptureToWire(float(p50), float(p99))
+
+
+def _millimetres(value_m: float | None) -> str:
+    return "unknown" if value_m is None else f"{value_m * 1e3:.1f} mm"
+
+
+def _number(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.2f}"

@@ -1,0 +1,70 @@
+"""From a timed trajectory to the waypoints that go over the wire.
+
+The robot turns on the spot by itself where its line bends sharply, so waypoints at one place
+become one target; it stands where the trajectory does. The first waypoint is where the robot
+is, and is not sent. Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+from firmware_protocol.messages import Waypoint as WireWaypoint
+from firmware_protocol.messages import WaypointFlag
+from planner.path import Path, Trajectory, Waypoint
+
+LONGEST_DWELL_S = 25.0
+"""What one waypoint can say on the wire (25.5 s); a longer stay is several at one place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """Where the robot is to go next; ``station`` counts along the path's stations, 0 the start.
+
+    ``heading_rad`` is None where any will do; the robot comes to rest where ``stops``.
+    """
+
+    x_m: float
+    y_m: float
+    speed_m_s: float
+    stops: bool
+    heading_rad: float | None = None
+    dwell_s: float = 0.0
+    station: int | None = None
+
+
+def targets_of(path: Path, trajectory: Trajectory) -> tuple[Target, ...]:
+    """The targets after the start; at least one, for a robot that is there already."""
+    groups = [list(g) for _, g in groupby(trajectory.waypoints, key=lambda w: (w.x, w.y))]
+    return tuple(_targets(path, groups[1:] or groups[-1:]))
+
+
+def _targets(path: Path, groups: list[list[Waypoint]]) -> Iterator[Target]:
+    for group in groups:
+        here = group[-1]
+        station = next((w.station for w in group if w.station is not None), None)
+        stops = here.speed == 0.0
+        heading = path.headings_rad[station] if station is not None and stops else None
+        target = Target(here.x, here.y, here.speed, stops, heading, 0.0, None)
+        left_s = sum(w.dwell_s for w in group)
+        while left_s > LONGEST_DWELL_S:
+            yield replace(target, dwell_s=LONGEST_DWELL_S)
+            left_s -= LONGEST_DWELL_S
+        yield replace(target, dwell_s=left_s, station=station)
+
+
+def to_wire(targets: tuple[Target, ...]) -> list[WireWaypoint]:
+    """The targets as the protocol's waypoints; the robot brakes for a stop by itself."""
+    return [
+        WireWaypoint(
+            t.x_m,
+            t.y_m,
+            t.speed_m_s,
+            t.heading_rad,
+            dwell_s=t.dwell_s,
+            flags=WaypointFlag.STOP if t.stops else WaypointFlag.NONE,
+        )
+        for t in targets
+    ]
