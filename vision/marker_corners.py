@@ -98,3 +98,10 @@ def _inside(corners: FloatArray, reach_px: float, grey: Image) -> bool:
     low, high = corners.min(axis=0) - reach_px, corners.max(axis=0) + reach_px
     height, width = grey.shape[:2]
     return bool(low.min() >= 0.0 and high[0] <= width - 1 and high[1] <= height - 1)
+
+
+def warm_up() -> None:
+    """Compile, or load, the kernels now: the first frame must not wait for seconds."""
+    square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
+    blank = np.zeros((32, 32), dtype=np.uint8)
+    refine_quad(blank, square, 6, Calibration.from_scale(1.0, (32, 32)))

@@ -1,0 +1,392 @@
+"""Robots' poses from the markers on their backs.
+
+Rules and units
+- A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's
+  own x axis runs from its top left to its top right corner (as printed upright); a marker
+  mounted with ``marker_yaw_rad = 0`` shows to the robot's front with its right side.
+- Position and heading come from the homography, with the marker's height corrected: under an
+  overhead camera the two solutions of a marker's pose in space can hardly be told apart.
+- Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
+  bottom left of the upright marker.
+- The search is narrowed around where each robot should be; the whole picture is searched only
+  for robots that are not there. What has the wrong size, is not square, is half hidden or
+  has jumped is no robot.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+from vision.calibration import Calibration, FloatArray
+from vision.camera import Frame, Image
+from vision.marker_corners import Refused, refine_quad, warm_up
+from vision.tracking import Pose, Track, TrackLimits, wrap
+
+_UNIT_CORNERS = np.array([-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j])
+_SIZE_TOLERANCE = 0.15
+_SQUARE_TOLERANCE = 0.06
+_COARSE_SIDE_PX = 24.0
+"""A marker is still decoded at this size, so a picture is searched no finer than needed."""
+
+_LOST_SEARCH_S = 1.0
+_LOST_SEARCH_EVERY = 3
+
+
+class MarkerError(ValueError):
+    """A marker, a dictionary or a robot's settings cannot be used; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class MarkedRobot:
+    """A robot with a marker on its back.
+
+    ``marker_size_m``: the black square's side. ``marker_height_m``: above the floor.
+    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: where the marker's centre is in the
+    robot's own frame (x ahead, y left) and how it is turned there.
+    """
+
+    id: int
+    marker_size_m: float
+    marker_height_m: float = 0.0
+    marker_x_m: float = 0.0
+    marker_y_m: float = 0.0
+    marker_yaw_rad: float = 0.0
+    limits: TrackLimits = field(default_factory=TrackLimits)
+
+    def __post_init__(self) -> None:
+        if self.id < 0:
+            raise MarkerError(f"marker id = {self.id}: must be >= 0")
+        if not (math.isfinite(self.marker_size_m) and self.marker_size_m > 0.0):
+            raise MarkerError(f"marker_size_m = {self.marker_size_m}: must be > 0")
+        if not (math.isfinite(self.marker_height_m) and self.marker_height_m >= 0.0):
+            raise MarkerError(f"marker_height_m = {self.marker_height_m}: must be >= 0")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RobotPose:
+    """Where a robot was at ``captured_s`` and how it moved.
+
+    ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
+    from the square fitted to them.
+    """
+
+    id: int
+    x: float
+    y: float
+    heading_rad: float
+    captured_s: float
+    corners_px: FloatArray
+    vx: float = 0.0
+    vy: float = 0.0
+    turn_rate_rad_s: float = 0.0
+    residual_m: float = 0.0
+
+    def at(self, time_s: float) -> Pose:
+        """(x, y, heading) at another time, with the velocity kept."""
+        dt_s = time_s - self.captured_s
+        heading = wrap(self.heading_rad + self.turn_rate_rad_s * dt_s)
+        return self.x + self.vx * dt_s, self.y + self.vy * dt_s, heading
+
+
+@dataclass(frozen=True, slots=True)
+class _Sighting:
+    id: int
+    pose: Pose
+    corners_px: FloatArray
+    residual_m: float
+
+
+class MarkerTracker:
+    """Finds the markers of known robots in frame after frame.
+
+    ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
+    """
+
+    def __init__(
+        self,
+        calibration: Calibration,
+        robots: Sequence[MarkedRobot],
+        dictionary: str = "DICT_4X4_50",
+    ) -> None:
+        self._calibration = calibration
+        self._robots = {robot.id: robot for robot in robots}
+        if len(self._robots) != len(robots):
+            raise MarkerError("two robots have the same marker id")
+        book = dictionary_by_name(dictionary)
+        for robot in robots:
+            if robot.id >= len(book.bytesList):
+                raise MarkerError(
+                    f"marker id = {robot.id}: {dictionary} has ids 0 to {len(book.bytesList) - 1}"
+                )
+        self._cells = book.markerSize + 2
+        warm_up()
+        self._finders = [_finder(book, 23, 15.0), _finder(book, 11, 7.0), _finder(book, 45, 10.0)]
+        self._near = [_finder(book, 23, 15.0), _finder(book, 11, 7.0)]
+        self._tracks = {robot.id: Track(robot.limits) for robot in robots}
+        self._first_s: float | None = None
+        self._frames = 0
+        self.refusals: tuple[str, ...] = ()
+        """Why markers seen in the last frame were not taken for robots."""
+        self.strangers: frozenset[int] = frozenset()
+        """Ids of markers that belong to no robot, as the last search of a whole picture saw."""
+
+    def update(self, frame: Frame) -> tuple[RobotPose, ...]:
+        """The poses of the robots seen in this frame, by id; empty where none is."""
+        self._frames += 1
+        self._first_s = frame.captured_s if self._first_s is None else self._first_s
+        grey = grey_of(frame.image)
+        refusals: list[str] = []
+        found: dict[int, _Sighting] = {}
+        for robot in self._robots.values():
+            sighting = self._look_near(grey, robot, frame.captured_s, refusals)
+            if sighting is not None:
+                found[robot.id] = sighting
+        missing = [i for i in self._robots if i not in found]
+        if missing and self._worth_searching(missing, frame.captured_s):
+            for sighting in self._search(grey, missing, frame.captured_s, refusals):
+                found[sighting.id] = sighting
+        poses = [self._believe(found[i], frame.captured_s, refusals) for i in sorted(found)]
+        self.refusals = tuple(refusals)
+        return tuple(pose for pose in poses if pose is not None)
+
+    def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
+        """Since when a robot has not been seen; None where it has never been."""
+        last_s = self._tracks[robot_id].last_s
+        return None if last_s is None else max(0.0, 1000.0 * (now_s - last_s))
+
+    def remarks(self, now_s: float, patience_ms: float = 100.0) -> tuple[str, ...]:
+        """A sentence for each robot that was not seen for longer than ``patience_ms``."""
+        said = []
+        for robot_id, track in self._tracks.items():
+            unseen_ms = self.unseen_ms(robot_id, now_s)
+            if unseen_ms is None:
+                said.append(f"robot {robot_id}: not seen yet")
+            elif unseen_ms > patience_ms:
+                jumped = "; its marker was seen where it cannot be" if track.refused else ""
+                said.append(f"robot {robot_id}: not seen for {unseen_ms:.0f} ms{jumped}")
+        return tuple(said)
+
+    def _worth_searching(self, missing: list[int], now_s: float) -> bool:
+        """At once for a second; then now and then, as a search costs ten times a look."""
+        first_s = now_s if self._first_s is None else self._first_s
+        last_s = [self._tracks[i].last_s for i in missing]
+        latest_s = max(first_s if t is None else t for t in last_s)
+        return now_s - latest_s <= _LOST_SEARCH_S or self._frames % _LOST_SEARCH_EVERY == 0
+
+    def _look_near(
+        self, grey: Image, robot: MarkedRobot, now_s: float, refusals: list[str]
+    ) -> _Sighting | None:
+        """Look where the robot should be."""
+        expected = self._tracks[robot.id].predict(now_s)
+        last_s = self._tracks[robot.id].last_s
+        if expected is None or last_s is None:
+            return None
+        marker = marker_pose(expected, robot)
+        center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
+        side_px = self._side_px(robot)
+        reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - last_s)
+        half = 1.1 * side_px + 8.0 + reach_m / self._calibration.metres_per_pixel
+        x0, y0 = (max(0, math.floor(v - half)) for v in center)
+        x1, y1 = (
+            min(limit, math.ceil(v + half) + 1)
+            for v, limit in zip(center, grey.shape[::-1], strict=True)
+        )
+        if x1 - x0 < 8 or y1 - y0 < 8:
+            return None
+        window = np.ascontiguousarray(grey[y0:y1, x0:x1])
+        for finder in self._near:
+            seen = [q for i, q in _find(finder, window) if i == robot.id]
+            sightings = [self._sight(grey, robot, q + np.array([x0, y0]), refusals) for q in seen]
+            best = self._best([s for s in sightings if s is not None], robot.id, now_s)
+            if best is not None:
+                return best
+        return None
+
+    def _search(
+        self, grey: Image, missing: list[int], now_s: float, refusals: list[str]
+    ) -> list[_Sighting]:
+        """Search the whole picture, with another recipe each time."""
+        smallest = min(self._side_px(self._robots[i]) for i in missing)
+        factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX else 1
+        picture = grey
+        if factor > 1:
+            height, width = grey.shape
+            picture = cv2.resize(
+                grey, (width // factor, height // factor), interpolation=cv2.INTER_AREA
+            ).astype(np.uint8, copy=False)
+        scale = np.array(grey.shape[::-1]) / np.array(picture.shape[::-1])
+        finder = self._finders[self._frames % len(self._finders)]
+        seen = [(i, (q + 0.5) * scale - 0.5) for i, q in _find(finder, picture)]
+        self.strangers = frozenset(i for i, _ in seen if i not in self._robots)
+        found = []
+        for robot_id in missing:
+            robot = self._robots[robot_id]
+            sightings = [self._sight(grey, robot, q, refusals) for i, q in seen if i == robot_id]
+            best = self._best([s for s in sightings if s is not None], robot_id, now_s)
+            if best is not None:
+                found.append(best)
+        return found
+
+    def _best(self, sightings: list[_Sighting], robot_id: int, now_s: float) -> _Sighting | None:
+        """Of several markers with one id, the one nearest to where the robot should be."""
+        if not sightings:
+            return None
+        expected = self._tracks[robot_id].predict(now_s)
+        if expected is None:
+            return min(sightings, key=lambda s: s.residual_m)
+        return min(sightings, key=lambda s: math.dist(s.pose[:2], expected[:2]))
+
+    def _sight(
+        self, grey: Image, robot: MarkedRobot, quad_px: FloatArray, refusals: list[str]
+    ) -> _Sighting | None:
+        """A marker's quadrilateral as a robot's pose, unless it cannot be one."""
+        quad = refine_quad(grey, quad_px, self._cells, self._calibration)
+        if isinstance(quad, Refused):
+            refusals.append(f"marker {robot.id}: {quad.reason}")
+            return None
+        corners_px = self._calibration.distort_points(quad.corners_px)
+        corners_px.setflags(write=False)
+        corners = self._calibration.arena_from_image(corners_px, robot.marker_height_m)
+        points = corners[:, 0] + 1j * corners[:, 1]
+        center = points.mean()
+        # The similarity nearest to the four corners, all of them with equal weight.
+        turn = np.vdot(_UNIT_CORNERS, points - center) / 2.0
+        size_m = abs(turn)
+        residual_m = float(np.sqrt(np.mean(np.abs(points - center - turn * _UNIT_CORNERS) ** 2)))
+        wanted_m = robot.marker_size_m
+        if abs(size_m - wanted_m) > _SIZE_TOLERANCE * wanted_m:
+            refusals.append(
+                f"marker {robot.id}: a side of {1000 * size_m:.1f} mm, not {1000 * wanted_m:.1f}"
+            )
+            return None
+        if residual_m > _SQUARE_TOLERANCE * wanted_m:
+            refusals.append(f"marker {robot.id}: not square ({1000 * residual_m:.1f} mm)")
+            return None
+        pose = robot_pose((center.real, center.imag, float(np.angle(turn))), robot)
+        return _Sighting(robot.id, pose, corners_px, residual_m)
+
+    def _believe(self, sighting: _Sighting, now_s: float, refusals: list[str]) -> RobotPose | None:
+        track = self._tracks[sighting.id]
+        velocity = track.offer(sighting.pose, now_s)
+        if velocity is None:
+            if track.refused:
+                refusals.append(f"marker {sighting.id}: jumped farther than the robot can drive")
+            return None
+        return RobotPose(
+            sighting.id,
+            *sighting.pose,
+            now_s,
+            sighting.corners_px,
+            velocity.vx,
+            velocity.vy,
+            velocity.turn_rate_rad_s,
+            sighting.residual_m,
+        )
+
+    def _side_px(self, robot: MarkedRobot) -> float:
+        return robot.marker_size_m / self._calibration.metres_per_pixel
+
+
+def robot_pose(marker: Pose, robot: MarkedRobot) -> Pose:
+    """The robot's pose from its marker's."""
+    heading = wrap(marker[2] - robot.marker_yaw_rad)
+    c, s = math.cos(heading), math.sin(heading)
+    x = marker[0] - c * robot.marker_x_m + s * robot.marker_y_m
+    y = marker[1] - s * robot.marker_x_m - c * robot.marker_y_m
+    return x, y, heading
+
+
+def marker_pose(pose: Pose, robot: MarkedRobot) -> Pose:
+    """The marker's pose from the robot's."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x = pose[0] + c * robot.marker_x_m - s * robot.marker_y_m
+    y = pose[1] + s * robot.marker_x_m + c * robot.marker_y_m
+    return x, y, wrap(pose[2] + robot.marker_yaw_rad)
+
+
+def body_discs_px(
+    pose: RobotPose | Pose,
+    body_radius_m: float,
+    calibration: Calibration,
+    top_height_m: float = 0.0,
+    margin_px: float = 3.0,
+) -> FloatArray:
+    """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
+
+    The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer
+    is a disc that lies a little farther from the picture's foot than the one below.
+    """
+    x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
+    angles = np.linspace(0.0, math.tau, 16, endpoint=False)
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * body_radius_m
+    floor, top = (
+        calibration.image_from_arena(np.vstack([[(0.0, 0.0)], ring]) + np.array([x, y]), h)
+        for h in (0.0, top_height_m)
+    )
+    radii = [float(np.linalg.norm(p[1:] - p[0], axis=1).max()) for p in (floor, top)]
+    # Discs half a radius apart leave less than 4 % of a radius uncovered between them.
+    length = float(np.linalg.norm(top[0] - floor[0]))
+    count = 1 if length < 0.5 else 1 + math.ceil(length / max(0.5 * min(radii), 1.0))
+    share = np.linspace(0.0, 1.0, count)[:, None] if count > 1 else np.ones((1, 1))
+    centers = floor[0] * (1.0 - share) + top[0] * share
+    radius = (radii[0] * (1.0 - share) + radii[1] * share) * 1.04 + margin_px
+    return np.hstack([centers, radius])
+
+
+def grey_of(image: Image) -> Image:
+    """A picture as grey (h, w)."""
+    if image.ndim == 2:
+        return image
+    return cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.uint8, copy=False)
+
+
+def dictionary_names() -> tuple[str, ...]:
+    """The marker dictionaries that OpenCV knows, ArUco's and AprilTag's."""
+    return tuple(sorted(name for name in dir(cv2.aruco) if name.startswith("DICT_")))
+
+
+def dictionary_by_name(name: str) -> cv2.aruco.Dictionary:
+    """A marker dictionary; raises ``MarkerError`` with what was probably meant."""
+    names = {n.upper(): n for n in dictionary_names()}
+    wanted = name.strip().upper()
+    wanted = wanted if wanted.startswith("DICT_") else f"DICT_{wanted}"
+    if wanted not in names:
+        near = difflib.get_close_matches(wanted, names, n=1)
+        hint = f"; did you mean {names[near[0]]}?" if near else f": one of {', '.join(names)}"
+        raise MarkerError(f"marker dictionary '{name}' is unknown{hint}")
+    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, names[wanted]))
+
+
+def find_markers(image: Image, dictionary: str) -> list[tuple[int, FloatArray]]:
+    """Every marker of a dictionary in one picture: (id, corners (4, 2) raw pixels), unrefined.
+
+    For single pictures, without a calibration; robots are tracked with ``MarkerTracker``.
+    """
+    book = dictionary_by_name(dictionary)
+    parameters = cv2.aruco.DetectorParameters()
+    return _find(cv2.aruco.ArucoDetector(book, parameters), grey_of(image))
+
+
+def _finder(book: cv2.aruco.Dictionary, window: int, constant: float) -> cv2.aruco.ArucoDetector:
+    """A detector with one threshold window; a high constant keeps noise from becoming contours."""
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.adaptiveThreshWinSizeMin = window
+    parameters.adaptiveThreshWinSizeMax = window
+    parameters.adaptiveThreshConstant = constant
+    parameters.minMarkerPerimeterRate = 0.02
+    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
+    return cv2.aruco.ArucoDetector(book, parameters)
+
+
+def _find(finder: cv2.aruco.ArucoDetector, grey: Image) -> list[tuple[int, FloatArray]]:
+    corners, ids, _ = finder.detectMarkers(grey)
+    if ids is None or len(corners) == 0:
+        return []
+    quads = [np.asarray(c, dtype=np.float64).reshape(4, 2) for c in corners]
+    return [(int(i), quad) for i, quad in zip(np.ravel(ids), quads, strict=True)]
