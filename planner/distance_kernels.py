@@ -1,0 +1,388 @@
+"""Exact distances to flat primitives, and a box tree that finds the nearest of many.
+
+Rules and units
+- A primitive is a row of :class:`planner.scene.Primitives`: ``kind`` and six numbers.
+- Distances are unsigned and in the scene's units; a border has no inside here.
+- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root,
+  node i has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that
+  span a large part of the scene (its walls) would bloat every box above them: they are kept
+  in a list of their own and tried first, which also gives a good first bound.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
+LEAF = 4
+"""Primitives in a leaf of the tree."""
+LARGE = 0.25
+"""A primitive longer than this share of the scene's extent is kept out of the tree."""
+TAU = 2.0 * math.pi
+STACK = 64
+
+
+@njit(cache=True, nogil=True)
+def on_sweep(data, i, x, y):
+    """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
+    sweep = data[i, 4]
+    if sweep >= TAU:
+        return True
+    turn = (math.atan2(y - data[i, 1], x - data[i, 0]) - data[i, 3]) % TAU
+    return turn <= sweep
+
+
+@njit(cache=True, nogil=True)
+def foot(kind, data, i, x, y):
+    """The point of primitive i that is nearest to (x, y)."""
+    k = kind[i]
+    if k == POINT:
+        return data[i, 0], data[i, 1]
+    if k == SEGMENT:
+        ax, ay = data[i, 0], data[i, 1]
+        dx, dy = data[i, 2] - ax, data[i, 3] - ay
+        t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
+        if t <= 0.0:
+            return ax, ay
+        if t >= 1.0:
+            return data[i, 2], data[i, 3]
+        return ax + t * dx, ay + t * dy
+    cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
+    dx, dy = x - cx, y - cy
+    d = math.sqrt(dx * dx + dy * dy)
+    if k == CIRCLE or on_sweep(data, i, x, y):
+        if d > 0.0:
+            return cx + r * dx / d, cy + r * dy / d
+        a = data[i, 3]
+        return cx + r * math.cos(a), cy + r * math.sin(a)
+    a0 = data[i, 3]
+    a1 = a0 + data[i, 4]
+    x0, y0 = cx + r * math.cos(a0), cy + r * math.sin(a0)
+    x1, y1 = cx + r * math.cos(a1), cy + r * math.sin(a1)
+    if (x - x0) ** 2 + (y - y0) ** 2 <= (x - x1) ** 2 + (y - y1) ** 2:
+        return x0, y0
+    return x1, y1
+
+
+@njit(cache=True, nogil=True)
+def distance(kind, data, i, x, y):
+    """Distance from (x, y) to primitive i."""
+    k = kind[i]
+    if k == CIRCLE or (k == ARC and on_sweep(data, i, x, y)):
+        dx, dy = x - data[i, 0], y - data[i, 1]
+        return abs(math.sqrt(dx * dx + dy * dy) - data[i, 2])
+    fx, fy = foot(kind, data, i, x, y)
+    return math.sqrt((x - fx) ** 2 + (y - fy) ** 2)
+
+
+@njit(cache=True, nogil=True)
+def point_to_segment(px, py, ax, ay, bx, by):
+    """Distance from p to the segment a b, and how far along (0 to 1) its foot lies."""
+    dx, dy = bx - ax, by - ay
+    dd = dx * dx + dy * dy
+    t = 0.0
+    if dd > 0.0:
+        t = min(1.0, max(0.0, ((px - ax) * dx + (py - ay) * dy) / dd))
+    return math.sqrt((px - ax - t * dx) ** 2 + (py - ay - t * dy) ** 2), t
+
+
+@njit(cache=True, nogil=True)
+def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
+    """Distance between segments a b and c d, and where along a b it is taken."""
+    ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
+    wx, wy = cx - ax, cy - ay
+    den = ux * vy - uy * vx
+    if den != 0.0:
+        s = (wx * vy - wy * vx) / den
+        t = (wx * uy - wy * ux) / den
+        if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
+            return 0.0, s
+    best, at = point_to_segment(cx, cy, ax, ay, bx, by)
+    d, t = point_to_segment(dx, dy, ax, ay, bx, by)
+    if d < best:
+        best, at = d, t
+    d, t = point_to_segment(ax, ay, cx, cy, dx, dy)
+    if d < best:
+        best, at = d, 0.0
+    d, t = point_to_segment(bx, by, cx, cy, dx, dy)
+    if d < best:
+        best, at = d, 1.0
+    return best, at
+
+
+@njit(cache=True, nogil=True)
+def segment_distance(kind, data, i, ax, ay, bx, by):
+    """Distance between the segment a b and primitive i, and where along a b it is taken.
+
+    The least distance to an arc is taken at an end of either, at the segment's foot of the
+    arc's centre, or where the two cross.
+    """
+    k = kind[i]
+    if k == POINT:
+        return point_to_segment(data[i, 0], data[i, 1], ax, ay, bx, by)
+    if k == SEGMENT:
+        return _segments_distance(ax, ay, bx, by, data[i, 0], data[i, 1], data[i, 2], data[i, 3])
+    cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
+    best, at = distance(kind, data, i, ax, ay), 0.0
+    d = distance(kind, data, i, bx, by)
+    if d < best:
+        best, at = d, 1.0
+    _, t = point_to_segment(cx, cy, ax, ay, bx, by)
+    dx, dy = bx - ax, by - ay
+    d = distance(kind, data, i, ax + t * dx, ay + t * dy)
+    if d < best:
+        best, at = d, t
+    dd = dx * dx + dy * dy
+    if dd > 0.0:
+        m = ((cx - ax) * dx + (cy - ay) * dy) / dd
+        h2 = (ax + m * dx - cx) ** 2 + (ay + m * dy - cy) ** 2
+        if h2 <= r * r:
+            half = math.sqrt((r * r - h2) / dd)
+            for t in (m - half, m + half):
+                if 0.0 <= t <= 1.0 and (k == CIRCLE or on_sweep(data, i, ax + t * dx, ay + t * dy)):
+                    return 0.0, t
+    if k == ARC and data[i, 4] < TAU:
+        for end in range(2):
+            a = data[i, 3] + end * data[i, 4]
+            d, t = point_to_segment(cx + r * math.cos(a), cy + r * math.sin(a), ax, ay, bx, by)
+            if d < best:
+                best, at = d, t
+    return best, at
+
+
+@njit(cache=True, nogil=True)
+def _box_of(kind, data, i, box):
+    """The box of primitive i: x_min, y_min, x_max, y_max (of the whole circle for an arc)."""
+    if kind[i] == SEGMENT:
+        box[0], box[2] = min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
+        box[1], box[3] = min(data[i, 1], data[i, 3]), max(data[i, 1], data[i, 3])
+        return
+    r = 0.0 if kind[i] == POINT else data[i, 2]
+    box[0], box[2] = data[i, 0] - r, data[i, 0] + r
+    box[1], box[3] = data[i, 1] - r, data[i, 1] + r
+
+
+@njit(cache=True, nogil=True)
+def _spread(v):
+    """The 16 low bits of v, one every second bit."""
+    v = (v | (v << 8)) & 0x00FF00FF
+    v = (v | (v << 4)) & 0x0F0F0F0F
+    v = (v | (v << 2)) & 0x33333333
+    return (v | (v << 1)) & 0x55555555
+
+
+@njit(cache=True, nogil=True)
+def build_tree(kind, data):
+    """The box tree of all primitives.
+
+    Returns ``order`` (k,) int32 with the large ones first, ``large`` how many those are, and
+    ``boxes`` (2 leaves, 4) float64, empty boxes being (inf, inf, -inf, -inf).
+    """
+    n = len(kind)
+    own = np.empty((n, 4), np.float64)
+    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(n):
+        _box_of(kind, data, i, own[i])
+        x0, y0 = min(x0, own[i, 0]), min(y0, own[i, 1])
+        x1, y1 = max(x1, own[i, 2]), max(y1, own[i, 3])
+    extent = max(x1 - x0, y1 - y0)
+    scale = 65535.0 / extent if extent > 0.0 else 0.0
+    code = np.empty(n, np.int64)
+    large = 0
+    for i in range(n):
+        if max(own[i, 2] - own[i, 0], own[i, 3] - own[i, 1]) > LARGE * extent:
+            code[i] = -1
+            large += 1
+        else:
+            mx = int((0.5 * (own[i, 0] + own[i, 2]) - x0) * scale)
+            my = int((0.5 * (own[i, 1] + own[i, 3]) - y0) * scale)
+            code[i] = _spread(mx) | (_spread(my) << 1)
+    order = np.argsort(code).astype(np.int32)
+    leaves = 1
+    while leaves * LEAF < n - large:
+        leaves *= 2
+    boxes = np.empty((2 * leaves, 4), np.float64)
+    boxes[:, :2] = np.inf
+    boxes[:, 2:] = -np.inf
+    for j in range(n - large):
+        node, i = leaves + j // LEAF, order[large + j]
+        boxes[node, 0] = min(boxes[node, 0], own[i, 0])
+        boxes[node, 1] = min(boxes[node, 1], own[i, 1])
+        boxes[node, 2] = max(boxes[node, 2], own[i, 2])
+        boxes[node, 3] = max(boxes[node, 3], own[i, 3])
+    for node in range(leaves - 1, 0, -1):
+        for c in range(2):
+            boxes[node, c] = min(boxes[2 * node, c], boxes[2 * node + 1, c])
+            boxes[node, c + 2] = max(boxes[2 * node, c + 2], boxes[2 * node + 1, c + 2])
+    return order, large, boxes
+
+
+@njit(cache=True, nogil=True)
+def _box_distance2(boxes, node, x, y):
+    dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
+    dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
+    return dx * dx + dy * dy
+
+
+@njit(cache=True, nogil=True)
+def nearest(kind, data, order, large, boxes, x, y, bound):
+    """Distance to and index of the primitive nearest to (x, y), if nearer than ``bound``.
+
+    Returns (bound, -1) where none is.
+    """
+    best, which = bound, -1
+    for j in range(large):
+        d = distance(kind, data, order[j], x, y)
+        if d < best:
+            best, which = d, order[j]
+    n, leaves = len(order), len(boxes) // 2
+    stack = np.empty(STACK, np.int32)
+    stack[0], top = 1, 1
+    while top > 0:
+        top -= 1
+        node = stack[top]
+        if _box_distance2(boxes, node, x, y) >= best * best:
+            continue
+        if node >= leaves:
+            first = large + (node - leaves) * LEAF
+            for j in range(first, min(first + LEAF, n)):
+                d = distance(kind, data, order[j], x, y)
+                if d < best:
+                    best, which = d, order[j]
+            continue
+        left, right = 2 * node, 2 * node + 1
+        if _box_distance2(boxes, left, x, y) < _box_distance2(boxes, right, x, y):
+            left, right = right, left
+        stack[top], stack[top + 1] = left, right
+        top += 2
+    return best, which
+
+
+@njit(cache=True, nogil=True)
+def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
+    """A lower bound of the distance between a box and a segment with unit normal (nx, ny)."""
+    x0, y0, x1, y1 = boxes[node, 0], boxes[node, 1], boxes[node, 2], boxes[node, 3]
+    if x0 > x1:
+        return np.inf
+    dx = max(x0 - max(ax, bx), 0.0, min(ax, bx) - x1)
+    dy = max(y0 - max(ay, by), 0.0, min(ay, by) - y1)
+    off = nx * (0.5 * (x0 + x1) - ax) + ny * (0.5 * (y0 + y1) - ay)
+    half = 0.5 * (abs(nx) * (x1 - x0) + abs(ny) * (y1 - y0))
+    return max(math.sqrt(dx * dx + dy * dy), abs(off) - half)
+
+
+@njit(cache=True, nogil=True)
+def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
+    """Least distance between the segment a b and any primitive, if less than ``bound``.
+
+    Returns the distance, where along a b it is taken, and the primitive; (bound, 0, -1)
+    where none is nearer.
+    """
+    best, at, which = bound, 0.0, -1
+    for j in range(large):
+        d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
+        if d < best:
+            best, at, which = d, t, order[j]
+    length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    nx, ny = 0.0, 0.0
+    if length > 0.0:
+        nx, ny = (ay - by) / length, (bx - ax) / length
+    n, leaves = len(order), len(boxes) // 2
+    stack = np.empty(STACK, np.int32)
+    stack[0], top = 1, 1
+    while top > 0:
+        top -= 1
+        node = stack[top]
+        if _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny) >= best:
+            continue
+        if node >= leaves:
+            first = large + (node - leaves) * LEAF
+            for j in range(first, min(first + LEAF, n)):
+                d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
+                if d < best:
+                    best, at, which = d, t, order[j]
+            continue
+        stack[top], stack[top + 1] = 2 * node, 2 * node + 1
+        top += 2
+    return best, at, which
+
+
+@njit(cache=True, nogil=True)
+def nearest_many(kind, data, order, large, boxes, points):
+    """Distance and nearest primitive of every point."""
+    out = np.empty(len(points), np.float64)
+    which = np.empty(len(points), np.int32)
+    for i in range(len(points)):
+        out[i], which[i] = nearest(
+            kind, data, order, large, boxes, points[i, 0], points[i, 1], np.inf
+        )
+    return out, which
+
+
+@njit(cache=True, nogil=True)
+def polyline_clearance(kind, data, order, large, boxes, points):
+    """Least distance between a polyline and any primitive: distance, place, piece, primitive."""
+    best, where = nearest(kind, data, order, large, boxes, points[0, 0], points[0, 1], np.inf)
+    px, py, piece = points[0, 0], points[0, 1], 0
+    for i in range(len(points) - 1):
+        ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
+        d, t, which = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, best)
+        if which >= 0:
+            best, where, piece = d, which, i
+            px, py = ax + t * (bx - ax), ay + t * (by - ay)
+    return best, px, py, piece, where
+
+
+@njit(cache=True, nogil=True)
+def crossings(kind, data, owner, solid, x, y, inside):
+    """Toggle ``inside[owner]`` once for every crossing of a rightward ray from (x, y).
+
+    Even-odd over the closed borders, those with a ``solid`` side; a ray through a shared end
+    counts once because a piece holds its lower end only (half-open in y). Arcs are cut where
+    their tangent is level, so that each part is monotone in y.
+    """
+    for i in range(len(solid)):
+        o = owner[i]
+        if o < 0 or solid[i] == 0:
+            continue
+        k = kind[i]
+        if k == SEGMENT:
+            y0, y1 = data[i, 1], data[i, 3]
+            if (y0 <= y) != (y1 <= y):
+                side = (data[i, 2] - data[i, 0]) * (y - y0) - (x - data[i, 0]) * (y1 - y0)
+                if (side > 0.0) == (y1 > y0):
+                    inside[o] = not inside[o]
+        elif k == CIRCLE:
+            if (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2:
+                inside[o] = not inside[o]
+        elif k == ARC and _arc_crossings(data, i, x, y) % 2 == 1:
+            inside[o] = not inside[o]
+
+
+@njit(cache=True, nogil=True)
+def _arc_crossings(data, i, x, y):
+    """How often a rightward ray from (x, y) crosses the arc."""
+    cx, cy, r, a0 = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
+    a1 = a0 + data[i, 4]
+    count = 0
+    cut = (math.floor(a0 / math.pi - 0.5) + 1.0) * math.pi + 0.5 * math.pi
+    lo = a0
+    y_lo = cy + r * math.sin(a0)
+    while lo < a1:
+        hi = min(cut, a1)
+        y_hi = cy + r * math.sin(hi)
+        if (y_lo <= y) != (y_hi <= y):
+            dx = math.sqrt(max(r * r - (y - cy) ** 2, 0.0))
+            if math.cos(0.5 * (lo + hi)) < 0.0:
+                dx = -dx
+            if cx + dx > x:
+                count += 1
+        lo, y_lo = hi, y_hi
+        cut += math.pi
+    return count

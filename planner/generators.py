@@ -1,0 +1,205 @@
+"""Generators: points every delta along the borders of a scene (the paper's section 2.3.1).
+
+Rules and units
+- Everything is in the scene's units. ``delta`` is called ``spacing`` here; it is always less
+  than twice the robot's radius, so that no robot fits between two neighbouring generators.
+- A generator remembers its piece: the primitive it lies on, or the corner point it is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner import agvd_kernels as kernels
+from planner import distance_kernels
+from planner.scene import POINT, FloatArray, IntArray, Primitives
+
+Mode: TypeAlias = Literal["exact", "paper"]
+BoolArray: TypeAlias = NDArray[np.bool_]
+
+SPACING_PER_RADIUS = 1.0
+"""The spacing chosen where none is given, in robot radii: half of what the method allows."""
+MAX_GENERATORS = 5_000_000
+"""More than this is refused: the diagram of as many needs several gigabytes."""
+JOINT = 1e-6
+"""Ends nearer than this share of the scene's extent are one joint."""
+SAME_PLACE = 1e-9
+"""Distances below this share of the scene's extent count as none."""
+
+
+class HasPrimitives(Protocol):
+    """A scene, or anything else that can say its borders."""
+
+    def primitives(self) -> Primitives:
+        """All borders as flat arrays, the bounds (owner -1) included."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Borders:
+    """All borders as pieces, how they join, and a box tree that finds the nearest.
+
+    Pieces are the k primitives and then the c corner points: ``kind`` (k + c,), ``data``
+    (k + c, 6), ``owner`` (k + c,). ``following``, ``preceding`` (k,) are the neighbours along
+    a border or -1; ``solid`` (k,) is +1 where the solid lies to the left of travel, -1 to the
+    right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
+    meet in a corner point. ``box`` is x_min, y_min, x_max, y_max of the free space, and
+    ``extent`` its larger side.
+    """
+
+    kind: NDArray[np.int8]
+    data: FloatArray
+    owner: IntArray
+    backwards: BoolArray
+    following: IntArray
+    preceding: IntArray
+    solid: NDArray[np.int8]
+    before: IntArray
+    after: IntArray
+    order: IntArray
+    large: int
+    boxes: FloatArray
+    box: FloatArray
+    extent: float
+
+    @property
+    def primitive_count(self) -> int:
+        """How many of the pieces are primitives; the rest are corner points."""
+        return len(self.solid)
+
+    @property
+    def tree(self) -> tuple[NDArray[np.int8], FloatArray, IntArray, int, FloatArray]:
+        """What every query of :mod:`planner.distance_kernels` starts with."""
+        return self.kind, self.data, self.order, self.large, self.boxes
+
+    def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
+        return distance_kernels.nearest_many(*self.tree, points)  # type: ignore[no-any-return]
+
+    def owners_around(self, x: float, y: float, reach: float) -> NDArray[np.bool_]:
+        """Which objects hold (x, y) inside, by even-odd; ``reach`` is its clearance.
+
+        Asked at three places within the clearance, where the answer is the same but for rays
+        that graze a joint; the majority counts.
+        """
+        count = int(self.owner.max(initial=-1)) + 1
+        votes = np.zeros(count, dtype=np.int64)
+        for part in (0.0, 0.31830988618, -0.43429448190):
+            inside = np.zeros(count, dtype=np.bool_)
+            distance_kernels.crossings(
+                self.kind, self.data, self.owner, self.solid, x, y + part * reach, inside
+            )
+            votes += inside
+        return votes >= 2
+
+
+@dataclass(frozen=True, slots=True)
+class Generators:
+    """``sites`` (n, 2) and the piece ``label`` (n,) of each, at most ``spacing`` apart."""
+
+    sites: FloatArray
+    label: IntArray
+    spacing: float
+    borders: Borders
+
+    @property
+    def owner(self) -> IntArray:
+        """(n,) the object of every generator, -1 for the bounds."""
+        return self.borders.owner[self.label]
+
+
+def check_radius(radius: float) -> float:
+    """The radius as a float; ``ValueError`` unless it is > 0 and finite."""
+    value = float(radius)
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"radius = {radius}: must be > 0 and finite")
+    return value
+
+
+def choose_spacing(radius: float, spacing: float | None) -> float:
+    """The spacing to use: the given one, checked, or one radius."""
+    if spacing is None:
+        return SPACING_PER_RADIUS * radius
+    value = float(spacing)
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"spacing = {spacing}: must be > 0 and finite")
+    if value >= 2.0 * radius:
+        raise ValueError(f"spacing = {spacing:g}: must be < 2 radius = {2.0 * radius:g}")
+    return value
+
+
+def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
+    """The scene's borders as pieces, joined and indexed. O(k log k)."""
+    flat = scene.primitives()
+    kind, data, owner = flat.kind, flat.data, flat.owner
+    box = _free_box(flat)
+    extent = float(max(box[2] - box[0], box[3] - box[1]))
+    following, preceding, solid = kernels.link_borders(
+        kind, data, flat.border, flat.is_hole, flat.reversed, JOINT * extent
+    )
+    at, before, after = kernels.corner_points(
+        kind, data, flat.reversed, following, preceding, solid, mode == "paper"
+    )
+    order, large, boxes = distance_kernels.build_tree(kind, data)
+    corners = np.zeros((len(at), 6))
+    corners[:, :2] = at
+    joint = np.maximum(before, after)
+    return Borders(
+        kind=np.concatenate([kind, np.full(len(at), POINT, np.int8)]),
+        data=np.concatenate([data, corners]),
+        owner=np.concatenate([owner, owner[joint]]),
+        backwards=flat.reversed,
+        following=following,
+        preceding=preceding,
+        solid=solid,
+        before=before,
+        after=after,
+        order=order,
+        large=large,
+        boxes=boxes,
+        box=box,
+        extent=extent,
+    )
+
+
+def _free_box(flat: Primitives) -> FloatArray:
+    """The rectangle of the bounds' walls, or else around all the borders."""
+    walls = flat.data[flat.owner == -1]
+    if len(walls):
+        xs, ys = walls[:, (0, 2)], walls[:, (1, 3)]
+        return np.array([xs.min(), ys.min(), xs.max(), ys.max()])
+    if not len(flat.kind):
+        raise ValueError("the scene has neither objects nor bounds")
+    boxes = distance_kernels.build_tree(flat.kind, flat.data)[2]
+    return np.array([*boxes[1, :2], *boxes[1, 2:]])
+
+
+def place_generators(borders: Borders, spacing: float) -> Generators:
+    """Generators at most ``spacing`` apart on every border.
+
+    Raises ``ValueError`` where that would be more than ``MAX_GENERATORS``.
+    """
+    k = borders.primitive_count
+    kind, data = borders.kind[:k], borders.data[:k]
+    room = kernels.count_generators(kind, data, spacing)
+    if room > MAX_GENERATORS:
+        raise ValueError(
+            f"spacing = {spacing:g}: the borders would take {room:.3g} generators, "
+            f"the limit is {MAX_GENERATORS}"
+        )
+    sites, label = kernels.place_generators(
+        kind,
+        data,
+        borders.backwards,
+        borders.data[k:, :2],
+        borders.before,
+        borders.after,
+        spacing,
+        int(room) + len(borders.before),
+    )
+    return Generators(sites, label, spacing, borders)

@@ -1,0 +1,167 @@
+"""The roadmap: the diagram's chains as a graph with exact clearances, and plans on it.
+
+Rules and units
+- Everything is in the scene's units. The clearance of a place is its distance to the nearest
+  border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
+- A roadmap is built for a robot of one radius: its graph holds what that robot can use.
+- The stages are functions of their own, so that a caller with a clock can time them:
+  ``gather_borders``, ``place_generators``, ``diagram``, ``omit_invalid``, ``join_chains``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner import distance_kernels
+from planner.agvd import Agvd, Chains, diagram, join_chains, omit_invalid
+from planner.generators import (
+    Borders,
+    HasPrimitives,
+    Mode,
+    check_radius,
+    choose_spacing,
+    gather_borders,
+    place_generators,
+)
+from planner.path import NoPath, Path
+from planner.route import Request, plan_request
+from planner.scene import FloatArray, Scene, Vec
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """The least clearance of a polyline, where it is, on which piece, and to which object.
+
+    ``owner`` is the object's index in ``Scene.objects``, -1 for the bounds.
+    """
+
+    distance: float
+    at: Vec
+    piece: int
+    owner: int
+
+
+@dataclass(frozen=True, slots=True)
+class Roadmap:
+    """The AGVD roadmap of a scene for a robot of ``radius``; see :func:`build_roadmap`."""
+
+    radius: float
+    spacing: float
+    mode: Mode
+    scene: HasPrimitives
+    agvd: Agvd
+    chains: Chains
+    remarks: tuple[str, ...] = ()
+    _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def borders(self) -> Borders:
+        """The scene's borders, indexed for distance queries."""
+        return self.agvd.generators.borders
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """generators, voronoi_vertices, roadmap_nodes, roadmap_edges."""
+        return {
+            "generators": len(self.agvd.generators.sites),
+            "voronoi_vertices": len(self.agvd.vertices),
+            "roadmap_nodes": self.graph.number_of_nodes(),
+            "roadmap_edges": self.graph.number_of_edges(),
+        }
+
+    @property
+    def graph(self) -> nx.Graph[int]:
+        """The roadmap as a ``networkx.Graph``, made when first asked for.
+
+        Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``polyline`` (n, 2),
+        ``length``, ``clearance`` (its minimum, exact, never below the radius) and ``owners``.
+        """
+        if "graph" not in self._made:
+            from planner.graph import make_graph
+
+            self._made["graph"] = make_graph(self)
+        return self._made["graph"]  # type: ignore[no-any-return]
+
+    def clearance(self, points: ArrayLike) -> FloatArray:
+        """Exact clearance of every point (n, 2), negative in obstacles and out of bounds."""
+        xy = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2)
+        distance, _ = self.borders.distances(xy)
+        box = self.borders.box
+        for i, (x, y) in enumerate(xy):
+            outside = not (box[0] <= x <= box[2] and box[1] <= y <= box[3])
+            if outside or self.borders.owners_around(x, y, distance[i]).any():
+                distance[i] = -distance[i]
+        return distance
+
+    def path_clearance(self, polyline: ArrayLike) -> Clearance:
+        """The least distance of a polyline (n, 2) to any border: exact, nothing is sampled."""
+        xy = np.ascontiguousarray(polyline, dtype=np.float64).reshape(-1, 2)
+        if not len(xy):
+            raise ValueError("polyline: must have at least one point")
+        gap, x, y, piece, which = distance_kernels.polyline_clearance(*self.borders.tree, xy)
+        return Clearance(gap, (x, y), piece, int(self.borders.owner[which]))
+
+    def plan(
+        self,
+        start: Sequence[float],
+        goal: Sequence[float],
+        *,
+        prefer: str | float = "balanced",
+        via: Sequence[Sequence[float]] = (),
+        order: Literal["fixed", "best"] = "fixed",
+        alternatives: int = 0,
+        margin: float = 0.0,
+    ) -> Path | NoPath:
+        """A path from start to goal for this roadmap's robot, or why there is none.
+
+        Stations are (x, y) or (x, y, heading_rad), anywhere in free space. ``prefer`` is
+        "clearance" (the widest way, along the middle), "length" (the shortest that keeps the
+        radius), "balanced", or a number from 0 (length) to 1 (clearance). ``margin`` is kept
+        on top of the radius. No path ever comes nearer to a border than the radius and the
+        margin. Raises ``ValueError`` on options that make no sense.
+        """
+        request = Request.of(start, goal, prefer, via, order, alternatives, margin)
+        return plan_request(self.borders, self.chains, self.radius, request)
+
+
+def build_roadmap(
+    scene: HasPrimitives,
+    radius: float,
+    *,
+    spacing: float | None = None,
+    mode: Mode = "exact",
+) -> Roadmap:
+    """Build the roadmap of a scene for a disc-like robot.
+
+    ``radius`` > 0 and ``spacing`` < 2 radius (one radius where None) are in the scene's units;
+    ``ValueError`` otherwise. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
+    edges between generators of one object are omitted. O(n) on average for n generators.
+    """
+    size = check_radius(radius)
+    delta = choose_spacing(size, spacing)
+    if mode not in ("exact", "paper"):
+        raise ValueError(f"mode = {mode!r}: must be 'exact' or 'paper'")
+    borders = gather_borders(scene, mode)
+    generators = place_generators(borders, delta)
+    ordinary = diagram(generators)
+    agvd = omit_invalid(ordinary, generators, mode)
+    chains = join_chains(agvd)
+    return finish_roadmap(scene, size, mode, agvd, chains)
+
+
+def finish_roadmap(
+    scene: HasPrimitives, radius: float, mode: Mode, agvd: Agvd, chains: Chains
+) -> Roadmap:
+    """Put the stages' results together; for callers that time the stages."""
+    remarks: tuple[str, ...] = ()
+    if isinstance(scene, Scene) and not scene.objects:
+        remarks = ("the scene has no objects: the roadmap is that of the empty bounds",)
+    return Roadmap(radius, agvd.generators.spacing, mode, scene, agvd, chains, remarks)

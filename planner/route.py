@@ -1,0 +1,343 @@
+"""From a request to a path: attach the stations, search the chains, prove the answer.
+
+Rules and units
+- Stations attach inside a chain, by retraction: straight away from the nearest border until a
+  second one is as near, and then onto the chain.
+- Every answer is proved at the end: the exact distance of the whole polyline to every border
+  is at least the radius and the margin, or it is no answer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner import distance_kernels, search_kernels
+from planner.agvd import Chains
+from planner.generators import Borders
+from planner.path import NoPath, Path
+from planner.scene import FloatArray, IntArray, Vec
+
+PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
+"""The names of ``prefer`` and the numbers they stand for."""
+DETOUR = 4.0
+"""How much longer a step at a clearance of one radius may be, at the preference just below 1."""
+ENTRIES = 8
+"""Chains tried as a station's way onto the roadmap."""
+ROUNDING = 1e-9
+"""Clearances are equal within this share of the scene's extent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is asked for: ``stations`` are start, every via, goal, with a heading or None."""
+
+    stations: tuple[Vec, ...]
+    headings_rad: tuple[float | None, ...]
+    preference: float
+    best_order: bool
+    alternatives: int
+    margin: float
+
+    @classmethod
+    def of(
+        cls,
+        start: Sequence[float],
+        goal: Sequence[float],
+        prefer: str | float,
+        via: Sequence[Sequence[float]],
+        order: str,
+        alternatives: int,
+        margin: float,
+    ) -> Request:
+        """Parse the arguments of ``Roadmap.plan``; ``ValueError`` says what is wrong."""
+        named = [("start", start), *((f"via[{i}]", v) for i, v in enumerate(via)), ("goal", goal)]
+        parsed = [_station(name, value) for name, value in named]
+        if order not in ("fixed", "best"):
+            raise ValueError(f"order = {order!r}: must be 'fixed' or 'best'")
+        if not (math.isfinite(margin) and margin >= 0.0):
+            raise ValueError(f"margin = {margin}: must be >= 0 and finite")
+        if int(alternatives) != alternatives or alternatives < 0:
+            raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
+        return cls(
+            tuple(p[0] for p in parsed),
+            tuple(p[1] for p in parsed),
+            _preference(prefer),
+            order == "best",
+            int(alternatives),
+            float(margin),
+        )
+
+
+def _station(name: str, value: Sequence[float]) -> tuple[Vec, float | None]:
+    numbers = [float(v) for v in value]
+    if len(numbers) not in (2, 3) or not all(math.isfinite(v) for v in numbers):
+        raise ValueError(f"{name} = {tuple(value)}: must be x, y or x, y, heading, all finite")
+    return (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None
+
+
+def _preference(prefer: str | float) -> float:
+    if isinstance(prefer, str):
+        if prefer not in PREFERENCES:
+            raise ValueError(f"prefer = {prefer!r}: must be one of {', '.join(PREFERENCES)}")
+        return PREFERENCES[prefer]
+    value = float(prefer)
+    if not 0.0 <= value <= 1.0:
+        raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A station's way onto chain ``chain`` at point ``link`` + ``part`` of its link.
+
+    ``access`` (n, 2) runs from the station to the place on the chain; ``gap`` is its exact
+    clearance. ``to_end`` are cost and clearance from there to the chain's two ends.
+    """
+
+    chain: int
+    link: int
+    part: float
+    access: FloatArray
+    cost: float
+    gap: float
+    to_end: tuple[tuple[float, float], tuple[float, float]]
+
+
+def plan_request(
+    borders: Borders, chains: Chains, radius: float, request: Request
+) -> Path | NoPath:
+    """Answer a request on measured chains, for a disc of ``radius``."""
+    need = radius + request.margin
+    names = ["start", *(f"via[{i}]" for i in range(len(request.stations) - 2)), "goal"]
+    for name, place in zip(names, request.stations, strict=True):
+        if reason := why_not(borders, name, place, need):
+            return NoPath(reason)
+    legs: list[FloatArray] = []
+    for a, b in zip(request.stations[:-1], request.stations[1:], strict=True):
+        leg = plan_leg(borders, chains, a, b, need, request.preference)
+        if leg is None:
+            return NoPath(f"no way from {_at(a)} to {_at(b)} is {2 * need:g} wide throughout")
+        legs.append(leg)
+    return _as_path(borders, legs, radius, request)
+
+
+def why_not(borders: Borders, name: str, place: Vec, need: float) -> str | None:
+    """Why a disc of radius ``need`` cannot stand there, or None where it can."""
+    x, y = place
+    box = borders.box
+    if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
+        return f"the {name} {_at(place)} lies outside the bounds"
+    distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
+    inside = np.flatnonzero(borders.owners_around(x, y, distance))
+    if len(inside):
+        return f"the {name} {_at(place)} lies inside obstacle {inside[0]}"
+    if distance < need - ROUNDING * borders.extent:
+        owner = borders.owner[which]
+        what = "the bounds" if owner < 0 else f"obstacle {owner}"
+        return (
+            f"the {name} {_at(place)} is {distance:.6g} from {what}, "
+            f"nearer than the radius and margin of {need:g}"
+        )
+    return None
+
+
+def _at(place: Vec) -> str:
+    return f"({place[0]:g}, {place[1]:g})"
+
+
+def plan_leg(
+    borders: Borders, chains: Chains, start: Vec, goal: Vec, need: float, preference: float
+) -> FloatArray | None:
+    """The polyline from start to goal with clearance >= ``need``, or None."""
+    floor = need - ROUNDING * borders.extent
+    if start == goal:
+        return np.array([start, goal])
+    weight = DETOUR * preference
+    cost, total = search_kernels.chain_costs(
+        chains.rho, chains.gap, chains.step, chains.first, chains.length, need, weight
+    )
+    entries = attach(borders, chains, start, floor, cost)
+    exits = attach(borders, chains, goal, floor, cost)
+    if not entries or not exits:
+        return None
+    if preference >= 1.0:
+        floor = max(floor, _widest_gap(chains, entries, exits) * (1.0 - 1e-12))
+    route = _cheapest(chains, total, cost, entries, exits, floor)
+    return None if route is None else _certain(borders, route, need)
+
+
+def _certain(borders: Borders, polyline: FloatArray, need: float) -> FloatArray | None:
+    gap = distance_kernels.polyline_clearance(*borders.tree, polyline)[0]
+    return polyline if gap >= need - 2.0 * ROUNDING * borders.extent else None
+
+
+def attach(
+    borders: Borders, chains: Chains, place: Vec, floor: float, cost: FloatArray
+) -> list[Entry]:
+    """Ways from a place onto the chains, each with clearance >= ``floor``; the nearest first."""
+    x, y, _, _, _ = search_kernels.retract(*borders.tree, *place, 2.0 * borders.extent)
+    ridge = (x, y)
+    usable = np.ones(len(chains), dtype=np.bool_)
+    found = search_kernels.nearest_links(chains.points, chains.first, usable, x, y, ENTRIES)
+    entries = []
+    for chain, link, part, away in zip(*(a.tolist() for a in found), strict=True):
+        if chain < 0:
+            break
+        a, b = chains.points[link], chains.points[min(link + 1, chains.first[chain + 1] - 1)]
+        foot = a + part * (b - a)
+        access = np.array([place, ridge, foot])
+        gap = distance_kernels.polyline_clearance(*borders.tree, access)[0]
+        if gap < floor:
+            continue
+        ends = _to_ends(chains, cost, chain, link, part)
+        length = math.dist(place, ridge) + away
+        entries.append(Entry(chain, link, part, access, length, gap, ends))
+    return entries
+
+
+def _to_ends(
+    chains: Chains, cost: FloatArray, chain: int, link: int, part: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Cost and clearance from a place inside a chain to its first and to its last point."""
+    lo, hi = int(chains.first[chain]), int(chains.first[chain + 1]) - 1
+    if lo == hi:
+        return ((0.0, float(chains.rho[lo])),) * 2
+    back = float(cost[lo:link].sum() + part * cost[link])
+    ahead = float(cost[link + 1 : hi].sum() + (1.0 - part) * cost[link])
+    return (
+        (back, float(chains.gap[lo : link + 1].min())),
+        (ahead, float(chains.gap[link:hi].min())),
+    )
+
+
+def _gates(
+    chains: Chains, entries: list[Entry]
+) -> tuple[IntArray, FloatArray, FloatArray, list[tuple[Entry, int]]]:
+    node, cost, gap, who = [], [], [], []
+    for entry in entries:
+        for end in range(2):
+            node.append(chains.ends[entry.chain, end])
+            cost.append(entry.cost + entry.to_end[end][0])
+            gap.append(min(entry.gap, entry.to_end[end][1]))
+            who.append((entry, end))
+    return np.array(node, np.int32), np.array(cost), np.array(gap), who
+
+
+def _widest_gap(chains: Chains, entries: list[Entry], exits: list[Entry]) -> float:
+    """The largest clearance a way from any entry to any exit can keep."""
+    around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
+    s_node, _, s_gap, _ = _gates(chains, entries)
+    g_node, _, g_gap, _ = _gates(chains, exits)
+    best = search_kernels.widest(
+        around, leaving, chains.ends, chains.clearance, s_node, s_gap, g_node, g_gap
+    )
+    for a in entries:
+        for b in exits:
+            if a.chain == b.chain:
+                best = max(best, min(a.gap, b.gap, _between_gap(chains, a, b)))
+    return float(best)
+
+
+def _between_gap(chains: Chains, a: Entry, b: Entry) -> float:
+    lo, hi = min(a.link, b.link), max(a.link, b.link)
+    if chains.first[a.chain + 1] - chains.first[a.chain] == 1:
+        return float(chains.rho[lo])
+    return float(chains.gap[lo : hi + 1].min())
+
+
+def _cheapest(
+    chains: Chains,
+    total: FloatArray,
+    cost: FloatArray,
+    entries: list[Entry],
+    exits: list[Entry],
+    floor: float,
+) -> FloatArray | None:
+    """The polyline of the cheapest way from any entry to any exit, or None."""
+    around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
+    s_node, s_cost, s_gap, s_who = _gates(chains, entries)
+    g_node, g_cost, g_gap, g_who = _gates(chains, exits)
+    s_cost = np.where(s_gap >= floor, s_cost, np.inf)
+    g_cost = np.where(g_gap >= floor, g_cost, np.inf)
+    best, entry, out, steps = search_kernels.cheapest(
+        around, leaving, chains.ends, total, chains.clearance, floor,
+        s_node, s_cost, g_node, g_cost
+    )  # fmt: skip
+    direct: tuple[Entry, Entry] | None = None
+    for a in entries:
+        for b in exits:
+            if a.chain != b.chain or min(a.gap, b.gap, _between_gap(chains, a, b)) < floor:
+                continue
+            here = a.cost + b.cost + abs(_position(cost, a) - _position(cost, b))
+            if here < best:
+                best, direct = here, (a, b)
+    if not math.isfinite(best):
+        return None
+    if direct is not None:
+        a, b = direct
+        return _join([a.access, _inner(chains, a, b), b.access[::-1]])
+    (a, a_end), (b, b_end) = s_who[entry], g_who[out]
+    pieces = [a.access, _to_end_points(chains, a, a_end)]
+    for step in steps.tolist():
+        c, end = divmod(step, 2)
+        points = chains.points[chains.first[c] : chains.first[c + 1]]
+        pieces.append(points if end == 0 else points[::-1])
+    pieces += [_to_end_points(chains, b, b_end)[::-1], b.access[::-1]]
+    return _join(pieces)
+
+
+def _position(cost: FloatArray, entry: Entry) -> float:
+    return float(cost[: entry.link].sum() + entry.part * cost[entry.link])
+
+
+def _inner(chains: Chains, a: Entry, b: Entry) -> FloatArray:
+    """The chain's points strictly between two places on it."""
+    if (a.link, a.part) <= (b.link, b.part):
+        return chains.points[a.link + 1 : b.link + 1]
+    return chains.points[b.link + 1 : a.link + 1][::-1]
+
+
+def _to_end_points(chains: Chains, entry: Entry, end: int) -> FloatArray:
+    """The chain's points from a place inside it to one of its ends."""
+    lo, hi = chains.first[entry.chain], chains.first[entry.chain + 1]
+    if end == 0:
+        return chains.points[lo : entry.link + 1][::-1]
+    return chains.points[min(entry.link + 1, hi - 1) : hi]
+
+
+def _join(pieces: list[FloatArray]) -> FloatArray:
+    """One polyline without repeated points."""
+    points = np.concatenate([p for p in pieces if len(p)])
+    moved = np.any(points[1:] != points[:-1], axis=1)
+    kept: FloatArray = points[np.concatenate([[True], moved])]
+    return kept
+
+
+def _as_path(borders: Borders, legs: list[FloatArray], radius: float, request: Request) -> Path:
+    """The legs as one proved path."""
+    points = [legs[0][:1]]
+    stations = [0]
+    for leg in legs:
+        points.append(leg[1:])
+        stations.append(stations[-1] + len(leg) - 1)
+    polyline = np.concatenate(points)
+    gap, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, polyline)
+    rho, _ = borders.distances(polyline)
+    steps = np.diff(polyline, axis=0)
+    for array in (polyline, rho):
+        array.setflags(write=False)
+    return Path(
+        points=polyline,
+        clearances=rho,
+        length=float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
+        min_clearance=gap,
+        min_clearance_at=(x, y),
+        robot_radius=radius,
+        stations=tuple(stations),
+        headings_rad=request.headings_rad,
+        order=tuple(range(len(request.stations) - 2)),
+    )
