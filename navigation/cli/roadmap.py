@@ -1,0 +1,84 @@
+"""`clearway roadmap`: the AGVD roadmap of any source as a file for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from navigation.cli.options import POSITIVE
+
+SUFFIXES = (".graphml", ".geojson", ".json")
+
+
+@click.command(short_help="The AGVD roadmap as a file.")
+@click.argument("source", type=click.Path(path_type=Path))
+@click.option("--radius", type=POSITIVE, required=True, help="The robot's, in the scene's units.")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link).",
+)
+@click.option("--spacing", type=POSITIVE, help="Between generators; less than 2 radius.")
+@click.option(
+    "--polarity",
+    type=click.Choice(["dark", "light", "auto"]),
+    default="auto",
+    show_default=True,
+    help="Of a picture: whether the obstacles are dark or light.",
+)
+@click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
+@click.option(
+    "--render", type=click.Path(path_type=Path), help="Draw the roadmap: FILE.svg or FILE.png."
+)
+def command(
+    source: Path,
+    radius: float,
+    output: Path,
+    spacing: float | None,
+    polarity: Literal["dark", "light", "auto"],
+    frame: str,
+    render: Path | None,
+) -> None:
+    """Build the roadmap of SOURCE and write it; the suffix of the output says the format."""
+    suffix = output.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise click.BadParameter(
+            f"{output}: must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}",
+            param_hint="--output",
+        )
+    if render is not None and render.suffix.lower() not in (".svg", ".png"):
+        raise click.BadParameter(f"{render}: must end in .svg or .png", param_hint="--render")
+    if spacing is not None and spacing >= 2.0 * radius:
+        raise click.BadParameter(
+            f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
+        )
+
+    from navigation.cli.plan import timed_roadmap
+    from navigation.sources import load_source
+    from planner import exchange
+
+    scene = load_source(source, polarity)
+    roadmap, _ = timed_roadmap(scene, radius, spacing)
+    match suffix:
+        case ".graphml":
+            text = exchange.to_graphml(roadmap)
+        case ".geojson":
+            text = exchange.to_geojson(roadmap, frame)
+        case _:
+            text = exchange.to_node_link(roadmap)
+    output.write_text(text, encoding="utf-8")
+    if render is not None:
+        from navigation.draw import save_picture
+
+        save_picture(render, scene, roadmap=roadmap)
+    counts = roadmap.counts
+    click.echo(
+        f"{output}: {counts['roadmap_nodes']} nodes, {counts['roadmap_edges']} edges,"
+        f" robot radius {radius:g} {scene.units}"
+    )
+    for remark in (*scene.remarks, *roadmap.remarks):
+        click.echo(f"note: {remark}")
