@@ -147,6 +147,8 @@ class HostConnection:
         self._line_free_s = -math.inf
         self._lease: tuple[Lease, float] | None = None
         self._pose: tuple[PoseFix, float] | None = None
+        self.pose_captured_s = -math.inf
+        """When the pose that was sent last was seen: the user's measure of its way here."""
         self._sync_s = -math.inf
         self._sync_sent: dict[int, float] = {}
         self._sync_count = 0
@@ -343,7 +345,10 @@ class HostConnection:
             case TimeSyncReply(sent_us, received_us, answered_us):
                 sent_s = self._sync_sent.pop(sent_us, None)
                 if sent_s is not None:
-                    self.clock.add(sent_s, received_us, answered_us, now_s)
+                    # both stamps of a frame as if it took no time on the wire
+                    arrived_s = sent_s + self._wire_s(wire_bytes(TimeSync.LAYOUT.size))
+                    left_s = now_s - self._wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
+                    self.clock.add(arrived_s, received_us, answered_us, left_s)
             case _:
                 self.counters.nonsense += 1
 
@@ -522,6 +527,7 @@ class HostConnection:
         if self._pose is not None:
             fix, captured_s = self._pose
             self._pose = None
+            self.pose_captured_s = captured_s
             age_s = max(0.0, now_s - captured_s) + self._wire_s(wire_bytes(PoseFix.LAYOUT.size))
             return self._frame(PoseFix(fix.x_m, fix.y_m, fix.heading_rad, age_s))
         if self.state is LinkState.VERIFY:

@@ -15,7 +15,7 @@ from vision.change import Change, SceneWatcher
 from vision.markers import MarkerTracker, RobotPose, body_discs_px
 
 import vision
-from planner.scene import Bounds, Scene
+from planner.scene import Bounds, FloatArray, Scene
 from vision.calibration import Calibration
 from vision.camera import Frame
 
@@ -36,6 +36,8 @@ class EyeSettings:
     polarity: str
     method: str
     threshold: float | None
+    driven_id: int
+    """The marker of the robot that is driven."""
     bodies: Mapping[int, Body]
     """By marker id: the robot that is driven and the others."""
 
@@ -60,23 +62,35 @@ class Eye:
         self.settings = settings
         self._tracker = tracker
         self._watcher = SceneWatcher()
+        self._last_seen: dict[int, RobotPose] = {}
         self._seen_scene = False
 
     def look(self, frame: Frame) -> Glimpse:
-        """Poses in this frame; a scene with the first frame and after every change."""
+        """Poses in this frame; a scene as soon as the robot was seen and after every change.
+
+        While the driven robot cannot be seen nobody knows which dark place is its body: the
+        scene stays as it was, and the pilot holds the robot anyway.
+        """
         poses = {pose.id: pose for pose in self._tracker.update(frame)}
-        bodies = [
-            body_discs_px(poses[i], b.radius_m, self.calibration, b.marker_height_m)
-            for i, b in self.settings.bodies.items()
-            if i in poses
-        ]
-        discs = np.concatenate(bodies) if bodies else np.empty((0, 3))
-        change = self._watcher.update(frame.image, discs)
+        self._last_seen.update(poses)
+        if self.settings.driven_id not in poses:
+            return Glimpse(frame.captured_s, poses, None, None)
+        change = self._watcher.update(frame.image, self._body_discs())
         scene = None
         if change is not None or not self._seen_scene:
             scene = self._extract()
             self._seen_scene = True
         return Glimpse(frame.captured_s, poses, scene, change)
+
+    def _body_discs(self) -> FloatArray:
+        """The pixels of every robot's body, where it was seen last."""
+        bodies = self.settings.bodies
+        return np.concatenate(
+            [
+                body_discs_px(pose, bodies[i].radius_m, self.calibration, bodies[i].marker_height_m)
+                for i, pose in self._last_seen.items()
+            ]
+        )
 
     def _extract(self) -> Scene:
         return vision.extract(

@@ -45,6 +45,7 @@ PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
 REOPEN_FIRST_S: Final = 0.1
 REOPEN_LAST_S: Final = 2.0
 EVENTS_KEPT: Final = 10_000
+LATENCIES_KEPT: Final = 10_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +116,9 @@ class SerialLink:
             -math.inf,
         )
         self._crash: BaseException | None = None
+        self._measured_s = -math.inf
+        self.capture_to_wire_s: deque[float] = deque(maxlen=LATENCIES_KEPT)
+        """Ages of the pose fixes when they were written to the port, seconds, the newest last."""
 
     # Life.
 
@@ -268,11 +272,19 @@ class SerialLink:
                 self._unsent = self._unsent[port.write(self._unsent) or 0 :]
                 if self._unsent:
                     return
+                self._measure_pose()
             if port.out_waiting > MAX_WIRE and not self._host.estop_pending:
                 return
             self._unsent = self._host.bytes_to_send(self._clock())
             if not self._unsent:
                 return
+
+    def _measure_pose(self) -> None:
+        """Once for each pose fix that has been written: how old its picture is now."""
+        captured_s = self._host.pose_captured_s
+        if captured_s > self._measured_s:
+            self._measured_s = captured_s
+            self.capture_to_wire_s.append(self._clock() - captured_s)
 
     def _wait(self, now_s: float) -> None:
         watched: list[int | serial.Serial] = [self._wake_out]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from firmware_protocol.follower import DriveSettings
 from navigation.config import Config
 from navigation.simulator.drive_model import DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec
@@ -21,6 +22,19 @@ def drive_model_of(config: Config) -> DriveModel:
         slip=errors.slip,
         ticks_per_m=errors.encoder_ticks_per_m,
         max_wheel_m_s=errors.wheel_speed_m_s,
+    )
+
+
+def drive_settings_of(config: Config) -> DriveSettings:
+    """What the robot's own firmware was told about the robot."""
+    robot = config.robot
+    return DriveSettings(
+        track_m=robot.track_m,
+        max_speed_m_s=robot.speed_m_s,
+        acceleration_m_s2=robot.acceleration_m_s2,
+        lateral_m_s2=robot.lateral_acceleration_m_s2,
+        max_turn_rad_s=robot.angular_rate_rad_s,
+        turn_acceleration_rad_s2=robot.angular_acceleration_rad_s2,
     )
 
 

@@ -1,0 +1,354 @@
+"""The running program: who talks to whom.
+
+Threads: the camera's (newest frame wins), the planner's (newest scene and request win), the
+link's, which alone owns the port, and this one, the control loop. A cycle of the control loop
+is: newest frame -> eye -> pilot -> orders to the planner and the link. It runs once a frame,
+and at least every ``LONGEST_CYCLE_S`` without one, so that a lost camera stops the robot too.
+The lease that lets the robot move is given by this loop only: should it hang, the robot stops.
+
+Only this module and the command line read the clock. Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Final
+
+import numpy as np
+
+from navigation.config import Config, limits_of
+from navigation.eye import Body, Eye, EyeSettings, Glimpse
+from navigation.mission import Mission, Station
+from navigation.pilot import (
+    Orders,
+    Pilot,
+    PilotSettings,
+    PlanAnswer,
+    RobotReport,
+    Sight,
+)
+from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
+from navigation.serial_link import LinkSnapshot, SerialLink
+from navigation.targets import to_wire
+from navigation.watch import SafetyLimits
+from navigation.world import World
+from planner.path import Path, Trajectory
+from planner.roadmap import Roadmap
+from planner.scene import Bounds, Scene
+from vision.camera import Frame
+from vision.latest_frame import LatestFrame
+from vision.markers import MarkedRobot, MarkerTracker, RobotPose
+
+LONGEST_CYCLE_S: Final = 0.05
+LEASE_EVERY_S: Final = 0.08
+SETTLE_S: Final = 0.4
+RETRY_S: Final = 1.0
+ROBOT_GRACE_S: Final = 1.5
+CORRECTIONS: Final = 3
+
+
+@dataclass(frozen=True, slots=True)
+class DaemonState:
+    """What is known after a cycle; for the command line, the dashboard and tests."""
+
+    time_s: float
+    mission: Mission
+    sentence: str
+    pose: RobotPose | None
+    link: LinkSnapshot
+    to_go_m: float | None
+    clearance_m: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenPlan:
+    """A plan that was driven, and from when on, in the clock's seconds."""
+
+    path: Path
+    trajectory: Trajectory | None
+    since_s: float
+
+
+class Daemon:
+    """Runs one configuration; a context manager that opens and closes everything.
+
+    ``mission_seed`` is the id of the first mission on the wire less one.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        world: World,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        first_mission_id: int,
+    ) -> None:
+        self.config, self.world = config, world
+        self._clock = clock
+        self._bounds = Bounds(*config.arena.bounds_m)
+        self.pilot = Pilot(pilot_settings(config), first_mission_id)
+        self.link = SerialLink(world.port, config.serial.baud, clock=clock)
+        self.camera = LatestFrame(world.open_camera, clock)
+        self._eye = Eye(
+            world.calibration,
+            MarkerTracker(world.calibration, marked_robots(config), config.robot.dictionary),
+            eye_settings(config),
+        )
+        self._arena_planner = ArenaPlanner(plan_settings(config))
+        self._planner = PlannerThread(self._arena_planner, self._on_scene, self._on_answer)
+        self._lock = threading.Lock()
+        self._answers: deque[PlanAnswer] = deque(maxlen=1)
+        self._checks: deque[SceneCheck] = deque()
+        self.scene: Scene | None = None
+        self.pose: RobotPose | None = None
+        self.plans: list[DrivenPlan] = []
+        self.sightings: list[tuple[float, float, float, float]] = []
+        self.processed = 0
+        self.started_s = clock()
+        self._revision = 0
+        self._known_revision = 0
+        self._frame_s = -math.inf
+        self._leased_s = -math.inf
+        self._permitted = False
+
+    # Life.
+
+    def __enter__(self) -> Daemon:
+        self.world.__enter__()
+        try:
+            self.link.open()
+            self.camera.start()
+            self._planner.start()
+        except BaseException as error:
+            self.__exit__(type(error), error, error.__traceback__)
+            raise
+        self.started_s = self._clock()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._let_the_robot_stop()
+        self.camera.stop()
+        self._planner.stop()
+        self.link.close()
+        self.world.__exit__(kind, error, trace)
+
+    def _let_the_robot_stop(self, patience_s: float = 0.5) -> None:
+        """Withdraw the lease and give the robot a moment to say that it stands."""
+        if not self._permitted:
+            return
+        self.link.lease(permit=False)
+        self.link.pause()
+        until_s = self._clock() + patience_s
+        while self._clock() < until_s and self.link.snapshot().running:
+            threading.Event().wait(0.01)
+
+    # Orders from people.
+
+    def give(self, stations: tuple[Station, ...]) -> None:
+        """A new mission; ``MissionError`` where it cannot be."""
+        with self._lock:
+            self.pilot.give(stations)
+
+    def stop(self, reason: str) -> None:
+        """Emergency stop: straight to the link, past every queue, then latched by the pilot."""
+        self.link.estop()
+        with self._lock:
+            self.pilot.stop(reason)
+
+    # The cycle.
+
+    def cycle(self) -> DaemonState:
+        """Wait for the next frame, at most ``LONGEST_CYCLE_S``, and decide."""
+        frame = self.camera.take(LONGEST_CYCLE_S)
+        self._planner.check()
+        if frame is not None:
+            self._see(frame)
+        now_s = self._clock()
+        snapshot = self.link.snapshot()
+        sight = self._sight(now_s)
+        with self._lock:
+            for check in self._take_checks():
+                self.pilot.new_scene(check.path_clearance_m)
+            answer = self._answers.pop() if self._answers else None
+            orders = self.pilot.step(now_s, sight, robot_report(snapshot), answer)
+        self._carry_out(orders, now_s, sight)
+        return self._state(now_s, sight, snapshot)
+
+    def _see(self, frame: Frame) -> None:
+        glimpse: Glimpse = self._eye.look(frame)
+        self.processed += 1
+        self._frame_s = frame.captured_s
+        pose = glimpse.poses.get(self.config.robot.marker_id)
+        if pose is not None:
+            self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
+            self.pose = pose
+            self.sightings.append((pose.captured_s, pose.x, pose.y, pose.heading_rad))
+        if glimpse.scene is not None:
+            self._revision += 1
+            self.scene = glimpse.scene
+            points = None if self.pilot.path is None else self.pilot.path.points
+            self._planner.see(glimpse.scene, self._revision, points)
+
+    def _sight(self, now_s: float) -> Sight:
+        pose = self.pose
+        place = None if pose is None else (pose.x, pose.y, pose.heading_rad)
+        clearance = None if place is None else self._arena_planner.clearance_m(place[:2])
+        return Sight(
+            frame_age_s=now_s - self._frame_s,
+            pose_age_s=math.inf if pose is None else now_s - pose.captured_s,
+            pose=place,
+            scene_revision=self._known_revision,
+            clearance_m=clearance,
+        )
+
+    def _carry_out(self, orders: Orders, now_s: float, sight: Sight) -> None:
+        if orders.estop:
+            if not self.link.snapshot().estopped:
+                self.link.estop()
+            return
+        if orders.rearm:
+            self.link.reset_estop()
+        if orders.halt:
+            self.link.clear()
+        if orders.permit != self._permitted or now_s - self._leased_s >= LEASE_EVERY_S:
+            self.link.lease(orders.permit, sight.pose_age_s, self.config.safety.lease_s)
+            self._permitted, self._leased_s = orders.permit, now_s
+        if orders.upload is not None:
+            mission_id, targets = orders.upload
+            self.link.upload(mission_id, to_wire(targets))
+            assert self.pilot.path is not None
+            self.plans.append(DrivenPlan(self.pilot.path, self.pilot.trajectory, now_s))
+        if orders.request is not None:
+            self._planner.ask(orders.request)
+
+    def _state(self, now_s: float, sight: Sight, snapshot: LinkSnapshot) -> DaemonState:
+        mission = self.pilot.mission
+        return DaemonState(
+            time_s=now_s - self.started_s,
+            mission=mission,
+            sentence=mission.reason,
+            pose=self.pose,
+            link=snapshot,
+            to_go_m=self._to_go_m(snapshot),
+            clearance_m=sight.clearance_m,
+        )
+
+    def _to_go_m(self, snapshot: LinkSnapshot) -> float | None:
+        if self.pose is None or not self.pilot.targets:
+            return None
+        left = self.pilot.targets[min(snapshot.executed, len(self.pilot.targets)) :]
+        points = [(self.pose.x, self.pose.y), *((t.x_m, t.y_m) for t in left)]
+        return float(np.hypot(*np.diff(np.array(points), axis=0).T).sum())
+
+    # From the planner's thread.
+
+    def _on_scene(self, check: SceneCheck) -> None:
+        with self._lock:
+            self._checks.append(check)
+
+    def _on_answer(self, answer: PlanAnswer) -> None:
+        with self._lock:
+            self._answers.append(answer)
+
+    def _take_checks(self) -> list[SceneCheck]:
+        checks = list(self._checks)
+        self._checks.clear()
+        if checks:
+            self._known_revision = checks[-1].revision
+        return checks
+
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """The newest roadmap, for pictures."""
+        return self._arena_planner.roadmap
+
+
+def robot_report(snapshot: LinkSnapshot) -> RobotReport:
+    """What the pilot needs to know of the link."""
+    return RobotReport(
+        age_s=snapshot.heard_age_s,
+        down_reason=snapshot.down_reason,
+        estopped=snapshot.estopped,
+        disarmed=snapshot.disarmed,
+        mission_id=snapshot.mission_id,
+        executed=snapshot.executed,
+        standing_reason=snapshot.standing_reason,
+    )
+
+
+def stations_of(config: Config) -> tuple[Station, ...]:
+    """The configured mission's stations."""
+    return tuple(Station(s.x_m, s.y_m, s.heading_rad, s.dwell_s) for s in config.mission.stations)
+
+
+def pilot_settings(config: Config) -> PilotSettings:
+    """The pilot's numbers."""
+    safety = config.safety
+    return PilotSettings(
+        limits=SafetyLimits(
+            pose_stale_s=safety.pose_stale_s,
+            frame_stale_s=safety.frame_stale_s,
+            link_stale_s=safety.link_stale_s,
+            max_deviation_m=safety.max_deviation_m,
+            robot_radius_m=config.robot.radius_m,
+            clearance_slack_m=safety.clearance_slack_m,
+        ),
+        bounds_m=Bounds(*config.arena.bounds_m),
+        goal_tolerance_m=config.mission.tolerance_m,
+        goal_tolerance_rad=math.radians(config.mission.tolerance_deg),
+        settle_s=SETTLE_S,
+        retry_s=RETRY_S,
+        robot_grace_s=ROBOT_GRACE_S,
+        give_up_s=safety.give_up_s,
+        corrections=CORRECTIONS,
+    )
+
+
+def plan_settings(config: Config) -> PlanSettings:
+    """What every plan must keep."""
+    return PlanSettings(
+        radius_m=config.robot.radius_m,
+        margin_m=config.planning.margin_m,
+        spacing_m=config.planning.spacing_m,
+        prefer=config.planning.prefer,
+        limits=limits_of(config),
+    )
+
+
+def eye_settings(config: Config) -> EyeSettings:
+    """What the eye looks for."""
+    seen = (config.robot, *config.other_robots)
+    return EyeSettings(
+        bounds_m=Bounds(*config.arena.bounds_m),
+        polarity=config.vision.polarity,
+        method=config.vision.method,
+        threshold=config.vision.threshold,
+        driven_id=config.robot.marker_id,
+        bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
+    )
+
+
+def marked_robots(config: Config) -> list[MarkedRobot]:
+    """The robots whose markers are looked for."""
+    driven = MarkedRobot(
+        config.robot.marker_id,
+        config.robot.marker_size_m,
+        config.robot.marker_height_m,
+        marker_yaw_rad=math.radians(config.robot.marker_turn_deg),
+    )
+    others = [
+        MarkedRobot(one.marker_id, one.marker_size_m, one.marker_height_m)
+        for one in config.other_robots
+    ]
+    return [driven, *others]

@@ -1,0 +1,131 @@
+"""What a finished run comes to: the report, and the folder that it leaves behind.
+
+Clearance, tracking and goal errors come from the simulation's truth where there is one, else
+from what the camera saw. Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime
+from pathlib import Path
+
+import numpy as np
+
+from navigation.daemon import Daemon, stations_of
+from navigation.draw import save_picture
+from navigation.mission import State
+from navigation.report import (
+    FrameCounts,
+    Latency,
+    LinkCounts,
+    Report,
+    percentiles_ms,
+    rms_and_max,
+    tracking_error,
+)
+from planner.scene import FloatArray
+
+
+def summarise(daemon: Daemon, state: State, reason: str, duration_s: float) -> Report:
+    """The report of DESIGN, from everything that the daemon kept."""
+    track = driven_track(daemon)
+    snapshot, camera = daemon.link.snapshot(), daemon.camera.status()
+    mission = daemon.pilot.mission
+    goal_m, goal_deg = _goal_error(daemon, track)
+    return Report(
+        state=state.value if state in (State.DONE, State.FAILED) else State.STOPPED.value,
+        reason=reason,
+        stations=len(mission.stations),
+        stations_visited=mission.visited,
+        waypoints_sent=daemon.pilot.waypoints_sent,
+        waypoints_executed=daemon.pilot.waypoints_executed,
+        replans=daemon.pilot.replans,
+        min_clearance_m=_least_clearance_m(daemon, track),
+        tracking_error_m=rms_and_max(_tracking(daemon, track)),
+        goal_error_m=goal_m,
+        goal_error_deg=goal_deg,
+        duration_s=duration_s,
+        link=LinkCounts(
+            frames=snapshot.sent.frames_sent,
+            bytes=snapshot.sent.bytes_sent,
+            retransmits=snapshot.sent.retransmits,
+            crc_errors=snapshot.received.crc_errors,
+            rtt_ms=None if snapshot.rtt_s is None else snapshot.rtt_s * 1e3,
+        ),
+        frames=FrameCounts(camera.captured, camera.dropped, daemon.processed),
+        latency_ms=Latency(percentiles_ms(list(daemon.link.capture_to_wire_s))),
+        ground_truth=daemon.world.truth is not None,
+    )
+
+
+def driven_track(daemon: Daemon) -> FloatArray:
+    """(n, 4) of seconds, x_m, y_m, heading_rad: the truth where simulated, else the sightings."""
+    if daemon.world.truth is not None:
+        return daemon.world.truth.track()
+    return np.array(daemon.sightings, dtype=np.float64).reshape(-1, 4)
+
+
+def make_run_folder(runs_dir: Path, now: datetime) -> Path:
+    """A new folder named after the time; a second run in one second gets a number."""
+    name = now.strftime("%Y-%m-%d_%H-%M-%S")
+    for number in range(1, 1000):
+        folder = runs_dir / (name if number == 1 else f"{name}_{number}")
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        return folder
+    raise FileExistsError(f"{runs_dir / name}: a thousand runs began in this second")
+
+
+def write_run(folder: Path, daemon: Daemon, report: Report) -> None:
+    """``report.json``, and ``track.svg`` where a scene was seen."""
+    report.write(folder / "report.json")
+    if daemon.scene is None:
+        return
+    track = driven_track(daemon)
+    stations = [
+        (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad)
+        for s in stations_of(daemon.config)
+    ]
+    first = [tuple(track[0, 1:4])] if len(track) else []
+    last_plan = daemon.plans[0] if daemon.plans else None
+    save_picture(
+        folder / "track.svg",
+        daemon.scene,
+        daemon.roadmap,
+        None if last_plan is None else last_plan.path,
+        track=track[:, 1:3],
+        stations=[*first, *stations],
+        title=f"Clearway: {report.state}",
+    )
+
+
+def _least_clearance_m(daemon: Daemon, track: FloatArray) -> float | None:
+    if not len(track):
+        return None
+    if daemon.world.truth is not None:
+        return daemon.world.truth.arena.track_clearance(track[:, 1:3])[0]
+    return None if daemon.roadmap is None else daemon.roadmap.path_clearance(track[:, 1:3]).distance
+
+
+def _tracking(daemon: Daemon, track: FloatArray) -> FloatArray:
+    """Each position's distance from the plan that was driven at its time."""
+    errors = []
+    ends = [*(plan.since_s for plan in daemon.plans[1:]), math.inf]
+    for plan, end_s in zip(daemon.plans, ends, strict=False):
+        rows = track[(track[:, 0] >= plan.since_s) & (track[:, 0] < end_s)]
+        errors.append(tracking_error(rows[:, 1:3], plan.path.points))
+    return np.concatenate(errors) if errors else np.empty(0)
+
+
+def _goal_error(daemon: Daemon, track: FloatArray) -> tuple[float | None, float | None]:
+    stations = daemon.pilot.mission.stations
+    if not stations or not len(track):
+        return None, None
+    goal, (_, x, y, heading) = stations[-1], track[-1]
+    off_deg = None
+    if goal.heading_rad is not None:
+        off_deg = abs(math.degrees(math.remainder(heading - goal.heading_rad, math.tau)))
+    return math.dist((x, y), (goal.x, goal.y)), off_deg

@@ -1,0 +1,128 @@
+"""One run from its beginning to its report: warm-up, mission, what is said meanwhile, the end.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from navigation.config import Config
+from navigation.daemon import Daemon, DaemonState, stations_of
+from navigation.mission import State
+from navigation.report import Report
+from navigation.run_summary import make_run_folder, summarise, write_run
+from navigation.warm_up import warm_up
+from navigation.world import World
+
+DONE, FAILED, NO_PATH = 0, 1, 3
+PROGRESS_EVERY_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """The report, where the run's folder is, and the exit code it deserves."""
+
+    report: Report
+    folder: Path
+    exit_code: int
+
+
+class Runner:
+    """Runs a configuration; ``say`` gets a line whenever there is news.
+
+    ``interrupt`` set from anywhere ends the run in order: the robot is stopped first.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        *,
+        once: bool,
+        say: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.config = config
+        self.interrupt = threading.Event()
+        self._once = once
+        self._say = say
+        self._clock = clock
+        self._said_state: State | None = None
+        self._said_sentence = ""
+        self._said_s = -math.inf
+
+    def run(self) -> RunResult:
+        """Until the mission is over (``once``), the time limit, or an interrupt."""
+        folder = make_run_folder(self.config.recording.runs_dir, datetime.now())
+        self._say("compiling the kernels (a few seconds the first time)")
+        warm_up(self.config.camera.size_px)
+        world = World(self.config, self._clock)
+        first_id = random.SystemRandom().randrange(1, 1 << 32)
+        self._say(f"camera {self.config.camera.source}, robot on {world.port}")
+        with Daemon(self.config, world, clock=self._clock, first_mission_id=first_id) as daemon:
+            stations = stations_of(self.config)
+            if stations:
+                daemon.give(stations)
+            state, reason = self._drive(daemon)
+            duration_s = self._clock() - daemon.started_s
+            report = summarise(daemon, state, reason, duration_s)
+        write_run(folder, daemon, report)
+        return RunResult(report, folder, _exit_code(state, daemon))
+
+    def _drive(self, daemon: Daemon) -> tuple[State, str]:
+        limit_s = self._time_limit_s()
+        while True:
+            now = daemon.cycle()
+            self._tell(now)
+            if self.interrupt.is_set():
+                return State.STOPPED, "interrupted"
+            if now.time_s > limit_s:
+                return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
+            if self._once and (now.mission.is_over or not now.mission.stations):
+                return now.mission.state, now.sentence
+
+    def _time_limit_s(self) -> float:
+        simulation = self.config.simulation
+        return math.inf if simulation is None or not self._once else simulation.time_limit_s
+
+    def _tell(self, now: DaemonState) -> None:
+        news = now.mission.state is not self._said_state
+        news |= now.mission.state is not State.HOLDING and now.sentence != self._said_sentence
+        if not news and now.time_s - self._said_s < PROGRESS_EVERY_S:
+            return
+        if not news and now.mission.is_over:
+            return
+        self._said_state, self._said_sentence = now.mission.state, now.sentence
+        self._said_s = now.time_s
+        self._say(progress_line(now, news))
+
+
+def progress_line(now: DaemonState, with_sentence: bool) -> str:
+    """One line: time, state, place, what is left, and the sentence where it is news."""
+    parts = [f"{now.time_s:6.1f} s  {now.mission.state.value:<8}"]
+    if with_sentence or now.mission.state is State.HOLDING:
+        parts.append(now.sentence)
+    elif now.pose is not None:
+        turned_deg = math.degrees(now.pose.heading_rad)
+        parts.append(f"at ({now.pose.x:.3f}, {now.pose.y:.3f}) m, {turned_deg:4.0f} deg")
+        if now.to_go_m is not None:
+            parts.append(f"{now.to_go_m:.2f} m to go")
+        if now.clearance_m is not None:
+            parts.append(f"clearance {now.clearance_m:.3f} m")
+        parts.append(f"station {now.mission.visited}/{len(now.mission.stations)}")
+    return "  ".join(parts)
+
+
+def _exit_code(state: State, daemon: Daemon) -> int:
+    if state is State.DONE:
+        return DONE
+    if daemon.pilot.no_path:
+        return NO_PATH
+    return DONE if state is State.STOPPED and not daemon.pilot.mission.stations else FAILED
