@@ -1,0 +1,199 @@
+"""Rounds a path's corners inside the free corridor, and proves the clearance again.
+
+A corner is cut from a point before it to a point after it by a parabola that leaves and joins
+the path along its own directions (a quadratic Bezier curve: its control point is where the two
+tangents meet). The cut begins as long as the neighbouring corners allow and is halved until
+the exact clearance of the new piece is enough; where even the shortest is not, the corner
+stays. Nothing is sampled: the clearance is that of the whole new polyline against every
+border, by the callable that is given.
+
+Units are the scene's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from planner.path import Path
+from planner.polyline import arc_lengths, fewer_vertices, points_at
+from planner.scene import FloatArray, Vec
+
+CORNER_RAD = math.radians(3.0)
+"""A smaller turn is no corner: the samples of a smooth bisector turn less."""
+LONGEST_CUT = 4.0
+"""Robot radii before and after a corner: what lies further does not feel the corner."""
+HALVINGS = 7
+SIMPLIFY = 0.01
+"""Corners are sought on the path simplified within this part of the robot's radius."""
+CURVE_TOLERANCE = 0.002
+"""How far the chords may leave the parabola, as a part of the robot's radius."""
+
+
+class SmoothError(ValueError):
+    """The path cannot be smoothed as asked; the message says why."""
+
+
+class LeastClearance(Protocol):
+    """The least clearance of a polyline and where it is, as ``Roadmap.path_clearance`` tells."""
+
+    @property
+    def distance(self) -> float:
+        """The exact distance to the nearest border or wall."""
+        ...
+
+    @property
+    def at(self) -> Vec:
+        """The point of the polyline where it is."""
+        ...
+
+
+PathClearance = Callable[[FloatArray], LeastClearance]
+PointClearance = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class _Cut:
+    """A stretch of the path, by lengths, and the points that replace it."""
+
+    begin: float
+    end: float
+    points: FloatArray
+
+
+def smooth_path(
+    path: Path,
+    path_clearance: PathClearance,
+    clearance: PointClearance,
+    *,
+    keep: float | None = None,
+) -> Path:
+    """The path with its corners rounded; stations stay where they are.
+
+    ``keep`` is the clearance that every changed piece must have: the path's own least
+    clearance where None, and never less than the robot's radius. The answer's clearances are
+    computed anew. Alternatives are smoothed too. Raises :class:`SmoothError` where ``keep`` is
+    below the radius or not finite.
+    """
+    floor = path.min_clearance if keep is None else keep
+    if not (math.isfinite(floor) and floor >= path.robot_radius * (1.0 - 1e-9)):
+        raise SmoothError(
+            f"keep = {floor:g}: must be finite and >= the robot's radius {path.robot_radius:g}"
+        )
+    pieces = [path.points[:1]]
+    stations = [0]
+    for a, b in pairwise(path.stations):
+        leg = _smooth_leg(path.points[a : b + 1], path.robot_radius, floor, path_clearance)
+        pieces.append(leg[1:])
+        stations.append(stations[-1] + len(leg) - 1)
+    points = np.concatenate(pieces)
+    least = path_clearance(points)
+    if least.distance < floor:
+        return path
+    clearances = np.array(clearance(points), dtype=np.float64)
+    for array in (points, clearances):
+        array.setflags(write=False)
+    return replace(
+        path,
+        points=points,
+        clearances=clearances,
+        length=float(arc_lengths(points)[-1]),
+        min_clearance=float(least.distance),
+        min_clearance_at=(float(least.at[0]), float(least.at[1])),
+        stations=tuple(stations),
+        alternatives=tuple(
+            smooth_path(other, path_clearance, clearance) for other in path.alternatives
+        ),
+    )
+
+
+def _smooth_leg(
+    points: FloatArray, radius: float, floor: float, path_clearance: PathClearance
+) -> FloatArray:
+    """One stretch between stations, corner after corner."""
+    if len(points) < 3:
+        return points
+    lengths = arc_lengths(points)
+    kept = fewer_vertices(points, SIMPLIFY * radius)
+    steps = np.diff(points[kept], axis=0)
+    direction = np.arctan2(steps[:, 1], steps[:, 0])
+    turns = np.abs(math.pi - np.mod(math.pi - np.diff(direction), math.tau))
+    corners = kept[1:-1][turns > CORNER_RAD]
+    at = lengths[corners]
+    fences = np.concatenate([[0.0], at, lengths[-1:]])
+    cuts: list[_Cut] = []
+    last = len(at) - 1
+    for k, corner in enumerate(at):
+        # a corner shares the way to the next one; the way to the leg's end is its own
+        before = (corner - fences[k]) * (1.0 if k == 0 else 0.5)
+        after = (fences[k + 2] - corner) * (1.0 if k == last else 0.5)
+        reach = min(float(before), float(after), LONGEST_CUT * radius)
+        cut = _round_corner(points, lengths, float(corner), reach, radius, floor, path_clearance)
+        if cut is not None:
+            cuts.append(cut)
+    return _with_cuts(points, lengths, cuts)
+
+
+def _round_corner(
+    points: FloatArray,
+    lengths: FloatArray,
+    corner: float,
+    reach: float,
+    radius: float,
+    floor: float,
+    path_clearance: PathClearance,
+) -> _Cut | None:
+    """The longest cut whose clearance is proved, None where there is none."""
+    for _ in range(HALVINGS):
+        curve = _parabola(points, lengths, corner, reach, CURVE_TOLERANCE * radius)
+        if curve is not None and path_clearance(curve).distance >= floor:
+            return _Cut(corner - reach, corner + reach, curve)
+        reach *= 0.5
+    return None
+
+
+def _parabola(
+    points: FloatArray, lengths: FloatArray, corner: float, reach: float, tolerance: float
+) -> FloatArray | None:
+    """From ``reach`` before the corner to ``reach`` after it, tangent to the path at both."""
+    small = 0.05 * reach
+    wanted = np.array([-reach, -reach + small, reach - small, reach]) + corner
+    a, a_in, b_in, b = points_at(points, lengths, wanted)
+    leave, join = a_in - a, b - b_in
+    cross = float(leave[0] * join[1] - leave[1] * join[0])
+    scale = float(np.hypot(*leave) * np.hypot(*join))
+    if scale == 0.0 or abs(cross) <= 1e-9 * scale:
+        return None
+    gap = b - a
+    ahead = float(gap[0] * join[1] - gap[1] * join[0]) / cross
+    back = float(leave[0] * gap[1] - leave[1] * gap[0]) / cross
+    if ahead <= 0.0 or back <= 0.0:
+        return None
+    control = a + ahead * leave
+    # the chords of a parabola in n equal steps leave it by |a - 2 c + b| / (4 n^2)
+    bend = float(np.hypot(*(a - 2.0 * control + b)))
+    count = max(2, math.ceil(math.sqrt(bend / (4.0 * tolerance))))
+    t = np.linspace(0.0, 1.0, min(count, 256) + 1)[:, None]
+    curve: FloatArray = (1 - t) ** 2 * a + 2 * t * (1 - t) * control + t**2 * b
+    return curve
+
+
+def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> FloatArray:
+    pieces = []
+    done = -1.0
+    for cut in cuts:
+        pieces.append(points[(lengths > done) & (lengths < cut.begin)])
+        pieces.append(cut.points)
+        done = cut.end
+    pieces.append(points[lengths > done])
+    joined = np.concatenate(pieces)
+    if lengths[-1] - done <= 0.0:
+        joined = np.concatenate([joined, points[-1:]])
+    moved = np.concatenate([[True], np.any(np.diff(joined, axis=0) != 0.0, axis=1)])
+    result: FloatArray = joined[moved]
+    return result
