@@ -1,0 +1,183 @@
+"""check, init and schema: from a first file to a configuration that can be trusted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from navigation.cli.main import run
+from navigation.config import load_config
+from navigation.config_reference import json_schema, reference_markdown
+from navigation.config_sections import Config
+
+ROOT = Path(__file__).parents[2]
+
+
+def _init(tmp_path: Path, *options: str) -> Path:
+    file = tmp_path / "clearway.yaml"
+    assert run(["init", str(file), *options]) == 0
+    return file
+
+
+def _changed(file: Path, old: str, new: str) -> Path:
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+    return file
+
+
+def test_a_first_configuration_is_sound_and_runs_without_other_files(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = _init(tmp_path)
+    assert run(["check", str(file)]) == 0
+    out = capsys.readouterr().out
+    assert f"{file}: ok\n" in out
+    assert "marker 7, radius 0.09 m" in out
+    assert "2 stations" in out
+
+
+def test_a_first_configuration_for_real_hardware_lacks_its_calibration_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = _init(tmp_path, "--real")
+    assert load_config(file, {}).simulation is None
+    assert run(["check", str(file)]) == 78
+    err = capsys.readouterr().err
+    assert "camera.calibration" in err
+    assert err.count("clearway.yaml:") == 1
+
+
+def test_a_first_configuration_names_every_key(tmp_path: Path) -> None:
+    text = _init(tmp_path).read_text()
+    schema = json_schema()
+    properties = [schema["properties"], *(part["properties"] for part in schema["$defs"].values())]
+    assert [key for keys in properties for key in keys if f"{key}:" not in text] == []
+
+
+@pytest.mark.parametrize("real", [False, True])
+def test_a_first_configuration_is_at_most_as_wide_as_the_code(tmp_path: Path, real: bool) -> None:
+    lines = _init(tmp_path, *(["--real"] if real else [])).read_text().splitlines()
+    assert max(map(len, lines)) <= 100 + len(str(tmp_path))
+
+
+def test_init_overwrites_only_when_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = _init(tmp_path)
+    file.write_text("mine")
+    assert run(["init", str(file)]) == 2
+    assert "exists; --force overwrites it" in capsys.readouterr().err
+    assert file.read_text() == "mine"
+    assert run(["init", str(file), "--force"]) == 0
+    assert file.read_text() != "mine"
+
+
+def test_init_into_a_folder_that_is_missing_is_a_usage_error(tmp_path: Path) -> None:
+    assert run(["init", str(tmp_path / "no" / "x.yaml")]) == 2
+
+
+def test_check_tells_every_error_with_its_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "run.yaml"
+    file.write_text("arena:\n  bounds: 3\ncamera: {source: 0}\nrobot: {}\n")
+    assert run(["check", str(file)]) == 78
+    err = capsys.readouterr().err
+    for told in (
+        f"{file}:2:3: arena.bounds: unknown key; did you mean 'bounds_m'?",
+        f"{file}:3:9: camera: needs a calibration",
+        f"{file}:4:1: robot.marker_id: is missing",
+        f"{file}:4:1: robot.radius_m: is missing",
+    ):
+        assert told in err
+
+
+def test_check_of_a_missing_file_is_a_bad_configuration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["check", str(tmp_path / "no.yaml")]) == 78
+    assert "No such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("source: simulated", "source: simulated\n  calibration: no.yaml", "camera.calibration: "),
+        ("C (0.50,1.22) 0.14", "C (0.50,1.22)", "simulation.arena_text: "),
+        ("#@ units m", "#@ units px", "simulation.arena_text: "),
+        ("C (0.50,1.22) 0.14", "C (0.2,0.2) 0.14", "simulation.start"),
+        ("x_m: 1.4, y_m: 0.9", "x_m: 0.5, y_m: 1.2", "mission.stations[0]: has a clearance of -"),
+        ('faults: ""', "faults: bite=1", "simulation.robot.faults: "),
+        ("  arena_text: |", "  arena: nowhere.txt\n  x: |", "x: unknown key"),
+    ],
+)
+def test_check_looks_into_the_files_and_the_arena(
+    old: str, new: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = _changed(_init(tmp_path), old, new)
+    assert run(["check", str(file)]) == 78
+    assert told in capsys.readouterr().err
+
+
+def test_check_says_which_arena_file_is_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "configs/simulation.yaml").read_text()
+    file = tmp_path / "run.yaml"
+    file.write_text(text)
+    assert run(["check", str(file)]) == 78
+    err = capsys.readouterr().err
+    assert "simulation.arena: " in err
+    assert "laboratory.txt" in err
+
+
+def test_check_heeds_the_environment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = _init(tmp_path)
+    monkeypatch.setenv("CLEARWAY_ROBOT__RADIUS_M", "-1")
+    assert run(["check", str(file)]) == 78
+    assert "environment CLEARWAY_ROBOT__RADIUS_M: robot.radius_m" in capsys.readouterr().err
+
+
+# The schema and the reference.
+
+
+def test_the_schema_is_json_schema_and_closed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["$schema"].startswith("https://json-schema.org/")
+    assert set(schema["required"]) == {"arena", "camera", "robot"}
+    assert schema["additionalProperties"] is False
+    assert all(part["additionalProperties"] is False for part in schema["$defs"].values())
+
+
+def test_every_key_is_described_in_the_schema() -> None:
+    schema: dict[str, Any] = json_schema()
+    silent = [
+        f"{name}.{key}"
+        for name, part in schema["$defs"].items()
+        for key, value in part["properties"].items()
+        if not value.get("description")
+    ]
+    assert silent == []
+
+
+def test_the_reference_in_docs_is_the_one_that_the_command_writes() -> None:
+    """Where this fails: `clearway schema --format markdown -o docs/configuration.md`."""
+    assert (ROOT / "docs/configuration.md").read_text() == reference_markdown()
+
+
+def test_the_reference_has_a_heading_for_every_section() -> None:
+    text = reference_markdown()
+    for name in Config.model_fields:
+        assert f"\n## {name}\n" in text
+    assert "### simulation.camera\n" in text
+
+
+def test_the_schema_goes_into_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "schema.json"
+    assert run(["schema", "-o", str(file)]) == 0
+    assert json.loads(file.read_text()) == json_schema()
