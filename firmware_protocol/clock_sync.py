@@ -53,7 +53,7 @@ class ClockEstimate:
         received_s = self._unrolled(received_us)
         answered_s = received_s + ((answered_us - received_us) % WRAP_US) / 1e6
         round_trip_s = (now_s - sent_s) - (answered_s - received_s)
-        if round_trip_s < 0.0:
+        if round_trip_s < -_TRUST_S:
             return
         offset_s = ((received_s - sent_s) + (answered_s - now_s)) / 2.0
         self._samples.append(_Sample((sent_s + now_s) / 2.0, offset_s, round_trip_s))

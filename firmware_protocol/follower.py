@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-from firmware_protocol.messages import Waypoint, WaypointFlag, wrap_angle
+from firmware_protocol.messages import Waypoint, wrap_angle
 from firmware_protocol.pose_estimate import Pose
 
 TURN_ENTER_RAD: Final = 0.8

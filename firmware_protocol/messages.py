@@ -173,7 +173,8 @@ def _heading(value_rad: float | None) -> int:
         return HEADING_FREE
     if not math.isfinite(value_rad):
         raise LocalError(f"heading_rad = {value_rad}: must be finite")
-    return round(wrap_angle(value_rad) * _RADIAN)
+    inside = value_rad if abs(value_rad) <= math.pi else wrap_angle(value_rad)
+    return round(inside * _RADIAN)
 
 
 def _heading_from(wire: int) -> float | None:
@@ -181,7 +182,8 @@ def _heading_from(wire: int) -> float | None:
         return None
     if not -_HALF_TURN <= wire <= _HALF_TURN:
         raise RemoteError(f"heading {wire}: must be in [-{_HALF_TURN}, {_HALF_TURN}] or free")
-    return wire / _RADIAN
+    # the last step of the wire lies just beyond half a turn
+    return max(-math.pi, min(math.pi, wire / _RADIAN))
 
 
 def _clamped(value: float, scale: float, high: int) -> int:

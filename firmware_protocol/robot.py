@@ -248,8 +248,7 @@ class RobotController:
             self._change(RobotEvent.DISARM, StopReason.DISARMED)
 
     def _pose_is_stale(self, now_s: float) -> bool:
-        host_age_s = self._host_pose_age_s + (now_s - self._leased_s)
-        return max(host_age_s, self.pose_age_s(now_s)) > POSE_STALE_S
+        return max(self._host_pose_age_s, self.pose_age_s(now_s)) > POSE_STALE_S
 
     def _measure(self, dt_s: float, left_m: float, right_m: float) -> None:
         blend = min(1.0, dt_s / 0.03)

@@ -14,7 +14,7 @@ A specification is a comma-separated list, as ``drop=0.001,flip=0.0005,stall=0.1
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 

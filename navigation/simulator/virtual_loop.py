@@ -87,7 +87,7 @@ class VirtualLoop:
     model: DriveModel = field(default_factory=DriveModel)
     settings: DriveSettings = field(default_factory=DriveSettings)
     camera: CameraModel = field(default_factory=CameraModel)
-    start: TruePose = TruePose(0.0, 0.0, 0.0)
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     baud: int = 115_200
     lease_hz: float = 10.0
     start_s: float = 0.0
@@ -100,7 +100,7 @@ class VirtualLoop:
     knobs: Knobs = field(default_factory=Knobs, init=False)
     events: list[Event] = field(default_factory=list, init=False)
     track: list[tuple[float, float, float, float]] = field(default_factory=list, init=False)
-    wheels: WheelSpeeds = field(default=WheelSpeeds(0.0, 0.0, False), init=False)
+    wheels: WheelSpeeds = field(init=False)
     to_robot: PacedLine = field(init=False)
     to_host: PacedLine = field(init=False)
     _rng: np.random.Generator = field(init=False)
@@ -114,7 +114,7 @@ class VirtualLoop:
         self._rng = np.random.default_rng(self.seed)
         self.to_robot, self.to_host = PacedLine(self.baud), PacedLine(self.baud)
         self._faulty = (FaultyLine(self.faults, self._rng), FaultyLine(self.faults, self._rng))
-        self.drive = Drive(self.model, self.start, self._rng)
+        self.drive = Drive(self.model, TruePose(*self.start), self._rng)
         self.boot(ResetCause.POWER_ON)
         self.host = HostConnection(random.Random(self.seed), self.baud)
         self.host.open(self.now_s)

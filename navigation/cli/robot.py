@@ -1,0 +1,89 @@
+"""``clearway robot``: a simulated robot on a serial port or on a new pseudo-terminal.
+
+It runs until Ctrl-C. stdout gets the path to open as its first line, then a line whenever the
+robot's state changes.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+
+import click
+import numpy as np
+
+from firmware_protocol.messages import STOP_SENTENCES, RobotState
+from navigation.simulator.line_faults import FaultSpec
+from navigation.simulator.robot import RobotView, SimulatedRobot
+
+LOOK_S = 0.05
+
+
+def _read_pose(
+    _ctx: click.Context, _param: click.Parameter, text: str
+) -> tuple[float, float, float]:
+    parts = text.split(",")
+    try:
+        numbers = [float(part) for part in parts]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (2, 3) or not all(map(math.isfinite, numbers)):
+        raise click.BadParameter(f"'{text}': must be X,Y or X,Y,DEG in metres and degrees")
+    heading_deg = numbers[2] if len(numbers) == 3 else 0.0
+    heading_rad = math.remainder(math.radians(heading_deg), math.tau)
+    return numbers[0], numbers[1], heading_rad
+
+
+def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> FaultSpec:
+    return FaultSpec.parse(text)
+
+
+@click.command(help="A simulated robot on a serial port, or on a new pseudo-terminal.")
+@click.option("--port", metavar="PATH", help="Serial port to sit on; without it a new one is made.")
+@click.option(
+    "--faults",
+    metavar="SPEC",
+    default="",
+    callback=_read_faults,
+    help="Bad line: drop=0.001,flip=0.0005,noise=P,dup=P,swap=P,span=P,stall=0.1@5,"
+    "reset=SECONDS,freeze=0.2@10.",
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--start",
+    metavar="X,Y[,DEG]",
+    default="0,0,0",
+    show_default=True,
+    callback=_read_pose,
+    help="Where the robot stands, in metres and degrees.",
+)
+@click.option(
+    "--baud",
+    type=click.IntRange(1200, 4_000_000),
+    default=115_200,
+    show_default=True,
+    help="Bits a second; the pseudo-terminal is paced to it.",
+)
+def command(
+    port: str | None, faults: FaultSpec, seed: int, start: tuple[float, float, float], baud: int
+) -> None:
+    """Run the robot until Ctrl-C."""
+    rng = np.random.default_rng(seed)
+    with SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud) as robot:
+        click.echo(robot.port)
+        told: tuple[object, ...] = ()
+        while True:
+            view = robot.view()
+            news = (view.state, view.reason, view.mission)
+            if news != told:
+                told = news
+                click.echo(describe(view))
+            time.sleep(LOOK_S)
+
+
+def describe(view: RobotView) -> str:
+    """One line on the robot: state, why, progress, place."""
+    x, y, heading = view.pose
+    why = "" if view.state is RobotState.RUN else f": {STOP_SENTENCES[view.reason]}"
+    at = f"({x:.3f}, {y:.3f}) m, {math.degrees(heading):.1f} deg"
+    return f"{view.state.name}{why}; mission {view.mission:#x}, {view.executed} executed, at {at}"

@@ -1,0 +1,41 @@
+from firmware_protocol.host_state import TRANSITIONS as HOST
+from firmware_protocol.host_state import LinkEvent, LinkState
+from firmware_protocol.messages import STOP_SENTENCES, RobotState, StopReason
+from firmware_protocol.robot_state import TRANSITIONS as ROBOT
+from firmware_protocol.robot_state import RobotEvent
+
+
+def test_only_start_leads_to_run() -> None:
+    into_run = {event for (_, event), new in ROBOT.items() if new is RobotState.RUN}
+    assert into_run == {RobotEvent.START}
+
+
+def test_every_state_can_be_stopped_and_only_a_reset_leaves_the_stop() -> None:
+    for state in RobotState:
+        assert ROBOT[state, RobotEvent.ESTOP] is RobotState.ESTOP
+    leaving = {e for (s, e), new in ROBOT.items() if s is RobotState.ESTOP and new is not s}
+    assert leaving == {RobotEvent.RESET}
+
+
+def test_a_new_session_never_leaves_the_robot_running() -> None:
+    assert all(
+        new is not RobotState.RUN for (_, event), new in ROBOT.items() if event is RobotEvent.SESSION
+    )
+
+
+def test_every_state_of_the_link_can_be_reached_and_closed() -> None:
+    reached = {LinkState.CLOSED}
+    for _ in LinkState:
+        reached |= {new for (old, _), new in HOST.items() if old in reached}
+    assert reached == set(LinkState)
+    assert all(HOST[state, LinkEvent.CLOSE] is LinkState.CLOSED for state in LinkState)
+
+
+def test_every_state_that_is_up_can_be_lost() -> None:
+    for state in LinkState:
+        if state.is_up:
+            assert HOST[state, LinkEvent.SILENCE] is LinkState.LINK_LOST
+
+
+def test_every_reason_to_stand_has_a_sentence() -> None:
+    assert set(STOP_SENTENCES) == set(StopReason)

@@ -1,0 +1,636 @@
+"""Every fault of the serial link as a scenario in virtual time, judged by the executed chain.
+
+A scenario takes a seed and returns what happened in a word, or raises AssertionError. The
+judge does not trust the robot's counters alone: ``Witness`` notes every record that the robot
+executes, in order, and every moment in which it moves.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from firmware_protocol.framing import Frame, Sender, encode_frame
+from firmware_protocol.host import HostConnection
+from firmware_protocol.host_events import (
+    CommandEnded,
+    MissionDone,
+    MissionVoid,
+    RobotRebooted,
+)
+from firmware_protocol.host_state import LinkState
+from firmware_protocol.messages import (
+    ESTOP_FRAME,
+    CommandResult,
+    MessageType,
+    ResetCause,
+    RobotState,
+    StopReason,
+    Waypoint,
+)
+from firmware_protocol.mission import Mission
+from firmware_protocol.robot_connection import Identity
+from navigation.simulator.line_faults import FaultSpec
+from navigation.simulator.virtual_loop import VirtualLoop
+
+DEAD_MAN_S = 0.5
+STOP_S = 1.1
+"""From 0.4 m/s with 0.5 m/s2 and slow motors."""
+
+
+@dataclass
+class Witness:
+    """A loop with a mission, and what the robot really executed."""
+
+    seed: int
+    faults: FaultSpec = field(default_factory=FaultSpec)
+    count: int = 40
+    spacing_m: float = 0.02
+    loop: VirtualLoop = field(init=False)
+    mission: Mission = field(init=False)
+    executed: list[bytes] = field(default_factory=list)
+    options: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.loop = VirtualLoop(seed=self.seed, faults=self.faults, **self.options)  # type: ignore[arg-type]
+        self.mission = self.new_mission(1000 + self.seed)
+        self.watch()
+
+    def watch(self) -> None:
+        """Note what the present robot executes."""
+        control = self.loop.robot.controller
+        original = control._execute
+
+        def noting(count: int) -> None:
+            self.executed.extend(list(control._records)[:count])
+            original(count)
+
+        control._execute = noting  # type: ignore[method-assign]
+
+    def boot(self, cause: ResetCause = ResetCause.EXTERNAL) -> None:
+        """The robot's processor starts anew."""
+        self.loop.boot(cause)
+        self.executed.clear()
+        self.watch()
+
+    def new_mission(self, number: int) -> Mission:
+        """A gentle bend from where the robot is."""
+        x, y, heading = self.loop.drive.pose
+        rng = random.Random(number)
+        bend = rng.uniform(-1.0, 1.0)
+        waypoints = []
+        for _ in range(self.count):
+            heading += bend * self.spacing_m
+            x += self.spacing_m * math.cos(heading)
+            y += self.spacing_m * math.sin(heading)
+            waypoints.append(Waypoint(x, y, 0.4))
+        return Mission(number, waypoints)
+
+    @property
+    def state(self) -> RobotState:
+        return self.loop.robot.controller.state
+
+    def connect(self, patience_s: float = 10.0) -> None:
+        up = self.loop.run(patience_s, lambda: self.loop.host.state.is_up)
+        assert up, self.loop.host.why_down(self.loop.now_s)
+
+    def give(self) -> None:
+        self.loop.host.upload(self.mission, self.loop.now_s)
+
+    def begin(self) -> None:
+        """Connect, let the camera see the robot, and start the mission."""
+        self.connect()
+        self.loop.run(0.3)
+        self.give()
+
+    def begin_and_drive(self, seconds: float = 0.8) -> None:
+        self.begin()
+        running = self.loop.run(10.0, lambda: self.state is RobotState.RUN)
+        assert running, self.loop.robot.controller.reason
+        self.loop.run(seconds)
+
+    def finish(self, patience_s: float = 30.0) -> str:
+        """Drive on, starting again whenever the robot was stopped, until the mission is done."""
+        end_s = self.loop.now_s + patience_s
+        restarts = 0
+        while self.loop.now_s < end_s:
+            if self.loop.run(0.5, self.is_done):
+                self.judge_chain(whole=True)
+                return "executed" if not restarts else "stopped, then executed"
+            host = self.loop.host
+            standing = self.state in (RobotState.HOLD, RobotState.IDLE)
+            if host.state.is_up and standing and host.upload_state is not None:
+                host.start(self.loop.now_s)
+                restarts += 1
+        raise AssertionError(f"not done after {patience_s} s: {self.describe()}")
+
+    def is_done(self) -> bool:
+        done = MissionDone(self.mission.id)
+        return any(event == done for event in self.loop.events)
+
+    def judge_chain(self, whole: bool) -> None:
+        """What was executed is what was sent, in order, nothing doubled; whole or a beginning."""
+        records = list(self.mission.records)
+        expected = records if whole else records[: len(self.executed)]
+        assert self.executed == expected, f"{len(self.executed)} executed of {len(records)}"
+        control = self.loop.robot.controller
+        if control.mission == self.mission.id:
+            assert control.exec_crc == self.mission.prefix_crc(control.exec_next)
+            assert control.exec_next == len(self.executed)
+
+    def judge_standing(self, within_s: float, reason: StopReason | None = None) -> None:
+        """The robot stands within that time and stays so."""
+        self.loop.run(within_s)
+        assert self.state is not RobotState.RUN, self.describe()
+        assert not self.loop.drive.moving, f"still moving after {within_s} s"
+        if reason is not None:
+            assert self.loop.robot.controller.reason is reason, self.describe()
+        x, y, _ = self.loop.drive.pose
+        self.loop.run(0.5)
+        x2, y2, _ = self.loop.drive.pose
+        assert math.hypot(x2 - x, y2 - y) < 1e-3
+
+    def describe(self) -> str:
+        control = self.loop.robot.controller
+        return (
+            f"robot {control.state.name} ({control.reason.name}), "
+            f"{control.exec_next}/{control.accept_next}/{len(self.mission)}, "
+            f"host {self.loop.host.state.name}: {self.loop.host.why_down(self.loop.now_s)}"
+        )
+
+
+def _rough(spec: str) -> Callable[[int], str]:
+    def scenario(seed: int) -> str:
+        witness = Witness(seed, FaultSpec.parse(spec))
+        witness.begin()
+        return witness.finish()
+
+    return scenario
+
+
+def cable_pulled(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    witness.loop.knobs.cable = False
+    witness.judge_standing(DEAD_MAN_S + STOP_S)
+    cut = (StopReason.LEASE_LAPSED, StopReason.POSE_STALE, StopReason.DISARMED)
+    assert witness.loop.robot.controller.reason in cut
+    assert witness.loop.host.why_down(witness.loop.now_s) is not None
+    witness.loop.knobs.cable = True
+    witness.connect()
+    witness.judge_standing(0.1)
+    return witness.finish()
+
+
+def processor_freezes(seed: int) -> str:
+    """The watchdog resets a frozen processor after a quarter of a second."""
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    witness.loop.knobs.frozen = True
+    witness.loop.run(0.25)
+    witness.loop.knobs.frozen = False
+    witness.boot(ResetCause.WATCHDOG)
+    witness.judge_standing(STOP_S)
+    return _new_mission_after_reboot(witness)
+
+
+def short_freeze(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    for _ in range(3):
+        witness.loop.knobs.frozen = True
+        witness.loop.run(0.1)
+        witness.loop.knobs.frozen = False
+        witness.loop.run(0.4)
+    return witness.finish()
+
+
+def processor_resets(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive(0.1 + seed % 10 * 0.1)
+    witness.boot()
+    witness.judge_standing(STOP_S)
+    return _new_mission_after_reboot(witness)
+
+
+def _new_mission_after_reboot(witness: Witness) -> str:
+    loop = witness.loop
+    rebooted = loop.run(5.0, lambda: any(isinstance(e, RobotRebooted) for e in loop.events))
+    assert rebooted, witness.describe()
+    assert any(isinstance(event, MissionVoid) for event in loop.events)
+    assert witness.executed == [], "a rebooted robot has executed waypoints of before"
+    loop.run(0.3)
+    witness.mission = witness.new_mission(2000 + witness.seed)
+    witness.give()
+    witness.finish()
+    return "stopped and said so; new mission executed"
+
+
+def reset_between_accept_and_ack(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin()
+    control = witness.loop.robot.controller
+    before = 6 * (1 + seed % 4)
+    while control.accept_next < before:
+        witness.loop.tick()
+    witness.boot()
+    return _new_mission_after_reboot(witness)
+
+
+def last_acknowledgement_lost(seed: int) -> str:
+    witness = Witness(seed, count=30)
+    witness.begin()
+    control = witness.loop.robot.controller
+    while control.accept_next < 30:
+        witness.loop.tick()
+    carry = witness.loop._faulty[1].carry
+    witness.loop._faulty[1].carry = lambda data, now_s: b""  # type: ignore[method-assign]
+    witness.loop.run(0.1 + seed % 5 * 0.05)
+    witness.loop._faulty[1].carry = carry  # type: ignore[method-assign]
+    return witness.finish()
+
+
+def late_frames_of_an_old_session(seed: int) -> str:
+    witness = Witness(seed)
+    loop = witness.loop
+    old: list[bytes] = []
+    put = loop.to_robot.put
+
+    def recording(data: bytes, now_s: float) -> None:
+        old.append(data)
+        put(data, now_s)
+
+    loop.to_robot.put = recording  # type: ignore[method-assign]
+    witness.begin_and_drive(0.3)
+    loop.to_robot.put = put  # type: ignore[method-assign]
+    loop.knobs.cable = False
+    loop.run(1.0)
+    loop.knobs.cable = True
+    witness.connect()
+    for data in random.Random(seed).sample(old, len(old)):
+        loop.robot.receive_bytes(data, loop.robot_s)
+    witness.judge_standing(STOP_S)
+    assert loop.robot.session_errors > 0
+    return witness.finish()
+
+
+def sequence_wraps(seed: int) -> str:
+    witness = Witness(seed, FaultSpec(drop=0.0005), count=1700, spacing_m=0.001)
+    witness.begin()
+    return witness.finish(60.0)
+
+
+def clocks_wrap(seed: int) -> str:
+    wrap_s = 2**32 / 1e6
+    witness = Witness(seed, options={"robot_clock_offset_s": wrap_s - 1.5, "start_s": wrap_s - 2.0})
+    witness.begin()
+    outcome = witness.finish()
+    loop = witness.loop
+    assert loop.robot_s > wrap_s
+    assert abs(loop.host.clock.offset_s(loop.now_s) - (loop.robot_s - loop.now_s)) < 1e-3
+    return outcome
+
+
+def host_killed(seed: int) -> str:
+    """A new process knows the mission from its journal and goes on with it."""
+    witness = Witness(seed)
+    loop = witness.loop
+    boot_id = loop.robot.identity.boot_id
+    for kill in range(3):
+        if kill == 0:
+            witness.begin()
+            loop.run((seed % 7) * 0.05)
+        loop.host = HostConnection(random.Random(100 * seed + kill), loop.baud, boot_id)
+        loop.host.open(loop.now_s)
+        loop.host.upload(witness.mission, loop.now_s, start=False)
+        witness.connect()
+        witness.judge_standing(STOP_S)
+        loop.host.start(loop.now_s)
+        loop.run(0.3)
+    return witness.finish()
+
+
+def control_loop_hangs(seed: int) -> str:
+    """Poses still flow, leases do not."""
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    witness.loop.knobs.lease = False
+    lapsed = witness.loop.run(0.52, lambda: witness.state is RobotState.HOLD)
+    assert lapsed, witness.describe()
+    witness.judge_standing(STOP_S, StopReason.LEASE_LAPSED)
+    witness.loop.knobs.lease = True
+    witness.judge_standing(1.0)
+    return witness.finish()
+
+
+def silence_disarms(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    witness.loop.knobs.lease = False
+    witness.judge_standing(2.1, StopReason.DISARMED)
+    witness.loop.knobs.lease = True
+    witness.judge_standing(0.3)
+    return witness.finish()
+
+
+def camera_goes_blind(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    witness.loop.knobs.camera = False
+    held = witness.loop.run(0.65, lambda: witness.state is RobotState.HOLD)
+    assert held, witness.describe()
+    witness.judge_standing(STOP_S, StopReason.POSE_STALE)
+    witness.loop.knobs.camera = True
+    witness.judge_standing(0.5)
+    return witness.finish()
+
+
+def permit_withdrawn(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    witness.loop.knobs.permit = False
+    witness.judge_standing(0.12 + STOP_S, StopReason.NO_PERMIT)
+    witness.loop.knobs.permit = True
+    witness.judge_standing(0.5)
+    return witness.finish()
+
+
+def second_host(seed: int) -> str:
+    """A second program takes the robot: it stops, and the first says so and keeps still."""
+    witness = Witness(seed)
+    loop = witness.loop
+    witness.begin_and_drive()
+    first = loop.host
+    loop.host = second = HostConnection(random.Random(7000 + seed), loop.baud)
+    second.open(loop.now_s)
+    carry = loop._faulty[1].carry
+
+    def both(data: bytes, now_s: float) -> bytes:
+        arrived = carry(data, now_s)
+        first.receive_bytes(arrived, now_s)
+        first.tick(now_s)
+        hello = first.bytes_to_send(now_s)
+        if hello:
+            loop.to_robot.put(hello, now_s)
+        return arrived
+
+    loop._faulty[1].carry = both  # type: ignore[method-assign]
+    witness.connect()
+    witness.judge_standing(STOP_S)
+    assert second.state.is_up
+    assert first.why_down(loop.now_s) == "another host has taken the robot over"
+    second.upload(witness.mission, loop.now_s)
+    return witness.finish()
+
+
+def wrong_baud_rate(seed: int) -> str:
+    witness = Witness(seed)
+    rng = np.random.default_rng(seed)
+    for line in witness.loop._faulty:
+        line.carry = lambda data, now_s: bytes(  # type: ignore[method-assign]
+            rng.integers(0, 256, max(1, len(data) // 12) if data else 0, dtype=np.uint8)
+        )
+    # a robot that is not connected sends nothing: let one talk at the wrong rate
+    witness.loop.robot.session = 1
+    witness.loop.run(3.0)
+    why = witness.loop.host.why_down(witness.loop.now_s)
+    assert why is not None
+    assert "baud" in why, why
+    assert witness.state is RobotState.BOOT
+    return "refused and said so"
+
+
+def line_echoes(seed: int) -> str:
+    witness = Witness(seed)
+    witness.loop.knobs.echo = True
+    witness.loop.knobs.frozen = True
+    witness.loop.run(3.0)
+    why = witness.loop.host.why_down(witness.loop.now_s)
+    assert why is not None
+    assert "echoes" in why, why
+    witness.loop.knobs.frozen = witness.loop.knobs.echo = False
+    witness.begin()
+    return "said so; then " + witness.finish()
+
+
+def reset_on_open(seed: int) -> str:
+    """Many boards reset when the host opens the port, and talk first."""
+    witness = Witness(seed)
+    loop = witness.loop
+    banner = b"\r\nBootloader v4.4\r\nready\0\x07\xff" * (1 + seed % 3)
+    loop.knobs.frozen = True
+    loop.run(0.2 + seed % 5 * 0.2)
+    loop.knobs.frozen = False
+    witness.boot()
+    loop.to_host.put(banner, loop.now_s)
+    loop.robot.receive_bytes(banner, loop.robot_s)
+    witness.begin()
+    return witness.finish()
+
+
+def brown_out_loop(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive()
+    for _ in range(6):
+        witness.boot(ResetCause.BROWN_OUT)
+        witness.loop.run(0.35 + seed % 4 * 0.15)
+        assert witness.state is not RobotState.RUN
+        assert witness.executed == []
+    return _new_mission_after_reboot(witness)
+
+
+def estop_under_full_load(seed: int) -> str:
+    """Full queue and full window: the wheels are told zero within 15 ms."""
+    witness = Witness(seed, count=2000, spacing_m=0.001)
+    witness.begin_and_drive(0.5 + seed % 13 * 0.0071)
+    loop = witness.loop
+    assert loop.robot.controller.credit < 12
+    loop.host.estop()
+    asked_s = loop.now_s
+    stopped = loop.run(0.05, lambda: not loop.wheels.powered)
+    assert stopped
+    assert loop.now_s - asked_s <= 0.025
+    while witness.state is not RobotState.ESTOP:
+        loop.tick()
+    witness.judge_standing(STOP_S)
+    witness.judge_chain(whole=False)
+    assert any(isinstance(event, MissionVoid) for event in loop.events)
+    assert not loop.host.estop_pending
+    return _leave_estop(witness)
+
+
+def estop_after_a_truncated_frame(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive(0.2)
+    loop = witness.loop
+    frame = encode_frame(Frame(MessageType.WAYPOINTS, 1, bytes(106)), Sender.HOST)
+    cut = 1 + seed * 5 % (len(frame) - 2)
+    loop.robot.receive_bytes(frame[:cut] + ESTOP_FRAME, loop.robot_s)
+    assert witness.state is RobotState.ESTOP
+    witness.judge_standing(STOP_S, StopReason.ESTOP_HOST)
+    return _leave_estop(witness)
+
+
+def estop_on_a_bad_line(seed: int) -> str:
+    witness = Witness(seed, FaultSpec(drop=0.01, flip=0.002))
+    witness.begin()
+    witness.loop.run(2.0)
+    witness.loop.host.estop()
+    stopped = witness.loop.run(0.5, lambda: witness.state is RobotState.ESTOP)
+    assert stopped
+    confirmed = witness.loop.run(2.0, lambda: not witness.loop.host.estop_pending)
+    assert confirmed
+    return "stopped and said so"
+
+
+def _leave_estop(witness: Witness) -> str:
+    loop = witness.loop
+    # the latch: neither a start nor a mission moves the robot
+    loop.host.upload(witness.mission, loop.now_s)
+    witness.judge_standing(0.5)
+    assert witness.state is RobotState.ESTOP
+    loop.host.reset_estop(loop.now_s)
+    left = loop.run(2.0, lambda: witness.state is RobotState.IDLE)
+    assert left, witness.describe()
+    witness.judge_standing(0.5)
+    witness.count = 30
+    witness.spacing_m = 0.02
+    witness.executed.clear()
+    witness.mission = witness.new_mission(3000 + witness.seed)
+    witness.give()
+    witness.finish()
+    return "stopped and said so; new mission executed"
+
+
+def schema_mismatch(seed: int) -> str:
+    witness = Witness(seed)
+    robot = witness.loop.robot
+    robot.identity = Identity(robot.identity.boot_id, schema=robot.identity.schema ^ (1 << seed))
+    witness.loop.run(1.0)
+    why = witness.loop.host.why_down(witness.loop.now_s)
+    assert why is not None
+    assert "schema" in why, why
+    assert witness.loop.host.state is LinkState.CLOSED
+    assert witness.state is RobotState.BOOT
+    return "refused and said so"
+
+
+def clocks_drift(seed: int) -> str:
+    drift = (-1.0) ** seed * 150e-6
+    witness = Witness(seed, options={"robot_clock_drift": drift, "robot_clock_offset_s": 77.0})
+    witness.begin()
+    outcome = witness.finish()
+    loop = witness.loop
+    loop.run(30.0)
+    error_s = loop.host.clock.offset_s(loop.now_s) - (loop.robot_s - loop.now_s)
+    assert abs(error_s) < 0.5e-3, error_s
+    assert abs(loop.host.clock.drift - drift) < 40e-6, loop.host.clock.drift
+    return outcome
+
+
+def frames_of_nonsense(seed: int) -> str:
+    """Whole frames with wrong lengths, counts and types change nothing."""
+    witness = Witness(seed)
+    witness.begin_and_drive(0.2)
+    loop, rng = witness.loop, np.random.default_rng(seed)
+    session = loop.robot.session or 0
+    control = loop.robot.controller
+    for _ in range(300):
+        before = (control.mission, control.accept_next)
+        kind = int(rng.choice([0x10, 0x20, 0x21, 0x22, 0x55, 0x91]))
+        size = int(rng.integers(0, 113))
+        payload = bytes(rng.integers(0, 256, size, dtype=np.uint8))
+        if kind in (0x20, 0x21, 0x22) and size in (4, 5, 12):
+            continue
+        frame = Frame(kind, session, payload, sequence=int(rng.integers(256)))
+        loop.robot.receive_bytes(encode_frame(frame, Sender.HOST), loop.robot_s)
+        assert (control.mission, control.accept_next) == before
+    for count in (0, 7, 255):
+        payload = bytes(8) + bytes([count, 0]) + bytes(16)
+        for sequence in range(256):
+            frame = Frame(MessageType.WAYPOINTS, session, payload, sequence)
+            loop.robot.receive_bytes(encode_frame(frame, Sender.HOST), loop.robot_s)
+    return witness.finish()
+
+
+def replaced_while_driving(seed: int) -> str:
+    """A new mission while the old one runs: stop, clear, go on with the new one only."""
+    witness = Witness(seed, FaultSpec(drop=0.0005 * (seed % 3)))
+    witness.begin_and_drive(0.6)
+    witness.loop.run(0.2)
+    witness.judge_chain(whole=False)
+    witness.executed.clear()
+    witness.mission = witness.new_mission(4000 + seed)
+    control = witness.loop.robot.controller
+    witness.give()
+    witness.loop.run(5.0, lambda: control.mission == witness.mission.id)
+    first = set(witness.mission.records)
+    witness.executed[:] = [record for record in witness.executed if record in first]
+    return witness.finish()
+
+
+def paused(seed: int) -> str:
+    witness = Witness(seed)
+    witness.begin_and_drive(0.5)
+    witness.loop.host.pause()
+    witness.judge_standing(STOP_S, StopReason.PAUSED)
+    return witness.finish()
+
+
+def start_without_a_lease(seed: int) -> str:
+    witness = Witness(seed)
+    witness.loop.knobs.lease = False
+    witness.begin()
+    witness.judge_standing(2.5)
+    ended = CommandEnded(MessageType.START, CommandResult.NO_LEASE)
+    assert ended in witness.loop.events
+    witness.loop.knobs.lease = True
+    return witness.finish()
+
+
+SCENARIOS: dict[str, Callable[[int], str]] = {
+    "no fault": _rough(""),
+    "byte loss 0.1 %": _rough("drop=0.001"),
+    "byte loss 1 %": _rough("drop=0.01"),
+    "bit flips 0.1 % of bytes": _rough("flip=0.001"),
+    "noise bytes 0.1 %": _rough("noise=0.001"),
+    "spans lost in 3 % of frames": _rough("span=0.03"),
+    "10 % of frames doubled": _rough("dup=0.1"),
+    "10 % of frames swapped": _rough("swap=0.1"),
+    "mixed": _rough("drop=0.001,flip=0.0005,noise=0.0005,span=0.005,dup=0.02,swap=0.02"),
+    "stalls of 0.2 s, then bursts": _rough("stall=0.2@1"),
+    "stalls of 0.8 s, then bursts": _rough("stall=0.8@4"),
+    "cable pulled and plugged in": cable_pulled,
+    "processor frozen 0.1 s": short_freeze,
+    "processor frozen, watchdog": processor_freezes,
+    "processor reset": processor_resets,
+    "reset between accept and acknowledgement": reset_between_accept_and_ack,
+    "last acknowledgement lost": last_acknowledgement_lost,
+    "late frames of an old session": late_frames_of_an_old_session,
+    "sequence numbers wrap": sequence_wraps,
+    "clocks wrap": clocks_wrap,
+    "clocks drift 150 ppm": clocks_drift,
+    "host killed three times": host_killed,
+    "second host on the line": second_host,
+    "wrong baud rate": wrong_baud_rate,
+    "line echoes": line_echoes,
+    "reset on open, boot banner": reset_on_open,
+    "brown-out loop": brown_out_loop,
+    "schema mismatch": schema_mismatch,
+    "nonsense in whole frames": frames_of_nonsense,
+    "e-stop, full queue and window": estop_under_full_load,
+    "e-stop after a truncated frame": estop_after_a_truncated_frame,
+    "e-stop on a bad line": estop_on_a_bad_line,
+    "control loop hangs, poses flow": control_loop_hangs,
+    "silence disarms": silence_disarms,
+    "camera goes blind": camera_goes_blind,
+    "permit withdrawn": permit_withdrawn,
+    "paused and started again": paused,
+    "start without a lease": start_without_a_lease,
+    "mission replaced while driving": replaced_while_driving,
+}
+
