@@ -28,7 +28,7 @@ PICTURE_SUFFIXES = frozenset(
 
 
 def load_source(
-    path: Path, polarity: Polarity = "auto", clock: Callable[[], float] = time.perf_counter
+    path: Path, polarity: Polarity = "dark", clock: Callable[[], float] = time.perf_counter
 ) -> Scene:
     """The scene of any SOURCE; ``timings_ms`` gains ``load``: reading and decoding.
 

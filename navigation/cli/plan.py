@@ -13,6 +13,8 @@ from navigation.cli.options import NOT_NEGATIVE, POSITIVE, PREFERENCE, STATION, 
 
 if TYPE_CHECKING:
     from navigation.plan_answer import PlanAnswer
+    from planner.path import NoPath
+    from planner.path import Path as PlannedPath
     from planner.roadmap import Roadmap
     from planner.scene import Scene
 
@@ -51,7 +53,7 @@ class PlanError(ValueError):
 @click.option(
     "--polarity",
     type=click.Choice(["dark", "light", "auto"]),
-    default="auto",
+    default="dark",
     show_default=True,
     help="Of a picture: whether the obstacles are dark or light.",
 )
@@ -117,6 +119,7 @@ def command(
         )
     except ValueError as error:
         raise PlanError(str(error)) from error
+    path = _smoothed(path, roadmap, radius + margin, prefer)
     timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
     answer = _answer(scene, roadmap, path, timings_ms, begin_s)
     text = answer.as_json() + "\n" if form == "json" else answer.as_text()
@@ -155,22 +158,42 @@ def timed_roadmap(
     return roadmap, timings_ms | {"voronoi": voronoi, "roadmap": chains}
 
 
+def _smoothed(
+    path: PlannedPath | NoPath, roadmap: Roadmap, need: float, prefer: str | float
+) -> PlannedPath | NoPath:
+    """The path with rounded corners, where there is one.
+
+    Who prefers clearance loses none of the path's least clearance by it; who prefers length
+    keeps what is needed only.
+    """
+    from planner.path import NoPath
+    from planner.route import PREFERENCES
+    from planner.smooth import smooth_path
+
+    if isinstance(path, NoPath):
+        return path
+    weight = PREFERENCES[prefer] if isinstance(prefer, str) else prefer
+    keep = need + weight * max(path.min_clearance - need, 0.0)
+    return smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep)
+
+
 def _answer(
-    scene: Scene, roadmap: Roadmap, path: object, timings_ms: dict[str, float], begin_s: float
+    scene: Scene,
+    roadmap: Roadmap,
+    path: PlannedPath | NoPath,
+    timings_ms: dict[str, float],
+    begin_s: float,
 ) -> PlanAnswer:
     from navigation.plan_answer import PlanAnswer
     from planner.path import NoPath
-    from planner.path import Path as PlannedPath
     from planner.trajectory import default_limits, time_path
 
     trajectory = None
-    if isinstance(path, PlannedPath):
+    if not isinstance(path, NoPath):
         timed_s = time.perf_counter()
         limits = default_limits(roadmap.radius)
         trajectory = time_path(path, limits, clearance=roadmap.clearance)
         timings_ms["trajectory"] = 1e3 * (time.perf_counter() - timed_s)
-    elif not isinstance(path, NoPath):
-        raise TypeError(f"a plan is a Path or a NoPath, not {type(path).__name__}")
     counts = {
         "border_pixels": scene.border_pixels,
         "vertices": scene.vertex_count,

@@ -26,7 +26,7 @@ SUFFIXES = (".graphml", ".geojson", ".json")
 @click.option(
     "--polarity",
     type=click.Choice(["dark", "light", "auto"]),
-    default="auto",
+    default="dark",
     show_default=True,
     help="Of a picture: whether the obstacles are dark or light.",
 )
