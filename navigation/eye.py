@@ -11,13 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from vision.change import Change, SceneWatcher
-from vision.markers import MarkerTracker, RobotPose, body_discs_px
 
 import vision
 from planner.scene import Bounds, FloatArray, Scene
+from vision.binarise import Method, Polarity
 from vision.calibration import Calibration
 from vision.camera import Frame
+from vision.change import Change, SceneWatcher
+from vision.markers import MarkerTracker, RobotPose, body_discs_px
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +34,8 @@ class EyeSettings:
     """What to look for, from the configuration."""
 
     bounds_m: Bounds
-    polarity: str
-    method: str
+    polarity: Polarity
+    method: Method
     threshold: float | None
     driven_id: int
     """The marker of the robot that is driven."""

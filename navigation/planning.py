@@ -20,6 +20,7 @@ from navigation.targets import targets_of
 from planner.path import Limits, NoPath, Path
 from planner.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
+from planner.smooth import smooth_path
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +59,18 @@ class ArenaPlanner:
 
     def answer(self, request: PlanRequest) -> PlanAnswer:
         """Plan from the request's start through its stations; `NoPath` says why not."""
-        path = self._route(request.start, request.stations)
+        roadmap = self.roadmap
+        if roadmap is None:
+            return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
+        path = self._route(roadmap, request.start, request.stations)
         if isinstance(path, NoPath):
             return PlanAnswer(request.id, self.revision, path)
+        keep_m = min(path.min_clearance, self.settings.radius_m + self.settings.margin_m)
+        path = smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep_m)
         trajectory = planner.time_path(
             path,
             self.settings.limits,
-            clearance=None if self.roadmap is None else self.roadmap.clearance,
+            clearance=roadmap.clearance,
             dwell_s=[0.0, *(s.dwell_s for s in request.stations)],
         )
         targets = targets_of(path, trajectory)
@@ -83,19 +89,17 @@ class ArenaPlanner:
         return float(self.roadmap.clearance(np.array([position]))[0])
 
     def _route(
-        self, start: tuple[float, float, float], stations: tuple[Station, ...]
+        self, roadmap: Roadmap, start: tuple[float, float, float], stations: tuple[Station, ...]
     ) -> Path | NoPath:
-        if self.roadmap is None:
-            return NoPath("no scene was seen yet")
         *vias, goal = [
             (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad) for s in stations
         ]
-        path = self.roadmap.plan(
+        path = roadmap.plan(
             start, goal, via=vias, prefer=self.settings.prefer, margin=self.settings.margin_m
         )
         if isinstance(path, NoPath) and self.settings.margin_m > 0.0:
             # the margin is a wish: where the robot stands or must go nearer, the radius decides
-            path = self.roadmap.plan(start, goal, via=vias, prefer=self.settings.prefer)
+            path = roadmap.plan(start, goal, via=vias, prefer=self.settings.prefer)
         return path
 
 

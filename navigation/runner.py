@@ -62,7 +62,7 @@ class Runner:
         """Until the mission is over (``once``), the time limit, or an interrupt."""
         folder = make_run_folder(self.config.recording.runs_dir, datetime.now())
         self._say("compiling the kernels (a few seconds the first time)")
-        warm_up(self.config.camera.size_px)
+        warm_up(self.config)
         world = World(self.config, self._clock)
         first_id = random.SystemRandom().randrange(1, 1 << 32)
         self._say(f"camera {self.config.camera.source}, robot on {world.port}")
