@@ -115,18 +115,19 @@ def _drawing(
     stations: Sequence[Sequence[float]],
     title: str,
 ) -> Drawing:
-    screen = fit_screen(scene, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
-    width = screen.scale * scene.bounds.width
-    height = screen.scale * scene.bounds.height
     driven = None if track is None else np.asarray(track, dtype=np.float64).reshape(-1, 2)
     places = tuple(tuple(float(v) for v in station) for station in stations)
     content = Content(scene, roadmap, path, trajectory, driven, places, title)
+    window = content.window()
+    screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
+    width, height = screen.scale * window.width, screen.scale * window.height
     left = 2 * MARGIN + width
     page_height = round(max(height, LEAST_HEIGHT) + 2 * MARGIN)
     shapes = legend(content, screen, left, MARGIN, page_height - MARGIN)
     return Drawing(
         width=round(left + LEGEND_WIDTH + MARGIN),
         height=page_height,
+        view=(MARGIN, MARGIN, MARGIN + width, MARGIN + height),
         layers=(*layers(content, screen), shapes),
         title=title,
     )

@@ -38,6 +38,7 @@ from planner.path import NoPath, Path, Trajectory
 from planner.polyline import arc_lengths, points_at
 from planner.scene import (
     Arc,
+    Bounds,
     CircleRecord,
     FloatArray,
     PointRecord,
@@ -53,6 +54,9 @@ if TYPE_CHECKING:
 ARC_STEP_RAD = math.radians(3.0)
 COLOUR_STEP_PX = 5.0
 """Along an edge the colour follows the clearance this often."""
+
+CROP_BELOW = 0.5
+"""A picture shows a part of the scene only where that is less than this share of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +91,26 @@ class Content:
         low = min(float(data["clearance"]) for _, _, data in graph.edges(data=True))
         high = max(float(data["clearance"]) for _, data in graph.nodes(data=True))
         return low, max(high, low)
+
+    def window(self) -> Bounds:
+        """The part of the scene that is shown: all of it, or, where the robot can only be in
+        less than half of it, as on a map with much unknown ground, that part with a rim."""
+        whole = self.scene.bounds
+        if self.roadmap is None or self.roadmap.graph.number_of_edges() == 0:
+            return whole
+        clouds = [np.asarray(d["polyline"]) for _, _, d in self.roadmap.graph.edges(data=True)]
+        clouds.append(np.array([s[:2] for s in self.stations if whole.contains((s[0], s[1]))]))
+        points = np.concatenate([c.reshape(-1, 2) for c in clouds])
+        low, high = points.min(axis=0), points.max(axis=0)
+        rim = 2.0 * self.roadmap.radius + 0.08 * float((high - low).max())
+        part = Bounds(
+            max(whole.x_min, float(low[0]) - rim),
+            max(whole.y_min, float(low[1]) - rim),
+            min(whole.x_max, float(high[0]) + rim),
+            min(whole.y_max, float(high[1]) + rim),
+        )
+        small = part.width * part.height < CROP_BELOW * whole.width * whole.height
+        return part if small else whole
 
     def bottleneck(self) -> tuple[float, float, float] | None:
         """x, y and width of the narrowest place, of the path or of the widest way."""

@@ -51,7 +51,7 @@ def legend(content: Content, screen: Screen, left: float, top: float, bottom: fl
         y += _ROW
     shapes += _ramp(content, left, y)
     shapes += _scale(screen, content.scene.units, left, bottom)
-    return Layer("legend", tuple(shapes))
+    return Layer("legend", tuple(shapes), clipped=False)
 
 
 def _subtitle(content: Content) -> Iterator[str]:

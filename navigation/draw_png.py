@@ -29,8 +29,16 @@ def to_pixels(drawing: Drawing) -> NDArray[np.uint8]:
     canvas: Canvas = np.empty(size, dtype=np.uint8)
     canvas[:] = _bgr(PAGE)
     for layer in drawing.layers:
+        target = canvas
+        if layer.clipped:
+            x0, y0, x1, y1 = (round(SUPERSAMPLING * v) for v in drawing.view)
+            edge = SUPERSAMPLING
+            target = canvas.copy()
+            inside = np.s_[max(y0 - edge, 0) : y1 + edge, max(x0 - edge, 0) : x1 + edge]
         for shape in layer.shapes:
-            _draw(canvas, shape)
+            _draw(target, shape)
+        if layer.clipped:
+            canvas[inside] = target[inside]
     small = cv2.resize(canvas, (drawing.width, drawing.height), interpolation=cv2.INTER_AREA)
     return np.asarray(small, dtype=np.uint8)
 

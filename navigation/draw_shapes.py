@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from planner.scene import Bounds, FloatArray, Scene
+from planner.scene import Bounds, FloatArray
 
 Colour: TypeAlias = tuple[int, int, int]
 """Red, green, blue, 0..255."""
@@ -96,18 +96,26 @@ Shape: TypeAlias = Area | Strokes | Disc | Label
 
 @dataclass(frozen=True, slots=True)
 class Layer:
-    """Shapes that belong together, under a name that the SVG keeps."""
+    """Shapes that belong together, under a name that the SVG keeps.
+
+    ``clipped``: nothing of them shows outside the drawing's ``view``.
+    """
 
     name: str
     shapes: tuple[Shape, ...]
+    clipped: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A whole picture: its size in pixels and its layers from the bottom up."""
+    """A whole picture: its size in pixels and its layers from the bottom up.
+
+    ``view`` is the plot's rectangle: left, top, right, bottom.
+    """
 
     width: int
     height: int
+    view: tuple[float, float, float, float]
     layers: tuple[Layer, ...]
     title: str = ""
 
@@ -140,10 +148,12 @@ class Screen:
         return heading_rad if self.y_down else -heading_rad
 
 
-def fit_screen(scene: Scene, width: float, height: float, left: float, top: float) -> Screen:
-    """The scene's bounds as large as they fit into ``width`` x ``height`` pixels."""
-    scale = min(width / scene.bounds.width, height / scene.bounds.height)
-    return Screen(scene.bounds, scene.y_down, scale, left, top)
+def fit_screen(
+    window: Bounds, y_down: bool, width: float, height: float, left: float, top: float
+) -> Screen:
+    """The window as large as it fits into ``width`` x ``height`` pixels."""
+    scale = min(width / window.width, height / window.height)
+    return Screen(window, y_down, scale, left, top)
 
 
 def ramp_colour(step: int) -> Colour:

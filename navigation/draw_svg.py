@@ -25,9 +25,15 @@ def _lines(drawing: Drawing) -> Iterator[str]:
     )
     yield f"<title>{escape(drawing.title)}</title>"
     yield f'<rect width="{w}" height="{h}" fill="{_hex(PAGE)}"/>'
+    x0, y0, x1, y1 = drawing.view
+    yield (
+        f'<clipPath id="view"><rect x="{x0 - 1:.2f}" y="{y0 - 1:.2f}"'
+        f' width="{x1 - x0 + 2:.2f}" height="{y1 - y0 + 2:.2f}"/></clipPath>'
+    )
     for layer in drawing.layers:
         if layer.shapes:
-            yield f"<g id={quoteattr(layer.name.replace(' ', '-'))}>"
+            clip = ' clip-path="url(#view)"' if layer.clipped else ""
+            yield f"<g id={quoteattr(layer.name.replace(' ', '-'))}{clip}>"
             yield f"<title>{escape(layer.name)}</title>"
             for shape in layer.shapes:
                 yield _element(shape)
