@@ -69,9 +69,10 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
     longest = 0
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
-    dark = np.empty(longest + 1, np.float64)
-    light = np.empty(longest + 1, np.float64)
-    known = np.empty(longest + 1, np.int64)
+    sums = np.empty((longest + 1, 3), np.float64)
+    again = np.empty((longest + 1, 4), np.float64)
+    beside = np.empty((longest, 2), np.float64)
+    plateau = np.empty(4, np.float64)
     chosen = np.empty(longest, np.bool_)
     clear = np.empty(longest, np.bool_)
     slanted = np.empty(longest, np.bool_)
@@ -84,9 +85,8 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
         first = starts[b]
         n = starts[b + 1] - first
         point_starts[b] = count
-        dark[0] = 0.0
-        light[0] = 0.0
-        known[0] = 0
+        sums[0] = 0.0
+        again[0] = 0.0
         for i in range(n):
             x = xs[first + i]
             y = ys[first + i]
@@ -141,9 +141,23 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
                 )
                 if lt < level:
                     lt = grey[_clamped(y + 3 * ny, height), _clamped(x + 3 * nx, width)]
-            dark[i + 1] = dark[i] + d
-            light[i + 1] = light[i] + lt
-            known[i + 1] = known[i] + (1 if good else 0)
+            beside[i, 0] = d
+            beside[i, 1] = lt
+            sums[i + 1, 0] = sums[i, 0] + d
+            sums[i + 1, 1] = sums[i, 1] + lt
+            sums[i + 1, 2] = sums[i, 2] + (1.0 if good else 0.0)
+        # near a corner the plateaus are not reached: average once more what is not grey
+        for i in range(n):
+            again[i + 1] = again[i]
+            if not clear[i]:
+                continue
+            _around(sums, n, i, 3, plateau)
+            if beside[i, 0] <= plateau[0] / plateau[2] + 1e-9:
+                again[i + 1, 0] += beside[i, 0]
+                again[i + 1, 2] += 1.0
+            if beside[i, 1] >= plateau[1] / plateau[2] - 1e-9:
+                again[i + 1, 1] += beside[i, 1]
+                again[i + 1, 3] += 1.0
         for i in range(n):
             if not chosen[i]:
                 continue
@@ -162,26 +176,13 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
                 if g1 > level and g1 > g0 and g0 < level:
                     t = (level - g0) / (g1 - g0)
             else:
-                if n <= 2 * STRETCH:
-                    seen = known[n]
-                    d = dark[n]
-                    lt = light[n]
+                _around(again, n, i, 4, plateau)
+                if plateau[2] > 0.0 and plateau[3] > 0.0:
+                    d = plateau[0] / plateau[2]
+                    lt = plateau[1] / plateau[3]
                 else:
-                    lo = i - STRETCH
-                    hi = i + STRETCH
-                    seen = known[min(hi, n)] - known[max(lo, 0)]
-                    d = dark[min(hi, n)] - dark[max(lo, 0)]
-                    lt = light[min(hi, n)] - light[max(lo, 0)]
-                    if lo < 0:
-                        seen += known[n] - known[n + lo]
-                        d += dark[n] - dark[n + lo]
-                        lt += light[n] - light[n + lo]
-                    if hi > n:
-                        seen += known[hi - n]
-                        d += dark[hi - n]
-                        lt += light[hi - n]
-                d /= seen
-                lt /= seen
+                    d = beside[i, 0]
+                    lt = beside[i, 1]
                 contrast = lt - d
                 half = 0.5 * (lt + d)
                 if contrast > 0.0:
@@ -214,6 +215,22 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
     slope = slope_sum / slope_count if slope_count > 0 else 0.4
     crispness = crisp_count / slanted_count if slanted_count > 0 else 0.0
     return points[:count].copy(), point_starts, slope, crispness
+
+
+@njit(cache=True, nogil=True)
+def _around(sums, n, i, columns, out):
+    """The sums over the cracks within STRETCH of crack i of a closed border."""
+    lo = i - STRETCH
+    hi = i + STRETCH
+    for c in range(columns):
+        if n <= 2 * STRETCH:
+            out[c] = sums[n, c]
+            continue
+        out[c] = sums[min(hi, n), c] - sums[max(lo, 0), c]
+        if lo < 0:
+            out[c] += sums[n, c] - sums[n + lo, c]
+        if hi > n:
+            out[c] += sums[hi - n, c]
 
 
 @njit(cache=True, nogil=True)

@@ -18,9 +18,9 @@ from vision.structure import FittedBorders
 
 SMOOTHING = 0.5311
 """The noise left by the profile's five-pixel Gaussian."""
-FLOOR_PX = 0.08
+FLOOR_PX = 0.05
 """The smallest spread of edge points that is believed: lenses, prints and edges are no lines."""
-CALM_PX = 0.08
+CALM_PX = 0.12
 """Deviation that costs nothing in a picture with grey."""
 STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only."""
@@ -30,14 +30,14 @@ STAIRCASE_PX = 0.5
 class Tolerance:
     """What a fit may miss: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
 
-    ``blur_px`` is how far light spreads at an edge, ``guard`` the points beside a corner
-    that take no part in a fit.
+    ``blur_px`` is how far light spreads at an edge (sigma), ``guard_px`` how far from a corner
+    it bends the border: what is nearer takes no part in a fit.
     """
 
     dead_zone_px: float
     sigma_px: float
     blur_px: float
-    guard: int
+    guard_px: float
 
 
 def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
@@ -45,12 +45,13 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     slope = min(max(edges.slope, 0.05), 0.4)
     spread = SMOOTHING * noise / (slope * max(contrast, 1.0))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
-    blur = 0.3989 / slope
+    blur = float(np.sqrt(max((0.3989 / slope) ** 2 - 1.0, 0.08)))
+    sigmas = 2.6 - 0.8 * min(1.0, spread / 0.15)
     return Tolerance(
         dead_zone_px=CALM_PX + (STAIRCASE_PX - CALM_PX) * crisp,
         sigma_px=float(np.hypot(FLOOR_PX, spread)),
         blur_px=blur,
-        guard=max(1, round(1.2 * blur + 0.5)),
+        guard_px=max(1.0, sigmas * blur),
     )
 
 
@@ -64,6 +65,6 @@ def fit_edges(
         tolerance.dead_zone_px,
         tolerance.sigma_px,
         tolerance.blur_px,
-        tolerance.guard,
+        tolerance.guard_px,
     )
     return FittedBorders(kind, edge_starts, edge_kind, data)

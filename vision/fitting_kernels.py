@@ -7,7 +7,8 @@ Rules and units
   ``sigma`` the spread of the points about the true edge; a stretch's cost is the sum of
   ((|deviation| - dead_zone) / sigma)^2 over its points plus the price of the edge: a minimum
   description length, which the best partition into lines and arcs minimises.
-- ``guard`` points beside each corner, where blur rounds the border, take no part in a fit.
+- What lies within ``guard`` pixels of a corner, where blur rounds the border, takes no part in
+  a fit; short stretches keep their middle.
 - Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
   (N. Chernov, Circular and Linear Regression, 2010).
 """
@@ -25,7 +26,7 @@ LINE, ARC_CW, ARC_CCW = 0, 1, 2
 """Kinds of an edge; the turn as seen on the screen."""
 POLYGON, CIRCLE, TINY = 0, 1, 2
 """Kinds of a border; TINY has too few points for a fit."""
-LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 25.0, 32.0, 30.0
+LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 16.0, 22.0, 20.0
 """What an edge costs, in units of sigma squared: more than noise gains by one more break."""
 FEWEST = 10
 """Points of the smallest border that is fitted."""
@@ -33,6 +34,14 @@ SAMPLES = 48
 """At most so many points judge a stretch in the search."""
 SPAN = 160
 """At most so many seeds in one stretch."""
+ROUNDS = 3
+"""Times that edges are fitted, each with the corners of the time before."""
+SHALLOW = 0.03
+"""Sine of the angle below which two lines are taken for one."""
+SNAP = 4
+"""Points by which a seed moves to the middle of its corner."""
+SLIDE = 8
+"""Points by which a break may move towards its corner at a time."""
 HUGE = 1e18
 
 
@@ -340,6 +349,43 @@ def seed_breaks(points, first, n, tolerance, is_seed):
 
 
 @njit(cache=True, nogil=True)
+def _bulge(points, first, n, k, reach):
+    """How far point k lies from the chord of its neighbours ``reach`` points away."""
+    p = first + (k - reach) % n
+    c = first + k % n
+    q = first + (k + reach) % n
+    dx = points[q, 0] - points[p, 0]
+    dy = points[q, 1] - points[p, 1]
+    length = math.sqrt(dx * dx + dy * dy)
+    if length < 1e-9:
+        return 0.0
+    return abs((points[c, 0] - points[p, 0]) * dy - (points[c, 1] - points[p, 1]) * dx) / length
+
+
+@njit(cache=True, nogil=True)
+def _snap_seeds(points, first, n, seeds, m, reach):
+    """Move every seed to where the border bulges most nearby, short of the next seeds."""
+    reach = min(reach, n // 4)
+    if reach < 2:
+        return
+    last = -1
+    for s in range(m):
+        after = seeds[s + 1] if s + 1 < m else seeds[0] + n
+        before = last if s > 0 else seeds[m - 1] - n
+        lo = max(seeds[s] - SNAP, before + 1, (seeds[s] + before) // 2, 0)
+        hi = min(seeds[s] + SNAP, (seeds[s] + after) // 2, n - 1)
+        best = -1.0
+        where = seeds[s]
+        for k in range(lo, hi + 1):
+            bulge = _bulge(points, first, n, k, reach)
+            if bulge > best:
+                best = bulge
+                where = k
+        last = where
+        seeds[s] = where
+
+
+@njit(cache=True, nogil=True)
 def _turn_at(points, first, n, k, reach):
     """How sharply the border turns at point k, in radians."""
     reach = min(reach, n // 4)
@@ -421,16 +467,36 @@ def best_partition(
 
 
 @njit(cache=True, nogil=True)
-def _fit_edges(points, first, n, breaks, is_arc, edges, guard, shape):
+def _clear_of_joints(points, first, n, lo, hi, joints, e, after, guard):
+    """The part of a stretch that keeps ``guard`` pixels from both joints, or its middle."""
+    length = hi - lo
+    least = max(3, (2 * length) // 5)
+    a = lo
+    b = hi
+    near = guard * guard
+    while b - a > least:
+        p = first + _wrapped(a, n)
+        d = (points[p, 0] - joints[e, 0]) ** 2 + (points[p, 1] - joints[e, 1]) ** 2
+        q = first + _wrapped(b, n)
+        f = (points[q, 0] - joints[after, 0]) ** 2 + (points[q, 1] - joints[after, 1]) ** 2
+        if d >= near and f >= near:
+            break
+        if d < near:
+            a += 1
+        if f < near:
+            b -= 1
+    return a, b + 1
+
+
+@njit(cache=True, nogil=True)
+def _fit_edges(points, first, n, breaks, is_arc, edges, guard, joints, shape):
     """Fit every edge between its breaks; shape rows: x, y, ux, uy or cx, cy, r, rms last."""
     for e in range(edges):
         lo = breaks[e]
         hi = breaks[(e + 1) % edges]
         if hi <= lo:
             hi += n
-        g = _trim(lo, hi, guard)
-        a = lo + g
-        b = hi - g + 1
+        a, b = _clear_of_joints(points, first, n, lo, hi, joints, e, (e + 1) % edges, guard)
         row = shape[e]
         if is_arc[e] and not (b - a >= 5 and fit_circle(points, first, n, a, b, 1, 8, row)):
             is_arc[e] = False
@@ -464,118 +530,108 @@ def _onto(shape_row, is_arc, x, y):
 
 
 @njit(cache=True, nogil=True)
-def _joint(a, a_arc, b, b_arc, x, y, blur):
-    """Where two neighbouring edges meet near (x, y): their nearest crossing, or a compromise.
+def _crossing(a, a_arc, b, b_arc, x, y, out):
+    """The crossing of two neighbouring edges nearest to (x, y); False where there is none.
 
-    Edges that cross at a shallow angle, or not at all, meet at the mean of the projections
-    of (x, y); a crossing far from the border is not believed.
+    out = x, y and half the sine of the angle between the edges, as a share of the rounding.
     """
-    limit = 1.0
     if not a_arc and not b_arc:
         cross = a[2] * b[3] - a[3] * b[2]
-        dot = a[2] * b[2] + a[3] * b[3]
-        if abs(cross) > 0.03:
-            t = ((b[0] - a[0]) * b[3] - (b[1] - a[1]) * b[2]) / cross
-            jx = a[0] + t * a[2]
-            jy = a[1] + t * a[3]
-            # half of the corner's inner angle: a narrow tip is rounded far back
-            half_sine = math.sqrt(max(0.5 * (1.0 + dot), 1e-6))
-            limit = 1.0 + (0.5 + blur) / max(half_sine, 0.12)
-            if (jx - x) ** 2 + (jy - y) ** 2 <= limit * limit:
-                return jx, jy, True
-    elif a_arc and b_arc:
+        if abs(cross) < SHALLOW:
+            return False
+        t = ((b[0] - a[0]) * b[3] - (b[1] - a[1]) * b[2]) / cross
+        out[0] = a[0] + t * a[2]
+        out[1] = a[1] + t * a[3]
+        # sine of half the corner's inner angle: a narrow tip is rounded far back
+        out[2] = math.sqrt(max(0.5 * (1.0 + a[2] * b[2] + a[3] * b[3]), 0.0))
+        return True
+    out[2] = 1.0
+    if a_arc and b_arc:
         dx = b[0] - a[0]
         dy = b[1] - a[1]
         d = math.sqrt(dx * dx + dy * dy)
-        if d > 1e-9:
-            along = (d * d + a[2] * a[2] - b[2] * b[2]) / (2.0 * d)
-            h2 = a[2] * a[2] - along * along
-            if h2 > 0.0:
-                h = math.sqrt(h2)
-                bx = a[0] + along * dx / d
-                by = a[1] + along * dy / d
-                best = HUGE
-                jx = x
-                jy = y
-                for sign in (-1.0, 1.0):
-                    px = bx - sign * h * dy / d
-                    py = by + sign * h * dx / d
-                    q = (px - x) ** 2 + (py - y) ** 2
-                    if q < best:
-                        best = q
-                        jx = px
-                        jy = py
-                limit = 2.0 + 2.0 * blur
-                if best <= limit * limit:
-                    return jx, jy, True
+        if d < 1e-9:
+            return False
+        along = (d * d + a[2] * a[2] - b[2] * b[2]) / (2.0 * d)
+        base_x = a[0] + along * dx / d
+        base_y = a[1] + along * dy / d
+        off2 = a[2] * a[2] - along * along
+        off_x = -dy / d
+        off_y = dx / d
     else:
         line = b if a_arc else a
         arc = a if a_arc else b
         t = (arc[0] - line[0]) * line[2] + (arc[1] - line[1]) * line[3]
-        fx = line[0] + t * line[2]
-        fy = line[1] + t * line[3]
-        h2 = arc[2] * arc[2] - (arc[0] - fx) ** 2 - (arc[1] - fy) ** 2
-        if h2 > 0.0:
-            h = math.sqrt(h2)
-            best = HUGE
-            jx = x
-            jy = y
-            for sign in (-1.0, 1.0):
-                px = fx + sign * h * line[2]
-                py = fy + sign * h * line[3]
-                q = (px - x) ** 2 + (py - y) ** 2
-                if q < best:
-                    best = q
-                    jx = px
-                    jy = py
-            limit = 2.0 + 2.0 * blur
-            if best <= limit * limit:
-                return jx, jy, True
-    ax, ay = _onto(a, a_arc, x, y)
-    bx, by = _onto(b, b_arc, x, y)
-    jx = 0.5 * (ax + bx)
-    jy = 0.5 * (ay + by)
-    if (jx - x) ** 2 + (jy - y) ** 2 > limit * limit:
-        return x, y, False
-    return jx, jy, False
+        base_x = line[0] + t * line[2]
+        base_y = line[1] + t * line[3]
+        off2 = arc[2] * arc[2] - (arc[0] - base_x) ** 2 - (arc[1] - base_y) ** 2
+        off_x = line[2]
+        off_y = line[3]
+    if off2 < 0.0:
+        return False
+    off = math.sqrt(off2)
+    if (x - base_x) * off_x + (y - base_y) * off_y < 0.0:
+        off = -off
+    out[0] = base_x + off * off_x
+    out[1] = base_y + off * off_y
+    return True
 
 
 @njit(cache=True, nogil=True)
-def _joints(points, first, n, breaks, is_arc, edges, shape, blur, joints):
+def _nearest_point(points, first, n, middle, before, after, x, y):
+    """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
+    best = HUGE
+    where = middle
+    for k in range(-before, after + 1):
+        i = (middle + k) % n
+        d = (points[first + i, 0] - x) ** 2 + (points[first + i, 1] - y) ** 2
+        if d < best:
+            best = d
+            where = i
+    return where, math.sqrt(best)
+
+
+@njit(cache=True, nogil=True)
+def _join(points, first, n, breaks, is_arc, edges, shape, blur, joints):
+    """Where neighbouring edges meet; breaks move to the border points nearest to that.
+
+    A crossing is believed where the border comes as near to it as blur and the corner's
+    angle let it; edges that do not cross, or hardly, meet half-way between them.
+    """
+    found = np.empty(3, np.float64)
+    moved = np.empty(edges, np.int64)
     for e in range(edges):
         before = (e - 1) % edges
-        p = first + breaks[e]
-        x, y, _ = _joint(
-            shape[before], is_arc[before], shape[e], is_arc[e], points[p, 0], points[p, 1], blur
-        )
-        joints[e, 0] = x
-        joints[e, 1] = y
-
-
-@njit(cache=True, nogil=True)
-def _move_breaks(points, first, n, breaks, edges, joints, reach):
-    """Move every break to the border point nearest to its joint, within reach."""
+        a = shape[before]
+        b = shape[e]
+        a_arc = is_arc[before]
+        b_arc = is_arc[e]
+        here = breaks[e]
+        x = points[first + here, 0]
+        y = points[first + here, 1]
+        room_before = (here - breaks[before]) % n
+        room_after = (breaks[(e + 1) % edges] - here) % n
+        back = min(SLIDE, max(room_before - 1, 0) // 2)
+        ahead = min(SLIDE, max(room_after - 1, 0) // 2)
+        moved[e] = here
+        if _crossing(a, a_arc, b, b_arc, x, y, found):
+            where, distance = _nearest_point(
+                points, first, n, here, back, ahead, found[0], found[1]
+            )
+            if distance <= 0.5 + (0.3 + blur) / max(found[2], 0.1):
+                joints[e, 0] = found[0]
+                joints[e, 1] = found[1]
+                moved[e] = where
+                continue
+        ax, ay = _onto(a, a_arc, x, y)
+        bx, by = _onto(b, b_arc, x, y)
+        joints[e, 0] = 0.5 * (ax + bx)
+        joints[e, 1] = 0.5 * (ay + by)
+        if (joints[e, 0] - x) ** 2 + (joints[e, 1] - y) ** 2 > 1.0:
+            joints[e, 0] = x
+            joints[e, 1] = y
     for e in range(edges):
-        before = breaks[(e - 1) % edges]
-        after = breaks[(e + 1) % edges]
-        room_before = (breaks[e] - before) % n
-        room_after = (after - breaks[e]) % n
-        if edges == 2:
-            room_before = max(room_before, 1)
-            room_after = max(room_after, 1)
-        lo = -min(reach, (room_before - 1) // 2)
-        hi = min(reach, (room_after - 1) // 2)
-        best = HUGE
-        where = breaks[e]
-        for k in range(lo, hi + 1):
-            i = (breaks[e] + k) % n
-            d = (points[first + i, 0] - joints[e, 0]) ** 2 + (
-                points[first + i, 1] - joints[e, 1]
-            ) ** 2
-            if d < best:
-                best = d
-                where = i
-        breaks[e] = where
+        breaks[e] = moved[e]
 
 
 @njit(cache=True, nogil=True)
@@ -653,7 +709,8 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
     joints = np.empty((longest + 1, 2), np.float64)
     circle = np.empty(3, np.float64)
     worst = 0.35 + dead_zone + 4.5 * sigma
-    seed_tolerance = 0.45 + dead_zone + 2.5 * sigma
+    skip = math.ceil(guard)
+    seed_tolerance = 0.35 + dead_zone + 2.5 * sigma
     count = 0
     for b in range(borders):
         first = point_starts[b]
@@ -671,18 +728,20 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
         if circle_cost > 3.0 * LINE_PRICE:
             seed_breaks(points, first, n, seed_tolerance, is_seed)
             m = 0
-            sharpest = -1.0
-            start = 0
             for k in range(n):
                 if is_seed[k]:
                     seeds[m] = k
-                    turn = _turn_at(points, first, n, k, 6)
-                    if turn > sharpest:
-                        sharpest = turn
-                        start = m
                     m += 1
+            _snap_seeds(points, first, n, seeds, m, skip + 4)
+            sharpest = -1.0
+            start = 0
+            for t in range(m):
+                turn = _turn_at(points, first, n, seeds[t], 6)
+                if turn > sharpest:
+                    sharpest = turn
+                    start = t
             edges, cost = best_partition(
-                points, first, n, seeds, m, start, guard, dead_zone, sigma, worst, breaks, is_arc
+                points, first, n, seeds, m, start, skip, dead_zone, sigma, worst, breaks, is_arc
             )
             if sharpest < 0.6 and edges > 1:
                 # no corner to begin at: begin again at a break that the search found
@@ -697,7 +756,7 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
                     seeds,
                     m,
                     start,
-                    guard,
+                    skip,
                     dead_zone,
                     sigma,
                     worst,
@@ -728,12 +787,12 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
             count += 1
             continue
         border_kind[b] = POLYGON
-        for _ in range(2):
-            _fit_edges(points, first, n, breaks, is_arc, edges, guard, shape)
-            _joints(points, first, n, breaks, is_arc, edges, shape, blur, joints)
-            _move_breaks(points, first, n, breaks, edges, joints, 6)
-        _fit_edges(points, first, n, breaks, is_arc, edges, guard, shape)
-        _joints(points, first, n, breaks, is_arc, edges, shape, blur, joints)
+        for e in range(edges):
+            joints[e, 0] = points[first + breaks[e], 0]
+            joints[e, 1] = points[first + breaks[e], 1]
+        for _ in range(ROUNDS):
+            _fit_edges(points, first, n, breaks, is_arc, edges, guard, joints, shape)
+            _join(points, first, n, breaks, is_arc, edges, shape, blur, joints)
         for e in range(edges):
             after = (e + 1) % edges
             data[count, 0] = joints[e, 0]
