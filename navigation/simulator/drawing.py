@@ -85,7 +85,7 @@ class ArenaPainter:
         for thing in scene.objects:
             self._cover(thing, covered)
         grey = (floor + (obstacle - floor) * covered) * self.light
-        return np.asarray(np.rint(_blurred(grey, self._look.blur_px)).astype(np.uint8))
+        return np.asarray(np.rint(blurred(grey, self._look.blur_px)).astype(np.uint8))
 
     def _cover(self, thing: SceneObject, covered: FloatImage) -> None:
         """Raise ``covered`` to the part of each pixel that the object covers."""
@@ -95,7 +95,7 @@ class ArenaPainter:
             for border in (thing.records, *thing.holes)
             for record in border
         ]
-        box = _box_around(np.concatenate(outlines), covered.shape)
+        box = box_around(np.concatenate(outlines), covered.shape)
         if box is None:
             return
         x0, y0, x1, y1 = box
@@ -142,7 +142,7 @@ class RobotPainter:
         x, y, _ = pose
         rims = self._pinhole.image_from_arena(self._rims + np.array([x, y, 0.0]))
         hull = cv2.convexHull(rims.astype(np.float32)).reshape(-1, 2).astype(np.float64)
-        box = _box_around(hull, picture.shape)
+        box = box_around(hull, picture.shape)
         if box is None:
             return
         x0, y0, x1, y1 = box
@@ -151,12 +151,12 @@ class RobotPainter:
         layers[:, :, 2] = _coverage(
             [hull - (x0, y0)], (x1 - x0, y1 - y0), ROBOT_SAMPLES, ROBOT_PASSES
         )
-        top_box = _box_around(rims[len(rims) // 2 :], picture.shape)
+        top_box = box_around(rims[len(rims) // 2 :], picture.shape)
         if top_box is not None:
             left, up, right, down = top_box
             top = self._top_seen(self._painter.rays[up:down, left:right], pose)
             layers[up - y0 : down - y0, left - x0 : right - x0, :2] = top
-        grey_top, is_top, is_body = cv2.split(_blurred(layers, self._look.blur_px))
+        grey_top, is_top, is_body = cv2.split(blurred(layers, self._look.blur_px))
         grey = grey_top + np.maximum(is_body - is_top, 0.0) * BODY_SIDE_GREY
         mixed = picture[here] * (1.0 - is_body) + grey * self._painter.light[here]
         picture[here] = np.rint(np.clip(mixed, 0.0, 255.0)).astype(np.uint8)
@@ -173,13 +173,23 @@ class RobotPainter:
             [[scale, 0.0, centre], [0.0, -scale, centre], [0.0, 0.0, 1.0]]
         )
         texture_from_ray = texture_from_marker @ marker_from_arena @ self._plane_from_ray
-        height, width = rays.shape[:2]
-        fine = (width * ROBOT_SAMPLES, height * ROBOT_SAMPLES)
-        samples = cv2.resize(rays, fine, interpolation=cv2.INTER_LINEAR)
-        places = cv2.perspectiveTransform(samples, texture_from_ray)
-        seen = cv2.remap(self._top, places, None, cv2.INTER_LINEAR, borderValue=(0.0, 0.0))
-        averaged = cv2.resize(seen, (width, height), interpolation=cv2.INTER_AREA)
-        return averaged * np.array([1.0, 1.0 / 255.0], dtype=np.float32)
+        return looked_up(self._top, rays, texture_from_ray, ROBOT_SAMPLES)
+
+
+def looked_up(
+    texture: Image, rays: FloatImage, texture_from_ray: FloatArray, samples: int
+) -> FloatImage:
+    """A texture of (grey times coverage, 255 times coverage) as seen along rays (h, w, 2).
+
+    Returns grey times coverage and coverage in 0..1, (h, w, 2).
+    """
+    height, width = rays.shape[:2]
+    fine = (width * samples, height * samples)
+    every = cv2.resize(rays, fine, interpolation=cv2.INTER_LINEAR)
+    places = cv2.perspectiveTransform(every, texture_from_ray)
+    seen = cv2.remap(texture, places, None, cv2.INTER_LINEAR, borderValue=(0.0, 0.0))
+    averaged = cv2.resize(seen, (width, height), interpolation=cv2.INTER_AREA)
+    return averaged * np.array([1.0, 1.0 / 255.0], dtype=np.float32)
 
 
 def _top_texture(
@@ -231,7 +241,7 @@ def _along(edge: Edge, step_m: float) -> FloatArray:
     return np.asarray(np.array(edge.start) * (1 - share) + np.array(edge.end) * share)
 
 
-def _box_around(points: FloatArray, shape: tuple[int, ...]) -> tuple[int, int, int, int] | None:
+def box_around(points: FloatArray, shape: tuple[int, ...]) -> tuple[int, int, int, int] | None:
     """The pixels (x0, y0, x1, y1) around points, inside the picture; None outside of it."""
     x0, y0 = np.floor(points.min(axis=0)).astype(int) - PATCH_MARGIN_PX
     x1, y1 = np.ceil(points.max(axis=0)).astype(int) + PATCH_MARGIN_PX + 1
@@ -289,7 +299,8 @@ def _light(width: int, height: int, fall: float) -> FloatImage:
     return np.asarray(1.0 - fall * darkening / float(darkening.max()), dtype=np.float32)
 
 
-def _blurred(image: FloatImage, sigma_px: float) -> FloatImage:
+def blurred(image: FloatImage, sigma_px: float) -> FloatImage:
+    """The picture through the lens's blur; as it is for a sigma of 0."""
     if sigma_px == 0.0:
         return image
     return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma_px))

@@ -67,10 +67,18 @@ class Pinhole:
 
     def plane_from_ray(self, height_m: float) -> FloatArray:
         """The homography (3, 3) from normalised rays to the arena's plane at a height."""
-        x_axis, y_axis, _ = self.camera_from_arena.T
-        origin = self.camera_from_arena @ (np.array([0.0, 0.0, height_m]) - self.position_m)
-        ray_from_plane = np.column_stack([x_axis, y_axis, origin])
-        return np.asarray(np.linalg.inv(ray_from_plane))
+        return self.sheet_from_ray(np.eye(3), np.array([0.0, 0.0, height_m]))
+
+    def sheet_from_ray(self, arena_from_sheet: FloatArray, origin_m: FloatArray) -> FloatArray:
+        """The homography (3, 3) from normalised rays to coordinates on a sheet in space.
+
+        The sheet's x and y axes are the rotation's first two columns; its origin is at
+        ``origin_m`` (3,) in the arena.
+        """
+        x_axis, y_axis, _ = self.camera_from_arena @ arena_from_sheet.T[:, :, None]
+        origin = self.camera_from_arena @ (origin_m - self.position_m)
+        ray_from_sheet = np.column_stack([x_axis, y_axis, origin])
+        return np.asarray(np.linalg.inv(ray_from_sheet))
 
     def calibration(self) -> Calibration:
         """What a perfect calibration of this camera would find."""

@@ -1,0 +1,84 @@
+"""Calibration pictures: OpenCV finds the board's corners where geometry says they are."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.config import Config, load_config
+from navigation.simulator.boards import (
+    Board,
+    BoardPainter,
+    BoardPose,
+    board_pictures,
+    flat_pose,
+    held_poses,
+)
+from navigation.simulator.drawing import Look
+from navigation.simulator.pinhole import pinhole_of
+from planner.scene import Bounds, FloatArray, Scene
+from vision.camera import Image
+
+BOUNDS = Bounds(0.0, 0.0, 2.4, 1.8)
+BOARD = Board()
+
+
+@pytest.fixture(scope="module")
+def config() -> Config:
+    return load_config("configs/simulation.yaml", {})
+
+
+@pytest.fixture(scope="module")
+def painter(config: Config) -> BoardPainter:
+    return BoardPainter(pinhole_of(config), Look(), BOARD, Scene("m", BOUNDS, ()))
+
+
+def _found(picture: Image) -> tuple[FloatArray, FloatArray]:
+    """The inner corners' places on the board (n, 2), y up the print, and in the picture."""
+    detector = cv2.aruco.CharucoDetector(BOARD.opencv())
+    corners, ids, _, _ = detector.detectBoard(picture)
+    assert ids is not None
+    across = BOARD.columns - 1
+    numbers = np.array(ids).ravel()
+    column, row = numbers % across + 1, numbers // across + 1
+    on_board = BOARD.square_m * np.column_stack([column, BOARD.rows - row])
+    return on_board, np.array(corners, dtype=np.float64).reshape(-1, 2)
+
+
+def _errors_px(config: Config, pose: BoardPose, picture: Image) -> FloatArray:
+    on_board, seen = _found(picture)
+    in_space = np.column_stack([on_board, np.zeros(len(on_board))]) @ pose.arena_from_board.T
+    assert len(seen) == (BOARD.columns - 1) * (BOARD.rows - 1)
+    return seen - pinhole_of(config).image_from_arena(in_space + pose.origin_m)
+
+
+def test_a_board_on_the_floor_is_where_it_was_laid(config: Config, painter: BoardPainter) -> None:
+    pose = flat_pose(0.8, 0.6)
+    errors = _errors_px(config, pose, painter.picture(pose, np.random.default_rng(0)))
+    assert np.sqrt((errors**2).mean()) < 0.1
+    assert np.abs(errors.mean(axis=0)).max() < 0.05
+
+
+def test_held_boards_are_seen_where_they_are_held(config: Config, painter: BoardPainter) -> None:
+    rng = np.random.default_rng(1)
+    for pose in held_poses(painter, BOUNDS, BOARD, 4):
+        errors = _errors_px(config, pose, painter.picture(pose, rng))
+        assert np.sqrt((errors**2).mean()) < 0.15
+        assert np.abs(errors.mean(axis=0)).max() < 0.08
+
+
+def test_held_boards_are_tilted_and_all_over_the_picture(painter: BoardPainter) -> None:
+    poses = list(held_poses(painter, BOUNDS, BOARD, 24))
+    tilts = [np.degrees(np.arccos(pose.arena_from_board[2, 2])) for pose in poses]
+    middles = np.array([pose.origin_m + pose.arena_from_board @ [0.4, 0.3, 0.0] for pose in poses])
+    assert min(tilts) > 10
+    assert max(tilts) < 45
+    assert (np.ptp(middles, axis=0) > (0.8, 0.5, 0.5)).all()
+
+
+def test_the_last_picture_is_the_board_on_the_floor(config: Config) -> None:
+    pictures = list(board_pictures(config, BOARD, count=2))
+    assert [name for name, _ in pictures] == ["board_00.png", "board_01.png", "floor.png"]
+    errors = _errors_px(config, flat_pose(0.8, 0.6), pictures[-1][1])
+    assert np.abs(errors).max() < 0.5
