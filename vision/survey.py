@@ -19,6 +19,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vision.board import BoardView
 from vision.calibration import (
@@ -203,7 +204,7 @@ def _errors(homography: FloatArray, pixels: FloatArray, places: FloatArray) -> F
 
 def _robust_homography(
     pixels: FloatArray, places: FloatArray
-) -> tuple[FloatArray, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+) -> tuple[FloatArray, NDArray[np.bool_]]:
     n = len(pixels)
     everything = np.ones(n, dtype=np.bool_)
     plain = _homography(pixels, places)
@@ -261,7 +262,7 @@ def _well_spread(points: FloatArray) -> bool:
 
 
 def _left_out_residuals(
-    pixels: FloatArray, places: FloatArray, used: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    pixels: FloatArray, places: FloatArray, used: NDArray[np.bool_]
 ) -> FloatArray:
     residuals = np.empty_like(places)
     for i in range(len(pixels)):
@@ -277,9 +278,7 @@ def _left_out_residuals(
     return residuals
 
 
-def _say_left_out(
-    survey: Survey, residuals: FloatArray, used: np.ndarray[tuple[int], np.dtype[np.bool_]]
-) -> list[str]:
+def _say_left_out(survey: Survey, residuals: FloatArray, used: NDArray[np.bool_]) -> list[str]:
     usual_mm = 1000.0 * float(np.median(np.linalg.norm(residuals[used], axis=1)))
     return [
         f"{survey.names[i]}: left out, {1000.0 * float(np.linalg.norm(residuals[i])):.1f} mm off "

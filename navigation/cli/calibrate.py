@@ -1,0 +1,295 @@
+"""``clearway calibrate``: the lens from pictures of a board, the arena from surveyed points."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from vision.board import BoardSpec, BoardView
+    from vision.camera import Image
+    from vision.lens import Lens
+    from vision.survey import Survey
+
+_FILE = click.Path(dir_okay=False, path_type=Path)
+_LIVE_PICTURES = 20
+_LIVE_SECONDS = 120.0
+
+
+@click.command("calibrate")
+@click.argument("pictures", nargs=-1, type=click.Path(path_type=Path))
+@click.option("--camera", help="Take the pictures of the board from this camera, live.")
+@click.option("--board", type=click.Choice(["charuco", "chessboard"]), default="charuco")
+@click.option("--squares", help="charuco: squares, 5x7; chessboard: inner corners, 9x6.")
+@click.option("--square-mm", type=float, default=25.0, show_default=True, help="A square's side.")
+@click.option("--marker-mm", type=float, help="A ChArUco marker's side; default half a square.")
+@click.option("--dictionary", help="The ChArUco board's; default DICT_6X6_250.")
+@click.option(
+    "--terms", type=click.Choice(["0", "1", "2", "4", "5"]), help="Distortion terms; default: best."
+)
+@click.option("--lens", "lens_file", type=_FILE, help="Take the lens from this calibration.")
+@click.option("--points", type=_FILE, help="Surveyed points of the arena: px,py,x_m,y_m lines.")
+@click.option("--floor-picture", type=_FILE, help="A picture of the arena with the board on it.")
+@click.option("--floor-at", help="X,Y[,DEG] of that board's first corner; default 0,0,0.")
+@click.option("--camera-height-m", type=float, help="The camera's height above the floor.")
+@click.option("--size", help="WIDTHxHEIGHT, for --points without any picture.")
+@click.option("-o", "--output", type=_FILE, default=Path("calibration.yaml"), show_default=True)
+@click.option("--residual-map", type=_FILE, help="A picture of the surveyed points' residuals.")
+def command(
+    pictures: tuple[Path, ...],
+    camera: str | None,
+    board: str,
+    squares: str | None,
+    square_mm: float,
+    marker_mm: float | None,
+    dictionary: str | None,
+    terms: str | None,
+    lens_file: Path | None,
+    points: Path | None,
+    floor_picture: Path | None,
+    floor_at: str | None,
+    camera_height_m: float | None,
+    size: str | None,
+    output: Path,
+    residual_map: Path | None,
+) -> None:
+    """Calibrate a camera from PICTURES of a board, or live, and place it above the arena.
+
+    With --points or --floor-picture the result maps pixels to the arena's metres; without
+    them the lens alone is estimated and told. Pictures and points that do not fit are named
+    and left out.
+    """
+    if lens_file is not None and (pictures or camera is not None):
+        raise click.UsageError("--lens takes the place of pictures and of --camera")
+    if points is None and floor_picture is None and residual_map is not None:
+        raise click.UsageError("--residual-map needs --points or --floor-picture")
+    if not pictures and camera is None and points is None and floor_picture is None:
+        raise click.UsageError("give pictures of a board, --camera, --points or --floor-picture")
+    spec = None
+    if pictures or camera is not None or (floor_picture is not None and points is None):
+        spec = board_spec(board, squares, square_mm, marker_mm, dictionary)
+    lens = None
+    if spec is not None and (pictures or camera is not None):
+        taken = _read_all(pictures) if pictures else _take_live(str(camera), spec)
+        lens = _lens(taken, spec, None if terms is None else int(terms))
+    if lens_file is not None:
+        lens = _known_lens(lens_file)
+    if points is None and floor_picture is None:
+        click.echo("no --points and no --floor-picture: the arena is not placed, nothing written")
+        return
+    floor = _read(floor_picture) if floor_picture is not None else None
+    survey = _survey(points, floor, floor_picture, spec, floor_at)
+    _place(survey, _size(floor, lens, size), lens, camera_height_m, output, residual_map, floor)
+
+
+def board_spec(
+    board: str,
+    squares: str | None,
+    square_mm: float,
+    marker_mm: float | None,
+    dictionary: str | None,
+) -> BoardSpec:
+    """The board that the options describe."""
+    from vision.board import BoardSpec
+
+    text = squares or ("5x7" if board == "charuco" else "9x6")
+    columns, rows = _pair(text, "--squares")
+    return BoardSpec(
+        "charuco" if board == "charuco" else "chessboard",
+        columns,
+        rows,
+        square_mm / 1000.0,
+        None if marker_mm is None else marker_mm / 1000.0,
+        dictionary or "DICT_6X6_250",
+    )
+
+
+def _pair(text: str, option: str) -> tuple[int, int]:
+    words = text.lower().split("x")
+    if len(words) != 2 or not all(word.strip().isdecimal() for word in words):
+        raise click.UsageError(f"{option} {text}: must be two whole numbers such as 9x6")
+    return int(words[0]), int(words[1])
+
+
+def _read(path: Path) -> Image:
+    from vision.sources import read_picture
+
+    return read_picture(path)
+
+
+def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
+    """The pictures named, and those of the folders named."""
+    from vision.sources import PICTURE_SUFFIXES
+
+    files: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            files += sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURE_SUFFIXES)
+        else:
+            files.append(path)
+    return [(str(path), _read(path)) for path in files]
+
+
+def _take_live(source: str, spec: BoardSpec) -> list[tuple[str, Image]]:
+    """Pictures from a camera, one whenever the board has moved, until there are enough."""
+    import time
+
+    from vision.board import BoardView, find_board
+    from vision.sources import camera_for
+
+    camera = camera_for(source, clock=time.monotonic)
+    camera.open()
+    taken: list[tuple[str, Image]] = []
+    last: BoardView | None = None
+    end_s = time.monotonic() + _LIVE_SECONDS
+    click.echo(f"{camera.name}: show the board at all places and tilts; Ctrl-C ends it", err=True)
+    try:
+        while len(taken) < _LIVE_PICTURES and time.monotonic() < end_s and camera.state != "ended":
+            frame = camera.read(0.5)
+            view = find_board(frame.image, spec, "live") if frame is not None else None
+            if frame is None or not isinstance(view, BoardView) or not _moved(last, view):
+                continue
+            last = view
+            taken.append((f"picture {len(taken) + 1}", frame.image))
+            click.echo(f"picture {len(taken)} of {_LIVE_PICTURES}", err=True)
+    except KeyboardInterrupt:
+        click.echo("enough pictures, as you say", err=True)
+    finally:
+        camera.close()
+    return taken
+
+
+def _moved(last: BoardView | None, view: BoardView) -> bool:
+    """Whether the board's middle or extent has changed by a twentieth of the picture."""
+    if last is None:
+        return True
+    limit = 0.05 * max(view.size)
+    middle = abs(view.corners_px.mean(axis=0) - last.corners_px.mean(axis=0)).max()
+    extent = abs(view.corners_px.std(axis=0) - last.corners_px.std(axis=0)).max()
+    return bool(middle > limit or extent > limit / 2.0)
+
+
+def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) -> Lens:
+    from vision.board import find_boards
+    from vision.lens import estimate_lens
+
+    views, without = find_boards(taken, spec)
+    for missing in without:
+        click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
+    lens = estimate_lens(views, terms)
+    for remark in lens.remarks:
+        click.echo(remark, err=True)
+    fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]
+    click.echo(
+        f"lens: {lens.rms_px:.3f} px rms over {len(lens.used)} pictures, "
+        f"focal length {fx:.1f}, {fy:.1f} px, {lens.terms} distortion terms"
+    )
+    return lens
+
+
+def _known_lens(path: Path) -> Lens:
+    """The lens of a calibration made before, for a camera that was moved."""
+    from vision.calibration_file import load_calibration
+    from vision.lens import Lens
+
+    known = load_calibration(path)
+    terms = 0
+    for index, term in enumerate(known.distortion.tolist(), start=1):
+        terms = index if term != 0.0 else terms
+    rms_px = known.lens_rms_px if known.lens_rms_px is not None else 0.0
+    return Lens(known.size, known.camera_matrix, known.distortion, rms_px, terms, (), ())
+
+
+def _survey(
+    points: Path | None,
+    floor: Image | None,
+    floor_picture: Path | None,
+    spec: BoardSpec | None,
+    floor_at: str | None,
+) -> Survey:
+    from vision.board import NoBoard, find_board
+    from vision.calibration import CalibrationError
+    from vision.survey import board_survey, read_survey
+
+    if points is not None:
+        return read_survey(points)
+    if floor is None or spec is None:
+        raise click.UsageError("give --points or --floor-picture")
+    view = find_board(floor, spec, str(floor_picture))
+    if isinstance(view, NoBoard):
+        raise CalibrationError(f"{view.name}: {view.reason}")
+    x, y, heading_deg = _floor_at(floor_at)
+    return board_survey(view, (x, y), math.radians(heading_deg))
+
+
+def _floor_at(text: str | None) -> tuple[float, float, float]:
+    words = (text or "0,0,0").split(",")
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        values = []
+    if len(values) not in (2, 3) or not all(math.isfinite(v) for v in values):
+        raise click.UsageError(f"--floor-at {text}: must be X,Y or X,Y,DEG")
+    return values[0], values[1], values[2] if len(values) == 3 else 0.0
+
+
+def _size(floor: Image | None, lens: Lens | None, size: str | None) -> tuple[int, int]:
+    if floor is not None:
+        return int(floor.shape[1]), int(floor.shape[0])
+    if lens is not None:
+        return lens.size
+    if size is None:
+        raise click.UsageError("--points alone needs the picture's --size WIDTHxHEIGHT")
+    return _pair(size, "--size")
+
+
+def _place(
+    survey: Survey,
+    size: tuple[int, int],
+    lens: Lens | None,
+    camera_height_m: float | None,
+    output: Path,
+    residual_map: Path | None,
+    floor: Image | None,
+) -> None:
+    from vision.calibration_file import save_calibration
+    from vision.survey import draw_residuals, fit_arena
+
+    fit = fit_arena(survey, size, lens, camera_height_m)
+    calibration = fit.calibration
+    told = lens.remarks if lens is not None else ()
+    for remark in calibration.remarks:
+        if remark not in told:
+            click.echo(remark, err=True)
+    rms = calibration.arena_rms_m
+    residual = "no residual" if rms is None else f"{1000.0 * rms:.2f} mm rms"
+    click.echo(
+        f"arena: {residual} over {sum(fit.used)} of {len(fit.used)} points, "
+        f"{1000.0 * calibration.metres_per_pixel:.3f} mm a pixel"
+    )
+    if calibration.camera_center_m is not None:
+        x, y, z = calibration.camera_center_m
+        click.echo(f"camera: {z:.3f} m above the floor at ({x:.3f}, {y:.3f})")
+    save_calibration(calibration, output)
+    click.echo(f"written: {output}")
+    if residual_map is not None:
+        _write_picture(residual_map, draw_residuals(fit, floor))
+        click.echo(f"written: {residual_map}")
+
+
+def _write_picture(path: Path, picture: Image) -> None:
+    import cv2
+
+    try:
+        encoded, data = cv2.imencode(path.suffix or ".png", picture)
+    except cv2.error:
+        encoded = False
+    if not encoded:
+        raise click.UsageError(f"{path}: must end in .png or .jpg")
+    try:
+        path.write_bytes(data.tobytes())
+    except OSError as error:
+        raise click.UsageError(f"{path}: cannot be written: {error.strerror}") from error
