@@ -90,6 +90,7 @@ class Follower:
         self.speed_m_s = 0.0
         self.turn_rad_s = 0.0
         self._from = (0.0, 0.0)
+        self._from_speed_m_s = 0.0
         self._first = True
         self._attempts = 0
         self._docking = False
@@ -101,19 +102,28 @@ class Follower:
         """A START: the line begins where the robot is."""
         self.phase = Phase.TRACK
         self._from = (pose.x_m, pose.y_m)
+        self._from_speed_m_s = 0.0
         self._first = True
         self._new_target()
         self._progress_pose, self._progress_s = pose, 0.0
 
-    def halt(self, dt_s: float) -> Step:
-        """A stop under control: slow down as fast as the settings allow."""
-        self._slew(0.0, 0.0, dt_s)
-        return Step(self.speed_m_s, self.turn_rad_s)
+    def halt(self, dt_s: float, pose: Pose, targets: Sequence[Waypoint]) -> Step:
+        """A stop under control: slow down, along the line as long as there is one."""
+        if self.speed_m_s <= 0.0 or self.phase is not Phase.TRACK:
+            self._slew(0.0, 0.0, dt_s)
+            return Step(self.speed_m_s, self.turn_rad_s)
+        executed = self._pass_waypoints(pose, targets)
+        targets = targets[executed:]
+        if targets and self.phase is Phase.TRACK:
+            curvature, _ = self._steer(pose, targets)
+        else:
+            curvature = self.turn_rad_s / self.speed_m_s
+        self._slew(0.0, None, dt_s, curvature)
+        return Step(self.speed_m_s, self.turn_rad_s, executed)
 
-    def freeze(self) -> Step:
+    def freeze(self) -> None:
         """An emergency stop: zero at once."""
         self.speed_m_s = self.turn_rad_s = 0.0
-        return Step(0.0, 0.0)
 
     def step(
         self, dt_s: float, pose: Pose, measured_m_s: float, targets: Sequence[Waypoint]
@@ -141,7 +151,7 @@ class Follower:
                 self._still_s += dt_s
                 if self._still_s >= targets[0].dwell_s:
                     executed += 1
-                    self._from = (targets[0].x_m, targets[0].y_m)
+                    self._leave(targets[0])
                     self.phase = Phase.TRACK
                     self._new_target()
         if trouble is None and self._attempts > DOCK_ATTEMPTS:
@@ -169,7 +179,7 @@ class Follower:
                 radius = STOP_TOLERANCE_M if not self._first else START_RADIUS_M
             if distance > radius and self._remaining(pose, target) > 0.0:
                 break
-            self._from = (target.x_m, target.y_m)
+            self._leave(target)
             self._new_target()
             self._first = False
             passed += 1
@@ -184,17 +194,13 @@ class Follower:
             return None
         if abs(self._lateral(pose, target)) > self.settings.max_deviation_m:
             return Trouble.OFF_PATH
-        ahead = self._lookahead(pose, targets)
-        dx, dy = ahead[0] - pose.x_m, ahead[1] - pose.y_m
-        distance = max(1e-6, math.hypot(dx, dy))
-        off = wrap_angle(math.atan2(dy, dx) - pose.heading_rad)
+        curvature, off = self._steer(pose, targets)
         turning = self.phase is Phase.TURN
         if abs(off) > TURN_ENTER_RAD or (turning and abs(off) > TURN_EXIT_RAD):
             self.phase = Phase.TURN
             self._slew(0.0, self._turn_towards(off), dt_s)
             return None
         self.phase = Phase.TRACK
-        curvature = 2.0 * math.sin(off) / distance
         speed = self._speed_limit(remaining, targets)
         if abs(curvature) > 1e-6:
             lateral = math.sqrt(self.settings.lateral_m_s2 / abs(curvature))
@@ -203,10 +209,20 @@ class Follower:
         self._slew(max(speed, CRAWL_M_S), None, dt_s, curvature)
         return None
 
+    def _steer(self, pose: Pose, targets: Sequence[Waypoint]) -> tuple[float, float]:
+        """The curvature that leads to the pursued point, and its bearing."""
+        x, y = self._lookahead(pose, targets)
+        dx, dy = x - pose.x_m, y - pose.y_m
+        off = wrap_angle(math.atan2(dy, dx) - pose.heading_rad)
+        return 2.0 * math.sin(off) / max(1e-6, math.hypot(dx, dy)), off
+
     def _speed_limit(self, remaining: float, targets: Sequence[Waypoint]) -> float:
         """What the waypoints ahead allow here: each its speed plus what the brakes take back."""
         brake = 2.0 * 0.8 * self.settings.acceleration_m_s2
         allowed = self.settings.max_speed_m_s
+        # a line is driven at the speed of its faster end; stops have none of their own
+        either = max(self._from_speed_m_s, targets[0].speed_m_s)
+        allowed = min(allowed, either) if either > 0.0 else allowed
         ahead = max(0.0, remaining)
         horizon = allowed * allowed / brake
         for index, target in enumerate(targets):
@@ -353,6 +369,11 @@ class Follower:
         wanted = curvature * self.speed_m_s if turn is None else turn
         step = self.settings.turn_acceleration_rad_s2 * dt_s
         self.turn_rad_s += max(-step, min(step, wanted - self.turn_rad_s))
+
+    def _leave(self, target: Waypoint) -> None:
+        """``target`` is executed: the line to the next one begins there."""
+        self._from = (target.x_m, target.y_m)
+        self._from_speed_m_s = target.speed_m_s
 
     def _new_target(self) -> None:
         self._attempts = 0

@@ -80,6 +80,8 @@ START_RETRY_S: Final = 0.05
 PREFETCH_S: Final = 0.001
 """The next frame may be handed out so long before the line is free."""
 FOREIGN_S: Final = 1.0
+_MAY_COME: Final = (CommandResult.NO_LEASE, CommandResult.NO_POSE, CommandResult.WRONG_INDEX)
+"""What START may lack for a moment: a lease, a pose, or that the robot has come to rest."""
 
 
 @dataclass(slots=True)
@@ -433,7 +435,7 @@ class HostConnection:
         self._outstanding = None
         patient = (
             waiting.kind is MessageType.START
-            and status.result in (CommandResult.NO_LEASE, CommandResult.NO_POSE)
+            and status.result in _MAY_COME
             and self._start_wanted_s is not None
             and now_s - self._start_wanted_s < START_PATIENCE_S
         )

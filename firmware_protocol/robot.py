@@ -45,6 +45,9 @@ class WheelSpeeds(NamedTuple):
     powered: bool
 
 
+_OFF: Final = WheelSpeeds(0.0, 0.0, powered=False)
+
+
 class RobotController:
     """Everything the robot decides; one :meth:`step` per control cycle (100 a second)."""
 
@@ -62,6 +65,8 @@ class RobotController:
         self.done = False
         self.speed_m_s = 0.0
         self.turn_rad_s = 0.0
+        self.wheels = _OFF
+        """What the motors are to do now: as :meth:`step` said, or zero since an e-stop."""
         self._records: deque[bytes] = deque(maxlen=QUEUE_SIZE)
         self._targets: deque[Waypoint] = deque(maxlen=QUEUE_SIZE)
         self._ended = False
@@ -162,6 +167,7 @@ class RobotController:
             self._session_after_estop = False
         self._change(RobotEvent.ESTOP, reason)
         self.follower.freeze()
+        self.wheels = _OFF
 
     def reset_estop(self) -> CommandResult:
         """Leave ESTOP for IDLE without a mission; only in a session younger than the stop."""
@@ -187,8 +193,7 @@ class RobotController:
             self._measure(dt_s, *travel)
         self._watch(now_s)
         if self.state is RobotState.ESTOP:
-            self.follower.freeze()
-            return WheelSpeeds(0.0, 0.0, powered=False)
+            return self.wheels
         if self.state is RobotState.RUN:
             step = self.follower.step(
                 dt_s, self.estimate.pose, self.speed_m_s, tuple(self._targets)
@@ -197,11 +202,13 @@ class RobotController:
             if step.trouble is not None and self.state is RobotState.RUN:
                 self._change(RobotEvent.HALT, _TROUBLE[step.trouble])
         else:
-            step = self.follower.halt(dt_s)
+            step = self.follower.halt(dt_s, self.estimate.pose, tuple(self._targets))
+            self._execute(step.executed)
         half = step.turn_rad_s * self.settings.track_m / 2.0
         moving = step.speed_m_s != 0.0 or step.turn_rad_s != 0.0
         powered = moving or self.state in (RobotState.RUN, RobotState.HOLD)
-        return WheelSpeeds(step.speed_m_s - half, step.speed_m_s + half, powered)
+        self.wheels = WheelSpeeds(step.speed_m_s - half, step.speed_m_s + half, powered)
+        return self.wheels
 
     def tick(self, now_s: float) -> None:
         """Watch the lease between two steps."""

@@ -31,6 +31,9 @@ from firmware_protocol.host_events import Event, LinkChanged
 from firmware_protocol.host_state import LinkState
 from firmware_protocol.messages import (
     STOP_SENTENCES,
+    Lease,
+    LeaseFlag,
+    PoseFix,
     RobotState,
     Status,
     StatusFlag,
@@ -191,10 +194,14 @@ class SerialLink:
         ``pose_age_s`` is the age of the camera's last pose: above 0.5 s the robot holds, unless
         ``odometry`` lets it drive without the camera.
         """
+        Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
         self._order(lambda now_s: self._host.lease(now_s, ttl_s, permit, pose_age_s, odometry))
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Where the camera saw the robot at ``captured_s`` of the clock."""
+        PoseFix(x_m, y_m, heading_rad, 0.0).pack()
+        if not math.isfinite(captured_s):
+            raise LocalError(f"captured_s = {captured_s}: must be finite")
         self._order(lambda _now_s: self._host.pose_fix(x_m, y_m, heading_rad, captured_s))
 
     def estop(self) -> None:

@@ -31,10 +31,12 @@ def open_port(path: str, baud: int) -> serial.Serial:
         raise PortError(f"serial port {path}: {_reason(error)}") from error
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     number = getattr(error, "errno", None)
     if number is None and error.args and isinstance(error.args[0], int):
         number = error.args[0]
+    if number is None and error.__context__ is not None:
+        return _reason(error.__context__)  # pyserial wraps termios.error without its number
     match number:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
             return "there is no such device; is the cable plugged in?"

@@ -226,7 +226,9 @@ class SimulatedRobot:
     def _step(self, now_s: float) -> None:
         self._steps += 1
         if self._steps % CONTROL_EVERY == 0 and not self._frozen(now_s):
-            self._wheels = self._robot.controller.step(now_s, *self._drive.encoders_m)
+            self._robot.controller.step(now_s, *self._drive.encoders_m)
+        if not self._frozen(now_s):
+            self._wheels = self._robot.controller.wheels
         self._drive.step(PHYSICS_S, self._wheels)
         if self._steps % (2 * CONTROL_EVERY) == 0:
             with self._lock:

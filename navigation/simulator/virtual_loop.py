@@ -149,7 +149,8 @@ class VirtualLoop:
         if not self.knobs.frozen:
             self.robot.controller.tick(self.robot_s)
             if self._ticks % 10 == 0:
-                self.wheels = self.robot.controller.step(self.robot_s, *self.drive.encoders_m)
+                self.robot.controller.step(self.robot_s, *self.drive.encoders_m)
+            self.wheels = self.robot.controller.wheels
         self.drive.step(TICK_S, self.wheels)
         if self._ticks % 10 == 0:
             self.track.append((self.now_s, *self.drive.pose))

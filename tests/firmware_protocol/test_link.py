@@ -130,7 +130,9 @@ def test_go_back_n_delivers_everything_once_and_in_order(script: list[str]) -> N
     assert len(taken) >= 300
 
 
-def exchange(clock: ClockEstimate, now_s: float, offset_s: float, there: float, back: float) -> None:
+def exchange(
+    clock: ClockEstimate, now_s: float, offset_s: float, there: float, back: float
+) -> None:
     received_us = int((now_s + there + offset_s) * 1e6) % WRAP_US
     clock.add(now_s, received_us, (received_us + 100) % WRAP_US, now_s + there + 100e-6 + back)
 

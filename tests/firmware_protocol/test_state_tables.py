@@ -19,7 +19,9 @@ def test_every_state_can_be_stopped_and_only_a_reset_leaves_the_stop() -> None:
 
 def test_a_new_session_never_leaves_the_robot_running() -> None:
     assert all(
-        new is not RobotState.RUN for (_, event), new in ROBOT.items() if event is RobotEvent.SESSION
+        new is not RobotState.RUN
+        for (_, event), new in ROBOT.items()
+        if event is RobotEvent.SESSION
     )
 
 

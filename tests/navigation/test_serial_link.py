@@ -1,0 +1,238 @@
+"""The thread that owns the port, over real pseudo-terminals."""
+
+import math
+import os
+import random
+import threading
+import time
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from firmware_protocol.errors import LocalError
+from firmware_protocol.host_events import MissionDone, MissionVoid
+from firmware_protocol.host_state import LinkState
+from firmware_protocol.messages import RobotState, Waypoint
+from firmware_protocol.mission import Mission
+from navigation.serial_link import LinkSnapshot, SerialLink
+from navigation.serial_port import PortError, open_port
+from navigation.simulator.line_faults import FaultSpec
+from navigation.simulator.robot import SimulatedRobot
+
+TICK_S = 0.01
+
+
+def wait_for(holds: Callable[[], bool], seconds: float = 10.0) -> bool:
+    end_s = time.monotonic() + seconds
+    while time.monotonic() < end_s:
+        if holds():
+            return True
+        time.sleep(TICK_S)
+    return holds()
+
+
+@contextmanager
+def controlled(link: SerialLink, robot: SimulatedRobot) -> Iterator[threading.Event]:
+    """A control loop: poses and leases while the event is set."""
+    alive, over = threading.Event(), threading.Event()
+    alive.set()
+
+    def loop() -> None:
+        while not over.wait(0.033):
+            if alive.is_set():
+                link.pose_fix(*robot.pose(), time.monotonic())
+                link.lease(True, 0.01)
+
+    thread = threading.Thread(target=loop)
+    thread.start()
+    try:
+        yield alive
+    finally:
+        over.set()
+        thread.join()
+
+
+def robot(seed: int = 1, **options: object) -> SimulatedRobot:
+    return SimulatedRobot(
+        rng=np.random.default_rng(seed),
+        boot_ids=random.Random(seed),
+        **options,  # type: ignore[arg-type]
+    )
+
+
+def is_up(link: SerialLink) -> bool:
+    return link.snapshot().down_reason is None
+
+
+LINE = [Waypoint(0.02 * i, 0.0, 0.4) for i in range(30)]
+
+
+def test_a_mission_is_driven_over_a_pseudo_terminal() -> None:
+    with robot() as there, SerialLink(there.port) as link, controlled(link, there):
+        assert wait_for(lambda: is_up(link))
+        mission = link.upload(7, LINE)
+        assert wait_for(lambda: link.snapshot().mission_done, 20.0)
+        snapshot = link.snapshot()
+        assert (snapshot.mission_id, snapshot.executed) == (7, len(LINE))
+        assert there.view().exec_crc == mission.prefix_crc(len(LINE))
+        assert MissionDone(7) in link.events()
+        assert math.dist(there.pose()[:2], (LINE[-1].x_m, 0.0)) < 0.006
+        assert snapshot.standing_reason == "it has finished its mission"
+        assert snapshot.rtt_s is not None
+        assert len(there.track()) > 50
+
+
+def test_a_mission_is_driven_over_a_bad_line() -> None:
+    faults = FaultSpec.parse("drop=0.001,flip=0.0005,dup=0.01,stall=0.1@1")
+    with robot(faults=faults) as there, SerialLink(there.port) as link, controlled(link, there):
+        assert wait_for(lambda: is_up(link))
+        mission = link.upload(7, LINE)
+
+        def done() -> bool:
+            snapshot = link.snapshot()
+            if snapshot.mission_id == 7 and not snapshot.running and not snapshot.mission_done:
+                link.start()
+                time.sleep(0.1)
+            return snapshot.mission_done
+
+        assert wait_for(done, 30.0)
+        assert there.view().exec_crc == mission.prefix_crc(len(LINE))
+
+
+def test_emergency_stop_is_confirmed_and_left_in_a_fresh_session() -> None:
+    with robot() as there, SerialLink(there.port) as link, controlled(link, there):
+        assert wait_for(lambda: is_up(link))
+        link.upload(7, LINE)
+        assert wait_for(lambda: there.view().moving)
+        link.estop()
+        assert wait_for(lambda: link.snapshot().estopped, 2.0)
+        assert wait_for(lambda: not there.view().moving, 2.0)
+        assert not link.snapshot().estop_pending
+        assert any(isinstance(event, MissionVoid) for event in link.events())
+        link.reset_estop()
+        assert wait_for(lambda: there.view().state is RobotState.IDLE, 5.0)
+        assert wait_for(lambda: not link.snapshot().estopped, 5.0)
+
+
+def test_the_robot_stops_when_the_control_loop_hangs_although_the_thread_lives() -> None:
+    with robot() as there, SerialLink(there.port) as link, controlled(link, there) as alive:
+        assert wait_for(lambda: is_up(link))
+        link.upload(7, LINE)
+        assert wait_for(lambda: there.view().moving)
+        alive.clear()
+        assert wait_for(lambda: there.view().state is RobotState.HOLD, 2.0)
+        assert is_up(link)
+        alive.set()
+        assert not wait_for(lambda: there.view().state is RobotState.RUN, 0.5)
+        link.start()
+        assert wait_for(lambda: link.snapshot().mission_done, 20.0)
+
+
+def test_a_missing_port_is_one_clear_sentence(tmp_path: Path) -> None:
+    with pytest.raises(PortError, match="there is no such device"):
+        SerialLink(str(tmp_path / "ttyUSB9")).open()
+
+
+def test_a_file_is_no_serial_port(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("")
+    with pytest.raises(PortError, match="is no serial port"):
+        SerialLink(str(path)).open()
+    with pytest.raises(PortError, match="is no serial port"):
+        SerialLink("/dev/null").open()
+
+
+def test_a_busy_port_is_one_clear_sentence() -> None:
+    with (
+        robot() as there,
+        SerialLink(there.port),
+        pytest.raises(PortError, match=r"in use by another program"),
+    ):
+        SerialLink(there.port).open()
+
+
+def test_closing_is_quick_and_frees_the_port() -> None:
+    with robot() as there:
+        link = SerialLink(there.port)
+        link.open()
+        assert wait_for(lambda: is_up(link))
+        began_s = time.monotonic()
+        link.close()
+        assert time.monotonic() - began_s < 0.2
+        assert link.snapshot().state is LinkState.CLOSED
+        open_port(there.port, 115_200).close()
+        link.close()
+
+
+def test_a_silent_port_says_what_to_look_at() -> None:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    try:
+        with SerialLink(os.ttyname(slave)) as link:
+            assert wait_for(lambda: "no byte" in (link.snapshot().down_reason or ""), 3.0)
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+def test_a_port_that_goes_away_is_found_again_by_its_name(tmp_path: Path) -> None:
+    """A stable name, as /dev/serial/by-id gives it, that leads to another device later."""
+    name = tmp_path / "robot"
+    with robot() as first:
+        name.symlink_to(first.port)
+        link = SerialLink(str(name))
+        link.open()
+        try:
+            assert wait_for(lambda: is_up(link))
+            first.stop()
+            assert wait_for(lambda: not is_up(link), 3.0)
+            assert "broke" in str(link.snapshot().down_reason) or wait_for(
+                lambda: link.snapshot().down_reason is not None
+            )
+            name.unlink()
+            with robot(seed=2) as second:
+                name.symlink_to(second.port)
+                assert wait_for(lambda: is_up(link), 10.0), link.snapshot().down_reason
+                assert link.snapshot().state is LinkState.REBOOTED
+        finally:
+            link.close()
+
+
+def test_a_new_process_goes_on_with_the_robots_mission() -> None:
+    with robot() as there:
+        with SerialLink(there.port) as first, controlled(first, there):
+            assert wait_for(lambda: is_up(first))
+            first.upload(7, LINE)
+            assert wait_for(lambda: first.snapshot().executed >= 5)
+            boot_id = first.snapshot().boot_id
+        with SerialLink(there.port, expected_boot_id=boot_id) as second, controlled(second, there):
+            second.upload(7, LINE, start=False)
+            assert wait_for(lambda: is_up(second))
+            assert wait_for(lambda: not there.view().moving, 3.0)
+            assert 5 <= second.snapshot().executed < len(LINE)
+            second.start()
+            assert wait_for(lambda: second.snapshot().mission_done, 20.0)
+            assert there.view().exec_crc == Mission(7, LINE).prefix_crc(len(LINE))
+
+
+def test_what_the_wire_cannot_carry_is_refused_in_the_callers_thread() -> None:
+    link = SerialLink("/dev/none")
+    with pytest.raises(LocalError):
+        link.upload(0, LINE)
+    with pytest.raises(LocalError, match="x_m"):
+        link.upload(1, [Waypoint(3000.0, 0.0, 0.1)])
+    with pytest.raises(LocalError):
+        link.pose_fix(math.nan, 0.0, 0.0, 0.0)
+    with pytest.raises(LocalError):
+        link.lease(True, math.nan)
+
+
+def test_a_closed_link_says_so() -> None:
+    snapshot = SerialLink("/dev/none").snapshot()
+    assert isinstance(snapshot, LinkSnapshot)
+    assert snapshot.down_reason == "the port is not open"
+    assert snapshot.heard_age_s == math.inf

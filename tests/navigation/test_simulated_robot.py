@@ -1,0 +1,193 @@
+import math
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_protocol.robot import WheelSpeeds
+from navigation.serial_link import SerialLink
+from navigation.serial_port import PortError
+from navigation.simulator.drive_model import Drive, DriveModel, TruePose
+from navigation.simulator.line_faults import FaultSpec, FaultSpecError, FaultyLine
+from navigation.simulator.robot import SimulatedRobot
+from navigation.simulator.virtual_loop import PacedLine
+
+
+def drive(model: DriveModel) -> Drive:
+    return Drive(model, TruePose(0.0, 0.0, 0.0), np.random.default_rng(1))
+
+
+def push(body: Drive, left: float, right: float, seconds: float) -> None:
+    for _ in range(round(seconds / 0.002)):
+        body.step(0.002, WheelSpeeds(left, right, True))
+
+
+def test_equal_wheels_drive_straight() -> None:
+    body = drive(DriveModel(slip=0.0))
+    push(body, 0.2, 0.2, 5.0)
+    x, y, heading = body.pose
+    assert x == pytest.approx(0.2 * (5.0 - body.model.lag_s), abs=0.002)
+    assert (y, heading) == (0.0, 0.0)
+
+
+def test_opposite_wheels_turn_on_the_spot() -> None:
+    body = drive(DriveModel(slip=0.0, track_m=0.1))
+    push(body, -0.05, 0.05, 1.05)
+    assert math.hypot(*body.pose[:2]) < 1e-9
+    assert body.pose.heading_rad == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_larger_wheel_bends_the_way_as_geometry_says() -> None:
+    body = drive(DriveModel(slip=0.0, right_scale=1.03))
+    push(body, 0.2, 0.2, 1.05)
+    assert body.pose.heading_rad == pytest.approx(0.2 * 0.03 / 0.12, rel=0.02)
+
+
+def test_encoders_count_whole_ticks_of_the_nominal_wheel() -> None:
+    body = drive(DriveModel(left_scale=1.1, ticks_per_m=1000.0))
+    push(body, 0.2, 0.2, 1.0)
+    left, right = body.encoders_m
+    assert left == right
+    assert (left * 1000.0) % 1.0 == pytest.approx(0.0, abs=1e-6)
+
+
+def test_motors_without_power_come_to_rest() -> None:
+    body = drive(DriveModel())
+    push(body, 0.3, 0.3, 1.0)
+    assert body.moving
+    for _ in range(400):
+        body.step(0.002, WheelSpeeds(0.3, 0.3, powered=False))
+    assert not body.moving
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("drop=2", "probability"),
+        ("drop=x", "not a number"),
+        ("drop=nan", "probability"),
+        ("drop", "NAME=VALUE"),
+        ("fire=1", "unknown"),
+        ("stall=1", "SECONDS@SECONDS"),
+        ("stall=0@1", "> 0"),
+        ("reset=-1", "> 0"),
+        ("drop=0.1,drop=0.2", "twice"),
+    ],
+)
+def test_a_wrong_fault_specification_is_one_clear_sentence(text: str, what: str) -> None:
+    with pytest.raises(FaultSpecError, match=what):
+        FaultSpec.parse(text)
+
+
+def test_a_fault_specification_is_read() -> None:
+    spec = FaultSpec.parse(" drop=0.001, stall=0.1@5,,freeze=0.2@3,reset=7 ")
+    assert (spec.drop, spec.stall_s, spec.stall_every_s) == (0.001, 0.1, 5.0)
+    assert (spec.freeze_s, spec.freeze_at_s, spec.reset_at_s) == (0.2, 3.0, 7.0)
+    assert FaultSpec.parse("") == FaultSpec()
+
+
+@given(st.lists(st.binary(max_size=40), max_size=10))
+def test_a_good_line_changes_nothing(parts: list[bytes]) -> None:
+    line = FaultyLine(FaultSpec(), np.random.default_rng(0))
+    assert b"".join(line.carry(part, 0.0) for part in parts) == b"".join(parts)
+
+
+def test_a_bad_line_damages_as_often_as_asked() -> None:
+    data = bytes(200_000)
+    rng = np.random.default_rng(0)
+    assert len(FaultyLine(FaultSpec(drop=0.01), rng).carry(data, 0.0)) == pytest.approx(
+        198_000, abs=300
+    )
+    flipped = FaultyLine(FaultSpec(flip=0.01), rng).carry(data, 0.0)
+    assert sum(map(bool, flipped)) == pytest.approx(2000, abs=300)
+    assert all(value.bit_count() <= 1 for value in flipped)
+    assert len(FaultyLine(FaultSpec(noise=0.01), rng).carry(data, 0.0)) > 201_500
+
+
+def test_frames_are_doubled_and_swapped_whole() -> None:
+    rng = np.random.default_rng(0)
+    line = FaultyLine(FaultSpec(dup=1.0), rng)
+    assert line.carry(b"\0ab\0\0c", 0.0) + line.carry(b"d\0", 0.0) == b"\0ab\0" * 2 + b"\0cd\0" * 2
+    line = FaultyLine(FaultSpec(swap=1.0), rng)
+    assert line.carry(b"\0ab\0\0cd\0", 0.0) == b"\0cd\0\0ab\0"
+
+
+def test_a_stall_delivers_everything_afterwards() -> None:
+    line = FaultyLine(FaultSpec.parse("stall=1@10"), np.random.default_rng(0))
+    assert line.carry(b"a", 0.5) == b""
+    assert line.carry(b"b", 0.9) == b""
+    assert line.carry(b"", 1.1) == b"ab"
+
+
+def test_a_paced_line_takes_ten_bits_a_byte() -> None:
+    line = PacedLine(115_200)
+    line.put(bytes(1152), 0.0)
+    assert len(line.take(0.05)) == pytest.approx(576, abs=8)
+    assert not line.free(0.0999)
+    assert len(line.take(0.1)) + 576 == pytest.approx(1152, abs=8)
+    assert line.free(0.1)
+
+
+def test_a_robot_sits_on_an_existing_port() -> None:
+    """The other way round: the host makes the line, the robot opens it."""
+    a, b = os.openpty()
+    try:
+        with pytest.raises(PortError):
+            SimulatedRobot(rng=np.random.default_rng(0), port="/dev/tty_that_is_not_there")
+        with SimulatedRobot(rng=np.random.default_rng(0), port=os.ttyname(b)) as robot:
+            assert robot.port == os.ttyname(b)
+    finally:
+        os.close(a)
+        os.close(b)
+
+
+def test_a_robot_that_resets_is_noticed() -> None:
+    faults = FaultSpec.parse("reset=0.5")
+    with (
+        SimulatedRobot(rng=np.random.default_rng(0), faults=faults) as robot,
+        SerialLink(robot.port) as link,
+    ):
+        end_s = time.monotonic() + 10.0
+        while link.snapshot().sent.reboots == 0 and time.monotonic() < end_s:
+            time.sleep(0.02)
+        assert link.snapshot().sent.reboots == 1
+
+
+def test_the_command_prints_the_port_and_ends_with_ctrl_c() -> None:
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-uc",
+            "from navigation.cli.main import main; main()",
+            "robot",
+            "--start=0.5,0.25,90",
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        if not select.select([process.stdout], [], [], 30.0)[0]:
+            pytest.fail("the command says nothing")
+        port = process.stdout.readline().strip()
+        with SerialLink(port) as link:
+            end_s = time.monotonic() + 10.0
+            while link.snapshot().down_reason and time.monotonic() < end_s:
+                time.sleep(0.02)
+            assert link.snapshot().down_reason is None
+            out = process.stdout.readline() + process.stdout.readline()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=10)
+        assert "BOOT: it has just booted" in out
+        assert "IDLE" in out
+        assert process.returncode == 130
+    finally:
+        process.kill()
+        process.communicate()
