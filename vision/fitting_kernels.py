@@ -31,7 +31,7 @@ LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 16.0, 22.0, 20.0
 FEWEST = 10
 """Points of the smallest border that is fitted."""
 SAMPLES = 48
-"""At most so many points judge a stretch in the search."""
+"""At most about so many points shape a stretch in the search; all of them judge it."""
 SPAN = 160
 """At most so many seeds in one stretch."""
 ROUNDS = 3
@@ -221,7 +221,7 @@ def _line_cost(points, first, n, lo, hi, step, line, dead_zone, sigma, worst):
         if d > dead_zone:
             d = (d - dead_zone) / sigma
             cost += d * d
-    return cost * step
+    return cost
 
 
 @njit(cache=True, nogil=True)
@@ -237,7 +237,7 @@ def _circle_cost(points, first, n, lo, hi, step, circle, dead_zone, sigma, worst
         if d > dead_zone:
             d = (d - dead_zone) / sigma
             cost += d * d
-    return cost * step
+    return cost
 
 
 @njit(cache=True, nogil=True)
@@ -262,13 +262,13 @@ def _stretch(points, first, n, lo, hi, guard, dead_zone, sigma, worst, line, cir
     if count > SAMPLES:
         step = count // SAMPLES
     fit_line(points, first, n, a, b, step, line)
-    line_cost = LINE_PRICE + _line_cost(points, first, n, a, b, step, line, dead_zone, sigma, worst)
+    line_cost = LINE_PRICE + _line_cost(points, first, n, a, b, 1, line, dead_zone, sigma, worst)
     if count < 6 or line_cost < ARC_PRICE:
         return line_cost, False
     arc_cost = HUGE
     if fit_circle(points, first, n, a, b, step, 1, circle):
         arc_cost = ARC_PRICE + _circle_cost(
-            points, first, n, a, b, step, circle, dead_zone, sigma, worst
+            points, first, n, a, b, 1, circle, dead_zone, sigma, worst
         )
     if arc_cost < line_cost:
         return arc_cost, True
