@@ -192,7 +192,6 @@ class RobotSection(MarkerSection):
     angular_rate_rad_s: Positive = Field(2.0, description="highest turning rate")
     angular_acceleration_rad_s2: Positive = Field(6.0, description="highest turning acceleration")
     track_m: Positive = Field(0.12, description="distance between the driven wheels")
-    wheel_radius_m: Positive = Field(0.03, description="radius of the driven wheels")
     turns_on_spot: StrictBool = Field(True, description="whether it can turn without driving")
 
 
