@@ -1,6 +1,7 @@
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ class Run:
     """A drive without a wire: the controller, the moving robot and the camera's delay."""
 
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    model: DriveModel = DriveModel()
+    model: DriveModel = field(default_factory=DriveModel)
     seed: int = 1
     blind: bool = False
     noise: float = 1.0
@@ -126,7 +127,7 @@ def test_the_drive_takes_the_speed_of_its_waypoints() -> None:
     run = Run()
     track = run.follow(line(points, 0.3))
     assert len(track) * DT_S < 2.0 / 0.3 + 2.5
-    speeds = [math.dist(a[:2], b[:2]) / DT_S for a, b in zip(track, track[1:], strict=False)]
+    speeds = [math.dist(a[:2], b[:2]) / DT_S for a, b in pairwise(track)]
     assert max(speeds) < 0.33
 
 

@@ -1,6 +1,11 @@
+from enum import Enum
+from pathlib import Path
+
+import pytest
+
 from firmware_protocol.host_state import TRANSITIONS as HOST
 from firmware_protocol.host_state import LinkEvent, LinkState
-from firmware_protocol.messages import STOP_SENTENCES, RobotState, StopReason
+from firmware_protocol.messages import ESTOP_FRAME, STOP_SENTENCES, RobotState, StopReason
 from firmware_protocol.robot_state import TRANSITIONS as ROBOT
 from firmware_protocol.robot_state import RobotEvent
 
@@ -41,3 +46,14 @@ def test_every_state_that_is_up_can_be_lost() -> None:
 
 def test_every_reason_to_stand_has_a_sentence() -> None:
     assert set(STOP_SENTENCES) == set(StopReason)
+
+
+@pytest.mark.parametrize("table", [HOST, ROBOT], ids=["host", "robot"])
+def test_the_document_lists_the_table(table: dict[tuple[Enum, Enum], Enum]) -> None:
+    text = (Path(__file__).parents[2] / "docs" / "protocol.md").read_text()
+    rows = [
+        f"| {state.name} | {event.name}: {event.value} | {new.name} |"
+        for (state, event), new in table.items()
+    ]
+    assert "\n".join(rows) in text
+    assert ESTOP_FRAME.hex(" ") in text
