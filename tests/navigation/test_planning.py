@@ -1,0 +1,110 @@
+"""The planner as the daemon uses it: answers, checks of the running path, the newest wins."""
+
+import math
+import threading
+
+import numpy as np
+import pytest
+
+from navigation.mission import Station
+from navigation.pilot import PlanAnswer, PlanRequest
+from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
+from planner.path import NoPath, Path
+from planner.scene import Bounds, CircleRecord, Scene, SceneObject
+from planner.trajectory import default_limits
+
+RADIUS_M, MARGIN_M = 0.09, 0.02
+SETTINGS = PlanSettings(RADIUS_M, MARGIN_M, None, "balanced", default_limits(RADIUS_M))
+BOUNDS = Bounds(0.0, 0.0, 2.0, 1.0)
+
+
+def scene_of(*discs: tuple[float, float, float]) -> Scene:
+    objects = tuple(SceneObject(i, (CircleRecord((x, y), r),)) for i, (x, y, r) in enumerate(discs))
+    return Scene("m", BOUNDS, objects)
+
+
+def planner_with(*discs: tuple[float, float, float]) -> ArenaPlanner:
+    arena_planner = ArenaPlanner(SETTINGS)
+    arena_planner.see(scene_of(*discs), 1)
+    return arena_planner
+
+
+ACROSS = PlanRequest(1, (0.2, 0.5, 0.0), (Station(1.0, 0.8), Station(1.8, 0.5, 0.0, 1.0)), 1)
+
+
+def test_a_plan_keeps_the_radius_and_visits_every_station_in_order() -> None:
+    answer = planner_with((1.0, 0.4, 0.15)).answer(ACROSS)
+    assert isinstance(answer.path, Path)
+    assert answer.path.min_clearance >= RADIUS_M
+    assert [t.station for t in answer.targets if t.station is not None][-2:] == [1, 2]
+    last = answer.targets[-1]
+    assert (last.x_m, last.y_m, last.heading_rad) == pytest.approx((1.8, 0.5, 0.0))
+    assert last.dwell_s == 1.0
+    assert last.stops
+
+
+def test_before_the_first_scene_there_is_no_plan_and_no_clearance() -> None:
+    arena_planner = ArenaPlanner(SETTINGS)
+    assert isinstance(arena_planner.answer(ACROSS).path, NoPath)
+    assert arena_planner.clearance_m((0.5, 0.5)) is None
+    assert arena_planner.path_clearance_m(np.zeros((2, 2))) is None
+
+
+def test_a_wall_of_discs_is_no_path_with_its_bottleneck() -> None:
+    wall = [(1.0, 0.05 + 0.15 * i, 0.06) for i in range(7)]
+    request = PlanRequest(1, (0.2, 0.5, 0.0), (Station(1.8, 0.5),), 1)
+    answer = planner_with(*wall).answer(request)
+    assert isinstance(answer.path, NoPath)
+    assert answer.path.bottleneck is not None
+    assert answer.path.widest_radius == pytest.approx(0.015, abs=1e-3)
+
+
+def test_the_margin_gives_way_where_the_radius_still_fits() -> None:
+    # the gap is 0.2 m wide: room for the radius 0.09, not for 0.09 + 0.02
+    arena_planner = planner_with((1.0, 0.15, 0.15), (1.0, 0.75, 0.25))
+    request = PlanRequest(1, (0.2, 0.4, 0.0), (Station(1.8, 0.4),), 1)
+    answer = arena_planner.answer(request)
+    assert isinstance(answer.path, Path)
+    assert RADIUS_M <= answer.path.min_clearance < RADIUS_M + MARGIN_M
+
+
+def test_the_clearance_of_a_running_path_is_judged_in_the_new_scene() -> None:
+    arena_planner = planner_with()
+    line = np.array([(0.3, 0.5), (1.7, 0.5)])
+    before = arena_planner.path_clearance_m(line)
+    arena_planner.see(scene_of((1.0, 0.62, 0.05)), 2)
+    after = arena_planner.path_clearance_m(line)
+    assert before == pytest.approx(0.3)
+    assert after == pytest.approx(0.07)
+
+
+def test_the_thread_answers_and_the_newest_request_wins() -> None:
+    checks: list[SceneCheck] = []
+    answers: list[PlanAnswer] = []
+    answered = threading.Event()
+
+    def on_answer(answer: PlanAnswer) -> None:
+        answers.append(answer)
+        answered.set()
+
+    thread = PlannerThread(ArenaPlanner(SETTINGS), checks.append, on_answer)
+    thread.see(scene_of((1.0, 0.4, 0.15)), 5, np.array([(0.2, 0.9), (1.8, 0.9)]))
+    thread.ask(ACROSS)
+    thread.ask(PlanRequest(2, ACROSS.start, ACROSS.stations, 5))
+    thread.start()
+    assert answered.wait(30.0)
+    thread.stop()
+    thread.check()
+    assert [a.id for a in answers] == [2]
+    assert answers[0].scene_revision == 5
+    assert [c.revision for c in checks] == [5]
+    assert checks[0].path_clearance_m == pytest.approx(0.1)
+
+
+def test_an_error_in_the_thread_reaches_the_control_loop() -> None:
+    thread = PlannerThread(ArenaPlanner(SETTINGS), lambda _: None, lambda _: None)
+    thread.see(scene_of((math.nan, 0.4, 0.15)), 1, None)
+    thread.start()
+    thread.stop(30.0)
+    with pytest.raises(ValueError, match=r"."):
+        thread.check()
