@@ -21,9 +21,10 @@ Site i owns the triangles 2i and 2i + 1; sites are numbered along the curve, so 
 the plane are neighbours in memory.
 
 Exact arithmetic. Coordinates are scaled by a power of two to at most 1 and rounded to multiples
-of 2^-268, so that no product of four differences underflows. Differences that fit a lattice are
-multiplied as 64-bit integers, others as expansions (Shewchuk 1997, "Adaptive precision
-floating-point arithmetic and fast robust geometric predicates").
+of 2^-268, so that no product of four differences underflows. Plain determinants decide where
+their error bound allows; differences that fit a lattice are multiplied as integers, others as
+expansions (Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust
+geometric predicates").
 """
 
 # The arrays' types are in the docstrings; numba infers them.
@@ -55,6 +56,12 @@ IN_CIRCLE_SLACK = (10.0 + 96.0 * UNIT) * UNIT
 """Error bounds of the plain determinants (Shewchuk 1997, ccwerrboundA and iccerrboundA)."""
 UNDERFLOW = 1e-280
 """Determinants smaller than this may have lost digits to underflow."""
+WHOLE_LIMIT = 2.0**57
+"""Differences are scaled below this, so that two parts add up to at most 58 bits."""
+NOT_WHOLE = -(1 << 62)
+"""A difference that has more bits than that."""
+LIMB = (1 << 29) - 1
+"""A limb's 29 bits."""
 SPLITTER = 134_217_729.0
 """2^27 + 1: splits a float64 into two halves (Dekker 1971)."""
 VERTEX_TOLERANCE = 1e-11
@@ -178,16 +185,8 @@ def _sign(x):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def orient(w, ax, ay, bx, by, cx, cy):
-    """1 where a, b, c turn left, -1 right, 0 on one line; exact. `w`: SCRATCH floats."""
-    left = (ax - cx) * (by - cy)
-    right = (ay - cy) * (bx - cx)
-    det = left - right
-    bound = ORIENT_SLACK * (abs(left) + abs(right)) + UNDERFLOW
-    if det > bound:
-        return 1
-    if det < -bound:
-        return -1
+def _orient_exact(w, ax, ay, bx, by, cx, cy):
+    """The sign of `orient` by expansions."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]
     _difference(ax, cx, acx)
     _difference(ay, cy, acy)
@@ -244,11 +243,99 @@ def circumcentre(w, ax, ay, bx, by, cx, cy):
     return cx + x, cy + _value(out) / twice
 
 
+# Whole numbers of up to 58 bits, and sums of their products as four limbs of 29 bits, least
+# first, the last one signed: enough for differences of nearby sites, and far faster than
+# expansions.
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def in_circle(w, per_unit, ax, ay, bx, by, cx, cy, px, py):
+def _whole(a, b, factor):
+    """(a - b) * factor as an integer of at most 58 bits, or NOT_WHOLE; factor: a power of two."""
+    high = a - b
+    v = a - high
+    low = ((a - (high + v)) + (v - b)) * factor
+    high *= factor
+    if not (abs(high) < WHOLE_LIMIT and abs(low) < WHOLE_LIMIT):
+        return NOT_WHOLE
+    i, j = np.int64(high), np.int64(low)
+    if np.float64(i) != high or np.float64(j) != low:
+        return NOT_WHOLE
+    return i + j
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _minor(ax, ay, bx, by):
+    """ax * by - ay * bx as limbs."""
+    ax_0, ax_1, ay_0, ay_1 = ax & LIMB, ax >> 29, ay & LIMB, ay >> 29
+    bx_0, bx_1, by_0, by_1 = bx & LIMB, bx >> 29, by & LIMB, by >> 29
+    m_0 = ax_0 * by_0 - ay_0 * bx_0
+    m_1 = ax_0 * by_1 + ax_1 * by_0 - ay_0 * bx_1 - ay_1 * bx_0 + (m_0 >> 29)
+    m_2 = ax_1 * by_1 - ay_1 * bx_1 + (m_1 >> 29)
+    return m_0 & LIMB, m_1 & LIMB, m_2 & LIMB, m_2 >> 29
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _limb_product(m, s):
+    """The product of two numbers of four limbs as seven sums, without carries."""
+    return (
+        m[0] * s[0],
+        m[0] * s[1] + m[1] * s[0],
+        m[0] * s[2] + m[1] * s[1] + m[2] * s[0],
+        m[0] * s[3] + m[1] * s[2] + m[2] * s[1] + m[3] * s[0],
+        m[1] * s[3] + m[2] * s[2] + m[3] * s[1],
+        m[2] * s[3] + m[3] * s[2],
+        m[3] * s[3],
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _in_circle_whole(ax, ay, bx, by, cx, cy):
+    """The sign of `in_circle` for whole differences to p of at most 58 bits."""
+    one = _limb_product(_minor(bx, by, cx, cy), _minor(ax, -ay, ay, ax))
+    two = _limb_product(_minor(cx, cy, ax, ay), _minor(bx, -by, by, bx))
+    six = _limb_product(_minor(ax, ay, bx, by), _minor(cx, -cy, cy, cx))
+    carry = np.int64(0)
+    rest = np.int64(0)
+    for k in range(6):
+        carry += one[k] + two[k] + six[k]
+        rest |= carry & LIMB
+        carry >>= 29
+    carry += one[6] + two[6] + six[6]
+    if carry == 0:
+        return 1 if rest != 0 else 0
+    return 1 if carry > 0 else -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def orient(w, ax, ay, bx, by, cx, cy):
+    """1 where a, b, c turn left, -1 right, 0 on one line; exact. `w`: SCRATCH floats."""
+    left = (ax - cx) * (by - cy)
+    right = (ay - cy) * (bx - cx)
+    det = left - right
+    # two factors cannot underflow (see the file's head), so zeros are zeros
+    bound = ORIENT_SLACK * (abs(left) + abs(right))
+    if det > bound:
+        return 1
+    if det < -bound:
+        return -1
+    if bound == 0.0:
+        return 0
+    reach = max(max(abs(ax - cx), abs(ay - cy)), max(abs(bx - cx), abs(by - cy)))
+    factor = math.ldexp(1.0, 57 - math.frexp(reach)[1])
+    acx, acy = _whole(ax, cx, factor), _whole(ay, cy, factor)
+    bcx, bcy = _whole(bx, cx, factor), _whole(by, cy, factor)
+    if min(min(acx, acy), min(bcx, bcy)) != NOT_WHOLE:
+        m = _minor(acx, acy, bcx, bcy)
+        if m[3] == 0:
+            return 1 if m[0] | m[1] | m[2] != 0 else 0
+        return 1 if m[3] > 0 else -1
+    return _orient_exact(w, ax, ay, bx, by, cx, cy)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
     """1 where p lies inside the circle through a, b, c (turning left), -1 outside, 0 on it; exact.
 
-    `per_unit` is 1 / the lattice's unit where all coordinates lie on one, else 0.
     `w`: SCRATCH floats.
     """
     adx, ady = ax - px, ay - py
@@ -270,39 +357,28 @@ def in_circle(w, per_unit, ax, ay, bx, by, cx, cy, px, py):
         return 1
     if det < -bound:
         return -1
-    if per_unit > 0.0:
-        reach = max(max(abs(adx), abs(ady)), max(max(abs(bdx), abs(bdy)), max(abs(cdx), abs(cdy))))
-        if reach * per_unit <= LATTICE_LIMIT:
-            i_ax, i_ay = np.int64(adx * per_unit), np.int64(ady * per_unit)
-            i_bx, i_by = np.int64(bdx * per_unit), np.int64(bdy * per_unit)
-            i_cx, i_cy = np.int64(cdx * per_unit), np.int64(cdy * per_unit)
-            whole = (
-                (i_ax * i_ax + i_ay * i_ay) * (i_bx * i_cy - i_by * i_cx)
-                + (i_bx * i_bx + i_by * i_by) * (i_cx * i_ay - i_cy * i_ax)
-                + (i_cx * i_cx + i_cy * i_cy) * (i_ax * i_by - i_ay * i_bx)
-            )
-            return (1 if whole > 0 else 0) - (1 if whole < 0 else 0)
-    return _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _lattice(xy, n):
-    """1 / the largest power of two of which all scaled coordinates are multiples, or 0.
-
-    0 where that is finer than 2^-30 of the largest coordinate.
-    """
-    bits = np.int64(0)
-    for i in range(2 * n):
-        v = xy[i] * 1073741824.0
-        k = np.int64(v)
-        if np.float64(k) != v:
-            return 0.0
-        bits |= abs(k)
-    per_unit = 1073741824.0
-    while bits & 1 == 0 and per_unit > 1.0:
-        bits >>= 1
-        per_unit *= 0.5
-    return per_unit
+    reach = max(max(abs(adx), abs(ady)), max(max(abs(bdx), abs(bdy)), max(abs(cdx), abs(cdy))))
+    factor = math.ldexp(1.0, 57 - math.frexp(reach)[1])
+    i_ax, i_ay = _whole(ax, px, factor), _whole(ay, py, factor)
+    i_bx, i_by = _whole(bx, px, factor), _whole(by, py, factor)
+    i_cx, i_cy = _whole(cx, px, factor), _whole(cy, py, factor)
+    if min(min(i_ax, i_ay), min(min(i_bx, i_by), min(i_cx, i_cy))) == NOT_WHOLE:
+        return _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py)
+    bits = i_ax | i_ay | i_bx | i_by | i_cx | i_cy
+    unit = bits & -bits
+    if reach * factor > LATTICE_LIMIT * np.float64(unit):
+        return _in_circle_whole(i_ax, i_ay, i_bx, i_by, i_cx, i_cy)
+    # the sites lie on a lattice: few bits
+    per_unit = factor / np.float64(unit)
+    i_ax, i_ay = np.int64(adx * per_unit), np.int64(ady * per_unit)
+    i_bx, i_by = np.int64(bdx * per_unit), np.int64(bdy * per_unit)
+    i_cx, i_cy = np.int64(cdx * per_unit), np.int64(cdy * per_unit)
+    whole = (
+        (i_ax * i_ax + i_ay * i_ay) * (i_bx * i_cy - i_by * i_cx)
+        + (i_bx * i_bx + i_by * i_by) * (i_cx * i_ay - i_cy * i_ax)
+        + (i_cx * i_cx + i_cy * i_cy) * (i_ax * i_by - i_ay * i_bx)
+    )
+    return (1 if whole > 0 else 0) - (1 if whole < 0 else 0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -437,7 +513,7 @@ def _load(sites, order, xy):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _conflict(w, per_unit, xy, ghost, tri, t, px, py):
+def _conflict(w, xy, ghost, tri, t, px, py):
     """1 where p removes triangle t (given as 8 t), 0 where it lies on its circle, else -1; exact.
 
     A ghost's circle is the half-plane beyond its two sites, with the open segment between them.
@@ -451,7 +527,7 @@ def _conflict(w, per_unit, xy, ghost, tri, t, px, py):
     bx, by = xy[2 * b], xy[2 * b + 1]
     if c != ghost:
         cx, cy = xy[2 * c], xy[2 * c + 1]
-        return in_circle(w, per_unit, ax, ay, bx, by, cx, cy, px, py)
+        return in_circle(w, ax, ay, bx, by, cx, cy, px, py)
     side = orient(w, ax, ay, bx, by, px, py)
     if side != 0:
         return side
@@ -461,7 +537,7 @@ def _conflict(w, per_unit, xy, ghost, tri, t, px, py):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _locate(w, per_unit, xy, ghost, tri, t, px, py):
+def _locate(w, xy, ghost, tri, t, px, py):
     """The triangle (as 8 t) that p removes, or -1 - site where p coincides with that site.
 
     An exact visibility walk; it cannot circle in a Delaunay triangulation. Should it, all
@@ -470,7 +546,7 @@ def _locate(w, per_unit, xy, ghost, tri, t, px, py):
     """
     n_slots = tri.shape[0] // 8
     for _ in range(n_slots + 1):
-        if _conflict(w, per_unit, xy, ghost, tri, t, px, py) == 1:
+        if _conflict(w, xy, ghost, tri, t, px, py) == 1:
             return t
         over = -1
         for k in range(3):
@@ -490,7 +566,7 @@ def _locate(w, per_unit, xy, ghost, tri, t, px, py):
         t = (np.int64(tri[t + 4 + over]) >> 3) << 3
     for s in range(n_slots):
         if np.int64(tri[8 * s]) != DEAD:
-            if _conflict(w, per_unit, xy, ghost, tri, 8 * s, px, py) == 1:
+            if _conflict(w, xy, ghost, tri, 8 * s, px, py) == 1:
                 return 8 * s
             for k in range(3):
                 v = np.int64(tri[8 * s + k])
@@ -566,7 +642,6 @@ def _insert(w, xy, n, tri, circ, stamp, alias, rim, rim_site, gone, stack):
     if third < 0:
         return third, 0
     ghost = n
-    per_unit = -1.0
     ties = 0
     last = np.int64(0)
     limit = 64 + 4 * np.int64(math.sqrt(n))
@@ -605,9 +680,7 @@ def _insert(w, xy, n, tri, circ, stamp, alias, rim, rim_site, gone, stack):
                     break
                 t = (np.int64(tri[t + 4 + over]) >> 3) << 3
             if not found:
-                if per_unit < 0.0:
-                    per_unit = _lattice(xy, n)
-                t = _locate(w, per_unit, xy, ghost, tri, t, px, py)
+                t = _locate(w, xy, ghost, tri, t, px, py)
                 if t < 0:
                     alias[p] = -1 - t
                     tri[16 * p] = DEAD
@@ -632,9 +705,7 @@ def _insert(w, xy, n, tri, circ, stamp, alias, rim, rim_site, gone, stack):
                 elif square < circ[(t >> 1) + 2]:
                     hit = stamp[tri[o]] != p
                 else:
-                    if per_unit < 0.0:
-                        per_unit = _lattice(xy, n)
-                    sign = _conflict(w, per_unit, xy, ghost, tri, t, px, py)
+                    sign = _conflict(w, xy, ghost, tri, t, px, py)
                     ties += sign == 0
                     hit = sign > 0 and stamp[tri[o]] != p
                 if hit:
@@ -767,7 +838,6 @@ def _edges(w, xy, n, tri, circ, label, ties):
     edges = np.empty((3 * n, 4), np.int32)
     flat = np.zeros(3 * n, np.bool_)
     ids = np.full(8 * n, -1, np.int32)
-    per_unit = _lattice(xy, n) if ties > 0 else 0.0
     j = 0
     for t in range(0, 16 * n, 8):
         if np.int64(tri[t]) == DEAD:
@@ -794,7 +864,7 @@ def _edges(w, xy, n, tri, circ, label, ties):
                 q = back >> 1
                 square = (px - circ[q]) * (px - circ[q]) + (py - circ[q + 1]) * (py - circ[q + 1])
                 if not (square < circ[q + 2] or square > circ[q + 3]):
-                    flat[j] = _conflict(w, per_unit, xy, n, tri, back, px, py) == 0
+                    flat[j] = _conflict(w, xy, n, tri, back, px, py) == 0
             j += 1
     return edges[:j], flat[:j], ids
 
@@ -877,7 +947,6 @@ def certify(sites, vertex_sites, origin, before, cell, flat):
     n = sites.shape[0]
     xy = np.empty(2 * n + 2)
     _load(sites, np.arange(n), xy)
-    per_unit = _lattice(xy, n)
     w = np.empty(SCRATCH)
     for v in range(vertex_sites.shape[0]):
         a, b, c = vertex_sites[v, 0], vertex_sites[v, 1], vertex_sites[v, 2]
@@ -896,7 +965,7 @@ def certify(sites, vertex_sites, origin, before, cell, flat):
                 p = s
         ax, ay, bx, by = xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1]
         cx, cy, px, py = xy[2 * c], xy[2 * c + 1], xy[2 * p], xy[2 * p + 1]
-        side = in_circle(w, per_unit, ax, ay, bx, by, cx, cy, px, py)
+        side = in_circle(w, ax, ay, bx, by, cx, cy, px, py)
         if side > 0:
             return NOT_EMPTY, j
         if (side == 0) != flat[j]:
