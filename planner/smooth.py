@@ -34,6 +34,9 @@ SIMPLIFY = 0.01
 CURVE_TOLERANCE = 0.002
 """How far the chords may leave the parabola, as a part of the robot's radius."""
 
+ROUNDING = 1e-12
+"""A line cut in two may measure this part of its coordinates nearer than whole."""
+
 
 class SmoothError(ValueError):
     """The path cannot be smoothed as asked; the message says why."""
@@ -93,7 +96,9 @@ def smooth_path(
         stations.append(stations[-1] + len(leg) - 1)
     points = np.concatenate(pieces)
     least = path_clearance(points)
-    if least.distance < floor:
+    rounding = ROUNDING * float(np.abs(points).max())
+    lowest = max(min(floor, path.min_clearance) - rounding, path.robot_radius)
+    if least.distance < lowest:
         return path
     clearances = np.array(clearance(points), dtype=np.float64)
     for array in (points, clearances):

@@ -1,0 +1,115 @@
+"""Other programs get the same graph; for Nav2 straight pieces that are safe to drive."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from planner.exchange import ExchangeError, to_geojson, to_graphml, to_node_link
+from planner.roadmap import Roadmap, build_roadmap
+from planner.scene_io import read_scene_text
+
+SCENE = (
+    "#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 10 8\n"
+    "L 4 (2,2)(2,3)(3,3)(3,2)\nC (6,4) 1\nS (4,6) (8,6.5)\n"
+)
+
+
+@pytest.fixture(scope="module")
+def roadmap() -> Roadmap:
+    return build_roadmap(read_scene_text(SCENE), 0.3)
+
+
+def strict(text: str) -> dict:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_node_link_json_holds_the_graph(roadmap):
+    graph = nx.node_link_graph(strict(to_node_link(roadmap)), edges="edges")
+    assert set(graph.nodes) == set(roadmap.graph.nodes)
+    assert {frozenset(e) for e in graph.edges} == {frozenset(e) for e in roadmap.graph.edges}
+    for n, data in roadmap.graph.nodes(data=True):
+        assert (graph.nodes[n]["x"], graph.nodes[n]["y"]) == data["pos"]
+        assert graph.nodes[n]["clearance"] == data["clearance"]
+    for u, v, data in roadmap.graph.edges(data=True):
+        np.testing.assert_array_equal(graph[u][v]["polyline"], data["polyline"])
+        assert graph[u][v]["length"] == data["length"]
+    assert graph.graph == {"radius": 0.3, "spacing": roadmap.spacing, "units": "m"}
+
+
+def test_graphml_is_read_back_by_networkx(roadmap):
+    graph = nx.parse_graphml(to_graphml(roadmap), node_type=int)
+    assert nx.is_isomorphic(graph, roadmap.graph)
+    for u, v, data in roadmap.graph.edges(data=True):
+        assert graph[u][v]["clearance"] == data["clearance"]
+        points = [tuple(map(float, p.split(","))) for p in graph[u][v]["polyline"].split()]
+        np.testing.assert_array_equal(points, data["polyline"])
+
+
+def test_geojson_follows_the_rules_of_nav2s_route_server(roadmap):
+    document = strict(to_geojson(roadmap, frame="arena"))
+    assert document["type"] == "FeatureCollection"
+    nodes = [f for f in document["features"] if f["geometry"]["type"] == "Point"]
+    edges = [f for f in document["features"] if f["geometry"]["type"] == "MultiLineString"]
+    assert len(nodes) + len(edges) == len(document["features"])
+    numbers = [f["properties"]["id"] for f in document["features"]]
+    assert len(set(numbers)) == len(numbers)
+    assert all(isinstance(n, int) and 0 <= n < 2**32 for n in numbers)
+    assert all(n["properties"]["frame"] == "arena" for n in nodes)
+    ends = {(e["properties"]["startid"], e["properties"]["endid"]) for e in edges}
+    assert all((b, a) in ends for a, b in ends), "every way has its way back"
+    assert {n for pair in ends for n in pair} <= {n["properties"]["id"] for n in nodes}
+    for feature in document["features"]:
+        for value in feature["properties"]["metadata"].values():
+            assert isinstance(value, float)
+
+
+def test_every_straight_piece_for_nav2_keeps_the_robots_radius(roadmap):
+    document = strict(to_geojson(roadmap))
+    place = {
+        f["properties"]["id"]: f["geometry"]["coordinates"]
+        for f in document["features"]
+        if f["geometry"]["type"] == "Point"
+    }
+    for feature in document["features"]:
+        if feature["geometry"]["type"] == "Point":
+            continue
+        a, b = (place[feature["properties"][k]] for k in ("startid", "endid"))
+        assert feature["geometry"]["coordinates"] == [[a, b]]
+        assert feature["properties"]["cost"] == pytest.approx(math.dist(a, b))
+        for t in np.linspace(0, 1, 9):
+            x, y = a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
+            box = math.hypot(max(2 - x, 0, x - 3), max(2 - y, 0, y - 3))
+            disc = math.hypot(x - 6, y - 4) - 1
+            along = min(max(((x - 4) * 4 + (y - 6) * 0.5) / 16.25, 0), 1)
+            bar = math.hypot(x - 4 - 4 * along, y - 6 - 0.5 * along)
+            assert min(box, disc, bar, x, y, 10 - x, 8 - y) >= 0.3 - 1e-9
+
+
+def test_geojson_connects_what_the_roadmap_connects(roadmap):
+    document = strict(to_geojson(roadmap))
+    graph = nx.DiGraph()
+    for feature in document["features"]:
+        if feature["geometry"]["type"] == "Point":
+            graph.add_node(feature["properties"]["id"])
+        else:
+            p = feature["properties"]
+            graph.add_edge(p["startid"], p["endid"])
+    parts = nx.number_strongly_connected_components(graph)
+    assert parts == nx.number_connected_components(roadmap.graph)
+
+
+def test_a_roadmap_without_edges_is_refused_for_nav2_and_empty_elsewhere():
+    tight = build_roadmap(read_scene_text(SCENE), 5.0)
+    assert tight.graph.number_of_edges() == 0
+    with pytest.raises(ExchangeError, match="no edges"):
+        to_geojson(tight)
+    assert strict(to_node_link(tight))["edges"] == []
+    assert nx.parse_graphml(to_graphml(tight)).number_of_edges() == 0
