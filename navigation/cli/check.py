@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from navigation.config import Config
 from navigation.config_errors import ConfigError, Problem, mark_of
 from navigation.config_marks import Location, read_document
+
+if TYPE_CHECKING:
+    from vision.calibration import Calibration
 
 
 @click.command(short_help="Check a configuration; tell every error.")
@@ -35,22 +39,57 @@ def command(config: Path) -> None:
 
 def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
     """What is wrong with the files that a sound configuration names, and with what is in them."""
+    yield from _calibration_problems(config)
+    if config.simulation is not None:
+        yield from _simulation_problems(config)
+
+
+def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
+    from navigation.simulator.pinhole import pinhole_of
+    from vision.calibration import Calibration, CalibrationError
+    from vision.calibration_file import load_calibration
+
+    camera = config.camera
+    where: Location = ("camera", "calibration")
+    calibration: Calibration | None = None
+    try:
+        if camera.calibration is not None:
+            calibration = load_calibration(camera.calibration)
+        elif camera.metres_per_pixel is not None:
+            calibration = Calibration.from_scale(camera.metres_per_pixel, camera.size_px)
+        elif config.simulation is not None:
+            where = ("simulation", "camera")
+            calibration = pinhole_of(config).calibration()
+    except OSError as error:
+        yield where, _unreadable(camera.calibration, error)
+    except CalibrationError as error:
+        yield where, str(error)
+    if calibration is not None and calibration.size != camera.size_px:
+        (width, height), (w, h) = calibration.size, camera.size_px
+        yield where, f"is for pictures of {width}x{height}, camera.size_px asks for {w}x{h}"
+    elif calibration is not None:
+        yield from _arena_is_seen(config, calibration)
+
+
+def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
+    x0, y0, x1, y1 = config.arena.bounds_m
+    corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+    width, height = calibration.size
+    for (x, y), (column, row) in zip(corners, calibration.image_from_arena(corners), strict=True):
+        if not (-0.5 <= column <= width - 0.5 and -0.5 <= row <= height - 0.5):
+            yield (
+                ("arena", "bounds_m"),
+                f"the corner ({x:g}, {y:g}) lies at pixel ({column:.0f}, {row:.0f}), "
+                f"outside the camera's {width}x{height}",
+            )
+
+
+def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     from navigation.simulator.arena import load_arena
     from navigation.simulator.line_faults import FaultSpec, FaultSpecError
     from planner.scene import SceneError
-    from vision.calibration import CalibrationError
-    from vision.calibration_file import load_calibration
 
-    calibration = config.camera.calibration
-    if calibration is not None:
-        try:
-            load_calibration(calibration)
-        except OSError as error:
-            yield ("camera", "calibration"), _unreadable(calibration, error)
-        except CalibrationError as error:
-            yield ("camera", "calibration"), str(error)
-    if config.simulation is None:
-        return
+    assert config.simulation is not None
     try:
         FaultSpec.parse(config.simulation.robot.faults)
     except FaultSpecError as error:
@@ -60,18 +99,19 @@ def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
         arena = load_arena(config)
     except OSError as error:
         yield ("simulation", place), _unreadable(config.simulation.arena, error)
+        return
     except SceneError as error:
         yield ("simulation", place), str(error)
-    else:
-        need = config.robot.radius_m + config.planning.margin_m
-        for index, station in enumerate(config.mission.stations):
-            clearance = float(arena.clearances([[station.x_m, station.y_m]])[0])
-            if clearance < need:
-                yield (
-                    ("mission", "stations", index),
-                    f"has a clearance of {clearance:.3f} m: must be >= {need:g}, "
-                    "robot.radius_m + planning.margin_m",
-                )
+        return
+    need = config.robot.radius_m + config.planning.margin_m
+    for index, station in enumerate(config.mission.stations):
+        clearance = float(arena.clearances([[station.x_m, station.y_m]])[0])
+        if clearance < need:
+            yield (
+                ("mission", "stations", index),
+                f"has a clearance of {clearance:.3f} m: must be >= {need:g}, "
+                "robot.radius_m + planning.margin_m",
+            )
 
 
 def summary(config: Config) -> Iterator[tuple[str, str]]:

@@ -12,6 +12,8 @@ from navigation.cli.main import run
 from navigation.config import load_config
 from navigation.config_reference import json_schema, reference_markdown
 from navigation.config_sections import Config
+from vision.calibration import Calibration
+from vision.calibration_file import save_calibration
 
 ROOT = Path(__file__).parents[2]
 
@@ -119,6 +121,31 @@ def test_check_looks_into_the_files_and_the_arena(
     file = _changed(_init(tmp_path), old, new)
     assert run(["check", str(file)]) == 78
     assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[0.0, 0.0, 2.4, 1.8]", "[0.0, 0.0, 2.4, 2.8]", "the corner (0, 2.8) lies at pixel"),
+        ("focal_px: 1235.0", "focal_px: 2000", "outside the camera's 1280x960"),
+        ("[-0.08, 0.02, 0.0004,", "[-2.0, 0.02, 0.0004,", "simulation.camera: distortion"),
+        ("size_px: [1280, 960]", "size_px: [640, 480]", "outside the camera's 640x480"),
+    ],
+)
+def test_check_finds_an_arena_that_the_camera_does_not_see(
+    old: str, new: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["check", str(_changed(_init(tmp_path), old, new))]) == 78
+    assert told in capsys.readouterr().err
+
+
+def test_check_finds_a_calibration_for_other_pictures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_calibration(Calibration.from_scale(0.005, (640, 480)), tmp_path / "c.yaml")
+    file = _changed(_init(tmp_path), "# calibration:", "calibration: c.yaml #")
+    assert run(["check", str(file)]) == 78
+    assert "is for pictures of 640x480, camera.size_px asks for 1280x960" in capsys.readouterr().err
 
 
 def test_check_says_which_arena_file_is_missing(
