@@ -1,0 +1,314 @@
+"""`clearway plan`, run in this process as the entry point runs it."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.cli.main import run
+
+ARENA = """\
+#@ clearway.scene/1
+#@ units m
+#@ bounds given -2 -1 2 1
+L 4 (-0.5,-0.6)(-0.5,0.2)(-0.2,0.2)(-0.2,-0.6)
+C (0.9,0.1) 0.3
+"""
+GOOD = ("--start", "-1.5,-0.5", "--goal", "1.5,0.5", "--radius", "0.1")
+FIELDS = [
+    "schema",
+    "status",
+    "units",
+    "robot_radius",
+    "path",
+    "length",
+    "min_clearance",
+    "waypoints",
+    "duration",
+    "alternatives",
+    "order",
+    "reason",
+    "bottleneck",
+    "widest_radius",
+    "counts",
+    "timings_ms",
+]
+COUNTS = [
+    "border_pixels",
+    "vertices",
+    "generators",
+    "voronoi_vertices",
+    "roadmap_nodes",
+    "roadmap_edges",
+]
+STAGES = [
+    "load",
+    "binarise",
+    "contours",
+    "geometry",
+    "voronoi",
+    "roadmap",
+    "path",
+    "trajectory",
+    "total",
+]
+
+
+@pytest.fixture
+def arena(tmp_path: Path) -> Path:
+    path = tmp_path / "arena.txt"
+    path.write_text(ARENA)
+    return path
+
+
+def strict_json(text: str) -> dict:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def plan(*arguments: object) -> int:
+    return run(["plan", *map(str, arguments)])
+
+
+def clearance(x: float, y: float) -> float:
+    box = math.hypot(max(-0.5 - x, 0, x + 0.2), max(-0.6 - y, 0, y - 0.2))
+    return min(box, math.hypot(x - 0.9, y - 0.1) - 0.3, x + 2, 2 - x, y + 1, 1 - y)
+
+
+def test_a_plan_as_json_has_every_field_and_keeps_the_radius(arena, capsys):
+    code = plan(
+        arena, "--start", "-1.5,-0.5,90", "--goal", "1.5,0.5", "--radius", 0.1, "--format", "json"
+    )
+    answer = strict_json(capsys.readouterr().out)
+    assert code == 0
+    assert [k for k in FIELDS if k not in answer] == []
+    assert (answer["schema"], answer["status"], answer["units"]) == ("clearway.plan/1", "ok", "m")
+    assert answer["path"][0] == [-1.5, -0.5]
+    assert answer["path"][-1] == [1.5, 0.5]
+    dense = [
+        (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]))
+        for line in (answer["path"], [(w["x"], w["y"]) for w in answer["waypoints"]])
+        for a, b in pairwise(line)
+        for t in np.linspace(0, 1, 11)
+    ]
+    assert min(clearance(*p) for p in dense) >= 0.1 - 1e-9
+    assert answer["length"] == pytest.approx(
+        sum(math.dist(a, b) for a, b in pairwise(answer["path"]))
+    )
+    sampled = min(clearance(*p) for p in dense)
+    assert answer["min_clearance"] <= sampled + 1e-9
+    gap = answer["bottleneck"]
+    assert clearance(gap["x"], gap["y"]) == pytest.approx(answer["min_clearance"])
+    assert gap["width"] == pytest.approx(2 * answer["min_clearance"])
+    assert answer["waypoints"][0]["heading"] == pytest.approx(math.pi / 2)
+    assert answer["waypoints"][-1]["time"] == pytest.approx(answer["duration"])
+    times = [w["time"] for w in answer["waypoints"]]
+    assert times == sorted(times)
+    assert answer["reason"] is None
+    assert answer["widest_radius"] is None
+    assert list(answer["counts"]) == COUNTS
+    assert list(answer["timings_ms"]) == STAGES
+    assert answer["counts"]["generators"] > answer["counts"]["vertices"] == 5
+
+
+def test_a_plan_as_text_says_the_same(arena, capsys):
+    assert plan(arena, "--start", "-1.5,-0.5", "--goal=1.5,0.5", "--radius", 0.1) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("path of length ")
+    assert "least clearance " in out
+    assert " waypoints, " in out
+
+
+def test_no_path_is_exit_code_3_with_the_answer_on_stdout(arena, capsys):
+    base = (arena, "--start", "-1.5,-0.5", "--goal", "1.5,0.5", "--radius", 0.45)
+    assert plan(*base, "--format", "json") == 3
+    answer = strict_json(capsys.readouterr().out)
+    assert answer["status"] == "unreachable"
+    assert answer["reason"]
+    nulls = ("path", "length", "min_clearance", "waypoints", "duration", "alternatives", "order")
+    assert all(answer[name] is None for name in nulls)
+    assert [k for k in FIELDS if k not in answer] == []
+    assert plan(*base) == 3
+    captured = capsys.readouterr()
+    assert captured.out.startswith("no path for a robot of radius 0.45 m: ")
+    assert captured.err == ""
+
+
+def test_a_start_inside_an_obstacle_has_no_path(arena, capsys):
+    assert plan(arena, "--start", "-0.3,0", "--goal", "1.5,0.5", "--radius", 0.1) == 3
+    assert "no path" in capsys.readouterr().out
+
+
+def test_stations_are_visited_and_numbered(arena, capsys):
+    stations = ("--via", "0.3,-0.5", "--via", "-1,0.8,45")
+    code = plan(arena, *GOOD, *stations, "--format", "json")
+    answer = strict_json(capsys.readouterr().out)
+    assert code == 0
+    assert answer["order"] == [0, 1]
+    at = [(w["x"], w["y"], round(w["heading"], 6)) for w in answer["waypoints"]]
+    assert (-1.0, 0.8, round(math.pi / 4, 6)) in at
+    assert (0.3, -0.5) in {(x, y) for x, y, _ in at}
+
+
+def test_the_answer_goes_to_a_file_and_the_picture_beside_it(arena, tmp_path, capsys):
+    out, svg, png = tmp_path / "plan.json", tmp_path / "plan.svg", tmp_path / "plan.PNG"
+    base = (arena, "--start", "-1.5,0", "--goal", "1.5,0.5", "--radius", 0.1, "--format", "json")
+    assert plan(*base, "-o", out, "--render", svg) == 0
+    assert capsys.readouterr().out == ""
+    assert strict_json(out.read_text())["status"] == "ok"
+    assert svg.read_text().startswith("<svg")
+    assert plan(*base, "--render", png) == 0
+    assert cv2.imread(str(png)) is not None
+
+
+def test_a_plain_file_grows_its_derived_bounds_to_hold_start_and_goal(tmp_path, capsys):
+    source = tmp_path / "plain.txt"
+    source.write_text("L 4 (0,0)(10,0)(10,10)(0,10)\n")
+    assert plan(source, "--start", "-200,5", "--goal", "300,5", "--radius", 2) == 0
+    source.write_text("#@ clearway.scene/1\n#@ bounds given -20 -20 30 30\nP (0,0)\n")
+    assert plan(source, "--start", "-200,5", "--goal", "20,5", "--radius", 2) == 3
+
+
+def picture(path: Path) -> Path:
+    image = np.full((240, 320), 255, dtype=np.uint8)
+    cv2.rectangle(image, (120, 60), (180, 239), 0, -1)
+    cv2.circle(image, (240, 100), 25, 0, -1)
+    cv2.imwrite(str(path), image)
+    return path
+
+
+def test_a_picture_is_planned_in_its_pixels(tmp_path, capsys):
+    source = picture(tmp_path / "arena.png")
+    base = (source, "--start", "40,200", "--goal", "280,200", "--radius", 9, "--format", "json")
+    assert plan(*base) == 0
+    answer = strict_json(capsys.readouterr().out)
+    assert answer["units"] == "px"
+    assert min(y for _, y in answer["path"]) < 60 - 9
+    assert all(answer["timings_ms"][stage] is not None for stage in STAGES)
+    assert answer["counts"]["border_pixels"] > 400
+    assert plan(*base, "--polarity", "light") == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (("--start", "1", *GOOD[2:]), "must be X,Y or X,Y,DEG"),
+        (("--start", "1,2,3,4", *GOOD[2:]), "must be X,Y or X,Y,DEG"),
+        (("--start", "nan,2", *GOOD[2:]), "finite"),
+        ((*GOOD[:4], "--radius", "0"), "> 0"),
+        ((*GOOD[:4], "--radius", "-1"), "> 0"),
+        ((*GOOD[:4], "--radius", "nan"), "> 0"),
+        ((*GOOD[:4], "--radius", "inf"), "> 0"),
+        ((*GOOD, "--margin", "-1"), ">= 0"),
+        ((*GOOD, "--spacing", "0.2"), "must be < 2 radius = 0.2"),
+        ((*GOOD, "--prefer", "fast"), "clearance, length, balanced"),
+        ((*GOOD, "--prefer", "1.5"), "from 0 (length)"),
+        ((*GOOD, "--alternatives", "-1"), "alternatives"),
+        ((*GOOD, "--order", "any"), "--order"),
+        ((*GOOD, "--render", "x.gif"), "must end in .svg or .png"),
+        ((*GOOD, "--format", "xml"), "--format"),
+        (GOOD[:4], "--radius"),
+        ((*GOOD, "--bogus"), "--bogus"),
+    ],
+)
+def test_wrong_usage_is_exit_code_2_and_one_sentence(arena, capsys, arguments, what):
+    assert plan(arena, *arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert what in captured.err
+    assert captured.err.count("\n") == 1
+    assert "Traceback" not in captured.err
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "what"),
+    [
+        ("none.txt", None, "No such file"),
+        ("noise.txt", b"\x00\x01\xff", "not a text file"),
+        ("noise.png", b"noise", "not a picture"),
+        ("cut.png", b"\x89PNG\r\n\x1a\n", "damaged picture"),
+        ("bad.txt", b"L 3 (1,1)", ":1:3: 3 vertices announced"),
+        ("bad.yaml", b"image: x.pgm", "'resolution'"),
+        ("bad.map", b"type octile\nheight 1\nwidth 2\nmap\n.\n", ":5:1: width 2"),
+        ("empty.txt", b"", "no records"),
+    ],
+)
+def test_unreadable_input_is_exit_code_2_and_names_the_file(tmp_path, capsys, name, data, what):
+    path = tmp_path / name
+    if data is not None:
+        path.write_bytes(data)
+    assert plan(path, *GOOD) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert str(path) in captured.err
+    assert what in captured.err
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("value", [0, 255])
+def test_a_picture_of_one_colour_is_answered_without_a_traceback(tmp_path, capsys, value):
+    path = tmp_path / "plain.png"
+    cv2.imwrite(str(path), np.full((60, 80), value, dtype=np.uint8))
+    code = plan(path, "--start", "20,30", "--goal", "60,30", "--radius", 5)
+    captured = capsys.readouterr()
+    assert code == (2 if value == 0 else 0)
+    assert captured.err.count("\n") == (1 if code else 0)
+
+
+def test_an_output_that_cannot_be_written_is_exit_code_2(arena, tmp_path, capsys):
+    assert plan(arena, *GOOD, "-o", tmp_path / "no" / "plan.txt") == 2
+    assert plan(arena, *GOOD, "-o", tmp_path / "plan.txt", "--render", tmp_path / "no/x.svg") == 2
+
+
+def test_asking_for_help_compiles_nothing():
+    code = (
+        "import sys, navigation.cli.plan, navigation.cli.roadmap;"
+        "sys.exit(any(m in sys.modules for m in ('numba', 'cv2', 'networkx', 'numpy')))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=60).returncode == 0
+
+
+REAL = os.environ.get("CLEARWAY_REAL_DATA")
+
+
+@pytest.mark.skipif(not REAL, reason="CLEARWAY_REAL_DATA is not set: no real data to plan on")
+@pytest.mark.parametrize(
+    ("source", "start", "goal", "radius"),
+    [
+        ("maps/depot.yaml", "3,3", "25,8", 0.2),
+        ("maps/tb3_sandbox.yaml", "-2,-0.5", "1,1.8", 0.15),
+        ("maps/random-32-32-10.map", "11,6", "7,18", 0.3),
+    ],
+)
+def test_real_maps_are_planned(capsys, source, start, goal, radius):
+    request = ("--start", start, "--goal", goal, "--radius", radius, "--format", "json")
+    assert plan(Path(str(REAL)) / source, *request) == 0
+    answer = strict_json(capsys.readouterr().out)
+    a, b = ([float(v) for v in point.split(",")] for point in (start, goal))
+    assert math.dist(a, b) <= answer["length"] <= 2 * math.dist(a, b)
+    assert answer["min_clearance"] >= radius
+
+
+@pytest.mark.skipif(not REAL, reason="CLEARWAY_REAL_DATA is not set: no scenarios to compare with")
+def test_movingai_paths_are_about_as_long_as_the_scenarios_say(capsys):
+    folder = Path(str(REAL)) / "maps"
+    lines = (folder / "random-32-32-10-random-1.scen").read_text().splitlines()[1:]
+    for line in lines[:40:4]:
+        _, _, _, _, x0, y0, x1, y1, optimal = line.split("\t")
+        arguments = ("--start", f"{x0},{y0}", "--goal", f"{x1},{y1}", "--radius", 0.3)
+        source = folder / "random-32-32-10.map"
+        assert plan(source, *arguments, "--prefer", "length", "--format", "json") == 0
+        answer = strict_json(capsys.readouterr().out)
+        straight = math.dist((float(x0), float(y0)), (float(x1), float(y1)))
+        assert straight - 1e-9 <= answer["length"] <= 1.5 * float(optimal) + 2.0

@@ -1,0 +1,65 @@
+"""`clearway roadmap`: the suffix says the format, and what comes out can be read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import networkx as nx
+import pytest
+
+from navigation.cli.main import run
+
+
+@pytest.fixture
+def arena(tmp_path: Path) -> Path:
+    path = tmp_path / "arena.txt"
+    path.write_text("#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 10 8\nC (5,4) 1.5\n")
+    return path
+
+
+def roadmap(*arguments: object) -> int:
+    return run(["roadmap", *map(str, arguments)])
+
+
+def test_the_suffix_chooses_the_format(arena, tmp_path, capsys):
+    for suffix in ("graphml", "geojson", "json"):
+        assert roadmap(arena, "--radius", 0.3, "-o", tmp_path / f"r.{suffix}") == 0
+        out = capsys.readouterr().out
+        assert f"r.{suffix}: " in out
+        assert "nodes" in out
+    graph = nx.read_graphml(tmp_path / "r.graphml")
+    linked = nx.node_link_graph(json.loads((tmp_path / "r.json").read_text()), edges="edges")
+    assert nx.is_isomorphic(graph, linked)
+    features = json.loads((tmp_path / "r.geojson").read_text())["features"]
+    assert {f["geometry"]["type"] for f in features} == {"Point", "MultiLineString"}
+
+
+def test_a_picture_of_the_roadmap_can_be_drawn(arena, tmp_path):
+    svg = tmp_path / "r.svg"
+    assert roadmap(arena, "--radius", 0.3, "-o", tmp_path / "r.json", "--render", svg) == 0
+    assert 'id="roadmap"' in svg.read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (("--radius", "0.3", "-o", "r.txt"), "must end in .graphml, .geojson or .json"),
+        (("--radius", "0.3", "-o", "r"), "must end in"),
+        (("--radius", "0", "-o", "r.json"), "> 0"),
+        (("--radius", "0.3"), "--output"),
+        (("-o", "r.json"), "--radius"),
+        (("--radius", "0.3", "--spacing", "1", "-o", "r.json"), "< 2 radius"),
+        (("--radius", "5", "-o", "r.geojson"), "no edges"),
+        (("--radius", "0.3", "-o", "r.json", "--render", "r.jpg"), ".svg or .png"),
+        (("--radius", "0.3", "-o", "no/where/r.json"), "No such file"),
+    ],
+)
+def test_wrong_usage_is_exit_code_2_and_one_sentence(
+    arena, tmp_path, capsys, monkeypatch, arguments, what
+):
+    monkeypatch.chdir(tmp_path)
+    assert roadmap(arena, *arguments) == 2
+    captured = capsys.readouterr()
+    assert what in captured.err
+    assert captured.err.count("\n") == 1

@@ -1,0 +1,117 @@
+"""A SOURCE is judged by its content, and becomes a scene or one clear error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.sources import hold_points, load_source, read_shades
+from planner.scene import Bounds, SceneError
+from planner.scene_io import read_scene_text
+
+
+def arena(dark: int, light: int) -> np.ndarray:
+    image = np.full((120, 160), light, dtype=np.uint8)
+    cv2.rectangle(image, (40, 30), (80, 70), dark, -1)
+    return image
+
+
+@pytest.mark.parametrize("name", ["arena.png", "arena.bmp", "arena.pgm", "picture-without-suffix"])
+def test_a_picture_is_known_by_its_content(tmp_path, name):
+    path = tmp_path / name
+    _, encoded = cv2.imencode(Path(name).suffix or ".png", arena(20, 230))
+    path.write_bytes(encoded.tobytes())
+    scene = load_source(path)
+    assert scene.units == "px"
+    assert scene.size == (160, 120)
+    assert len(scene.objects) == 1
+    assert {"load", "binarise", "contours", "geometry"} <= set(scene.timings_ms)
+
+
+def test_polarity_says_which_side_is_obstacle(tmp_path):
+    path = tmp_path / "arena.png"
+    cv2.imwrite(str(path), arena(230, 20))
+    assert load_source(path, "light").objects == load_source(path, "auto").objects
+    (obj,) = load_source(path, "light").objects
+    assert not obj.holes
+
+
+def test_sixteen_bits_colour_and_transparency_are_read(tmp_path):
+    grey = arena(20, 230)
+    for number, image in enumerate(
+        (grey.astype(np.uint16) * 257, cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR),
+         cv2.cvtColor(grey, cv2.COLOR_GRAY2BGRA))
+    ):  # fmt: skip
+        path = tmp_path / f"{number}.png"
+        cv2.imwrite(str(path), image)
+        assert len(load_source(path).objects) == 1
+
+
+def test_a_text_and_a_map_are_loaded_without_opencv(tmp_path):
+    text = tmp_path / "scene"
+    text.write_text("P (1,2)\n")
+    assert load_source(text).units == "px"
+    grid = tmp_path / "grid"
+    grid.write_text("type octile\nheight 1\nwidth 2\nmap\n.@\n")
+    assert load_source(grid).units == "cells"
+
+
+def test_a_ros_map_may_have_a_png_picture(tmp_path):
+    picture = np.full((4, 5, 4), 255, dtype=np.uint8)
+    picture[1, 2, :3] = 0
+    picture[2, 3, 3] = 10
+    cv2.imwrite(str(tmp_path / "map.png"), picture)
+    (tmp_path / "map.yaml").write_text("image: map.png\nresolution: 1\norigin: [0, 0, 0]\n")
+    (obj,) = load_source(tmp_path / "map.yaml").objects
+    assert len(obj.records[0].edges) == 8, "two cells that touch at a corner"
+
+
+def test_shades_run_from_black_to_white_at_any_depth(tmp_path):
+    for most, kind in ((255, np.uint8), (65535, np.uint16)):
+        cv2.imwrite(str(tmp_path / "x.png"), np.array([[0, most]], dtype=kind))
+        shade, transparent = read_shades(tmp_path / "x.png")
+        np.testing.assert_array_equal(shade, [[0.0, 1.0]])
+        assert not transparent.any()
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "what"),
+    [
+        ("a.png", b"", "not a picture"),
+        ("a.jpg", b"text", "not a picture"),
+        ("a.dat", b"\x89PNG\r\n\x1a\n garbage", "damaged picture"),
+        ("a.dat", b"P5\n2 2\n255\n", "damaged picture"),
+        ("a.dat", b"\xff\xfe\x00", "not a text file"),
+    ],
+)
+def test_what_cannot_be_read_is_a_scene_error_with_the_files_name(tmp_path, name, data, what):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(SceneError, match=what) as caught:
+        load_source(tmp_path / name)
+    assert str(tmp_path / name) in str(caught.value)
+
+
+def test_an_unusable_picture_names_its_file_too(tmp_path):
+    cv2.imwrite(str(tmp_path / "black.png"), np.zeros((50, 50), dtype=np.uint8))
+    with pytest.raises(SceneError, match=r"black\.png"):
+        load_source(tmp_path / "black.png")
+
+
+def test_derived_bounds_grow_and_given_bounds_do_not():
+    derived = read_scene_text("P (0,0)")
+    grown = hold_points(derived, [(10.0, 0.0), (0.0, -30.0)], room=2.0)
+    assert grown.bounds == Bounds(-2.0, -32.0, 12.0, 2.0)
+    assert not grown.bounds_given
+    assert hold_points(derived, [(0.5, 0.5)], room=2.0) is derived
+    given = derived.with_bounds(Bounds(-1, -1, 1, 1))
+    assert hold_points(given, [(10.0, 0.0)], room=2.0) is given
+
+
+def test_loading_is_timed_by_the_clock_that_is_given(tmp_path):
+    (tmp_path / "scene").write_text("P (1,2)\n")
+    ticks = iter([10.0, 10.25])
+    scene = load_source(tmp_path / "scene", clock=lambda: next(ticks))
+    assert scene.timings_ms["load"] == 250.0
