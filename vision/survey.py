@@ -77,6 +77,7 @@ def read_survey(path: str | Path) -> Survey:
         raise CalibrationError(f"{path}: not a text file") from error
     rows: list[tuple[float, ...]] = []
     names: list[str] = []
+    heading_seen = False
     for number, line in enumerate(text.splitlines(), start=1):
         words = line.split("#", 1)[0].replace(",", " ").replace(";", " ").split()
         if not words:
@@ -84,7 +85,8 @@ def read_survey(path: str | Path) -> Survey:
         try:
             row = tuple(float(word) for word in words)
         except ValueError:
-            if not rows and not any(c.isdigit() for c in words[0]):
+            if not rows and not heading_seen and not any(c.isdigit() for c in words[0]):
+                heading_seen = True
                 continue
             raise CalibrationError(f"{path}:{number}: must be px,py,x_m,y_m") from None
         if len(row) != 4 or not all(math.isfinite(v) for v in row):

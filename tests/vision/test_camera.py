@@ -1,0 +1,361 @@
+"""Frames, sources and the latest-frame reader, with a clock that the tests turn by hand."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vision.camera import Camera, CameraError, Frame, RateMeter, SourceState
+from vision.latest_frame import LatestFrame, WatchLimits
+from vision.sources import camera_for, driver_time_s, read_picture, without_password
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def wait(self, pause_s: float) -> None:
+        self.now_s += pause_s
+
+
+def picture(value: int) -> np.ndarray:
+    return np.full((8, 8), value % 256, np.uint8)
+
+
+Event = np.ndarray | None | CameraError
+
+
+class ScriptedCamera:
+    """Gives, read after read, what a script says: a picture, nothing, or an error."""
+
+    may_repeat = False
+    rate_hz = 30.0
+    reason = ""
+    name = "camera T"
+
+    def __init__(self, clock: Clock, script: Iterator[Event], step_s: float = 0.1) -> None:
+        self._clock, self._script, self._step_s = clock, script, step_s
+        self.state: SourceState = "closed"
+        self.opened = self.closed = 0
+
+    def open(self) -> None:
+        self.opened += 1
+        self.state = "running"
+
+    def read(self, timeout_s: float) -> Frame | None:
+        self._clock.now_s += self._step_s
+        event = next(self._script, "end")
+        if isinstance(event, str):
+            self.state, self.reason = "ended", "no more"
+            return None
+        if isinstance(event, CameraError):
+            raise event
+        return None if event is None else Frame(event, self._clock.now_s, 0, self.name)
+
+    def close(self) -> None:
+        self.closed += 1
+        self.state = "closed"
+
+
+def reader_of(clock: Clock, *scripts: list[Event]) -> tuple[LatestFrame, list[ScriptedCamera]]:
+    cameras = [ScriptedCamera(clock, iter(s)) for s in scripts]
+    waiting = iter(cameras)
+    return LatestFrame(lambda: next(waiting), clock), cameras
+
+
+def test_a_frame_cannot_be_written_and_leaves_its_array_alone() -> None:
+    image = picture(3)
+    frame = Frame(image, 1.0, 0, "x")
+    assert not frame.image.flags.writeable
+    assert image.flags.writeable
+    assert frame.size == (8, 8)
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        np.zeros((0, 5), np.uint8),
+        np.zeros((5, 5), np.uint16),
+        np.zeros((5, 5, 4), np.uint8),
+        np.zeros(5, np.uint8),
+    ],
+)
+def test_what_is_no_picture_is_no_frame(image: np.ndarray) -> None:
+    with pytest.raises(CameraError, match="picture"):
+        Frame(image, 0.0, 0, "x")
+
+
+def test_the_rate_is_the_one_really_got() -> None:
+    meter = RateMeter()
+    assert meter.rate_hz == 0.0
+    for i in range(10):
+        meter.add(i / 25.0)
+    assert meter.rate_hz == pytest.approx(25.0)
+    meter.add(0.0)  # the clock's origin is another one: count afresh
+    assert meter.rate_hz == 0.0
+
+
+def test_the_latest_frame_wins_and_drops_are_counted() -> None:
+    clock = Clock()
+    reader, _ = reader_of(clock, [picture(i) for i in range(5)])
+    for _ in range(6):
+        reader.step()
+    frame = reader.take()
+    assert frame is not None
+    assert frame.image[0, 0] == 4
+    assert frame.sequence == 4
+    assert reader.take() is None
+    status = reader.status()
+    assert (status.captured, status.dropped, status.state) == (5, 4, "running")
+
+
+def test_a_lost_source_is_opened_again_with_growing_pauses() -> None:
+    clock = Clock()
+    lost: list[Event] = [CameraError("camera T: unplugged")]
+    reader, cameras = reader_of(clock, lost, lost, lost, [picture(1), picture(2)])
+    pauses = []
+    for _ in range(3):
+        reader.step()
+        pauses.append(reader.step())
+        assert reader.status().state == "lost"
+        assert "unplugged" in reader.status().reason
+        assert "trying again in" in reader.status().reason
+        assert reader.step() > 0.0, "opened again before the pause was over"
+        clock.wait(pauses[-1])
+    assert pauses == [0.25, 0.5, 1.0]
+    for _ in range(3):
+        reader.step()
+    assert reader.status().state == "running"
+    assert reader.status().reopened == 3
+    assert [c.closed for c in cameras[:3]] == [1, 1, 1]
+
+
+def test_the_pauses_are_bounded_for_ever() -> None:
+    clock = Clock()
+
+    def refuse() -> Camera:
+        raise CameraError("camera T: busy")
+
+    reader = LatestFrame(refuse, clock)
+    for _ in range(2000):
+        pause_s = reader.step()
+        assert 0.0 < pause_s <= WatchLimits().longest_pause_s
+        clock.wait(pause_s)
+    assert "busy" in reader.status().reason
+
+
+def test_a_source_that_gives_nothing_is_stalled() -> None:
+    clock = Clock()
+    reader, _ = reader_of(clock, [picture(1), picture(2), *[None] * 50], [picture(3)])
+    for _ in range(4):
+        reader.step()
+    states = set()
+    for _ in range(12):
+        reader.step()
+        states.add(reader.status().state)
+    assert "stalled" in states
+    assert "no picture for" in reader.status().reason
+
+
+def test_a_frozen_picture_is_no_news_and_is_noticed() -> None:
+    clock = Clock()
+    same = picture(7)
+    reader, _ = reader_of(clock, [picture(1), same, *[same] * 30], [same] * 30, [picture(9)] * 3)
+    for _ in range(3):
+        reader.step()
+    assert reader.take() is not None
+    for _ in range(14):
+        reader.step()
+        assert reader.take() is None, "a repeated picture was passed on as new"
+    assert reader.status().state == "frozen"
+    clock.wait(1.0)
+    for _ in range(15):
+        reader.step()
+    assert reader.take() is None, "still the same frozen picture after opening again"
+    assert reader.status().state == "frozen"
+    clock.wait(2.0)
+    reader.step()
+    reader.step()
+    assert reader.status().state == "running"
+
+
+def test_a_file_may_repeat_its_picture() -> None:
+    clock = Clock()
+    camera = ScriptedCamera(clock, iter([picture(1)] * 50))
+    camera.may_repeat = True
+    reader = LatestFrame(lambda: camera, clock)
+    for _ in range(51):
+        reader.step()
+    assert reader.status().captured == 50
+
+
+def test_the_end_of_a_file_is_told_and_not_an_error() -> None:
+    clock = Clock()
+    reader, cameras = reader_of(clock, [picture(1)])
+    for _ in range(5):
+        reader.step()
+    assert reader.status().state == "ended"
+    assert cameras[0].opened == 1
+
+
+def test_a_read_that_hangs_is_left_behind() -> None:
+    clock = Clock()
+    release, hanging = threading.Event(), threading.Event()
+
+    class Hanging(ScriptedCamera):
+        def read(self, timeout_s: float) -> Frame | None:
+            hanging.set()
+            release.wait(20.0)
+            return None
+
+    first = Hanging(clock, iter([]))
+    second = ScriptedCamera(clock, iter([picture(i) for i in range(5)]), 0.0)
+    waiting: Iterator[Camera] = iter([first, second])
+    with LatestFrame(lambda: next(waiting), clock) as reader:
+        assert hanging.wait(20.0)
+        assert reader.take() is None
+        clock.now_s += 6.0
+        frame = reader.take(20.0)
+        assert frame is not None
+        assert frame.image[0, 0] <= 4
+        assert reader.status().reopened == 1
+        release.set()
+
+
+def test_the_thread_delivers_and_stops() -> None:
+    clock = Clock()
+    camera = ScriptedCamera(clock, iter([picture(i) for i in range(200)]))
+    with LatestFrame(lambda: camera, clock) as reader:
+        assert reader.take(20.0) is not None
+    assert camera.closed >= 1
+    assert reader.status().state == "closed"
+
+
+def save(path: Path, value: int) -> Path:
+    cv2.imwrite(str(path), np.full((12, 16), value, np.uint8))
+    return path
+
+
+def test_a_folder_gives_its_pictures_in_the_order_of_their_names(tmp_path: Path) -> None:
+    for name, value in (("b.png", 20), ("a.png", 10), ("c.png", 30)):
+        save(tmp_path / name, value)
+    (tmp_path / "notes.txt").write_text("no picture")
+    camera = camera_for(str(tmp_path), clock=Clock(), paced=False)
+    camera.open()
+    frames = [camera.read(1.0) for _ in range(3)]
+    assert [int(f.image[0, 0]) for f in frames if f is not None] == [10, 20, 30]
+    assert camera.read(1.0) is None
+    assert camera.state == "ended"
+    camera.close()
+
+
+def test_a_picture_is_shown_for_ever_at_the_rate_asked_for(tmp_path: Path) -> None:
+    clock = Clock()
+    path = save(tmp_path / "a.png", 50)
+    camera = camera_for(str(path), clock=clock, rate_hz=20.0, wait=clock.wait)
+    camera.open()
+    frames = [camera.read(1.0) for _ in range(40)]
+    assert all(f is not None and f.image[0, 0] == 50 for f in frames)
+    assert camera.rate_hz == pytest.approx(20.0)
+    assert camera.may_repeat
+
+
+def test_a_paced_file_gives_nothing_before_its_time(tmp_path: Path) -> None:
+    clock = Clock()
+    path = save(tmp_path / "a.png", 50)
+    camera = camera_for(str(path), clock=clock, rate_hz=1.0, wait=clock.wait)
+    camera.open()
+    assert camera.read(0.1) is not None
+    assert camera.read(0.1) is None
+    assert clock.now_s == pytest.approx(100.1)
+    assert camera.read(2.0) is not None
+    assert clock.now_s == pytest.approx(101.0)
+
+
+def test_a_video_plays_ends_and_loops(tmp_path: Path) -> None:
+    path = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 25.0, (64, 48), False)
+    if not writer.isOpened():
+        pytest.skip("this OpenCV writes no MJPG video")
+    for value in (40, 120, 200):
+        writer.write(np.full((48, 64), value, np.uint8))
+    writer.release()
+    clock = Clock()
+    camera = camera_for(str(path), clock=clock, wait=clock.wait)
+    camera.open()
+    frames = [camera.read(1.0) for _ in range(3)]
+    greys = [int(f.image.mean()) for f in frames if f is not None]
+    assert greys == pytest.approx([40, 120, 200], abs=4)
+    assert camera.rate_hz == pytest.approx(25.0)
+    assert camera.read(1.0) is None
+    assert camera.state == "ended"
+    camera.close()
+    camera = camera_for(str(path), clock=clock, loop=True, paced=False)
+    camera.open()
+    assert all(camera.read(1.0) is not None for _ in range(8))
+    camera.close()
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ("nowhere.png", "no such file"),
+        ("/dev/video991", "plugged in"),
+        ("991", "plugged in"),
+    ],
+)
+def test_a_missing_source_is_named(source: str, message: str) -> None:
+    with pytest.raises(CameraError, match=message):
+        camera_for(source, clock=Clock()).open()
+
+
+def test_what_is_no_picture_and_no_video_is_refused(tmp_path: Path) -> None:
+    empty, junk, text = tmp_path / "e.png", tmp_path / "j.png", tmp_path / "t.avi"
+    empty.write_bytes(b"")
+    junk.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(200)))
+    text.write_text("not a video")
+    with pytest.raises(CameraError, match="empty file"):
+        read_picture(empty)
+    with pytest.raises(CameraError, match="not a picture"):
+        read_picture(junk)
+    with pytest.raises(CameraError, match="neither a picture nor a video"):
+        camera_for(str(text), clock=Clock()).open()
+    folder = tmp_path / "f"
+    folder.mkdir()
+    with pytest.raises(CameraError, match="without pictures"):
+        camera_for(str(folder), clock=Clock()).open()
+
+
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ({"rate_hz": 0.0}, "rate_hz"),
+        ({"rate_hz": float("nan")}, "rate_hz"),
+        ({"size": (0, 5)}, "size"),
+    ],
+)
+def test_impossible_wishes_are_refused(how: dict[str, float], message: str) -> None:
+    with pytest.raises(CameraError, match=message):
+        camera_for("0", clock=Clock(), **how)  # type: ignore[arg-type]
+
+
+def test_a_password_never_shows_in_a_message() -> None:
+    assert without_password("rtsp://me:secret@host:554/live") == "rtsp://host:554/live"
+    assert without_password("http://host/a@b") == "http://host/a@b"
+
+
+@given(st.floats(0.0, 1e6), st.floats(0.0, 1e6))
+def test_a_driver_stamp_on_another_clock_is_not_believed(stamp_s: float, now_s: float) -> None:
+    told = driver_time_s(1000.0 * stamp_s, now_s)
+    assert told <= now_s
+    assert now_s - told <= 0.5
