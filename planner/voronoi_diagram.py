@@ -89,6 +89,9 @@ def _checked(sites: ArrayLike) -> NDArray[np.float64]:
         raise ValueError(f"sites: shape {points.shape}: must be (n, 2)")
     if len(points) > MOST_SITES:
         raise ValueError(f"sites: {len(points)} rows: at most {MOST_SITES}")
+    if not points.flags.writeable:
+        # numba compiles for read-only arrays anew; a copy is cheaper
+        points = points.copy()
     bad = first_bad_row(points, LARGEST)
     if bad >= 0:
         raise ValueError(
