@@ -1,0 +1,224 @@
+"""Pictures show what is where: pixels are asked at places of the scene, the SVG is parsed."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.draw import MARGIN, DrawError, draw_png, draw_svg, save_picture
+from navigation.draw_shapes import (
+    BOTTLENECK,
+    CLEARANCE_RAMP,
+    FLOOR,
+    OBSTACLE,
+    PATH,
+    RAMP_STEPS,
+    TRACK,
+    ramp_colour,
+)
+from planner.path import Bottleneck, NoPath
+from planner.path import Path as PlannedPath
+from planner.roadmap import Roadmap, build_roadmap
+from planner.scene import Scene
+from planner.scene_io import read_scene_text
+from planner.trajectory import default_limits, time_path
+
+PIXELS = """\
+#@ clearway.scene/1
+#@ units px
+#@ bounds given 0 0 200 100
+#@ object 0
+L 4 (20,20)(80,20)(80,80)(20,80)
+#@ hole
+L 4 (40,40)(40,60)(60,60)(60,40)
+#@ object 1
+A 2 (120,20)(120,60)
+#@ arc 1 120 40 20 cw
+#@ object 2
+L 2 (150,50)(190,50)
+#@ arc 1 170 50 20 cw
+#@ arc 2 170 50 20 cw
+#@ object 3
+P (110,90)
+#@ object 4
+S (130,85) (180,85)
+"""
+METRES = PIXELS.replace("units px", "units m")
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def pixel(image: np.ndarray, scene: Scene, x: float, y: float) -> tuple[int, int, int]:
+    """Colour (RGB) at a place of the scene that fills the plot."""
+    scale = min(1000 / scene.bounds.width, 760 / scene.bounds.height)
+    down = y - scene.bounds.y_min if scene.y_down else scene.bounds.y_max - y
+    column = MARGIN + (x - scene.bounds.x_min) * scale
+    b, g, r = image[round(MARGIN + down * scale), round(column)]
+    return int(r), int(g), int(b)
+
+
+def near(colour: tuple[int, int, int], wanted: tuple[int, int, int]) -> bool:
+    return max(abs(a - b) for a, b in zip(colour, wanted, strict=True)) < 40
+
+
+@pytest.fixture(scope="module")
+def arena() -> tuple[Scene, Roadmap, PlannedPath]:
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 4 3\nC (2,1.2) 0.5\n"
+    )
+    roadmap = build_roadmap(scene, 0.2)
+    path = roadmap.plan((0.5, 0.5), (3.5, 0.5, math.pi / 2))
+    assert isinstance(path, PlannedPath)
+    return scene, roadmap, path
+
+
+@pytest.mark.parametrize("text", [PIXELS, METRES])
+def test_obstacles_are_dark_holes_and_floor_are_light(text):
+    scene = read_scene_text(text)
+    image = draw_png(scene)
+    for x, y in [(30, 30), (70, 70), (170, 45), (170, 55), (155, 50), (160, 85), (110, 90)]:
+        assert near(pixel(image, scene, x, y), OBSTACLE), (x, y)
+    for x, y in [(50, 50), (10, 10), (100, 50), (152, 33), (188, 67)]:
+        assert near(pixel(image, scene, x, y), FLOOR), (x, y)
+
+
+def test_an_arc_bulges_to_its_own_side_whichever_way_y_points():
+    # from (120, 20) to (120, 60) clockwise on the screen: with y down from the upper end to
+    # the right; with y up from the lower end to the left
+    for text, x in ((PIXELS, 140), (METRES, 100)):
+        scene = read_scene_text(text)
+        image = draw_png(scene)
+        assert near(pixel(image, scene, x, 40), OBSTACLE)
+        assert near(pixel(image, scene, 240 - x, 40), FLOOR)
+
+
+def test_y_points_up_in_metres_and_down_in_pixels():
+    for text, light_y in ((PIXELS, 95), (METRES, 95)):
+        scene = read_scene_text(text)
+        image = draw_png(scene)
+        assert near(pixel(image, scene, 50, light_y), FLOOR)
+    top = draw_png(read_scene_text(METRES))[MARGIN + 25, MARGIN + 25 * 5]
+    assert near(tuple(int(v) for v in top[::-1]), FLOOR)
+
+
+def test_path_track_and_bottleneck_are_drawn_where_they_are(arena):
+    scene, roadmap, path = arena
+    track = np.array([[0.5, 0.5], [0.5, 2.8], [3.5, 2.8]])
+    image = draw_png(scene, roadmap, path, track=track)
+    middle = path.points[: len(path.points) // 2 + 1].mean(axis=0)
+    on_path = path.points[np.argmin(np.hypot(*(path.points - middle).T))]
+    assert near(pixel(image, scene, *on_path), PATH)
+    assert near(pixel(image, scene, 2.0, 2.8), TRACK)
+    assert near(pixel(image, scene, *path.min_clearance_at), BOTTLENECK)
+    plain = draw_png(scene)
+    assert not near(pixel(plain, scene, 2.0, 2.8), TRACK)
+
+
+def test_the_svg_has_a_layer_for_everything_and_nothing_from_outside(arena):
+    scene, roadmap, path = arena
+    trajectory = time_path(path, default_limits(0.2))
+    svg = draw_svg(
+        scene,
+        roadmap,
+        path,
+        trajectory=trajectory,
+        track=path.points,
+        stations=[(0.5, 0.5), (3.5, 0.5, math.pi / 2)],
+        title="A < B & C",
+    )
+    root = ET.fromstring(svg)
+    layers = {g.get("id"): g for g in root.iter(f"{SVG}g")}
+    assert list(layers) == [
+        "floor",
+        "corridor",
+        "obstacles",
+        "bounds",
+        "roadmap",
+        "path",
+        "driven-track",
+        "waypoints",
+        "bottleneck",
+        "stations",
+        "legend",
+    ]
+    assert len(layers["waypoints"].findall(f"{SVG}circle")) == len(trajectory.waypoints)
+    words = [t.text for t in root.iter(f"{SVG}text")]
+    assert {"start", "goal", "A < B & C"} <= set(words)
+    assert any("bottleneck" in str(w) for w in words)
+    assert any("robot radius 0.2 m" in str(w) for w in words)
+    assert "href" not in svg
+    assert "script" not in svg
+    assert "nan" not in svg.lower()
+
+
+def test_the_colour_ramp_runs_from_tight_to_wide_and_is_told_apart():
+    colours = [ramp_colour(step) for step in range(RAMP_STEPS)]
+    assert colours[0] == CLEARANCE_RAMP[0]
+    assert colours[-1] == CLEARANCE_RAMP[-1]
+    assert len(set(colours)) == RAMP_STEPS
+
+
+def test_the_roadmap_is_coloured_by_clearance(arena):
+    scene, roadmap, _ = arena
+    root = ET.fromstring(draw_svg(scene, roadmap))
+    (layer,) = [g for g in root.iter(f"{SVG}g") if g.get("id") == "roadmap"]
+    used = {p.get("stroke") for p in layer.findall(f"{SVG}path")}
+    assert len(used) > 5
+    assert used <= {"#{:02x}{:02x}{:02x}".format(*ramp_colour(s)) for s in range(RAMP_STEPS)}
+
+
+def test_a_missing_path_is_explained(arena):
+    scene, roadmap, _ = arena
+    answer = NoPath("the goal lies inside obstacle 0", Bottleneck(1.0, 1.0, 0.3), 0.15)
+    words = [t.text for t in ET.fromstring(draw_svg(scene, roadmap, answer)).iter(f"{SVG}text")]
+    assert "no path: the goal lies inside" in words
+    assert "widest robot: radius 0.15 m" in words
+    assert "bottleneck, 0.3 m wide" in words
+
+
+def test_a_small_island_of_free_space_fills_the_picture():
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ bounds given 0 0 1000 1000\n#@ object 0\n"
+        "L 4 (2,2)(998,2)(998,998)(2,998)\n#@ hole\n"
+        "L 4 (100,100)(100,200)(300,200)(300,100)\n"
+    )
+    roadmap = build_roadmap(scene, 5.0)
+    window_wide = draw_png(scene).shape
+    image = draw_png(scene, roadmap, stations=[(120, 150), (280, 150)])
+    assert image.shape != window_wide
+    dark = np.all(np.abs(image.astype(int) - OBSTACLE[::-1]) < 30, axis=2).mean()
+    assert dark < 0.6
+
+
+def test_what_lies_outside_the_plot_does_not_spill_over_the_legend(arena):
+    scene, roadmap, _ = arena
+    track = np.array([[2.0, 2.8], [30.0, 2.8]])
+    image = draw_png(scene, roadmap, track=track)
+    plot_right = MARGIN + round(4 * min(250, 760 / 3)) + 4
+    violet = np.all(np.abs(image[:, plot_right:].astype(int) - TRACK[::-1]) < 40, axis=2)
+    # the legend's own mark is 28 pixels long
+    assert violet.any(axis=0).sum() <= 32
+
+
+def test_pictures_are_saved_by_their_suffix(tmp_path: Path, arena):
+    scene, roadmap, path = arena
+    save_picture(tmp_path / "a.svg", scene, roadmap, path)
+    save_picture(tmp_path / "a.PNG", scene, roadmap, path)
+    assert (tmp_path / "a.svg").read_text(encoding="utf-8") == draw_svg(scene, roadmap, path)
+    np.testing.assert_array_equal(
+        cv2.imread(str(tmp_path / "a.PNG")), draw_png(scene, roadmap, path)
+    )
+    with pytest.raises(DrawError, match=r"\.svg or \.png"):
+        save_picture(tmp_path / "a.gif", scene)
+    with pytest.raises(DrawError, match="No such file"):
+        save_picture(tmp_path / "none" / "a.svg", scene)
+
+
+def test_an_empty_scene_is_a_picture_too():
+    scene = read_scene_text("#@ clearway.scene/1\n#@ bounds given 0 0 1 1000\n")
+    assert draw_png(scene).shape[2] == 3
+    ET.fromstring(draw_svg(scene, build_roadmap(scene, 0.2)))
