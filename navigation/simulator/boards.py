@@ -1,12 +1,13 @@
 """Pictures of a calibration board under the simulated camera, as a person would take them.
 
 The board is a ChArUco board on a stiff sheet, held over the arena at several heights and
-tilts, and at last laid on the floor at a known place. `clearway calibrate` estimates the
-camera from these pictures, so that a simulated run need not be told the truth.
+tilts, and at last laid on the floor at a known place. Then twelve discs lie on surveyed places
+of the floor, and their centres are measured in the picture. `clearway calibrate` estimates the
+camera from this, so that a simulated run need not be told the truth:
 
     python -m navigation.simulator.boards configs/simulation.yaml FOLDER
-
-writes `board_00.png` ... and, as the last, `floor.png`.
+    clearway calibrate FOLDER/board_*.png --squares 8x6 --square-mm 100 --marker-mm 75 \\
+        --dictionary DICT_5X5_100 --points FOLDER/survey.csv -o configs/simulation_calibration.yaml
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import numpy as np
 from navigation.config import Config, load_config
 from navigation.simulator.drawing import ArenaPainter, Look, blurred, box_around, looked_up
 from navigation.simulator.pinhole import Pinhole, pinhole_of
-from planner.scene import Bounds, FloatArray, Scene
+from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
 from vision.camera import Image
 
 TEXELS_PER_SQUARE = 200
@@ -140,30 +141,90 @@ def held_poses(
 def board_pictures(config: Config, board: Board, count: int = 24) -> Iterator[tuple[str, Image]]:
     """Names and pictures: ``count`` of the board in the hand, and the one on the floor.
 
-    On the floor its lower left corner lies on the arena's (0.8, 0.6).
+    On the floor its lower left corner lies on ``FLOOR_AT_M``.
     """
-    assert config.simulation is not None
-    lens = config.simulation.camera
-    look = Look(lens.blur_px, lens.noise_grey, lens.light_fall, config.vision.polarity)
-    bounds = Bounds(*config.arena.bounds_m)
-    painter = BoardPainter(pinhole_of(config), look, board, Scene("m", bounds, ()))
-    rng = np.random.default_rng(config.simulation.seed)
+    painter, bounds, rng = _painter(config, board, Scene("m", Bounds(*config.arena.bounds_m), ()))
     for index, pose in enumerate(held_poses(painter, bounds, board, count)):
         yield f"board_{index:02d}.png", painter.picture(pose, rng)
     yield "floor.png", painter.picture(flat_pose(*FLOOR_AT_M), rng)
 
 
+def survey_picture(config: Config, board: Board) -> tuple[Image, FloatArray]:
+    """A picture of discs on the floor, and the surveyed places (n, 2) of their centres.
+
+    The places are row by row from the lower left; the picture is one without the board.
+    """
+    bounds = Bounds(*config.arena.bounds_m)
+    columns = np.linspace(bounds.x_min, bounds.x_max, SURVEY_GRID[0] + 2)[1:-1]
+    rows = np.linspace(bounds.y_min, bounds.y_max, SURVEY_GRID[1] + 2)[1:-1]
+    columns += (columns - columns.mean()) * SURVEY_SPREAD
+    rows += (rows - rows.mean()) * SURVEY_SPREAD
+    places = np.array([(x, y) for y in rows for x in columns])
+    discs = tuple(
+        SceneObject(number, (CircleRecord((x, y), SURVEY_DISC_M),))
+        for number, (x, y) in enumerate(places.tolist())
+    )
+    painter, _, rng = _painter(config, board, Scene("m", bounds, discs))
+    return painter.picture(flat_pose(99.0, 99.0), rng), places
+
+
+def measured_discs(picture: Image) -> FloatArray:
+    """The discs' centres (n, 2) in pixels, row by row from the lower left.
+
+    The centre of a disc is its darkness's centroid: all of its grey values count, so it is
+    far finer than a pixel.
+    """
+    count, _, boxes, _ = cv2.connectedComponentsWithStats((picture < 125).astype(np.uint8))
+    centres = []
+    for number in range(1, count):
+        x, y, width, height, _ = (int(v) for v in boxes[number])
+        window = picture[y - 4 : y + height + 4, x - 4 : x + width + 4].astype(np.float64)
+        floor = float(np.median(np.concatenate([window[0], window[-1], window[:, 0]])))
+        dark = np.where(window < 0.9 * floor, floor - window, 0.0)
+        down, right = np.indices(dark.shape)
+        weight = dark.sum()
+        centres.append(
+            (x - 4 + (dark * right).sum() / weight, y - 4 + (dark * down).sum() / weight)
+        )
+    across = SURVEY_GRID[0]
+    upwards = sorted(centres, key=lambda centre: -centre[1])
+    lines = [sorted(upwards[i : i + across]) for i in range(0, len(upwards), across)]
+    return np.array([centre for line in lines for centre in line])
+
+
+def _painter(
+    config: Config, board: Board, scene: Scene
+) -> tuple[BoardPainter, Bounds, np.random.Generator]:
+    assert config.simulation is not None
+    lens = config.simulation.camera
+    look = Look(lens.blur_px, lens.noise_grey, lens.light_fall)
+    painter = BoardPainter(pinhole_of(config), look, board, scene)
+    return painter, scene.bounds, np.random.default_rng(config.simulation.seed)
+
+
 FLOOR_AT_M = (0.8, 0.6)
-"""Where the board's lower left corner lies in the last picture."""
+"""Where the board's lower left corner lies in the picture of the floor."""
+SURVEY_GRID = (4, 3)
+"""Surveyed places across and up."""
+SURVEY_SPREAD = 0.55
+"""How much further than evenly they are spread towards the walls."""
+SURVEY_DISC_M = 0.02
 
 
 def main() -> None:
-    """Write the pictures; see the module's text."""
-    config_file, folder = Path(sys.argv[1]), Path(sys.argv[2])
+    """Write the pictures and the survey; see the module's text."""
+    config, folder = load_config(sys.argv[1]), Path(sys.argv[2])
     folder.mkdir(parents=True, exist_ok=True)
-    for name, picture in board_pictures(load_config(config_file), Board()):
+    for name, picture in board_pictures(config, Board()):
         cv2.imwrite(str(folder / name), picture)
-        print(folder / name)
+    picture, places = survey_picture(config, Board())
+    cv2.imwrite(str(folder / "survey.png"), picture)
+    lines = [
+        f"{px:.3f},{py:.3f},{x:.4f},{y:.4f}"
+        for (px, py), (x, y) in zip(measured_discs(picture), places, strict=True)
+    ]
+    (folder / "survey.csv").write_text("\n".join(lines) + "\n")
+    print(f"wrote the pictures and survey.csv into {folder}")
 
 
 if __name__ == "__main__":

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from navigation.cli.check import file_problems
 from navigation.config import load_config
 from navigation.simulator.arena import load_arena
+from navigation.simulator.pinhole import pinhole_of
 from planner.scene_io import load_scene
+from vision.calibration_file import load_calibration
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 RUNS = sorted(
@@ -45,3 +48,17 @@ def test_the_simulated_run_is_as_large_as_promised() -> None:
     assert config.camera.rate_hz == 30
     assert config.simulation is not None
     assert config.simulation.time_limit_s <= 60
+
+
+@pytest.mark.parametrize("height_m", [0.0, 0.12])
+def test_the_estimated_calibration_is_near_the_simulated_camera_s_truth(height_m: float) -> None:
+    """Fails too where the simulated camera was changed and not calibrated again."""
+    config = load_config(CONFIGS / "simulation.yaml", {})
+    assert config.camera.calibration is not None
+    x, y = np.meshgrid(np.linspace(0, 2.4, 25), np.linspace(0, 1.8, 19))
+    places = np.column_stack([x.ravel(), y.ravel()])
+    seen = pinhole_of(config).image_from_arena(places, height_m)
+    found = load_calibration(config.camera.calibration).arena_from_image(seen, height_m)
+    errors_m = np.hypot(*(found - places).T)
+    assert 0.0 < errors_m.mean() < 0.3e-3
+    assert errors_m.max() < 1.0e-3

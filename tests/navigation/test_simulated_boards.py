@@ -14,6 +14,8 @@ from navigation.simulator.boards import (
     board_pictures,
     flat_pose,
     held_poses,
+    measured_discs,
+    survey_picture,
 )
 from navigation.simulator.drawing import Look
 from navigation.simulator.pinhole import pinhole_of
@@ -82,3 +84,11 @@ def test_the_last_picture_is_the_board_on_the_floor(config: Config) -> None:
     assert [name for name, _ in pictures] == ["board_00.png", "board_01.png", "floor.png"]
     errors = _errors_px(config, flat_pose(0.8, 0.6), pictures[-1][1])
     assert np.abs(errors).max() < 0.5
+
+
+def test_discs_on_surveyed_places_are_measured_to_a_fraction_of_a_pixel(config: Config) -> None:
+    picture, places = survey_picture(config, BOARD)
+    errors = measured_discs(picture) - pinhole_of(config).image_from_arena(places)
+    assert errors.shape == (12, 2)
+    assert np.abs(errors).max() < 0.1
+    assert np.ptp(places, axis=0) == pytest.approx([2.232, 1.395])
