@@ -18,13 +18,13 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from navigation.config import Config, limits_of
 from navigation.eye import Body, Eye, EyeSettings, Glimpse
-from navigation.mission import Mission, Station
+from navigation.mission import Mission, State, Station
 from navigation.pilot import (
     Orders,
     Pilot,
@@ -165,6 +165,43 @@ class Daemon:
         self.link.estop()
         with self._lock:
             self.pilot.stop(reason)
+
+    def pause(self) -> None:
+        """Hold where the robot is."""
+        with self._lock:
+            self.pilot.pause()
+
+    def resume(self) -> None:
+        """End a pause; after a stop re-arm the robot, which then waits for a mission."""
+        with self._lock:
+            if self.pilot.mission.state is State.STOPPED:
+                self.pilot.rearm()
+            self.pilot.resume()
+
+    def describe(self) -> dict[str, Any]:
+        """The present state as JSON takes it."""
+        with self._lock:
+            mission, pose = self.pilot.mission, self.pose
+        snapshot = self.link.snapshot()
+        camera = self.camera.status()
+        return {
+            "state": mission.state.value,
+            "reason": mission.reason,
+            "stations": len(mission.stations),
+            "visited": mission.visited,
+            "pose": None
+            if pose is None
+            else {
+                "x_m": pose.x,
+                "y_m": pose.y,
+                "heading_rad": pose.heading_rad,
+                "age_s": self._clock() - pose.captured_s,
+            },
+            "to_go_m": self._to_go_m(snapshot),
+            "link": snapshot.down_reason or snapshot.state.value,
+            "camera": camera.reason or camera.state,
+            "frames_s": camera.rate_hz,
+        }
 
     # The cycle.
 

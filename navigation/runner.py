@@ -15,6 +15,7 @@ from datetime import datetime
 from pathlib import Path
 
 from navigation.config import Config
+from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon, DaemonState, stations_of
 from navigation.mission import State
 from navigation.report import Report
@@ -47,11 +48,13 @@ class Runner:
         *,
         once: bool,
         say: Callable[[str], None],
+        socket: Path | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.config = config
         self.interrupt = threading.Event()
         self._once = once
+        self._socket = socket
         self._say = say
         self._clock = clock
         self._said_state: State | None = None
@@ -66,7 +69,12 @@ class Runner:
         world = World(self.config, self._clock)
         first_id = random.SystemRandom().randrange(1, 1 << 32)
         self._say(f"camera {self.config.camera.source}, robot on {world.port}")
-        with Daemon(self.config, world, clock=self._clock, first_mission_id=first_id) as daemon:
+        socket = self._socket or default_socket()
+        with (
+            Daemon(self.config, world, clock=self._clock, first_mission_id=first_id) as daemon,
+            ControlServer(socket, daemon),
+        ):
+            self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             stations = stations_of(self.config)
             if stations:
                 daemon.give(stations)

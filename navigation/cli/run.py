@@ -24,8 +24,18 @@ PROGRESS_EVERY_S = 1.0
     "--report", type=click.Path(path_type=Path, dir_okay=False), help="Write the report here too."
 )
 @click.option("--no-dashboard", is_flag=True, help="Do not serve the dashboard.")
+@click.option(
+    "--socket", type=click.Path(path_type=Path), help="Where to take orders; default: per user."
+)
 @click.option("--quiet", is_flag=True, help="Print the report only.")
-def command(config: Path, once: bool, report: Path | None, no_dashboard: bool, quiet: bool) -> int:
+def command(
+    config: Path,
+    once: bool,
+    report: Path | None,
+    no_dashboard: bool,
+    socket: Path | None,
+    quiet: bool,
+) -> int:
     """Run the configuration CONFIG: see the arena, plan, and drive the robot.
 
     Without --once the program goes on after the mission until it is interrupted. A folder in
@@ -36,7 +46,7 @@ def command(config: Path, once: bool, report: Path | None, no_dashboard: bool, q
     from navigation.runner import Runner
 
     loaded = load_config(config)
-    runner = Runner(loaded, once=once, say=_say if not quiet else _say_nothing)
+    runner = Runner(loaded, once=once, say=_say if not quiet else _say_nothing, socket=socket)
     with _interrupts(runner.interrupt):
         result = runner.run()
     if report is not None:
