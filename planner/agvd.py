@@ -13,8 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner import agvd_kernels as kernels
+from planner import bisector_kernels
 from planner.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
 from planner.scene import FloatArray, IntArray
 from planner.voronoi_diagram import DiagramArrays, voronoi_arrays
@@ -22,16 +24,25 @@ from planner.voronoi_diagram import DiagramArrays, voronoi_arrays
 
 @dataclass(frozen=True, slots=True)
 class Agvd:
-    """The diagram of the generators and which of its edges are valid.
-
-    ``edges`` (m, 4) int32: site, site, vertex, vertex (-1 = at infinity); ``vertices`` (v, 2);
-    ``valid`` (m,) bool.
-    """
+    """The diagram of the generators and which of its edges are valid (m,)."""
 
     generators: Generators
-    vertices: FloatArray
-    edges: IntArray
+    ordinary: DiagramArrays
     valid: BoolArray
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where the vertices of valid edges are: ``xy`` (v, 2), exact clearance ``rho`` (v,).
+
+    ``state`` (v,) is UNUSED, EXACT (equidistant to its pieces, and its circle is empty), KEPT
+    (near-parallel pieces: as sampled) or INTRUDED (the topology is not yet right there), see
+    :mod:`planner.bisector_kernels`.
+    """
+
+    xy: FloatArray
+    rho: FloatArray
+    state: NDArray[np.int8]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +53,9 @@ class Chains:
     ``points[first[c] : first[c + 1]]``. Per point ``rho``, its exact clearance; ``gap`` and
     ``step``, the clearance and length of the link to the next point (inf and 0 at a chain's
     last); ``pieces`` (p, 2), the two pieces that link lies between. Per chain ``length`` and
-    ``clearance``. A node that no chain meets has a chain of a single point.
+    ``clearance``. A node that no chain meets has a chain of a single point. ``proved`` (p,):
+    the link to the next point follows the bisector of its two pieces, and is as wide as its
+    narrower end; other links are straight lines, measured.
     """
 
     points: FloatArray
@@ -56,6 +69,7 @@ class Chains:
     clearance: FloatArray
     node_xy: FloatArray
     node_rho: FloatArray
+    proved: BoolArray
 
     def __len__(self) -> int:
         return len(self.ends)
@@ -70,13 +84,11 @@ def omit_invalid(ordinary: DiagramArrays, generators: Generators, mode: Mode) ->
     """Mark the edges that belong to the generalized diagram's free part. O(m)."""
     borders = generators.borders
     edges, vertices = ordinary.edges, ordinary.vertices
-    valid, _, _ = kernels.valid_edges(
+    valid = kernels.valid_edges(
         edges,
         vertices,
-        generators.sites,
         generators.label,
-        borders.kind,
-        borders.data,
+        *borders.tree,
         borders.owner,
         borders.backwards,
         borders.following,
@@ -88,31 +100,66 @@ def omit_invalid(ordinary: DiagramArrays, generators: Generators, mode: Mode) ->
         SAME_PLACE * borders.extent,
         mode == "paper",
     )
-    return Agvd(generators, vertices, edges, valid)
+    return Agvd(generators, ordinary, valid)
 
 
-def join_chains(agvd: Agvd) -> Chains:
-    """Join the valid edges into chains and measure them against the borders. O(m log k)."""
-    node_vertex, ends, first, link, along = kernels.trace_chains(
-        agvd.edges, agvd.valid, len(agvd.vertices)
-    )
-    generators, borders = agvd.generators, agvd.generators.borders
-    points, pieces, first = kernels.chain_points(
-        agvd.edges, agvd.vertices, generators.label, first, link, along
-    )
+def join_chains(agvd: Agvd, places: Places | None = None) -> Chains:
+    """Join the valid edges into chains and measure them against the borders. O(m log k).
+
+    Without ``places`` the chains follow the generators' diagram; with them, the bisectors.
+    """
+    edges, label = agvd.ordinary.edges, agvd.generators.label
+    borders = agvd.generators.borders
+    xy = agvd.ordinary.vertices if places is None else places.xy
+    node_vertex, ends, first, link, along = kernels.trace_chains(edges, agvd.valid, len(xy))
+    points, pieces, first, at = kernels.chain_points(edges, xy, label, first, link, along)
+    if places is not None:
+        points, pieces, rho, first, proved = bisector_kernels.bend_chains(
+            *borders.tree,
+            points,
+            pieces,
+            first,
+            at,
+            places.rho,
+            places.state,
+            agvd.ordinary.vertex_sites,
+            label,
+            agvd.generators.spacing,
+            SAME_PLACE * borders.extent,
+        )
     lonely = _centres_alone(borders, points)
-    ends = np.concatenate(
-        [ends, len(node_vertex) + np.arange(len(lonely), dtype=np.int32)[:, None].repeat(2, 1)]
-    )
-    first = np.concatenate([first, first[-1] + 1 + np.arange(len(lonely), dtype=np.int32)])
+    alone = np.arange(len(lonely), dtype=np.int32)
+    ends = np.concatenate([ends, len(node_vertex) + alone[:, None].repeat(2, 1)])
+    first = np.concatenate([first, first[-1] + 1 + alone])
     points = np.concatenate([points, lonely])
     pieces = np.concatenate([pieces, np.full((len(lonely), 2), -1, np.int32)])
-    rho, gap, step, length, clearance = kernels.measure_chains(*borders.tree, points, first)
-    node_xy = np.concatenate([agvd.vertices[node_vertex], lonely])
+    if places is None:
+        rho, gap, step, length, clearance = kernels.measure_chains(*borders.tree, points, first)
+        proved = np.zeros(len(points), np.bool_)
+    else:
+        rho = np.concatenate([rho, borders.distances(lonely)[0]])
+        proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
+        gap, step, length, clearance = bisector_kernels.measure_bisectors(
+            *borders.tree, points, rho, proved, first
+        )
+    node_xy = np.concatenate([xy[node_vertex], lonely])
     node_rho = np.empty(len(node_xy))
     node_rho[ends[:, 0]] = rho[first[:-1]]
     node_rho[ends[:, 1]] = rho[first[1:] - 1]
-    return Chains(points, first, pieces, rho, gap, step, ends, length, clearance, node_xy, node_rho)
+    return Chains(
+        points=points,
+        first=first,
+        pieces=pieces,
+        rho=rho,
+        gap=gap,
+        step=step,
+        ends=ends,
+        length=length,
+        clearance=clearance,
+        node_xy=node_xy,
+        node_rho=node_rho,
+        proved=proved,
+    )
 
 
 def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:

@@ -260,7 +260,7 @@ def in_solid(kind, data, backwards, following, preceding, solid, before, after, 
 
 
 @njit(cache=True, nogil=True)
-def _is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, tolerance):
+def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, tolerance):
     """Whether a Voronoi edge between two labels belongs to the diagram."""
     if paper:
         return owner[label_a] != owner[label_b]
@@ -279,13 +279,14 @@ def _is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, tole
 
 @njit(cache=True, nogil=True)
 def valid_edges(
-    edges, vertices, sites, label, kind, data, owner, backwards, following, preceding, solid,
-    before, after, box, tolerance, paper
+    edges, vertices, label, kind, data, order, large, boxes, owner, backwards, following,
+    preceding, solid, before, after, box, tolerance, paper
 ):  # fmt: skip
-    """The valid edges whose two ends are alive.
+    """The valid edges whose two ends are alive: ``keep`` (m,) bool.
 
-    Returns ``keep`` (m,) bool, ``clearance`` (v,) float64: the exact distance from each vertex
-    that such an edge meets to the nearest of its labels, and ``around`` (v,) int32 that label.
+    A vertex lies on the free side of its nearest piece. Its labels name that piece but for
+    thin spikes, whose far side sampling may have put first: so a vertex that seems to lie in
+    the solid is asked again with the truly nearest.
     """
     m, v, k = len(edges), len(vertices), len(solid)
     keep = np.zeros(m, np.bool_)
@@ -295,7 +296,7 @@ def valid_edges(
         a, b = label[edges[e, 0]], label[edges[e, 1]]
         if edges[e, 2] < 0 or edges[e, 3] < 0:
             continue
-        keep[e] = _is_valid(kind, data, a, b, k, before, after, owner, paper, tolerance)
+        keep[e] = is_valid(kind, data, a, b, k, before, after, owner, paper, tolerance)
         if not keep[e]:
             continue
         for end in range(2, 4):
@@ -318,10 +319,18 @@ def valid_edges(
                         kind, data, backwards, following, preceding, solid, before, after,
                         around[w], x, y
                     )  # fmt: skip
+                    if not free:
+                        _, i = nearest(
+                            kind, data, order, large, boxes, x, y, rho[w] * (1.0 - 1e-12)
+                        )
+                        free = i >= 0 and not in_solid(
+                            kind, data, backwards, following, preceding, solid, before, after,
+                            i, x, y
+                        )  # fmt: skip
                 state[w] = 1 if free else 2
             if state[w] == 2:
                 keep[e] = False
-    return keep, rho, around
+    return keep
 
 
 @njit(cache=True, nogil=True)
@@ -434,13 +443,15 @@ def measure_chains(kind, data, order, large, boxes, points, first):
 def chain_points(edges, vertices, label, first, link, along):
     """The chains' points in order: one more than links for every chain.
 
-    Returns ``points`` (l + c, 2), ``pieces`` (l + c, 2), the labels either side of the link
-    that follows (-1 at a chain's last point), and the offsets of the chains' points.
+    Returns ``points`` (l + c, 2), ``pieces`` (l + c, 2), the labels to the left and right of
+    the link that follows (-1 at a chain's last point), the offsets of the chains' points, and
+    ``at`` (l + c,), the vertex of every point.
     """
     c = len(first) - 1
     points = np.empty((len(link) + c, 2))
     pieces = np.full((len(link) + c, 2), -1, np.int32)
     offset = np.empty(c + 1, np.int32)
+    at = np.empty(len(link) + c, np.int32)
     for j in range(c):
         offset[j] = first[j] + j
         for i in range(first[j], first[j + 1]):
@@ -448,6 +459,7 @@ def chain_points(edges, vertices, label, first, link, along):
             p = i + j
             w = edges[e, 2] if along[i] else edges[e, 3]
             points[p, 0], points[p, 1] = vertices[w, 0], vertices[w, 1]
+            at[p] = w
             pieces[p, 0], pieces[p, 1] = label[edges[e, 0]], label[edges[e, 1]]
             if not along[i]:
                 pieces[p, 0], pieces[p, 1] = pieces[p, 1], pieces[p, 0]
@@ -455,8 +467,9 @@ def chain_points(edges, vertices, label, first, link, along):
         w = edges[e, 3] if along[first[j + 1] - 1] else edges[e, 2]
         p = first[j + 1] + j
         points[p, 0], points[p, 1] = vertices[w, 0], vertices[w, 1]
+        at[p] = w
     offset[c] = len(link) + c
-    return points, pieces, offset
+    return points, pieces, offset, at
 
 
 @njit(cache=True, nogil=True)

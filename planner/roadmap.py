@@ -5,7 +5,8 @@ Rules and units
   border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
 - A roadmap is built for a robot of one radius: its graph holds what that robot can use.
 - The stages are functions of their own, so that a caller with a clock can time them:
-  ``gather_borders``, ``place_generators``, ``diagram``, ``omit_invalid``, ``join_chains``.
+  ``gather_borders``, ``place_generators``, ``diagram``, ``omit_invalid``,
+  ``solve_exactly``, ``join_chains``.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from planner import distance_kernels
 from planner.agvd import Agvd, Chains, diagram, join_chains, omit_invalid
+from planner.bisectors import solve_exactly
 from planner.generators import (
     Borders,
     HasPrimitives,
@@ -72,7 +74,7 @@ class Roadmap:
         """generators, voronoi_vertices, roadmap_nodes, roadmap_edges."""
         return {
             "generators": len(self.agvd.generators.sites),
-            "voronoi_vertices": len(self.agvd.vertices),
+            "voronoi_vertices": len(self.agvd.ordinary.vertices),
             "roadmap_nodes": self.graph.number_of_nodes(),
             "roadmap_edges": self.graph.number_of_edges(),
         }
@@ -153,7 +155,10 @@ def build_roadmap(
     generators = place_generators(borders, delta)
     ordinary = diagram(generators)
     agvd = omit_invalid(ordinary, generators, mode)
-    chains = join_chains(agvd)
+    places = None
+    if mode == "exact":
+        agvd, places = solve_exactly(agvd)
+    chains = join_chains(agvd, places)
     return finish_roadmap(scene, size, mode, agvd, chains)
 
 

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner import distance_kernels, search_kernels
+from planner import bisector_kernels, distance_kernels, search_kernels
 from planner.agvd import Chains
+from planner.bisectors import EQUAL
 from planner.generators import Borders
 from planner.path import NoPath, Path
 from planner.scene import FloatArray, IntArray, Vec
@@ -27,6 +28,8 @@ DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
 ENTRIES = 8
 """Chains tried as a station's way onto the roadmap."""
+FLATNESS = 0.02
+"""How far a path may leave the bisector it follows, in radii, where there is room."""
 ROUNDING = 1e-9
 """Clearances are equal within this share of the scene's extent."""
 
@@ -88,6 +91,25 @@ def _preference(prefer: str | float) -> float:
     if not 0.0 <= value <= 1.0:
         raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
     return value
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A polyline (n, 2) and the pieces (n, 2) that each link runs between, -1 where straight."""
+
+    points: FloatArray
+    pairs: IntArray
+
+    def reversed(self) -> Line:
+        """The same line the other way round: left and right change places."""
+        pairs = np.full_like(self.pairs, -1)
+        pairs[:-1] = self.pairs[:-1][::-1, ::-1]
+        return Line(self.points[::-1], pairs)
+
+    @classmethod
+    def straight(cls, points: FloatArray) -> Line:
+        """A line between no two pieces."""
+        return cls(points, np.full((len(points), 2), -1, np.int32))
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,9 +192,19 @@ def plan_leg(
     return None if route is None else _certain(borders, route, need)
 
 
-def _certain(borders: Borders, polyline: FloatArray, need: float) -> FloatArray | None:
-    gap = distance_kernels.polyline_clearance(*borders.tree, polyline)[0]
-    return polyline if gap >= need - 2.0 * ROUNDING * borders.extent else None
+def _certain(borders: Borders, line: Line, need: float) -> FloatArray | None:
+    """The line's polyline, close enough to the bisectors to keep ``need``, or None."""
+    points: FloatArray
+    points, _ = bisector_kernels.follow(
+        *borders.tree,
+        np.ascontiguousarray(line.points),
+        np.ascontiguousarray(line.pairs),
+        need,
+        FLATNESS * need,
+        EQUAL * borders.extent,
+    )
+    gap = distance_kernels.polyline_clearance(*borders.tree, points)[0]
+    return points if gap >= need - 2.0 * ROUNDING * borders.extent else None
 
 
 def attach(
@@ -189,6 +221,11 @@ def attach(
             break
         a, b = chains.points[link], chains.points[min(link + 1, chains.first[chain + 1] - 1)]
         foot = a + part * (b - a)
+        if chains.proved[link]:
+            left, right = chains.pieces[link]
+            foot[0], foot[1], _ = bisector_kernels.slide_between(
+                borders.kind, borders.data, left, right, foot[0], foot[1], EQUAL * borders.extent
+            )
         access = np.array([place, ridge, foot])
         gap = distance_kernels.polyline_clearance(*borders.tree, access)[0]
         if gap < floor:
@@ -256,8 +293,8 @@ def _cheapest(
     entries: list[Entry],
     exits: list[Entry],
     floor: float,
-) -> FloatArray | None:
-    """The polyline of the cheapest way from any entry to any exit, or None."""
+) -> Line | None:
+    """The cheapest way from any entry to any exit, or None."""
     around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
     s_node, s_cost, s_gap, s_who = _gates(chains, entries)
     g_node, g_cost, g_gap, g_who = _gates(chains, exits)
@@ -279,14 +316,14 @@ def _cheapest(
         return None
     if direct is not None:
         a, b = direct
-        return _join([a.access, _inner(chains, a, b), b.access[::-1]])
+        return _join([_arrive(chains, a), _inner(chains, a, b), _arrive(chains, b).reversed()])
     (a, a_end), (b, b_end) = s_who[entry], g_who[out]
-    pieces = [a.access, _to_end_points(chains, a, a_end)]
+    pieces = [_arrive(chains, a), _to_end_line(chains, a, a_end)]
     for step in steps.tolist():
         c, end = divmod(step, 2)
-        points = chains.points[chains.first[c] : chains.first[c + 1]]
-        pieces.append(points if end == 0 else points[::-1])
-    pieces += [_to_end_points(chains, b, b_end)[::-1], b.access[::-1]]
+        line = _part(chains, chains.first[c], chains.first[c + 1])
+        pieces.append(line if end == 0 else line.reversed())
+    pieces += [_to_end_line(chains, b, b_end).reversed(), _arrive(chains, b).reversed()]
     return _join(pieces)
 
 
@@ -294,27 +331,48 @@ def _position(cost: FloatArray, entry: Entry) -> float:
     return float(cost[: entry.link].sum() + entry.part * cost[entry.link])
 
 
-def _inner(chains: Chains, a: Entry, b: Entry) -> FloatArray:
-    """The chain's points strictly between two places on it."""
+def _part(chains: Chains, lo: int, hi: int) -> Line:
+    """The chain's points from lo up to hi, hi excluded; unproved links are straight."""
+    pairs = np.where(chains.proved[lo:hi, None], chains.pieces[lo:hi], np.int32(-1))
+    return Line(chains.points[lo:hi], pairs)
+
+
+def _arrive(chains: Chains, entry: Entry) -> Line:
+    """The straight way from a station to its place on a chain."""
+    return Line.straight(entry.access)
+
+
+def _inner(chains: Chains, a: Entry, b: Entry) -> Line:
+    """The chain between two places on it."""
     if (a.link, a.part) <= (b.link, b.part):
-        return chains.points[a.link + 1 : b.link + 1]
-    return chains.points[b.link + 1 : a.link + 1][::-1]
+        inner = _part(chains, a.link, b.link + 1)
+        points = np.concatenate([a.access[-1:], inner.points[1:], b.access[-1:]])
+        return Line(points, np.concatenate([inner.pairs, [[-1, -1]]]).astype(np.int32))
+    return _inner(chains, b, a).reversed()
 
 
-def _to_end_points(chains: Chains, entry: Entry, end: int) -> FloatArray:
-    """The chain's points from a place inside it to one of its ends."""
-    lo, hi = chains.first[entry.chain], chains.first[entry.chain + 1]
+def _to_end_line(chains: Chains, entry: Entry, end: int) -> Line:
+    """The chain from a place inside it to one of its ends."""
+    lo, hi = int(chains.first[entry.chain]), int(chains.first[entry.chain + 1])
+    if hi - lo == 1:
+        return Line.straight(entry.access[-1:])
     if end == 0:
-        return chains.points[lo : entry.link + 1][::-1]
-    return chains.points[min(entry.link + 1, hi - 1) : hi]
+        back = _part(chains, lo, entry.link + 1)
+        points = np.concatenate([back.points, entry.access[-1:]])
+        pairs = np.concatenate([back.pairs, [[-1, -1]]]).astype(np.int32)
+        return Line(points, pairs).reversed()
+    ahead = _part(chains, entry.link, hi)
+    return Line(np.concatenate([entry.access[-1:], ahead.points[1:]]), ahead.pairs)
 
 
-def _join(pieces: list[FloatArray]) -> FloatArray:
-    """One polyline without repeated points."""
-    points = np.concatenate([p for p in pieces if len(p)])
-    moved = np.any(points[1:] != points[:-1], axis=1)
-    kept: FloatArray = points[np.concatenate([[True], moved])]
-    return kept
+def _join(lines: list[Line]) -> Line:
+    """One line without repeated points; each starts where the one before it ends."""
+    lines = [line for line in lines if len(line.points)]
+    points = np.concatenate([line.points for line in lines])
+    pairs = np.concatenate([line.pairs for line in lines])
+    kept = np.ones(len(points), dtype=np.bool_)
+    kept[:-1] = np.any(points[1:] != points[:-1], axis=1)
+    return Line(points[kept], pairs[kept])
 
 
 def _as_path(borders: Borders, legs: list[FloatArray], radius: float, request: Request) -> Path:
