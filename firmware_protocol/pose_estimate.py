@@ -20,8 +20,8 @@ DRIFT_GAIN: Final = 0.5
 """Radians per metre learned from a heading difference of one radian, per metre driven."""
 DRIFT_MAX: Final = 0.6
 """Radians per metre: wheels that differ by 7 % on a track of 0.12 m."""
-HISTORY_STEP_S: Final = 0.02
-HISTORY_LENGTH: Final = 16
+HISTORY_STEP_S: Final = 0.04
+HISTORY_LENGTH: Final = 8
 JUMP_M: Final = 0.15
 JUMP_RAD: Final = 0.5
 JUMPS_BELIEVED: Final = 5

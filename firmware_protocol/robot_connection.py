@@ -304,4 +304,4 @@ class RobotConnection:
 
 
 def _clock_us(now_s: float) -> int:
-    return int(now_s * 1e6) & 0xFFFFFFFF
+    return round(now_s * 1e6) & 0xFFFFFFFF

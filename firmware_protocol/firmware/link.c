@@ -1,0 +1,480 @@
+#include "link.h"
+
+#include <string.h>
+
+const uint8_t cw_estop_frame[CW_ESTOP_BYTES] = {0x00, 0x03, 0x10, 0x2e, 0x01, 0x01, 0x01, 0x01,
+                                                0x01, 0x05, 0xa2, 0x48, 0xb2, 0x50, 0x00};
+
+bool cw_estop_match(uint8_t *matched, uint8_t byte)
+{
+    if (byte == cw_estop_frame[*matched]) {
+        (*matched)++;
+        if (*matched == CW_ESTOP_BYTES) {
+            *matched = 1; /* the last zero may be the next frame's first */
+            return true;
+        }
+        return false;
+    }
+    *matched = byte == 0u ? 1u : 0u;
+    return false;
+}
+
+void cw_link_init(cw_link *link, cw_robot *robot, const cw_identity *identity)
+{
+    memset(link, 0, sizeof *link);
+    link->robot = robot;
+    link->identity = *identity;
+}
+
+/* Receiving. */
+
+/* COBS in place; returns the decoded size, 0 where the code is broken. */
+static uint8_t decode_cobs(uint8_t *data, uint8_t length)
+{
+    uint8_t in = 0;
+    uint8_t out = 0;
+    while (in < length) {
+        uint8_t code = data[in++];
+        uint8_t rest = (uint8_t)(code - 1u);
+        if (rest > length - in) {
+            return 0;
+        }
+        while (rest-- > 0u) {
+            data[out++] = data[in++];
+        }
+        if (code != 0xFFu && in < length) {
+            data[out++] = 0;
+        }
+    }
+    return out;
+}
+
+static uint32_t frame_crc(uint8_t sender, const uint8_t *body, uint8_t length)
+{
+    return cw_crc32c(body, length, cw_crc32c(&sender, 1, 0));
+}
+
+static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8_t length,
+                  uint32_t now_us)
+{
+    uint8_t i;
+    for (i = 0; i < link->old_count; i++) {
+        if (link->old_sessions[i] == session) {
+            link->count.session_errors++;
+            return;
+        }
+    }
+    if (length != 6u) {
+        link->count.rejected++;
+        return;
+    }
+    link->hello_due = true;
+    link->hello_session = session;
+    if (payload[0] != CW_VERSION || cw_get_u32(payload + 2) != link->identity.schema) {
+        return;
+    }
+    if (link->has_session && link->session == session) {
+        return;
+    }
+    cw_robot_open_session(link->robot, now_us);
+    if (link->has_session) {
+        link->old_sessions[link->old_next] = link->session;
+        link->old_next = (uint8_t)((link->old_next + 1u) % CW_SESSIONS_REMEMBERED);
+        if (link->old_count < CW_SESSIONS_REMEMBERED) {
+            link->old_count++;
+        }
+    }
+    link->has_session = true;
+    link->session = session;
+    link->expected = 0;
+    link->command = 0;
+    link->result = CW_RESULT_NONE;
+    link->ack_due = false;
+    link->nak_due = false;
+    link->sync_due = false;
+    link->status_sent = false;
+}
+
+static bool heading_is_right(const uint8_t *at, bool may_be_free)
+{
+    int16_t heading = (int16_t)cw_get_u16(at);
+    if (heading == CW_HEADING_FREE) {
+        return may_be_free;
+    }
+    return heading >= -CW_HALF_TURN && heading <= CW_HALF_TURN;
+}
+
+static bool waypoints_are_right(const uint8_t *payload, uint8_t length)
+{
+    uint8_t count, i;
+    if (length < 10u) {
+        return false;
+    }
+    count = payload[8];
+    if (count < 1u || count > CW_WAYPOINTS_PER_FRAME ||
+        length != 10u + CW_WAYPOINT_BYTES * count) {
+        return false;
+    }
+    for (i = 0; i < count; i++) {
+        const uint8_t *record = payload + 10u + CW_WAYPOINT_BYTES * i;
+        if ((record[15] & 0xFCu) != 0u || !heading_is_right(record + 8, true) ||
+            cw_get_u32(record) == 0x80000000ul || cw_get_u32(record + 4) == 0x80000000ul) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether a host's message of this type has a content that makes sense. */
+static bool is_sound(uint8_t type, const uint8_t *payload, uint8_t length)
+{
+    switch (type) {
+    case CW_WAYPOINTS:
+        return waypoints_are_right(payload, length);
+    case CW_START:
+        return length == 10u;
+    case CW_PAUSE:
+    case CW_RESET_ESTOP:
+        return length == 2u;
+    case CW_CLEAR:
+        return length == 6u;
+    case CW_LEASE:
+        return length == 5u && (payload[2] & 0xFCu) == 0u;
+    case CW_POSE:
+        return length == 12u && heading_is_right(payload + 8, false);
+    case CW_TIMESYNC:
+        return length == 4u;
+    default:
+        return false;
+    }
+}
+
+static bool is_reliable_type(uint8_t type)
+{
+    return type >= CW_WAYPOINTS && type <= CW_RESET_ESTOP;
+}
+
+static void answer(cw_link *link, const uint8_t *payload, cw_result result)
+{
+    link->command = cw_get_u16(payload);
+    link->result = (uint8_t)result;
+}
+
+static void see_pose(cw_link *link, const uint8_t *payload, uint32_t now_us)
+{
+    cw_pose seen;
+    seen.x_m = (float)(int32_t)cw_get_u32(payload) * 1e-6f;
+    seen.y_m = (float)(int32_t)cw_get_u32(payload + 4) * 1e-6f;
+    seen.heading_rad = (float)(int16_t)cw_get_u16(payload + 8) * 1e-4f;
+    cw_robot_pose(link->robot, seen, (uint32_t)cw_get_u16(payload + 10) * 100u, now_us);
+}
+
+/* Do what a sound message says; false where it cannot be taken now. */
+static bool act(cw_link *link, uint8_t type, const uint8_t *payload, uint32_t now_us)
+{
+    cw_robot *robot = link->robot;
+    switch (type) {
+    case CW_WAYPOINTS:
+        return cw_robot_accept(robot, cw_get_u32(payload), cw_get_u32(payload + 4), payload[8],
+                               payload + 10);
+    case CW_START:
+        answer(link, payload,
+               cw_robot_start(robot, cw_get_u32(payload + 2), cw_get_u32(payload + 6), now_us));
+        break;
+    case CW_PAUSE:
+        answer(link, payload, cw_robot_pause(robot));
+        break;
+    case CW_CLEAR:
+        answer(link, payload, cw_robot_clear(robot, cw_get_u32(payload + 2)));
+        break;
+    case CW_RESET_ESTOP:
+        answer(link, payload, cw_robot_reset_estop(robot));
+        break;
+    case CW_LEASE:
+        cw_robot_lease(robot, cw_get_u16(payload), payload[2], cw_get_u16(payload + 3), now_us);
+        link->ack_due = true;
+        break;
+    case CW_POSE:
+        see_pose(link, payload, now_us);
+        break;
+    case CW_TIMESYNC:
+    default:
+        link->sync_due = true;
+        link->sync_host_us = cw_get_u32(payload);
+        link->sync_robot_us = now_us;
+        break;
+    }
+    return true;
+}
+
+static void take_message(cw_link *link, const uint8_t *frame, uint8_t length, uint32_t now_us)
+{
+    bool reliable = (frame[0] & CW_FLAG_RELIABLE) != 0u;
+    uint8_t type = frame[1];
+    uint8_t ahead = (uint8_t)(frame[4] - link->expected);
+    const uint8_t *payload = frame + CW_HEADER_BYTES;
+    if (!is_sound(type, payload, length)) {
+        link->count.rejected++;
+        if (reliable && ahead == 0u) {
+            /* a whole frame of nonsense will not get better by being sent again */
+            link->expected++;
+            link->ack_due = true;
+        }
+        return;
+    }
+    if (reliable != is_reliable_type(type)) {
+        link->count.rejected++;
+        return;
+    }
+    if (!reliable) {
+        (void)act(link, type, payload, now_us);
+        return;
+    }
+    link->ack_due = true;
+    if (ahead > 128u) {
+        link->count.duplicates++;
+    } else if (ahead > 0u) {
+        link->count.gaps++;
+        link->nak_due = true;
+    } else if (act(link, type, payload, now_us)) {
+        link->expected++;
+    } else {
+        link->count.rejected++;
+    }
+}
+
+static void damaged(cw_link *link, uint16_t *counter)
+{
+    (*counter)++;
+    if (link->has_session) {
+        link->nak_due = true; /* ask at once, do not wait for the host's timeout */
+    }
+}
+
+static void take_frame(cw_link *link, uint8_t *frame, uint8_t encoded, uint32_t now_us)
+{
+    uint8_t size = decode_cobs(frame, encoded);
+    uint8_t body, length, type;
+    uint16_t session;
+    if (size < CW_HEADER_BYTES + CW_CHECK_BYTES) {
+        damaged(link, &link->count.format_errors);
+        return;
+    }
+    body = (uint8_t)(size - CW_CHECK_BYTES);
+    if (frame_crc(CW_SENDER_HOST, frame, body) != cw_get_u32(frame + body)) {
+        damaged(link, &link->count.crc_errors);
+        return;
+    }
+    length = (uint8_t)(body - CW_HEADER_BYTES);
+    type = frame[1];
+    if (frame[7] != length) {
+        damaged(link, &link->count.format_errors);
+        return;
+    }
+    if ((frame[0] >> 4 != CW_VERSION || (frame[0] & 0x0Cu) != 0u) && type != CW_HELLO &&
+        type != CW_HELLO_ACK) {
+        damaged(link, &link->count.format_errors);
+        return;
+    }
+    link->count.frames++;
+    session = cw_get_u16(frame + 2);
+    if (type == CW_ESTOP_TYPE) {
+        cw_robot_emergency_stop(link->robot, CW_REASON_ESTOP_HOST);
+    } else if (type == CW_HELLO) {
+        greet(link, session, frame + CW_HEADER_BYTES, length, now_us);
+    } else if (!link->has_session || session != link->session) {
+        link->count.session_errors++;
+    } else {
+        take_message(link, frame, length, now_us);
+    }
+}
+
+void cw_link_receive(cw_link *link, const uint8_t *data, uint16_t length, uint32_t now_us)
+{
+    while (length-- > 0u) {
+        uint8_t byte = *data++;
+        if (byte == 0u) {
+            if (!link->too_long && link->filled > 0u) {
+                take_frame(link, link->buffer, link->filled, now_us);
+            }
+            link->too_long = false;
+            link->filled = 0;
+        } else if (link->too_long) {
+            continue;
+        } else if (link->filled == CW_MAX_ENCODED) {
+            link->too_long = true;
+            damaged(link, &link->count.format_errors);
+        } else {
+            link->buffer[link->filled++] = byte;
+        }
+    }
+}
+
+/* Sending: a frame is built behind two free bytes, then encoded in place. */
+
+static uint8_t *begin_frame(const cw_link *link, uint8_t *out, uint8_t type, uint16_t session,
+                            uint8_t flags)
+{
+    uint8_t *at = out + 2;
+    at[0] = (uint8_t)(CW_VERSION << 4 | flags);
+    at[1] = type;
+    (void)cw_put_u16(at + 2, session);
+    at[4] = 0;
+    at[5] = link->expected;
+    at[6] = cw_robot_credit(link->robot);
+    at[7] = 0;
+    return at + CW_HEADER_BYTES;
+}
+
+/* `end` is the place behind the payload; returns the frame's size on the wire. */
+static uint8_t end_frame(uint8_t *out, uint8_t *end)
+{
+    uint8_t *frame = out + 2;
+    uint8_t body = (uint8_t)(end - frame);
+    uint8_t code_at = 1;
+    uint8_t size, i;
+    frame[7] = (uint8_t)(body - CW_HEADER_BYTES);
+    end = cw_put_u32(end, frame_crc(CW_SENDER_ROBOT, frame, body));
+    size = (uint8_t)(end - out);
+    for (i = 2; i < size; i++) {
+        if (out[i] == 0u) {
+            out[code_at] = (uint8_t)(i - code_at);
+            code_at = i;
+        }
+    }
+    out[code_at] = (uint8_t)(size - code_at);
+    out[0] = 0;
+    out[size] = 0;
+    return (uint8_t)(size + 1u);
+}
+
+static uint8_t send_hello_ack(cw_link *link, uint8_t *out)
+{
+    const cw_robot *robot = link->robot;
+    uint8_t *at = begin_frame(link, out, CW_HELLO_ACK, link->hello_session, 0);
+    *at++ = CW_VERSION;
+    *at++ = CW_MINOR_VERSION;
+    at = cw_put_u32(at, link->identity.schema);
+    at = cw_put_u32(at, link->identity.firmware);
+    at = cw_put_u32(at, link->identity.boot_id);
+    *at++ = link->identity.reset_cause;
+    *at++ = CW_MAX_PAYLOAD;
+    at = cw_put_u16(at, CW_RX_WINDOW);
+    *at++ = CW_QUEUE_SIZE;
+    *at++ = robot->state;
+    at = cw_put_u32(at, robot->mission);
+    at = cw_put_u32(at, robot->accept_next);
+    at = cw_put_u32(at, robot->exec_next);
+    at = cw_put_u32(at, robot->prefix_crc);
+    at = cw_put_u32(at, robot->exec_crc);
+    return end_frame(out, at);
+}
+
+static uint8_t send_ack(cw_link *link, uint8_t *out, uint8_t flags)
+{
+    uint8_t *at = begin_frame(link, out, CW_ACK, link->session, flags);
+    return end_frame(out, cw_put_u32(at, link->robot->accept_next));
+}
+
+static uint8_t send_time(cw_link *link, uint8_t *out, uint32_t now_us)
+{
+    uint8_t *at = begin_frame(link, out, CW_TIMESYNC_REPLY, link->session, 0);
+    at = cw_put_u32(at, link->sync_host_us);
+    at = cw_put_u32(at, link->sync_robot_us);
+    return end_frame(out, cw_put_u32(at, now_us));
+}
+
+/* To the nearest whole number, clamped. */
+static int32_t rounded(float value, float limit)
+{
+    value = value > limit ? limit : value < -limit ? -limit : value;
+    return (int32_t)(value < 0.0f ? value - 0.5f : value + 0.5f);
+}
+
+static uint8_t send_status(cw_link *link, uint8_t *out, uint32_t now_us)
+{
+    const cw_robot *robot = link->robot;
+    const cw_pose *pose = &robot->estimate.pose;
+    const cw_counters *count = &link->count;
+    uint8_t *at = begin_frame(link, out, CW_STATUS, link->session, 0);
+    at = cw_put_u32(at, now_us);
+    at = cw_put_u32(at, link->identity.boot_id);
+    at = cw_put_u32(at, robot->mission);
+    at = cw_put_u32(at, robot->accept_next);
+    at = cw_put_u32(at, robot->exec_next);
+    at = cw_put_u32(at, robot->prefix_crc);
+    at = cw_put_u32(at, robot->exec_crc);
+    *at++ = robot->state;
+    *at++ = cw_robot_flags(robot, now_us);
+    *at++ = robot->reason;
+    *at++ = link->result;
+    at = cw_put_u16(at, link->command);
+    at = cw_put_u32(at, (uint32_t)rounded(pose->x_m * 1e6f, 2147483000.0f));
+    at = cw_put_u32(at, (uint32_t)rounded(pose->y_m * 1e6f, 2147483000.0f));
+    at = cw_put_u16(at, (uint16_t)rounded(pose->heading_rad * 1e4f, (float)CW_HALF_TURN));
+    at = cw_put_u16(at, (uint16_t)rounded(robot->speed_m_s * 1e3f, 32767.0f));
+    at = cw_put_u16(at, (uint16_t)rounded(robot->turn_rad_s * 1e3f, 32767.0f));
+    at = cw_put_u16(at, cw_robot_pose_age_ms(robot, now_us));
+    at = cw_put_u16(at, cw_robot_lease_left_ms(robot, now_us));
+    at = cw_put_u16(at, count->frames);
+    at = cw_put_u16(at, count->crc_errors);
+    at = cw_put_u16(at, count->format_errors);
+    at = cw_put_u16(at, count->overruns);
+    at = cw_put_u16(at, count->session_errors);
+    at = cw_put_u16(at, count->gaps);
+    at = cw_put_u16(at, count->duplicates);
+    at = cw_put_u16(at, count->rejected);
+    return end_frame(out, at);
+}
+
+static bool has_news(const cw_link *link)
+{
+    const cw_robot *robot = link->robot;
+    return link->told_state != robot->state || link->told_reason != robot->reason ||
+           link->told_done != robot->done || link->told_command != link->command ||
+           link->told_mission != robot->mission;
+}
+
+static bool status_is_due(const cw_link *link, uint32_t now_us)
+{
+    uint32_t waited_us = now_us - link->status_us;
+    return !link->status_sent || waited_us >= CW_STATUS_INTERVAL_US ||
+           (waited_us >= CW_STATUS_SPACING_US && has_news(link));
+}
+
+uint8_t cw_link_next_frame(cw_link *link, uint8_t out_frame[CW_MAX_WIRE], uint32_t now_us)
+{
+    if (link->hello_due) {
+        link->hello_due = false;
+        return send_hello_ack(link, out_frame);
+    }
+    if (!link->has_session) {
+        return 0;
+    }
+    if (link->nak_due && (!link->nak_sent || now_us - link->nak_us >= CW_NAK_INTERVAL_US)) {
+        link->nak_sent = true;
+        link->nak_us = now_us;
+        link->nak_due = false;
+        link->ack_due = false;
+        return send_ack(link, out_frame, CW_FLAG_NAK);
+    }
+    if (link->ack_due) {
+        link->ack_due = false;
+        return send_ack(link, out_frame, 0);
+    }
+    if (link->sync_due) {
+        link->sync_due = false;
+        return send_time(link, out_frame, now_us);
+    }
+    if (status_is_due(link, now_us)) {
+        link->status_sent = true;
+        link->status_us = now_us;
+        link->told_state = link->robot->state;
+        link->told_reason = link->robot->reason;
+        link->told_done = link->robot->done;
+        link->told_command = link->command;
+        link->told_mission = link->robot->mission;
+        return send_status(link, out_frame, now_us);
+    }
+    return 0;
+}
