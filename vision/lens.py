@@ -13,9 +13,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vision.board import BoardView
 from vision.calibration import CalibrationError, FloatArray
@@ -26,6 +28,11 @@ _BAD_VIEW_FACTOR = 3.0
 _BAD_VIEW_PX = 0.5
 _WEAK_FOCAL = 0.01
 _UNKNOWN_FOCAL = 0.1
+_LEAST_TURN_DEG = 8.0
+_GOOD_TURN_DEG = 20.0
+"""The largest angle between two boards' planes: parallel planes do not tell the focal length
+(Zhang 2000, 3.2), and the fit's own spread does not show it where it stopped short."""
+
 
 _FIX_K = cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3
 _TERMS = {
@@ -62,6 +69,7 @@ class _Fit:
     distortion: FloatArray
     focal_spread: float
     view_px: FloatArray
+    turn_deg: float
 
 
 def estimate_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
@@ -93,15 +101,15 @@ def estimate_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
         fit = _fit(good, 2)
     chosen = terms if terms is not None else _best_terms(good)
     fit = _fit(good, chosen)
-    if fit.focal_spread > _UNKNOWN_FOCAL:
+    if fit.focal_spread > _UNKNOWN_FOCAL or fit.turn_deg < _LEAST_TURN_DEG:
         raise CalibrationError(
             "the pictures do not determine the focal length: take some with the board tilted "
             "by 20 to 40 degrees, in different directions"
         )
-    if fit.focal_spread > _WEAK_FOCAL:
+    if fit.focal_spread > _WEAK_FOCAL or fit.turn_deg < _GOOD_TURN_DEG:
         remarks.append(
-            f"the focal length is known to {100 * fit.focal_spread:.1f} % only: add pictures "
-            "with the board tilted"
+            f"the board's pictures differ in tilt by {fit.turn_deg:.0f} degrees only, the focal "
+            f"length is known to {100 * fit.focal_spread:.1f} %: add pictures with it tilted"
         )
     used = tuple((v.name, float(e)) for v, e in zip(good, fit.view_px, strict=True))
     return Lens(
@@ -142,7 +150,7 @@ def _best_terms(views: Sequence[BoardView]) -> int:
 def _fit(views: Sequence[BoardView], terms: int) -> _Fit:
     boards = [np.column_stack([v.points_m, np.zeros(len(v.points_m))]) for v in views]
     try:
-        rms, matrix, lens, _, _, spreads, _, view_px = cv2.calibrateCameraExtended(
+        rms, matrix, lens, turns, _, spreads, _, view_px = cv2.calibrateCameraExtended(
             [b.astype(np.float32) for b in boards],
             [v.corners_px.astype(np.float32) for v in views],
             views[0].size,
@@ -161,4 +169,11 @@ def _fit(views: Sequence[BoardView], terms: int) -> _Fit:
         np.asarray(lens, dtype=np.float64).reshape(-1)[:5],
         float(np.ravel(spreads)[0] / camera[0, 0]),
         np.asarray(view_px, dtype=np.float64).reshape(-1),
+        _largest_turn_deg([cv2.Rodrigues(np.asarray(t, dtype=np.float64))[0] for t in turns]),
     )
+
+
+def _largest_turn_deg(rotations: Sequence[NDArray[Any]]) -> float:
+    """The largest angle between two boards' normals."""
+    normals = np.array([np.asarray(r)[:, 2] for r in rotations])
+    return math.degrees(math.acos(min(1.0, max(-1.0, float((normals @ normals.T).min())))))
