@@ -113,7 +113,7 @@ def _sound_sections(
             adapter: TypeAdapter[Any] = TypeAdapter(field.rebuild_annotation())
             sound[name] = adapter.validate_python(data[name], context=context)
         elif not field.is_required():
-            sound[name] = field.get_default(call_default_factory=True)
+            sound[name] = field.default
     return sound
 
 

@@ -65,7 +65,7 @@ _CORE = (
 )
 _Loader.yaml_implicit_resolvers = {}
 for _name, _pattern, _first in _CORE:
-    _Loader.add_implicit_resolver(  # type: ignore[no-untyped-call]
+    _Loader.add_implicit_resolver(
         _TAG + _name,
         re.compile(f"(?:{_pattern})$"),
         [*_first, ""] if _name == "null" else [*_first],

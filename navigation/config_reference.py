@@ -86,7 +86,7 @@ def _sentence(field: FieldInfo) -> str:
 
 
 def _default_words(field: FieldInfo) -> str:
-    value = field.get_default(call_default_factory=True)
+    value = field.default
     if isinstance(value, BaseModel):
         return "its own"
     return "empty" if value in (None, "", ()) else f"`{_yaml(value)}`"
@@ -128,7 +128,7 @@ def _starter_field(
     elif isinstance(value, list | tuple):
         yield from _commented(f"{indent}{name}:", field)
         yield from (f"{indent}  - {_yaml(item)}" for item in value)
-    elif field.is_required() or value is not None or field.default_factory is not None:
+    elif field.is_required() or value is not None or isinstance(field.default, BaseModel):
         yield from _commented(f"{indent}{name}:", field)
         for key, part in model.model_fields.items():
             yield from _starter_field(key, part, value or {}, indent + "  ")

@@ -93,7 +93,7 @@ class Place(Section):
 class Pose(Place):
     """A place and a heading."""
 
-    heading_deg: Number = Field(0.0, description="degrees counter-clockwise from +x")
+    heading_deg: Number = Field(default=0.0, description="degrees counter-clockwise from +x")
 
     @property
     def heading_rad(self) -> float:
@@ -105,9 +105,9 @@ class Station(Place):
     """A place to visit."""
 
     heading_deg: Number | None = Field(
-        None, description="heading to stand at, degrees; empty: any heading"
+        default=None, description="heading to stand at, degrees; empty: any heading"
     )
-    dwell_s: NotNegative = Field(0.0, description="how long to stay there")
+    dwell_s: NotNegative = Field(default=0.0, description="how long to stay there")
 
     @property
     def heading_rad(self) -> float | None:
@@ -138,32 +138,33 @@ class CameraSection(Section):
     )
     size_px: tuple[
         Annotated[int, Field(strict=True, ge=16)], Annotated[int, Field(strict=True, ge=16)]
-    ] = Field((1280, 960), description="[width, height] asked of the camera")
+    ] = Field(default=(1280, 960), description="[width, height] asked of the camera")
     rate_hz: Annotated[Positive, Field(le=1000)] = Field(
-        30.0, description="frames a second asked of the camera"
+        default=30.0, description="frames a second asked of the camera"
     )
     calibration: NeighbourFile | None = Field(
-        None,
+        default=None,
         description="file written by `clearway calibrate`, relative to this file; "
         "empty with a simulated camera: its true values",
     )
     metres_per_pixel: Positive | None = Field(
-        None, description="instead of a calibration: a camera looking straight down, no distortion"
+        default=None,
+        description="instead of a calibration: a camera looking straight down, no distortion",
     )
-    loop: StrictBool = Field(False, description="start a video file again at its end")
+    loop: StrictBool = Field(default=False, description="start a video file again at its end")
 
 
 class VisionSection(Section):
     """How obstacles are told from the floor."""
 
     polarity: Literal["dark", "light"] = Field(
-        "dark", description="whether obstacles are darker or lighter than the floor"
+        default="dark", description="whether obstacles are darker or lighter than the floor"
     )
     method: Literal["auto", "otsu", "fixed", "adaptive", "background"] = Field(
-        "auto", description="how the picture is made black and white"
+        default="auto", description="how the picture is made black and white"
     )
     threshold: Annotated[Number, Field(ge=0, le=65535)] | None = Field(
-        None, description="grey level for method 'fixed'"
+        default=None, description="grey level for method 'fixed'"
     )
 
 
@@ -172,7 +173,9 @@ class MarkerSection(Section):
 
     marker_id: Count = Field(description="the number of the marker on the robot")
     marker_size_m: Positive = Field(description="side of the marker's black square")
-    marker_height_m: NotNegative = Field(0.0, description="height of the marker above the floor")
+    marker_height_m: NotNegative = Field(
+        default=0.0, description="height of the marker above the floor"
+    )
     radius_m: Positive = Field(
         description="radius of the disc around the marker's centre that holds the whole robot"
     )
@@ -181,45 +184,57 @@ class MarkerSection(Section):
 class RobotSection(MarkerSection):
     """The robot that is driven: its marker, its body, what it can do, its wheels."""
 
-    dictionary: Dictionary = Field("DICT_4X4_50", description="OpenCV's name of the marker family")
-    marker_turn_deg: Number = Field(
-        0.0, description="how the marker is mounted: its x axis against the robot's forward"
+    dictionary: Dictionary = Field(
+        default="DICT_4X4_50", description="OpenCV's name of the marker family"
     )
-    speed_m_s: Positive = Field(0.3, description="highest speed")
-    acceleration_m_s2: Positive = Field(0.5, description="highest acceleration and braking")
-    lateral_acceleration_m_s2: Positive = Field(0.5, description="highest acceleration in bends")
-    jerk_m_s3: Positive = Field(5.0, description="highest change of acceleration")
-    angular_rate_rad_s: Positive = Field(2.0, description="highest turning rate")
-    angular_acceleration_rad_s2: Positive = Field(6.0, description="highest turning acceleration")
-    track_m: Positive = Field(0.12, description="distance between the driven wheels")
-    turns_on_spot: StrictBool = Field(True, description="whether it can turn without driving")
+    marker_turn_deg: Number = Field(
+        default=0.0, description="how the marker is mounted: its x axis against the robot's forward"
+    )
+    speed_m_s: Positive = Field(default=0.3, description="highest speed")
+    acceleration_m_s2: Positive = Field(default=0.5, description="highest acceleration and braking")
+    lateral_acceleration_m_s2: Positive = Field(
+        default=0.5, description="highest acceleration in bends"
+    )
+    jerk_m_s3: Positive = Field(default=5.0, description="highest change of acceleration")
+    angular_rate_rad_s: Positive = Field(default=2.0, description="highest turning rate")
+    angular_acceleration_rad_s2: Positive = Field(
+        default=6.0, description="highest turning acceleration"
+    )
+    track_m: Positive = Field(default=0.12, description="distance between the driven wheels")
+    turns_on_spot: StrictBool = Field(
+        default=True, description="whether it can turn without driving"
+    )
 
 
 class PlanningSection(Section):
     """Which way to choose and how to drive it."""
 
     margin_m: NotNegative = Field(
-        0.01, description="kept free around the robot's radius in every plan"
+        default=0.01, description="kept free around the robot's radius in every plan"
     )
     spacing_m: Positive | None = Field(
-        None, description="distance of the diagram's generators; empty: chosen from the radius"
+        default=None,
+        description="distance of the diagram's generators; empty: chosen from the radius",
     )
     prefer: Preference = Field(
-        "balanced",
+        default="balanced",
         description="'clearance', 'length', 'balanced', or from 0 (length) to 1 (clearance)",
     )
-    waypoint_spacing_m: Positive = Field(0.05, description="largest distance between waypoints")
+    waypoint_spacing_m: Positive = Field(
+        default=0.05, description="largest distance between waypoints"
+    )
     chord_tolerance_m: Positive = Field(
-        0.002, description="how far the line between two waypoints may leave the path"
+        default=0.002, description="how far the line between two waypoints may leave the path"
     )
     slow_clearance_m: Positive = Field(
-        0.20, description="below this clearance the robot drives more slowly"
+        default=0.20, description="below this clearance the robot drives more slowly"
     )
     slow_speed_m_s: Positive = Field(
-        0.12, description="speed where the clearance is the robot's radius"
+        default=0.12, description="speed where the clearance is the robot's radius"
     )
     replan_distance_m: NotNegative = Field(
-        0.15, description="plan again when a changed obstacle is nearer than this to the path"
+        default=0.15,
+        description="plan again when a changed obstacle is nearer than this to the path",
     )
 
 
@@ -227,101 +242,117 @@ class SerialSection(Section):
     """The line to the robot."""
 
     port: Text = Field(
-        SIMULATED,
+        default=SIMULATED,
         description="'simulated', or a device; a name under /dev/serial/by-id survives replugging",
     )
     baud: Annotated[int, Field(strict=True, ge=1200, le=4_000_000)] = Field(
-        115_200, description="bits a second, as the robot's firmware has it"
+        default=115_200, description="bits a second, as the robot's firmware has it"
     )
 
 
 class SafetySection(Section):
     """When the robot must hold or stop."""
 
-    pose_stale_s: Positive = Field(0.2, description="hold when the marker was not seen for longer")
-    frame_stale_s: Positive = Field(0.2, description="hold when no picture came for longer")
-    link_stale_s: Positive = Field(0.5, description="hold when the robot did not report for longer")
+    pose_stale_s: Positive = Field(
+        default=0.2, description="hold when the marker was not seen for longer"
+    )
+    frame_stale_s: Positive = Field(default=0.2, description="hold when no picture came for longer")
+    link_stale_s: Positive = Field(
+        default=0.5, description="hold when the robot did not report for longer"
+    )
     lease_s: Annotated[Positive, Field(le=10)] = Field(
-        0.5, description="the robot stops by itself when the host was silent for longer"
+        default=0.5, description="the robot stops by itself when the host was silent for longer"
     )
     max_deviation_m: Positive = Field(
-        0.05, description="hold and plan again when further off the path"
+        default=0.05, description="hold and plan again when further off the path"
     )
     clearance_slack_m: NotNegative = Field(
-        0.01, description="how far the measured clearance may be below the radius: camera error"
+        default=0.01,
+        description="how far the measured clearance may be below the radius: camera error",
     )
     give_up_s: Positive = Field(
-        30.0, description="the mission fails when the robot had to hold for longer"
+        default=30.0, description="the mission fails when the robot had to hold for longer"
     )
 
 
 class MissionSection(Section):
     """Where to go; without stations the program waits for orders."""
 
-    stations: tuple[Station, ...] = Field((), description="places to visit; the last is the goal")
-    order: Literal["fixed", "best"] = Field(
-        "fixed", description="as written, or the shortest order (the last stays the goal)"
+    stations: tuple[Station, ...] = Field(
+        default=(), description="places to visit; the last is the goal"
     )
-    tolerance_m: Positive = Field(0.01, description="how near to a station counts as there")
-    tolerance_deg: Positive = Field(2.0, description="how near to its heading counts as turned")
+    order: Literal["fixed", "best"] = Field(
+        default="fixed", description="as written, or the shortest order (the last stays the goal)"
+    )
+    tolerance_m: Positive = Field(default=0.01, description="how near to a station counts as there")
+    tolerance_deg: Positive = Field(
+        default=2.0, description="how near to its heading counts as turned"
+    )
 
 
 class SimulatedCameraSection(Section):
     """The simulated camera: a pinhole with lens distortion above the arena."""
 
     position_m: tuple[Number, Number, Positive] = Field(
-        (1.155, 0.975, 2.5), description="[x, y, height] of the lens"
+        default=(1.155, 0.975, 2.5), description="[x, y, height] of the lens"
     )
     tilt_deg: tuple[Number, Number] = Field(
-        (1.2, -0.8), description="leaning from straight down: [about x, about y]"
+        default=(1.2, -0.8), description="leaning from straight down: [about x, about y]"
     )
-    turn_deg: Number = Field(0.7, description="turned about its own axis")
-    focal_px: Positive = Field(1235.0, description="focal length")
+    turn_deg: Number = Field(default=0.7, description="turned about its own axis")
+    focal_px: Positive = Field(default=1235.0, description="focal length")
     centre_offset_px: tuple[Number, Number] = Field(
-        (5.3, -3.8), description="principal point against the picture's centre: [right, down]"
+        default=(5.3, -3.8),
+        description="principal point against the picture's centre: [right, down]",
     )
     distortion: tuple[Number, Number, Number, Number, Number] = Field(
-        (-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
+        default=(-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
     )
-    blur_px: NotNegative = Field(0.6, description="sigma of the lens's blur")
-    noise_grey: NotNegative = Field(2.5, description="sigma of the sensor's noise, grey levels")
-    light_fall: Fraction = Field(0.12, description="how much darker the darkest corner's light is")
-    latency_s: NotNegative = Field(0.0, description="from the exposure to the program")
+    blur_px: NotNegative = Field(default=0.6, description="sigma of the lens's blur")
+    noise_grey: NotNegative = Field(
+        default=2.5, description="sigma of the sensor's noise, grey levels"
+    )
+    light_fall: Fraction = Field(
+        default=0.12, description="how much darker the darkest corner's light is"
+    )
+    latency_s: NotNegative = Field(default=0.0, description="from the exposure to the program")
 
 
 class SimulatedRobotSection(Section):
     """How the simulated robot differs from the ideal one."""
 
     wheel_radius_error: tuple[RelativeError, RelativeError] = Field(
-        (0.01, -0.005), description="relative error of the [left, right] wheel's radius"
+        default=(0.01, -0.005), description="relative error of the [left, right] wheel's radius"
     )
     track_error: RelativeError = Field(
-        0.01, description="relative error of the distance between the wheels"
+        default=0.01, description="relative error of the distance between the wheels"
     )
     slip: Fraction = Field(
-        0.01, description="sigma of the part of each wheel's travel that is lost or gained"
+        default=0.01, description="sigma of the part of each wheel's travel that is lost or gained"
     )
-    motor_time_s: Positive = Field(0.05, description="time constant of the motors")
-    encoder_ticks_per_m: Positive = Field(4000.0, description="resolution of the encoders")
-    wheel_speed_m_s: Positive = Field(0.8, description="highest speed of a wheel")
-    faults: str = Field("", description="faults of the line, as in `clearway robot --faults`")
+    motor_time_s: Positive = Field(default=0.05, description="time constant of the motors")
+    encoder_ticks_per_m: Positive = Field(default=4000.0, description="resolution of the encoders")
+    wheel_speed_m_s: Positive = Field(default=0.8, description="highest speed of a wheel")
+    faults: str = Field(
+        default="", description="faults of the line, as in `clearway robot --faults`"
+    )
 
 
 class SimulationSection(Section):
     """The simulated world; ignored where camera and port are real."""
 
-    seed: Count = Field(1, description="of everything random")
+    seed: Count = Field(default=1, description="of everything random")
     arena: NeighbourFile | None = Field(
-        None, description="scene text file of the obstacles, metres, relative to this file"
+        default=None, description="scene text file of the obstacles, metres, relative to this file"
     )
-    arena_text: Text | None = Field(None, description="the same, written here")
+    arena_text: Text | None = Field(default=None, description="the same, written here")
     start: Pose = Field(description="where the robot stands at the beginning")
-    time_limit_s: Positive = Field(120.0, description="the run fails when it takes longer")
+    time_limit_s: Positive = Field(default=120.0, description="the run fails when it takes longer")
     camera: SimulatedCameraSection = Field(
-        default_factory=SimulatedCameraSection, description="the simulated camera"
+        default=SimulatedCameraSection(), description="the simulated camera"
     )
     robot: SimulatedRobotSection = Field(
-        default_factory=SimulatedRobotSection, description="the simulated robot's errors"
+        default=SimulatedRobotSection(), description="the simulated robot's errors"
     )
 
 
@@ -329,7 +360,8 @@ class RecordingSection(Section):
     """What a run leaves behind."""
 
     runs_dir: Path = Field(
-        Path("runs"), description="each run makes a folder in this one (from the current folder)"
+        default=Path("runs"),
+        description="each run makes a folder in this one (from the current folder)",
     )
 
 
@@ -338,22 +370,18 @@ class Config(Section):
 
     arena: ArenaSection = Field(description="the free space")
     camera: CameraSection = Field(description="the camera above it")
-    vision: VisionSection = Field(default_factory=VisionSection, description="seeing obstacles")
+    vision: VisionSection = Field(default=VisionSection(), description="seeing obstacles")
     robot: RobotSection = Field(description="the robot that is driven")
     other_robots: tuple[MarkerSection, ...] = Field(
-        (), description="robots that drive by themselves: moving obstacles"
+        default=(), description="robots that drive by themselves: moving obstacles"
     )
-    planning: PlanningSection = Field(
-        default_factory=PlanningSection, description="choosing the way"
-    )
-    serial: SerialSection = Field(
-        default_factory=SerialSection, description="the line to the robot"
-    )
-    safety: SafetySection = Field(default_factory=SafetySection, description="holding and stopping")
-    mission: MissionSection = Field(default_factory=MissionSection, description="where to go")
+    planning: PlanningSection = Field(default=PlanningSection(), description="choosing the way")
+    serial: SerialSection = Field(default=SerialSection(), description="the line to the robot")
+    safety: SafetySection = Field(default=SafetySection(), description="holding and stopping")
+    mission: MissionSection = Field(default=MissionSection(), description="where to go")
     simulation: SimulationSection | None = Field(
-        None, description="the simulated world; needed where camera or port is simulated"
+        default=None, description="the simulated world; needed where camera or port is simulated"
     )
     recording: RecordingSection = Field(
-        default_factory=RecordingSection, description="what a run leaves behind"
+        default=RecordingSection(), description="what a run leaves behind"
     )

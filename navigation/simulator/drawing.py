@@ -51,6 +51,9 @@ RAY_STEP_PX = 4
 """A power of two below 32, as OpenCV's linear look-up has 32 steps a pixel. Between the nodes
 of a mild lens (1e-4 px of bend a pixel) the linear rays are within 1e-3 px."""
 
+_NO_MAP = np.empty(0, dtype=np.float32)
+"""Tells OpenCV's remap that the first map holds x and y."""
+
 
 @dataclass(frozen=True, slots=True)
 class Look:
@@ -187,9 +190,9 @@ def looked_up(
     fine = (width * samples, height * samples)
     every = cv2.resize(rays, fine, interpolation=cv2.INTER_LINEAR)
     places = cv2.perspectiveTransform(every, texture_from_ray)
-    seen = cv2.remap(texture, places, None, cv2.INTER_LINEAR, borderValue=(0.0, 0.0))
+    seen = cv2.remap(texture, places, _NO_MAP, cv2.INTER_LINEAR, borderValue=(0.0, 0.0))
     averaged = cv2.resize(seen, (width, height), interpolation=cv2.INTER_AREA)
-    return averaged * np.array([1.0, 1.0 / 255.0], dtype=np.float32)
+    return np.asarray(averaged * np.array([1.0, 1.0 / 255.0]), dtype=np.float32)
 
 
 def _top_texture(
@@ -267,8 +270,8 @@ def _coverage(
     for shift in (np.arange(passes) + 0.5) / passes - 0.5:
         total += _filled([ring + shift for ring in rings], fine)
         total -= _filled([ring + shift for ring in (*rings, frame)], fine)
-    total = 0.5 + total / (2 * passes)
-    return np.asarray(cv2.resize(total, size, interpolation=cv2.INTER_AREA))
+    covered = 0.5 + total / np.float32(2 * passes)
+    return np.asarray(cv2.resize(covered, size, interpolation=cv2.INTER_AREA))
 
 
 def _filled(rings: list[FloatArray], shape: tuple[int, int]) -> Image:
@@ -284,11 +287,11 @@ def _rays(pinhole: Pinhole) -> FloatImage:
     width, height = pinhole.size_px
     x = np.arange(0, width + RAY_STEP_PX, RAY_STEP_PX)
     y = np.arange(0, height + RAY_STEP_PX, RAY_STEP_PX)
-    nodes = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    nodes = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2).astype(np.float64)
     exact = pinhole.rays(nodes).reshape(len(y), len(x), 2).astype(np.float32)
     columns, rows = np.meshgrid(np.arange(width), np.arange(height))
     where = (np.stack([columns, rows], axis=-1) / RAY_STEP_PX).astype(np.float32)
-    return np.asarray(cv2.remap(exact, where, None, cv2.INTER_LINEAR))
+    return np.asarray(cv2.remap(exact, where, _NO_MAP, cv2.INTER_LINEAR), dtype=np.float32)
 
 
 def _light(width: int, height: int, fall: float) -> FloatImage:

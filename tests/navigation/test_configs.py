@@ -47,7 +47,7 @@ def test_the_simulated_run_is_as_large_as_promised() -> None:
     assert len(load_arena(config).scene.objects) >= 6
     assert config.camera.rate_hz == 30
     assert config.simulation is not None
-    assert config.simulation.time_limit_s <= 60
+    assert config.simulation.time_limit_s <= 90
 
 
 @pytest.mark.parametrize("height_m", [0.0, 0.12])
