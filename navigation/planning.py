@@ -134,7 +134,8 @@ class PlannerThread:
         with self._wake:
             self._stopping = True
             self._wake.notify()
-        self._thread.join(timeout_s)
+        if self._thread.ident is not None:  # a daemon whose port failed never started it
+            self._thread.join(timeout_s)
 
     def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
         """Hand over a new scene, and the path that the robot is on."""
