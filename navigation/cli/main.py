@@ -6,6 +6,7 @@ Rules
   only with ``--debug`` (anywhere on the line) or CLEARWAY_DEBUG.
 - Exit codes: 0 done; 2 wrong usage or unreadable input; 3 no path; 78 bad configuration;
   1 anything else. Ctrl-C gives 130 and a reader that went away 141, both without a word.
+- OpenCV's own lines on stderr are seen with ``--debug`` only.
 - A command ends with another code by returning it as an int.
 """
 
@@ -132,6 +133,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def run(arguments: Sequence[str]) -> int:
     """Run the command line and return its exit code; nothing but a bug here raises."""
     arguments, debug = _take_debug(list(arguments))
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "INFO" if debug else "SILENT")
     try:
         code = _invoke(arguments)
         sys.stdout.flush()
