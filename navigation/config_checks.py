@@ -103,6 +103,16 @@ def _spacing_is_fine_enough(robot: Any, planning: Any) -> _Found:
         )
 
 
+def _robot_fits_into_the_arena(arena: Any, robot: Any) -> _Found:
+    x0, y0, x1, y1 = arena.bounds_m
+    limit = min(x1 - x0, y1 - y0) / 2
+    if 0.0 < limit < robot.radius_m:
+        yield (
+            ("robot", "radius_m"),
+            f"must be <= {limit:g}, half the arena's shorter side, not {robot.radius_m:g}",
+        )
+
+
 def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) -> _Found:
     places: list[tuple[Location, Place]] = [
         (("mission", "stations", index), station) for index, station in enumerate(mission.stations)
@@ -113,6 +123,8 @@ def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) ->
     if not (x0 < x1 and y0 < y1):
         return
     r = robot.radius_m
+    if 2 * r > min(x1 - x0, y1 - y0):
+        return
     for where, place in places:
         for key, value, low, high in (
             ("x_m", place.x_m, x0 + r, x1 - r),
@@ -160,6 +172,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robot", "other_robots"), _dictionary_holds_the_markers),
     (("robot", "planning"), _speeds_agree),
     (("robot", "planning"), _spacing_is_fine_enough),
+    (("arena", "robot"), _robot_fits_into_the_arena),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),

@@ -23,18 +23,24 @@ def command(config: Path) -> None:
 
     Prints a summary and exits 0, or prints every error and exits 78.
     """
-    from navigation.config import load_config
-
-    loaded = load_config(config)
-    found = list(file_problems(loaded))
-    if found:
-        text = config.read_text(encoding="utf-8")
-        document = read_document(text)
-        problems = [Problem(where, what, mark_of(document, where)) for where, what in found]
-        raise ConfigError(str(config), problems, text)
+    loaded = load_checked(config)
     click.echo(f"{config}: ok")
     for name, words in summary(loaded):
         click.echo(f"  {name:<11}{words}")
+
+
+def load_checked(file: Path) -> Config:
+    """The configuration in a file; ``ConfigError`` too where a file that it names is wrong."""
+    from navigation.config import load_config
+
+    loaded = load_config(file)
+    found = list(file_problems(loaded))
+    if found:
+        text = file.read_text(encoding="utf-8")
+        document = read_document(text)
+        problems = [Problem(where, what, mark_of(document, where)) for where, what in found]
+        raise ConfigError(str(file), problems, text)
+    return loaded
 
 
 def file_problems(config: Config) -> Iterator[tuple[Location, str]]:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from navigation.cli.options import OUTPUT
+
 if TYPE_CHECKING:
     from navigation.report import Report
 
@@ -20,9 +22,7 @@ PROGRESS_EVERY_S = 1.0
 @click.command(short_help="Drive the robot: camera, planning, serial link.")
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--once", is_flag=True, help="End when the configured mission is over.")
-@click.option(
-    "--report", type=click.Path(path_type=Path, dir_okay=False), help="Write the report here too."
-)
+@click.option("--report", type=OUTPUT, help="Write the report here too.")
 @click.option("--no-dashboard", is_flag=True, help="Do not serve the dashboard.")
 @click.option(
     "--socket", type=click.Path(path_type=Path), help="Where to take orders; default: per user."
@@ -42,10 +42,10 @@ def command(
     recording.runs_dir keeps the report and a picture of what happened. Exits 0 when the
     mission was done, 3 when there was no path, 1 when it failed or was stopped.
     """
-    from navigation.config import load_config
+    from navigation.cli.check import load_checked
     from navigation.runner import Runner
 
-    loaded = load_config(config)
+    loaded = load_checked(config)
     runner = Runner(loaded, once=once, say=_say if not quiet else _say_nothing, socket=socket)
     with _interrupts(runner.interrupt):
         result = runner.run()
