@@ -98,6 +98,13 @@ class PlanAnswer:
             "widest_radius": None if widest is None else float(widest),
         }
 
+    def no_path_sentence(self) -> str:
+        """Why there is no path, for people; ``ValueError`` where there is one."""
+        if isinstance(self.path, Path):
+            raise ValueError("there is a path")
+        units = self.scene.units
+        return f"no path for a robot of radius {self.robot_radius:g} {units}: {self.path.reason}"
+
     def as_text(self) -> str:
         """For people: the result first, then the waypoints, then how it came about."""
         return "\n".join(self._lines()) + "\n"
@@ -105,7 +112,7 @@ class PlanAnswer:
     def _lines(self) -> Iterator[str]:
         units = self.scene.units
         if isinstance(self.path, NoPath):
-            yield f"no path for a robot of radius {self.robot_radius:g} {units}: {self.path.reason}"
+            yield self.no_path_sentence()
             gap = self.path.bottleneck
             if gap:
                 place = f"({gap.x:.6g}, {gap.y:.6g})"

@@ -37,12 +37,10 @@ def load_source(
     """
     begin_s = clock()
     data = read_bytes(path)
-    if is_picture(data):
-        image = _decode(data, path)
+    if is_picture(data) or path.suffix.lower() in PICTURE_SUFFIXES:
+        image = decode_picture(data, path)
         loaded_s = clock()
         scene = _extract(image, polarity, path)
-    elif path.suffix.lower() in PICTURE_SUFFIXES:
-        raise SceneError(f"{path}: not a picture: its content is none that OpenCV can decode")
     else:
         scene = load_scene(path, read_picture=read_shades)
         loaded_s = clock()
@@ -51,7 +49,7 @@ def load_source(
 
 def read_shades(path: Path) -> Shades:
     """A map's picture as shades in [0, 1] and a mask of its transparent pixels."""
-    image = _decode(read_bytes(path), path)
+    image = decode_picture(read_bytes(path), path)
     most = float(np.iinfo(image.dtype).max)
     if image.ndim == 2:
         return image / most, np.zeros(image.shape, dtype=np.bool_)
@@ -81,13 +79,21 @@ def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) ->
     return replace(scene, bounds=bounds)
 
 
-def _decode(data: bytes, path: Path) -> NDArray[Any]:
+def decode_picture(data: bytes, path: Path) -> NDArray[Any]:
+    """A file's picture as OpenCV decodes it: grey, BGR or BGRA, 8 or 16 bits a channel.
+
+    Raises :class:`SceneError`, naming the file, where ``data`` is none.
+    """
     import cv2
 
+    if not data:
+        raise SceneError(f"{path}: the file is empty: must hold a picture")
     try:
         image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:
         image = None
+    if image is None and not is_picture(data):
+        raise SceneError(f"{path}: not a picture: its content is none that OpenCV can decode")
     if image is None:
         raise SceneError(f"{path}: a damaged picture, or of a kind that OpenCV cannot decode")
     if image.dtype not in (np.uint8, np.uint16):

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from navigation.cli.options import OUTPUT, OutputType
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -30,9 +32,7 @@ class ExtractError(ValueError):
     show_default=True,
     help="The paper's records, or one JSON object.",
 )
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), help="Write the answer to this file."
-)
+@click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 @click.option("--paper", is_flag=True, help="The paper's recipe to the letter.")
 @click.option(
     "--polarity",
@@ -50,7 +50,9 @@ class ExtractError(ValueError):
 )
 @click.option("--threshold", type=float, help="The grey level of method fixed.")
 @click.option(
-    "--render", type=click.Path(path_type=Path), help="Draw the records over the picture: FILE.png."
+    "--render",
+    type=OutputType(".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".svg"),
+    help="Draw the records over the picture: FILE.png; without the picture: FILE.svg.",
 )
 def command(
     image: Path,
@@ -66,10 +68,17 @@ def command(
 
     Coordinates are pixels, x right, y down, pixel centres at integers.
     """
+    if threshold is not None and not 0.0 <= threshold <= 255.0:
+        raise click.BadParameter(f"{threshold}: must lie in 0..255", param_hint="--threshold")
+    if threshold is not None and method != "fixed":
+        raise click.BadParameter("is for --method fixed only", param_hint="--threshold")
+
     import vision
+    from navigation.sources import decode_picture
+    from planner.map_files import read_bytes
 
     begin_s = time.perf_counter()
-    picture = load_picture(image)
+    picture = decode_picture(read_bytes(image), image)
     load_ms = 1e3 * (time.perf_counter() - begin_s)
     try:
         scene = vision.extract(
@@ -93,27 +102,6 @@ def command(
         _render(render, picture, scene)
 
 
-def load_picture(path: Path) -> NDArray[Any]:
-    """The picture in a file as OpenCV decodes it: grey, BGR or BGRA, 8 or 16 bits.
-
-    Raises ``OSError`` where the file cannot be read and ``ExtractError`` where it holds no
-    picture.
-    """
-    import cv2
-    import numpy as np
-
-    data = path.read_bytes()
-    if not data:
-        raise ExtractError(f"{path}: the file is empty: must hold a picture")
-    try:
-        picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise ExtractError(f"{path}: the picture cannot be decoded: {error.err}") from error
-    if picture is None:
-        raise ExtractError(f"{path}: not a picture that OpenCV can decode")
-    return picture
-
-
 def _as_json(scene: Scene) -> str:
     from vision.scene_json import scene_to_json
 
@@ -129,11 +117,10 @@ def _as_text(scene: Scene) -> str:
 def _render(file: Path, picture: NDArray[Any], scene: Scene) -> None:
     import cv2
 
+    from navigation.draw import save_picture
     from navigation.overlay import draw_overlay
 
-    try:
-        written = cv2.imwrite(str(file), draw_overlay(picture, scene))
-    except cv2.error as error:
-        raise ExtractError(f"{file}: no picture can be written: {error.err}") from error
-    if not written:
+    if file.suffix.lower() == ".svg":
+        save_picture(file, scene)
+    elif not cv2.imwrite(str(file), draw_overlay(picture, scene)):
         raise ExtractError(f"{file}: the picture cannot be written there")

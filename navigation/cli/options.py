@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -26,8 +27,9 @@ if TYPE_CHECKING:  # generic for the type checker only: click 8.1 cannot be subs
     StationBase = click.ParamType[Station]
     NumberBase = click.ParamType[float]
     PreferenceBase = click.ParamType[str | float]
+    OutputBase = click.ParamType[Path]
 else:
-    StationBase = NumberBase = PreferenceBase = click.ParamType
+    StationBase = NumberBase = PreferenceBase = OutputBase = click.ParamType
 
 
 class StationType(StationBase):
@@ -98,6 +100,33 @@ class PreferenceType(PreferenceBase):
         return number
 
 
+class OutputType(OutputBase):
+    """A file to be written, in a folder that is there; with ``suffixes``, one of those kinds.
+
+    Checked where it is typed, so that nobody waits for an answer that cannot be kept.
+    """
+
+    name = "FILE"
+
+    def __init__(self, *suffixes: str) -> None:
+        self.suffixes = suffixes
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; click's usage error where nothing can be written there."""
+        path = Path(value)
+        if self.suffixes and path.suffix.lower() not in self.suffixes:
+            *others, last = self.suffixes
+            kinds = f"{', '.join(others)} or {last}" if others else last
+            self.fail(f"{path}: must end in {kinds}", param, ctx)
+        if path.is_dir():
+            self.fail(f"{path}: is a directory, must be a file", param, ctx)
+        if not path.parent.is_dir():
+            self.fail(f"{path}: there is no directory {path.parent}", param, ctx)
+        return path
+
+
+OUTPUT = OutputType()
+DRAWING = OutputType(".svg", ".png")
 STATION = StationType()
 POSITIVE = NumberType()
 NOT_NEGATIVE = NumberType(zero=True)

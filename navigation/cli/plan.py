@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from navigation.cli.options import NOT_NEGATIVE, POSITIVE, PREFERENCE, STATION, Station
+from navigation.cli.options import (
+    DRAWING,
+    NOT_NEGATIVE,
+    OUTPUT,
+    POSITIVE,
+    PREFERENCE,
+    STATION,
+    Station,
+)
 
 if TYPE_CHECKING:
     from navigation.plan_answer import PlanAnswer
@@ -65,12 +73,8 @@ class PlanError(ValueError):
     show_default=True,
     help="Of the answer.",
 )
-@click.option(
-    "--render", type=click.Path(path_type=Path), help="Draw the plan: FILE.svg or FILE.png."
-)
-@click.option(
-    "-o", "--output", type=click.Path(path_type=Path), help="Write the answer to this file."
-)
+@click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg or FILE.png.")
+@click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 def command(
     source: Path,
     start: Station,
@@ -94,8 +98,6 @@ def command(
     """
     from navigation.sources import hold_points, load_source
 
-    if render is not None and render.suffix.lower() not in (".svg", ".png"):
-        raise click.BadParameter(f"{render}: must end in .svg or .png", param_hint="--render")
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
@@ -129,7 +131,10 @@ def command(
         output.write_text(text, encoding="utf-8")
     if render is not None:
         _render(render, answer, roadmap, stations)
-    return NO_PATH if answer.trajectory is None else 0
+    if answer.trajectory is not None:
+        return 0
+    click.echo(f"clearway: {answer.no_path_sentence()}", err=True)
+    return NO_PATH
 
 
 def timed_roadmap(

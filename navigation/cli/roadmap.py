@@ -7,7 +7,7 @@ from typing import Literal
 
 import click
 
-from navigation.cli.options import POSITIVE
+from navigation.cli.options import DRAWING, POSITIVE, OutputType
 
 SUFFIXES = (".graphml", ".geojson", ".json")
 
@@ -18,7 +18,7 @@ SUFFIXES = (".graphml", ".geojson", ".json")
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=OutputType(*SUFFIXES),
     required=True,
     help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link).",
 )
@@ -31,9 +31,7 @@ SUFFIXES = (".graphml", ".geojson", ".json")
     help="Of a picture: whether the obstacles are dark or light.",
 )
 @click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
-@click.option(
-    "--render", type=click.Path(path_type=Path), help="Draw the roadmap: FILE.svg or FILE.png."
-)
+@click.option("--render", type=DRAWING, help="Draw the roadmap: FILE.svg or FILE.png.")
 def command(
     source: Path,
     radius: float,
@@ -44,14 +42,6 @@ def command(
     render: Path | None,
 ) -> None:
     """Build the roadmap of SOURCE and write it; the suffix of the output says the format."""
-    suffix = output.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise click.BadParameter(
-            f"{output}: must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}",
-            param_hint="--output",
-        )
-    if render is not None and render.suffix.lower() not in (".svg", ".png"):
-        raise click.BadParameter(f"{render}: must end in .svg or .png", param_hint="--render")
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
@@ -63,7 +53,7 @@ def command(
 
     scene = load_source(source, polarity)
     roadmap, _ = timed_roadmap(scene, radius, spacing)
-    match suffix:
+    match output.suffix.lower():
         case ".graphml":
             text = exchange.to_graphml(roadmap)
         case ".geojson":

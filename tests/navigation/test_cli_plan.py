@@ -142,7 +142,7 @@ def test_no_path_is_exit_code_3_with_the_answer_on_stdout(arena, capsys):
     assert plan(*base) == 3
     captured = capsys.readouterr()
     assert captured.out.startswith("no path for a robot of radius 0.45 m: ")
-    assert captured.err == ""
+    assert captured.err == f"clearway: {captured.out.splitlines()[0]}\n"
 
 
 def test_a_start_inside_an_obstacle_has_no_path(arena, capsys):

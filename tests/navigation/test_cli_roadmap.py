@@ -52,7 +52,7 @@ def test_a_picture_of_the_roadmap_can_be_drawn(arena, tmp_path):
         (("--radius", "0.3", "--spacing", "1", "-o", "r.json"), "< 2 radius"),
         (("--radius", "5", "-o", "r.geojson"), "no edges"),
         (("--radius", "0.3", "-o", "r.json", "--render", "r.jpg"), ".svg or .png"),
-        (("--radius", "0.3", "-o", "no/where/r.json"), "No such file"),
+        (("--radius", "0.3", "-o", "no/where/r.json"), "there is no directory"),
     ],
 )
 def test_wrong_usage_is_exit_code_2_and_one_sentence(

@@ -80,7 +80,7 @@ def test_shades_run_from_black_to_white_at_any_depth(tmp_path):
 @pytest.mark.parametrize(
     ("name", "data", "what"),
     [
-        ("a.png", b"", "not a picture"),
+        ("a.png", b"", "the file is empty"),
         ("a.jpg", b"text", "not a picture"),
         ("a.dat", b"\x89PNG\r\n\x1a\n garbage", "damaged picture"),
         ("a.dat", b"P5\n2 2\n255\n", "damaged picture"),
