@@ -73,7 +73,10 @@ class SpeedProfile:
             high = np.where(off < 0.0, high, times)
             speed = np.maximum(self.speed(times), 1e-200)
             newton = times - off / speed
-            times = np.where((newton > low) & (newton < high), newton, 0.5 * (low + high))
+            # a length at a bracket's end puts Newton's step outside by rounding only
+            inside = np.minimum(np.maximum(newton, low), high)
+            middle = 0.5 * (low + high)
+            times = np.where(np.abs(newton - inside) > high - low, middle, inside)
         times[lengths <= 0.0] = 0.0
         times[lengths >= self.lengths[-1]] = self.duration_s
         return times

@@ -146,6 +146,14 @@ def test_speed_profile_keeps_speed_acceleration_and_jerk_everywhere(data):
     np.testing.assert_allclose(profile.speed(times[1:] - dt / 2), speed, atol=1e-4)
 
 
+@given(st.floats(0.05, 20), st.integers(1, 400), st.floats(0.1, 1))
+def test_times_and_positions_are_inverse(length, cells, speed):
+    lengths = np.linspace(0.0, length, cells + 1)
+    profile = plan_speed(lengths, np.full(cells, speed), 0.6, 3.0)
+    at = np.union1d(lengths, np.linspace(0.0, length, 17))
+    np.testing.assert_allclose(profile.position(profile.time_at(at)), at, atol=1e-9)
+
+
 def test_a_long_straight_leg_reaches_full_speed_and_takes_the_least_time():
     path = make_path([(0, 0), (10, 0)])
     trajectory = time_path(path, LIMITS)
