@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from navigation.config_marks import Location
-from navigation.config_sections import SIMULATED, MarkerSection, Place
+from navigation.config_sections import SIMULATED, MarkerSection
+from navigation.config_values import Place
 
 _Found = Iterator[tuple[Location, str]]
 

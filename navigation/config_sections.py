@@ -8,27 +8,22 @@ docs/configuration.md are made from them.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    StrictBool,
-    ValidationInfo,
-)
+from pydantic import BeforeValidator, Field, StrictBool
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
-Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
-RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]
-Count = Annotated[int, Field(strict=True, ge=0)]
-Text = Annotated[str, Field(strict=True, min_length=1)]
+from navigation.config_simulation import SimulationSection
+from navigation.config_values import (
+    Count,
+    NeighbourFile,
+    NotNegative,
+    Number,
+    Positive,
+    Section,
+    Station,
+    Text,
+)
 
 SIMULATED = "simulated"
 """The word that stands for a source or port made by the simulator."""
@@ -41,12 +36,6 @@ Dictionary: TypeAlias = Literal[
     "DICT_ARUCO_ORIGINAL", "DICT_ARUCO_MIP_36h12",
     "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11",
 ]  # fmt: skip
-
-
-def _beside_the_file(path: Path, info: ValidationInfo) -> Path:
-    """A relative path is meant from the folder of the configuration."""
-    folder = (info.context or {}).get("folder")
-    return path if folder is None or path.is_absolute() else Path(folder) / path
 
 
 def _source(value: Any) -> Any:
@@ -70,55 +59,10 @@ def _preference(value: Any) -> Any:
     )
 
 
-NeighbourFile = Annotated[Path, AfterValidator(_beside_the_file)]
 Source = Annotated[int | str, BeforeValidator(_source)]
 Preference = Annotated[
     float | Literal["clearance", "length", "balanced"], BeforeValidator(_preference)
 ]
-
-
-class Section(BaseModel):
-    """A section: nothing but its own keys, and unchangeable."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=False)
-
-
-class Place(Section):
-    """A place in the arena."""
-
-    x_m: Number = Field(description="metres to the right")
-    y_m: Number = Field(description="metres up")
-
-
-class Pose(Place):
-    """A place and a heading."""
-
-    heading_deg: Number = Field(default=0.0, description="degrees counter-clockwise from +x")
-
-    @property
-    def heading_rad(self) -> float:
-        """The heading in radians in (-pi, pi]."""
-        return wrapped_rad(self.heading_deg)
-
-
-class Station(Place):
-    """A place to visit."""
-
-    heading_deg: Number | None = Field(
-        default=None, description="heading to stand at, degrees; empty: any heading"
-    )
-    dwell_s: NotNegative = Field(default=0.0, description="how long to stay there")
-
-    @property
-    def heading_rad(self) -> float | None:
-        """The heading in radians in (-pi, pi], None for any."""
-        return None if self.heading_deg is None else wrapped_rad(self.heading_deg)
-
-
-def wrapped_rad(heading_deg: float) -> float:
-    """Degrees as radians in (-pi, pi]."""
-    turned = math.remainder(math.radians(heading_deg), math.tau)
-    return math.pi if turned == -math.pi else turned
 
 
 class ArenaSection(Section):
@@ -287,72 +231,6 @@ class MissionSection(Section):
     tolerance_m: Positive = Field(default=0.01, description="how near to a station counts as there")
     tolerance_deg: Positive = Field(
         default=2.0, description="how near to its heading counts as turned"
-    )
-
-
-class SimulatedCameraSection(Section):
-    """The simulated camera: a pinhole with lens distortion above the arena."""
-
-    position_m: tuple[Number, Number, Positive] = Field(
-        default=(1.155, 0.975, 2.5), description="[x, y, height] of the lens"
-    )
-    tilt_deg: tuple[Number, Number] = Field(
-        default=(1.2, -0.8), description="leaning from straight down: [about x, about y]"
-    )
-    turn_deg: Number = Field(default=0.7, description="turned about its own axis")
-    focal_px: Positive = Field(default=1235.0, description="focal length")
-    centre_offset_px: tuple[Number, Number] = Field(
-        default=(5.3, -3.8),
-        description="principal point against the picture's centre: [right, down]",
-    )
-    distortion: tuple[Number, Number, Number, Number, Number] = Field(
-        default=(-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
-    )
-    blur_px: NotNegative = Field(default=0.6, description="sigma of the lens's blur")
-    noise_grey: NotNegative = Field(
-        default=2.5, description="sigma of the sensor's noise, grey levels"
-    )
-    light_fall: Fraction = Field(
-        default=0.12, description="how much darker the darkest corner's light is"
-    )
-    latency_s: NotNegative = Field(default=0.0, description="from the exposure to the program")
-
-
-class SimulatedRobotSection(Section):
-    """How the simulated robot differs from the ideal one."""
-
-    wheel_radius_error: tuple[RelativeError, RelativeError] = Field(
-        default=(0.01, -0.005), description="relative error of the [left, right] wheel's radius"
-    )
-    track_error: RelativeError = Field(
-        default=0.01, description="relative error of the distance between the wheels"
-    )
-    slip: Fraction = Field(
-        default=0.01, description="sigma of the part of each wheel's travel that is lost or gained"
-    )
-    motor_time_s: Positive = Field(default=0.05, description="time constant of the motors")
-    encoder_ticks_per_m: Positive = Field(default=4000.0, description="resolution of the encoders")
-    wheel_speed_m_s: Positive = Field(default=0.8, description="highest speed of a wheel")
-    faults: str = Field(
-        default="", description="faults of the line, as in `clearway robot --faults`"
-    )
-
-
-class SimulationSection(Section):
-    """The simulated world; ignored where camera and port are real."""
-
-    seed: Count = Field(default=1, description="of everything random")
-    arena: NeighbourFile | None = Field(
-        default=None, description="scene text file of the obstacles, metres, relative to this file"
-    )
-    arena_text: Text | None = Field(default=None, description="the same, written here")
-    start: Pose = Field(description="where the robot stands at the beginning")
-    time_limit_s: Positive = Field(default=120.0, description="the run fails when it takes longer")
-    camera: SimulatedCameraSection = Field(
-        default=SimulatedCameraSection(), description="the simulated camera"
-    )
-    robot: SimulatedRobotSection = Field(
-        default=SimulatedRobotSection(), description="the simulated robot's errors"
     )
 
 

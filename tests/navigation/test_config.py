@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
+import cv2
 import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.config import ConfigError, limits_of, load_config, parse_config
+from navigation.config_checks import dictionary_size
 from navigation.config_marks import read_document
-from navigation.config_sections import wrapped_rad
+from navigation.config_sections import Dictionary
+from navigation.config_values import wrapped_rad
 
 GOOD = """\
 arena:
@@ -431,6 +434,12 @@ def test_headings_come_out_in_the_half_open_circle(degrees: float) -> None:
 
 def test_minus_180_degrees_is_plus_pi() -> None:
     assert wrapped_rad(-180) == math.pi
+
+
+@pytest.mark.parametrize("name", get_args(Dictionary))
+def test_each_dictionary_is_opencv_s_with_its_size(name: str) -> None:
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+    assert dictionary_size(name) == len(dictionary.bytesList)
 
 
 def test_the_planner_s_limits_are_the_configuration_s() -> None:

@@ -1,0 +1,87 @@
+"""The section ``simulation``: the simulated world, its camera's and its robot's errors.
+
+Units as in `config_sections`: SI in the names, angles in degrees, pictures in pixels.
+"""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from navigation.config_values import (
+    Count,
+    Fraction,
+    NeighbourFile,
+    NotNegative,
+    Number,
+    Pose,
+    Positive,
+    RelativeError,
+    Section,
+    Text,
+)
+
+
+class SimulatedCameraSection(Section):
+    """The simulated camera: a pinhole with lens distortion above the arena."""
+
+    position_m: tuple[Number, Number, Positive] = Field(
+        default=(1.155, 0.975, 2.5), description="[x, y, height] of the lens"
+    )
+    tilt_deg: tuple[Number, Number] = Field(
+        default=(1.2, -0.8), description="leaning from straight down: [about x, about y]"
+    )
+    turn_deg: Number = Field(default=0.7, description="turned about its own axis")
+    focal_px: Positive = Field(default=1235.0, description="focal length")
+    centre_offset_px: tuple[Number, Number] = Field(
+        default=(5.3, -3.8),
+        description="principal point against the picture's centre: [right, down]",
+    )
+    distortion: tuple[Number, Number, Number, Number, Number] = Field(
+        default=(-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
+    )
+    blur_px: NotNegative = Field(default=0.6, description="sigma of the lens's blur")
+    noise_grey: NotNegative = Field(
+        default=2.5, description="sigma of the sensor's noise, grey levels"
+    )
+    light_fall: Fraction = Field(
+        default=0.12, description="how much darker the darkest corner's light is"
+    )
+    latency_s: NotNegative = Field(default=0.0, description="from the exposure to the program")
+
+
+class SimulatedRobotSection(Section):
+    """How the simulated robot differs from the ideal one."""
+
+    wheel_radius_error: tuple[RelativeError, RelativeError] = Field(
+        default=(0.01, -0.005), description="relative error of the [left, right] wheel's radius"
+    )
+    track_error: RelativeError = Field(
+        default=0.01, description="relative error of the distance between the wheels"
+    )
+    slip: Fraction = Field(
+        default=0.01, description="sigma of the part of each wheel's travel that is lost or gained"
+    )
+    motor_time_s: Positive = Field(default=0.05, description="time constant of the motors")
+    encoder_ticks_per_m: Positive = Field(default=4000.0, description="resolution of the encoders")
+    wheel_speed_m_s: Positive = Field(default=0.8, description="highest speed of a wheel")
+    faults: str = Field(
+        default="", description="faults of the line, as in `clearway robot --faults`"
+    )
+
+
+class SimulationSection(Section):
+    """The simulated world; ignored where camera and port are real."""
+
+    seed: Count = Field(default=1, description="of everything random")
+    arena: NeighbourFile | None = Field(
+        default=None, description="scene text file of the obstacles, metres, relative to this file"
+    )
+    arena_text: Text | None = Field(default=None, description="the same, written here")
+    start: Pose = Field(description="where the robot stands at the beginning")
+    time_limit_s: Positive = Field(default=120.0, description="the run fails when it takes longer")
+    camera: SimulatedCameraSection = Field(
+        default=SimulatedCameraSection(), description="the simulated camera"
+    )
+    robot: SimulatedRobotSection = Field(
+        default=SimulatedRobotSection(), description="the simulated robot's errors"
+    )
