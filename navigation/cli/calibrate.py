@@ -68,6 +68,7 @@ def command(
         raise click.UsageError("--residual-map needs --points or --floor-picture")
     if not pictures and camera is None and points is None and floor_picture is None:
         raise click.UsageError("give pictures of a board, --camera, --points or --floor-picture")
+    given_size = None if size is None else _pair(size, "--size")
     spec = None
     if pictures or camera is not None or (floor_picture is not None and points is None):
         spec = board_spec(board, squares, square_mm, marker_mm, dictionary)
@@ -82,7 +83,9 @@ def command(
         return
     floor = _read(floor_picture) if floor_picture is not None else None
     survey = _survey(points, floor, floor_picture, spec, floor_at)
-    _place(survey, _size(floor, lens, size), lens, camera_height_m, output, residual_map, floor)
+    _place(
+        survey, _size(floor, lens, given_size), lens, camera_height_m, output, residual_map, floor
+    )
 
 
 def board_spec(
@@ -163,13 +166,11 @@ def _take_live(source: str, spec: BoardSpec) -> list[tuple[str, Image]]:
 
 
 def _moved(last: BoardView | None, view: BoardView) -> bool:
-    """Whether the board's middle or extent has changed by a twentieth of the picture."""
-    if last is None:
+    """Whether the board's corners have moved by a twentieth of the picture on average."""
+    if last is None or last.corners_px.shape != view.corners_px.shape:
         return True
-    limit = 0.05 * max(view.size)
-    middle = abs(view.corners_px.mean(axis=0) - last.corners_px.mean(axis=0)).max()
-    extent = abs(view.corners_px.std(axis=0) - last.corners_px.std(axis=0)).max()
-    return bool(middle > limit or extent > limit / 2.0)
+    moved = ((view.corners_px - last.corners_px) ** 2).sum(axis=1) ** 0.5
+    return bool(moved.mean() > 0.05 * max(view.size))
 
 
 def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) -> Lens:
@@ -236,14 +237,14 @@ def _floor_at(text: str | None) -> tuple[float, float, float]:
     return values[0], values[1], values[2] if len(values) == 3 else 0.0
 
 
-def _size(floor: Image | None, lens: Lens | None, size: str | None) -> tuple[int, int]:
+def _size(floor: Image | None, lens: Lens | None, size: tuple[int, int] | None) -> tuple[int, int]:
     if floor is not None:
         return int(floor.shape[1]), int(floor.shape[0])
     if lens is not None:
         return lens.size
     if size is None:
         raise click.UsageError("--points alone needs the picture's --size WIDTHxHEIGHT")
-    return _pair(size, "--size")
+    return size
 
 
 def _place(

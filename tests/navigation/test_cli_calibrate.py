@@ -1,0 +1,176 @@
+"""``clearway calibrate`` from the command line: pictures, points, a board on the floor."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.cli.main import run
+from tests.support.boards import chessboard_patch, render
+from vision.calibration import Calibration
+from vision.calibration_file import load_calibration
+
+SIZE = (480, 360)
+CAMERA = [[460.0, 0.0, 242.0], [0.0, 461.0, 178.0], [0.0, 0.0, 1.0]]
+LENS = [-0.2, 0.05, 0.0, 0.0, 0.0]
+BOARD = ["--board", "chessboard", "--squares", "6x5", "--square-mm", "100"]
+TURNS = [(0.4, 0.0, 0.1), (-0.4, 0.1, 0.5), (0.0, 0.45, -0.4), (0.1, -0.45, 1.0), (0.3, 0.3, 0.0)]
+
+
+def seen_from(turn: tuple[float, float, float], height: float = 1.5) -> Calibration:
+    """The floor's board seen from above its middle, the camera turned about it."""
+    rotation = cv2.Rodrigues(np.array(turn))[0] @ np.diag([1.0, -1.0, -1.0])
+    center = -rotation.T @ np.array([0.0, 0.0, height])
+    pose = np.column_stack([rotation, -rotation @ center])
+    return Calibration.from_camera(SIZE, CAMERA, LENS, pose)
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("board")
+    patch = chessboard_patch((6, 5), 0.1, (0.0, 0.0, 0.0))
+    for i, turn in enumerate(TURNS):
+        image = render(seen_from(turn), [patch], samples=2, rng=np.random.default_rng(i), noise=2.0)
+        cv2.imwrite(str(folder / f"view{i}.png"), image)
+    cv2.imwrite(str(folder / "view9.png"), np.full((360, 480), 128, np.uint8))
+    return folder
+
+
+def points_file(path: Path, calibration: Calibration, bad: int | None = None) -> Path:
+    pixels = np.array(
+        [(40, 40), (240, 30), (440, 50), (60, 320), (250, 330), (430, 300), (240, 180)]
+    )
+    places = calibration.arena_from_image(pixels)
+    if bad is not None:
+        places[bad] += (0.3, -0.2)
+    rows = [f"{px},{py},{x:.6f},{y:.6f}" for (px, py), (x, y) in zip(pixels, places, strict=True)]
+    path.write_text("px,py,x_m,y_m\n" + "\n".join(rows) + "\n")
+    return path
+
+
+def test_pictures_and_points_give_the_whole_calibration(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    truth = seen_from((0.05, 0.08, 0.0))
+    out, map_file = tmp_path / "c.yaml", tmp_path / "map.png"
+    points = points_file(tmp_path / "p.csv", truth, bad=4)
+    arguments = ["--points", str(points), "-o", str(out), "--residual-map", str(map_file)]
+    assert run(["calibrate", str(pictures), *BOARD, *arguments]) == 0
+    said = capsys.readouterr()
+    assert "view9.png: left out: no chessboard" in said.err
+    assert "line 6: left out" in said.err
+    assert "over 6 of 7 points" in said.out
+    found = load_calibration(out)
+    assert found.camera_center_m is not None
+    assert found.camera_center_m[2] == pytest.approx(1.5, abs=0.03)
+    spots = np.random.default_rng(0).uniform((30, 30), (450, 330), (50, 2))
+    error = found.arena_from_image(spots) - truth.arena_from_image(spots)
+    assert np.linalg.norm(error, axis=1).mean() < 0.001
+    assert cv2.imread(str(map_file)).shape == (360, 480, 3)
+
+
+def test_a_board_on_the_floor_places_the_arena(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "c.yaml"
+    floor = ["--floor-picture", str(pictures / "view0.png"), "--floor-at", "1.0,2.0,90"]
+    assert run(["calibrate", str(pictures), *BOARD, *floor, "-o", str(out)]) == 0
+    assert "over 30 of 30 points" in capsys.readouterr().out
+    found, truth = load_calibration(out), seen_from(TURNS[0])
+    spots = truth.image_from_arena([(-0.25, 0.2), (0.25, 0.2), (-0.25, -0.2)])
+    first, along, down = found.arena_from_image(spots)
+    if math.dist(first, (1.0, 2.0)) > 0.01:  # the board may begin at its other end
+        pytest.fail(f"the first corner is at {first}")
+    assert along == pytest.approx((1.0, 2.5), abs=0.003)
+    assert down == pytest.approx((1.4, 2.0), abs=0.003)
+
+
+def test_the_lens_of_an_old_calibration_serves_again(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, second = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    old = points_file(tmp_path / "old.csv", seen_from((0.0, 0.0, 0.0)))
+    new = points_file(tmp_path / "new.csv", seen_from((0.1, 0.0, 0.3), 2.0))
+    assert run(["calibrate", str(pictures), *BOARD, "--points", str(old), "-o", str(first)]) == 0
+    again = ["--lens", str(first), "--points", str(new), "-o", str(second)]
+    assert run(["calibrate", *again]) == 0
+    capsys.readouterr()
+    a, b = load_calibration(first), load_calibration(second)
+    assert np.array_equal(a.camera_matrix, b.camera_matrix)
+    assert b.camera_center_m is not None
+    assert b.camera_center_m[2] == pytest.approx(2.0, abs=0.04)
+
+
+def test_points_alone_need_only_the_picture_s_size(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = points_file(tmp_path / "p.csv", Calibration.from_scale(0.005, SIZE))
+    out = tmp_path / "c.yaml"
+    assert run(["calibrate", "--points", str(points), "-o", str(out)]) == 2
+    assert "--size" in capsys.readouterr().err
+    assert run(["calibrate", "--points", str(points), "--size", "480x360", "-o", str(out)]) == 0
+    assert load_calibration(out).metres_per_pixel == pytest.approx(0.005, rel=1e-4)
+
+
+def test_a_lens_alone_is_told_and_nothing_is_written(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "c.yaml"
+    assert run(["calibrate", str(pictures), *BOARD, "-o", str(out)]) == 0
+    assert "over 5 pictures" in capsys.readouterr().out
+    assert not out.exists()
+
+
+def test_a_live_source_is_watched_for_new_places_of_the_board(
+    pictures: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["calibrate", "--camera", str(pictures), *BOARD]) == 0
+    said = capsys.readouterr()
+    assert "picture 3 of 20" in said.err
+    assert "lens:" in said.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "give pictures"),
+        (["nowhere.png"], "nowhere.png: cannot be read"),
+        (["--points", "nowhere.csv", "--size", "10x10"], "nowhere.csv: cannot be read"),
+        (["--points", "p.csv", "--size", "10"], "two whole numbers"),
+        (["--camera", "/dev/video991"], "plugged in"),
+        (["a.png", "--squares", "9"], "9x6"),
+        (["a.png", "--square-mm", "0"], "square = 0.0 m"),
+        (["--residual-map", "m.png"], "--residual-map needs"),
+        (["a.png", "--lens", "b.yaml"], "--lens takes the place"),
+        (["--floor-picture", "nowhere.png"], "cannot be read"),
+    ],
+)
+def test_a_wrong_wish_is_one_sentence_and_code_2(
+    arguments: list[str],
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(["calibrate", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert "Traceback" not in error
+
+
+REAL = os.environ.get("CLEARWAY_REAL_DATA")
+
+
+@pytest.mark.skipif(REAL is None, reason="CLEARWAY_REAL_DATA is not set")
+def test_the_real_chessboards_calibrate(capsys: pytest.CaptureFixture[str]) -> None:
+    folder = str(Path(str(REAL), "calibration"))
+    board = ["--board", "chessboard", "--squares", "9x6", "--square-mm", "25"]
+    assert run(["calibrate", folder, *board]) == 0
+    said = capsys.readouterr().out
+    assert float(said.split("lens: ")[1].split(" px")[0]) <= 0.20
