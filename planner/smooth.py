@@ -2,10 +2,10 @@
 
 A corner is cut from a point before it to a point after it by a parabola that leaves and joins
 the path along its own directions (a quadratic Bezier curve: its control point is where the two
-tangents meet). The cut begins as long as the neighbouring corners allow and is halved until
-the exact clearance of the new piece is enough; where even the shortest is not, the corner
-stays. Nothing is sampled: the clearance is that of the whole new polyline against every
-border, by the callable that is given.
+tangents meet). The sharpest corners come first. A cut begins as long as the cuts beside it
+allow and is halved until the exact clearance of the new piece is enough; where even the
+shortest is not, the corner stays. Nothing is sampled: the clearance is that of the whole new
+polyline against every border, by the callable that is given.
 
 Units are the scene's.
 """
@@ -128,20 +128,25 @@ def _smooth_leg(
     steps = np.diff(points[kept], axis=0)
     direction = np.arctan2(steps[:, 1], steps[:, 0])
     turns = np.abs(math.pi - np.mod(math.pi - np.diff(direction), math.tau))
-    corners = kept[1:-1][turns > CORNER_RAD]
-    at = lengths[corners]
-    fences = np.concatenate([[0.0], at, lengths[-1:]])
+    sharpest = np.argsort(-turns, kind="stable")
     cuts: list[_Cut] = []
-    last = len(at) - 1
-    for k, corner in enumerate(at):
-        # a corner shares the way to the next one; the way to the leg's end is its own
-        before = (corner - fences[k]) * (1.0 if k == 0 else 0.5)
-        after = (fences[k + 2] - corner) * (1.0 if k == last else 0.5)
-        reach = min(float(before), float(after), LONGEST_CUT * radius)
-        cut = _round_corner(points, lengths, float(corner), reach, radius, floor, path_clearance)
+    for k in sharpest[turns[sharpest] > CORNER_RAD]:
+        corner = float(lengths[kept[k + 1]])
+        reach = min(_room(corner, cuts, float(lengths[-1])), LONGEST_CUT * radius)
+        cut = _round_corner(points, lengths, corner, reach, radius, floor, path_clearance)
         if cut is not None:
             cuts.append(cut)
-    return _with_cuts(points, lengths, cuts)
+    return _with_cuts(points, lengths, sorted(cuts, key=lambda cut: cut.begin))
+
+
+def _room(corner: float, cuts: list[_Cut], length: float) -> float:
+    """How far a cut may reach to either side before it meets another one or the leg's end."""
+    room = min(corner, length - corner)
+    for cut in cuts:
+        if cut.begin <= corner <= cut.end:
+            return 0.0
+        room = min(room, abs(corner - cut.begin), abs(corner - cut.end))
+    return room
 
 
 def _round_corner(
@@ -155,6 +160,8 @@ def _round_corner(
 ) -> _Cut | None:
     """The longest cut whose clearance is proved, None where there is none."""
     for _ in range(HALVINGS):
+        if reach <= CURVE_TOLERANCE * radius:
+            return None
         curve = _parabola(points, lengths, corner, reach, CURVE_TOLERANCE * radius)
         if curve is not None and path_clearance(curve).distance >= floor:
             return _Cut(corner - reach, corner + reach, curve)
@@ -165,11 +172,16 @@ def _round_corner(
 def _parabola(
     points: FloatArray, lengths: FloatArray, corner: float, reach: float, tolerance: float
 ) -> FloatArray | None:
-    """From ``reach`` before the corner to ``reach`` after it, tangent to the path at both."""
-    small = 0.05 * reach
-    wanted = np.array([-reach, -reach + small, reach - small, reach]) + corner
-    a, a_in, b_in, b = points_at(points, lengths, wanted)
-    leave, join = a_in - a, b - b_in
+    """From ``reach`` before the corner to ``reach`` after it, tangent to the path at both.
+
+    None where the tangents do not meet ahead of both ends, or where the curve is longer than
+    what it replaces.
+    """
+    begin, end = corner - reach, corner + reach
+    a, b = points_at(points, lengths, np.array([begin, end]))
+    first = min(int(np.searchsorted(lengths, begin, side="right")), len(points) - 1)
+    last = max(int(np.searchsorted(lengths, end, side="left")), 1)
+    leave, join = points[first] - points[first - 1], points[last] - points[last - 1]
     cross = float(leave[0] * join[1] - leave[1] * join[0])
     scale = float(np.hypot(*leave) * np.hypot(*join))
     if scale == 0.0 or abs(cross) <= 1e-9 * scale:
@@ -185,7 +197,7 @@ def _parabola(
     count = max(2, math.ceil(math.sqrt(bend / (4.0 * tolerance))))
     t = np.linspace(0.0, 1.0, min(count, 256) + 1)[:, None]
     curve: FloatArray = (1 - t) ** 2 * a + 2 * t * (1 - t) * control + t**2 * b
-    return curve
+    return curve if arc_lengths(curve)[-1] <= end - begin else None
 
 
 def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> FloatArray:
