@@ -195,9 +195,10 @@ def make_camera(
     wait: Wait = time.sleep,
     others: Sequence[PoseNow] = (),
 ) -> SimulatedCamera:
-    """The simulated camera of a configuration; ``others`` move ``config.other_robots``.
+    """The simulated camera of a configuration.
 
-    Raises ``ValueError`` without a section ``simulation``.
+    ``others`` say where each of ``config.other_robots`` is; without them none is drawn.
+    Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config)
     assert config.simulation is not None
@@ -205,7 +206,9 @@ def make_camera(
     robot = config.robot
     turn_rad = float(np.deg2rad(robot.marker_turn_deg))
     seen: list[tuple[MarkerSection, PoseNow, float]] = [(robot, pose_now, turn_rad)]
-    seen += [(other, pose, 0.0) for other, pose in zip(config.other_robots, others, strict=False)]
+    seen += [
+        (other, pose, 0.0) for other, pose in zip(config.other_robots, others, strict=bool(others))
+    ]
     bodies = [
         SimulatedBody(
             one.marker_id, one.marker_size_m, one.marker_height_m, one.radius_m,

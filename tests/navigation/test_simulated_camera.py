@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from navigation.config import Config, load_config
+from navigation.config_sections import MarkerSection
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.camera import SimulatedCamera, make_camera
 from navigation.simulator.drawing import ArenaPainter, Look
@@ -427,3 +428,29 @@ def test_the_background_stays_as_it_was_whatever_is_drawn_on_it(still: Simulated
     before = still.render([(9.0, 9.0, 0.0)], None)
     still.render([(1.2, 0.9, 0.3)], np.random.default_rng(0))
     assert np.array_equal(still.render([(9.0, 9.0, 0.0)], None), before)
+
+
+def test_other_robots_are_drawn_where_they_are(config: Config, arena: SimulatedArena) -> None:
+    other = MarkerSection(marker_id=9, marker_size_m=0.08, marker_height_m=0.2, radius_m=0.08)
+    two = config.model_copy(update={"other_robots": (other,)})
+    clock = Clock()
+    camera = make_camera(
+        two, arena, lambda: (0.25, 0.25, 0.0), clock, clock.wait, [lambda: (1.4, 1.0, 1.0)]
+    )
+    camera.open()
+    frame = camera.read(1.0)
+    assert frame is not None
+    corners, ids, _ = _detector().detectMarkers(frame.image)
+    assert ids is not None
+    seen = dict(zip(ids.ravel().tolist(), corners, strict=True))
+    assert set(seen) == {config.robot.marker_id, 9}
+    there = np.array(seen[9], dtype=np.float64).reshape(-1, 2)
+    place = pinhole_of(config).arena_from_image(there, 0.2).mean(axis=0)
+    assert place == pytest.approx((1.4, 1.0), abs=5e-4)
+
+
+def test_every_other_robot_needs_its_place(config: Config, arena: SimulatedArena) -> None:
+    with pytest.raises(ValueError, match="zip"):
+        make_camera(
+            config, arena, lambda: (0.2, 0.2, 0.0), Clock(), others=[lambda: (1.0, 1.0, 0.0)]
+        )
