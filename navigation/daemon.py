@@ -155,10 +155,10 @@ class Daemon:
 
     # Orders from people.
 
-    def give(self, stations: tuple[Station, ...]) -> None:
+    def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
         """A new mission; ``MissionError`` where it cannot be."""
         with self._lock:
-            self.pilot.give(stations)
+            self.pilot.give(stations, any_order=any_order)
 
     def stop(self, reason: str) -> None:
         """Emergency stop: straight to the link, past every queue, then latched by the pilot."""

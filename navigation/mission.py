@@ -81,10 +81,15 @@ class Station:
 
 @dataclass(frozen=True, slots=True)
 class Mission:
-    """Stations, how many of them were visited, the state, and the sentence that explains it."""
+    """Stations, how many of them were visited, the state, and the sentence that explains it.
+
+    ``any_order``: the stations but the last may be visited in the order that is shortest; the
+    first plan settles it.
+    """
 
     stations: tuple[Station, ...] = ()
     visited: int = 0
+    any_order: bool = False
     state: State = State.IDLE
     reason: str = "no mission was given"
 
@@ -112,11 +117,24 @@ class Mission:
         """Whether the table has a move for the event."""
         return (self.state, event) in TRANSITIONS
 
-    def given(self, stations: tuple[Station, ...], reason: str) -> Mission:
+    def given(
+        self, stations: tuple[Station, ...], reason: str, *, any_order: bool = False
+    ) -> Mission:
         """A new mission in place of this one."""
         if not stations:
             raise MissionError("a mission needs at least one station")
-        return replace(self.after(Event.GIVEN, reason), stations=stations, visited=0)
+        return replace(
+            self.after(Event.GIVEN, reason), stations=stations, visited=0, any_order=any_order
+        )
+
+    def settled(self, order: tuple[int, ...]) -> Mission:
+        """The same with its stations but the last in this order, which then stays."""
+        if not self.any_order or self.visited:
+            return self
+        *vias, goal = self.stations
+        if sorted(order) != list(range(len(vias))):
+            raise MissionError(f"order {order}: must name each of {len(vias)} stations once")
+        return replace(self, stations=(*(vias[i] for i in order), goal), any_order=False)
 
     def with_visited(self, visited: int) -> Mission:
         """The same with more stations visited; the count never falls."""

@@ -81,6 +81,8 @@ class PlanRequest:
     start: tuple[float, float, float]
     stations: tuple[Station, ...]
     scene_revision: int
+    any_order: bool = False
+    """Whether the stations but the last may change places."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,14 +145,14 @@ class Pilot:
 
     # Orders from people: taken at once, acted on in the next cycle.
 
-    def give(self, stations: tuple[Station, ...]) -> None:
+    def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
         """Replace the mission; ``MissionError`` where a station lies outside the arena."""
         for number, station in enumerate(stations, 1):
             if not self.settings.bounds_m.contains((station.x, station.y)):
                 raise MissionError(
                     f"station {number} at ({station.x:g}, {station.y:g}) m: outside the arena"
                 )
-        self.mission = self.mission.given(stations, "a mission was given")
+        self.mission = self.mission.given(stations, "a mission was given", any_order=any_order)
         self._forget_plan()
         self._corrections = 0
 
@@ -283,6 +285,7 @@ class Pilot:
             return None
         if answer.scene_revision != sight.scene_revision:
             return None  # the world changed while planning: ask again
+        self.mission = self.mission.settled(answer.path.order)
         self.replans += self.plans > 0
         self.plans += 1
         self.no_path = False
@@ -385,7 +388,11 @@ class Pilot:
             return None
         self._request_id += 1
         self._asked = PlanRequest(
-            self._request_id, sight.pose, self.mission.remaining, sight.scene_revision
+            self._request_id,
+            sight.pose,
+            self.mission.remaining,
+            sight.scene_revision,
+            any_order=self.mission.any_order and self.mission.visited == 0,
         )
         return self._asked
 

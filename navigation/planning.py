@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 import planner
-from navigation.mission import Station
 from navigation.pilot import PlanAnswer, PlanRequest
 from navigation.targets import targets_of
 from planner.path import Limits, NoPath, Path
@@ -62,16 +61,18 @@ class ArenaPlanner:
         roadmap = self.roadmap
         if roadmap is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
-        path = self._route(roadmap, request.start, request.stations)
+        path = self._route(roadmap, request)
         if isinstance(path, NoPath):
             return PlanAnswer(request.id, self.revision, path)
+        *vias, goal = request.stations
+        visits = [vias[i] for i in path.order] if request.any_order else vias
         keep_m = min(path.min_clearance, self.settings.radius_m + self.settings.margin_m)
         path = smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep_m)
         trajectory = planner.time_path(
             path,
             self.settings.limits,
             clearance=roadmap.clearance,
-            dwell_s=[0.0, *(s.dwell_s for s in request.stations)],
+            dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
         )
         targets = targets_of(path, trajectory)
         return PlanAnswer(request.id, self.revision, path, trajectory, targets)
@@ -88,18 +89,26 @@ class ArenaPlanner:
             return None
         return float(self.roadmap.clearance(np.array([position]))[0])
 
-    def _route(
-        self, roadmap: Roadmap, start: tuple[float, float, float], stations: tuple[Station, ...]
-    ) -> Path | NoPath:
+    def _route(self, roadmap: Roadmap, request: PlanRequest) -> Path | NoPath:
         *vias, goal = [
-            (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad) for s in stations
+            (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad)
+            for s in request.stations
         ]
-        path = roadmap.plan(
-            start, goal, via=vias, prefer=self.settings.prefer, margin=self.settings.margin_m
-        )
+
+        def plan(margin_m: float) -> Path | NoPath:
+            return roadmap.plan(
+                request.start,
+                goal,
+                via=vias,
+                order="best" if request.any_order else "fixed",
+                prefer=self.settings.prefer,
+                margin=margin_m,
+            )
+
+        path = plan(self.settings.margin_m)
         if isinstance(path, NoPath) and self.settings.margin_m > 0.0:
             # the margin is a wish: where the robot stands or must go nearer, the radius decides
-            path = roadmap.plan(start, goal, via=vias, prefer=self.settings.prefer)
+            path = plan(0.0)
         return path
 
 

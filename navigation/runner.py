@@ -77,7 +77,7 @@ class Runner:
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             stations = stations_of(self.config)
             if stations:
-                daemon.give(stations)
+                daemon.give(stations, any_order=self.config.mission.order == "best")
             state, reason = self._drive(daemon)
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)

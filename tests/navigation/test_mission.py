@@ -59,3 +59,12 @@ def test_a_mission_without_stations_is_refused() -> None:
 
 def test_the_diagram_names_every_transition() -> None:
     assert len(list(diagram())) == 2 + len(TRANSITIONS)
+
+
+def test_the_first_plan_settles_the_order_and_the_goal_stays_last() -> None:
+    stations = tuple(Station(float(i), 0.0) for i in range(4))
+    mission = Mission().given(stations, "go", any_order=True).settled((2, 0, 1))
+    assert [s.x for s in mission.stations] == [2.0, 0.0, 1.0, 3.0]
+    assert mission.settled((1, 2, 0)) == mission
+    with pytest.raises(MissionError, match="each of 3 stations once"):
+        Mission().given(stations, "go", any_order=True).settled((0, 0, 1))

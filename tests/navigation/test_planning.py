@@ -43,6 +43,17 @@ def test_a_plan_keeps_the_radius_and_visits_every_station_in_order() -> None:
     assert last.stops
 
 
+def test_stations_in_any_order_take_their_dwell_along() -> None:
+    stations = (Station(1.6, 0.5, dwell_s=3.0), Station(0.6, 0.5), Station(1.8, 0.8))
+    request = PlanRequest(1, (0.2, 0.5, 0.0), stations, 1, any_order=True)
+    answer = planner_with().answer(request)
+    assert isinstance(answer.path, Path)
+    assert answer.path.order == (1, 0)
+    stops = {t.x_m: t.dwell_s for t in answer.targets if t.station is not None}
+    assert stops[1.6] == 3.0
+    assert stops[1.8] == 0.0
+
+
 def test_before_the_first_scene_there_is_no_plan_and_no_clearance() -> None:
     arena_planner = ArenaPlanner(SETTINGS)
     assert isinstance(arena_planner.answer(ACROSS).path, NoPath)
