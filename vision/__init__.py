@@ -11,23 +11,51 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vision.binarise import PictureError
+    from vision.calibration import Calibration, CalibrationError
+    from vision.calibration_file import load_calibration, save_calibration
     from vision.camera import Camera, CameraError, Frame
+    from vision.change import Change, SceneWatcher
+    from vision.latest_frame import LatestFrame
+    from vision.markers import MarkedRobot, MarkerTracker, RobotPose
     from vision.observe import extract
+    from vision.sources import camera_for
 
 __all__ = [
+    "Calibration",
+    "CalibrationError",
     "Camera",
     "CameraError",
+    "Change",
     "Frame",
+    "LatestFrame",
+    "MarkedRobot",
+    "MarkerTracker",
     "PictureError",
+    "RobotPose",
+    "SceneWatcher",
+    "camera_for",
     "extract",
+    "load_calibration",
+    "save_calibration",
 ]
 
 _HOME = {
+    "Calibration": "vision.calibration",
+    "CalibrationError": "vision.calibration",
     "Camera": "vision.camera",
     "CameraError": "vision.camera",
+    "Change": "vision.change",
     "Frame": "vision.camera",
+    "LatestFrame": "vision.latest_frame",
+    "MarkedRobot": "vision.markers",
+    "MarkerTracker": "vision.markers",
     "PictureError": "vision.binarise",
+    "RobotPose": "vision.markers",
+    "SceneWatcher": "vision.change",
+    "camera_for": "vision.sources",
     "extract": "vision.observe",
+    "load_calibration": "vision.calibration_file",
+    "save_calibration": "vision.calibration_file",
 }
 
 
