@@ -96,12 +96,21 @@ class RobotConnection:
 
     def receive_bytes(self, data: bytes, now_s: float) -> None:
         """Take bytes from the line, in any portion, and act on the frames in them."""
+        start = 0
+        while (end := data.find(0, start) + 1) > 0:
+            self._take(data[start:end], now_s)
+            start = end
+        self._take(data[start:], now_s)
+
+    def _take(self, data: bytes, now_s: float) -> None:
+        """Take bytes that end at most one frame."""
         faults = self.parser.counters.faults
-        for frame in self.parser.feed(data):
-            self._receive(frame, now_s)
+        frames = self.parser.feed(data)
         if self.parser.counters.faults != faults and self.session is not None:
             # something was damaged: ask at once, do not wait for the host's timeout
             self._nak_due = True
+        for frame in frames:
+            self._receive(frame, now_s)
 
     def _receive(self, frame: Frame, now_s: float) -> None:
         if frame.kind == MessageType.ESTOP:
@@ -114,7 +123,7 @@ class RobotConnection:
             self.session_errors += 1
             return
         try:
-            message = read_message(frame)
+            message = _read_from_host(frame)
         except RemoteError:
             self.rejected += 1
             if frame.reliable and self._sequence.judge(frame.sequence) is Arrival.NEXT:
@@ -186,8 +195,8 @@ class RobotConnection:
                 control.pose_fix(message, now_s)
             case TimeSync(host_sent_us):
                 self._sync = (host_sent_us, _clock_us(now_s))
-            case _:
-                self.rejected += 1
+            case _:  # HELLO was answered before; the others come from robots only
+                raise RemoteError(f"{message.TYPE.name} does not come from a host")
         return True
 
     def _answer(self, command: int, result: CommandResult) -> None:
@@ -301,6 +310,12 @@ class RobotConnection:
             nak=nak,
         )
         return encode_frame(frame, Sender.ROBOT)
+
+
+def _read_from_host(frame: Frame) -> Message:
+    if frame.kind >= MessageType.HELLO_ACK:
+        raise RemoteError(f"message type {frame.kind:#04x} does not come from a host")
+    return read_message(frame)
 
 
 def _clock_us(now_s: float) -> int:

@@ -73,7 +73,7 @@ float cw_wrap_angle(float angle_rad)
 
 static cw_past *past_at(cw_estimate *estimate, uint8_t index)
 {
-    return &estimate->history[(estimate->oldest + index) % CW_HISTORY];
+    return &estimate->history[(uint8_t)(estimate->oldest + index) % CW_HISTORY];
 }
 
 void cw_estimate_init(cw_estimate *estimate)

@@ -21,7 +21,6 @@ typedef struct {
 
 typedef struct {
     cw_pose pose;
-    cw_past history[CW_HISTORY]; /* a ring, the oldest at `oldest` */
     uint8_t oldest;
     uint8_t kept;
     uint8_t jumps;
@@ -30,6 +29,7 @@ typedef struct {
     uint32_t fix_us; /* when the camera saw what was used last */
     float drift_rad_per_m;
     float travel_m;
+    cw_past history[CW_HISTORY]; /* a ring, the oldest at `oldest` */
 } cw_estimate;
 
 /* What the robot is and can do; every value > 0. */

@@ -49,7 +49,6 @@ typedef struct {
     cw_robot *robot;
     cw_identity identity;
     cw_counters count;
-    uint8_t buffer[CW_MAX_ENCODED]; /* the frame that is arriving */
     uint8_t filled;
     bool too_long;
     bool has_session;
@@ -76,6 +75,7 @@ typedef struct {
     bool told_done;
     uint16_t told_command;
     uint32_t told_mission;
+    uint8_t buffer[CW_MAX_ENCODED]; /* the frame that is arriving */
 } cw_link;
 
 /* Everything as after power on. `robot` is kept by reference and has to live on. */

@@ -38,7 +38,7 @@ static void forget_mission(cw_robot *robot, uint32_t mission)
 static const uint8_t *record_at(const void *queue, uint8_t index)
 {
     const cw_robot *robot = queue;
-    return robot->records[(robot->head + index) % CW_QUEUE_SIZE];
+    return robot->records[(uint8_t)(robot->head + index) % CW_QUEUE_SIZE];
 }
 
 static void motors_off(cw_robot *robot)
@@ -102,7 +102,7 @@ bool cw_robot_accept(cw_robot *robot, uint32_t mission, uint32_t first, uint8_t 
         if (robot->count == CW_QUEUE_SIZE) {
             return false;
         }
-        place = robot->records[(robot->head + robot->count) % CW_QUEUE_SIZE];
+        place = robot->records[(uint8_t)(robot->head + robot->count) % CW_QUEUE_SIZE];
         for (k = 0; k < CW_WAYPOINT_BYTES; k++) {
             place[k] = records[k];
         }

@@ -28,7 +28,6 @@ typedef struct {
 } cw_wheels;
 
 typedef struct cw_robot {
-    uint8_t records[CW_QUEUE_SIZE][CW_WAYPOINT_BYTES]; /* a ring of waypoints as they came */
     uint8_t head;
     uint8_t count;
     uint8_t state;  /* cw_state */
@@ -46,7 +45,6 @@ typedef struct cw_robot {
     uint32_t exec_next;
     uint32_t prefix_crc;
     uint32_t exec_crc;
-    cw_estimate estimate;
     cw_follower follower;
     cw_wheels wheels; /* what the motors are to do now */
     float speed_m_s;  /* measured */
@@ -55,6 +53,8 @@ typedef struct cw_robot {
     uint32_t step_us;
     uint32_t left_um;
     uint32_t right_um;
+    cw_estimate estimate;
+    uint8_t records[CW_QUEUE_SIZE][CW_WAYPOINT_BYTES]; /* a ring of waypoints as they came */
 } cw_robot;
 
 /* Everything as after power on. `settings` is kept by reference and must live on. */

@@ -78,9 +78,17 @@ class Knobs:
     echo: bool = False
 
 
+def python_robot(identity: Identity, settings: DriveSettings) -> RobotConnection:
+    """The Python twin of the firmware."""
+    return RobotConnection(identity, RobotController(settings))
+
+
 @dataclass(slots=True)
 class VirtualLoop:
-    """The whole loop; :meth:`run` it, and look at ``host``, ``robot``, ``drive``, ``track``."""
+    """The whole loop; :meth:`run` it, and look at ``host``, ``robot``, ``drive``, ``track``.
+
+    ``make_robot`` may give another robot with the face of ``RobotConnection``.
+    """
 
     seed: int = 0
     faults: FaultSpec = field(default_factory=FaultSpec)
@@ -93,6 +101,7 @@ class VirtualLoop:
     start_s: float = 0.0
     robot_clock_offset_s: float = 0.0
     robot_clock_drift: float = 0.0
+    make_robot: Callable[[Identity, DriveSettings], RobotConnection] = python_robot
     now_s: float = field(init=False)
     host: HostConnection = field(init=False)
     robot: RobotConnection = field(init=False)
@@ -122,8 +131,7 @@ class VirtualLoop:
     def boot(self, cause: ResetCause) -> None:
         """The robot's processor starts: nothing of before is left."""
         boot_id = int(self._rng.integers(1, 1 << 32))
-        controller = RobotController(self.settings)
-        self.robot = RobotConnection(Identity(boot_id, reset_cause=cause), controller)
+        self.robot = self.make_robot(Identity(boot_id, reset_cause=cause), self.settings)
         self.wheels = WheelSpeeds(0.0, 0.0, powered=False)
 
     @property

@@ -1,0 +1,120 @@
+/* The firmware inside another process, in that process's time: for tests through ctypes.
+ * The caller allocates cw_twin_size() bytes for each robot, so that any number may run. */
+#include <stddef.h>
+#include <string.h>
+
+#include "link.h"
+
+typedef struct {
+    cw_robot robot;
+    cw_link link;
+} cw_twin;
+
+typedef struct {
+    uint32_t mission;
+    uint32_t accept_next;
+    uint32_t exec_next;
+    uint32_t prefix_crc;
+    uint32_t exec_crc;
+    float x_m;
+    float y_m;
+    float heading_rad;
+    float speed_m_s;
+    float left_m_s;
+    float right_m_s;
+    uint16_t session_errors;
+    uint16_t session;
+    uint8_t state;
+    uint8_t reason;
+    uint8_t credit;
+    uint8_t powered;
+    uint8_t done;
+    uint8_t expected;
+    uint8_t has_session;
+    uint8_t phase;
+} cw_view;
+
+size_t cw_twin_size(void);
+size_t cw_twin_robot_size(void);
+void cw_twin_init(cw_twin *twin, uint32_t boot_id, uint8_t reset_cause, uint32_t schema,
+                  const cw_drive_settings *settings);
+void cw_twin_receive(cw_twin *twin, const uint8_t *data, uint16_t length, uint32_t now_us);
+uint8_t cw_twin_next_frame(cw_twin *twin, uint8_t *out_frame, uint32_t now_us);
+void cw_twin_step(cw_twin *twin, uint32_t now_us, uint32_t left_um, uint32_t right_um);
+void cw_twin_tick(cw_twin *twin, uint32_t now_us);
+void cw_twin_estop(cw_twin *twin, uint8_t reason);
+void cw_twin_view(const cw_twin *twin, cw_view *out_view);
+
+size_t cw_twin_size(void)
+{
+    return sizeof(cw_twin);
+}
+
+size_t cw_twin_robot_size(void)
+{
+    return sizeof(cw_robot);
+}
+
+void cw_twin_init(cw_twin *twin, uint32_t boot_id, uint8_t reset_cause, uint32_t schema,
+                  const cw_drive_settings *settings)
+{
+    cw_identity identity;
+    identity.schema = schema;
+    identity.firmware = 0;
+    identity.boot_id = boot_id;
+    identity.reset_cause = reset_cause;
+    memset(twin, 0xA5, sizeof *twin); /* init has to set every field */
+    cw_robot_init(&twin->robot, settings);
+    cw_link_init(&twin->link, &twin->robot, &identity);
+}
+
+void cw_twin_receive(cw_twin *twin, const uint8_t *data, uint16_t length, uint32_t now_us)
+{
+    cw_link_receive(&twin->link, data, length, now_us);
+}
+
+uint8_t cw_twin_next_frame(cw_twin *twin, uint8_t *out_frame, uint32_t now_us)
+{
+    return cw_link_next_frame(&twin->link, out_frame, now_us);
+}
+
+void cw_twin_step(cw_twin *twin, uint32_t now_us, uint32_t left_um, uint32_t right_um)
+{
+    cw_robot_step(&twin->robot, now_us, left_um, right_um);
+}
+
+void cw_twin_tick(cw_twin *twin, uint32_t now_us)
+{
+    cw_robot_tick(&twin->robot, now_us);
+}
+
+void cw_twin_estop(cw_twin *twin, uint8_t reason)
+{
+    cw_robot_emergency_stop(&twin->robot, (cw_reason)reason);
+}
+
+void cw_twin_view(const cw_twin *twin, cw_view *out_view)
+{
+    const cw_robot *robot = &twin->robot;
+    out_view->mission = robot->mission;
+    out_view->accept_next = robot->accept_next;
+    out_view->exec_next = robot->exec_next;
+    out_view->prefix_crc = robot->prefix_crc;
+    out_view->exec_crc = robot->exec_crc;
+    out_view->x_m = robot->estimate.pose.x_m;
+    out_view->y_m = robot->estimate.pose.y_m;
+    out_view->heading_rad = robot->estimate.pose.heading_rad;
+    out_view->speed_m_s = robot->speed_m_s;
+    out_view->left_m_s = robot->wheels.left_m_s;
+    out_view->right_m_s = robot->wheels.right_m_s;
+    out_view->session_errors = twin->link.count.session_errors;
+    out_view->session = twin->link.session;
+    out_view->state = robot->state;
+    out_view->reason = robot->reason;
+    out_view->credit = cw_robot_credit(robot);
+    out_view->powered = robot->wheels.powered;
+    out_view->done = robot->done;
+    out_view->expected = twin->link.expected;
+    out_view->has_session = twin->link.has_session;
+    out_view->phase = robot->follower.phase;
+}

@@ -1,0 +1,312 @@
+"""The C firmware against its Python twin: same bytes in, same bytes out."""
+
+import ctypes
+import random
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from firmware_protocol.crc import crc32c
+from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.messages import (
+    ESTOP_FRAME,
+    RELIABLE,
+    SCHEMA_HASH,
+    Clear,
+    Hello,
+    Lease,
+    LeaseFlag,
+    Message,
+    MessageType,
+    Pause,
+    PoseFix,
+    ResetEstop,
+    RobotState,
+    Start,
+    Status,
+    TimeSync,
+    Waypoint,
+    Waypoints,
+    read_message,
+)
+from firmware_protocol.mission import Mission
+from firmware_protocol.robot import RobotController
+from firmware_protocol.robot_connection import Identity, RobotConnection
+from navigation.serial_link import SerialLink
+from tests.support.c_robot import FIRMWARE, CRobot, library, missing_tool
+from tests.support.fault_scenarios import SCENARIOS, robot_maker
+
+pytestmark = pytest.mark.skipif(
+    missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"
+)
+
+TICK_S = 0.000998
+"""No multiple of it is a limit of the protocol: float and integer clocks agree."""
+MISSION = Mission(9, [Waypoint(0.02 * i, 0.001 * i, 0.3) for i in range(60)])
+
+
+class Pair:
+    """Both robots, fed with the same bytes at the same times."""
+
+    def __init__(self) -> None:
+        identity = Identity(boot_id=0xCAFE)
+        self.python = RobotConnection(identity, RobotController())
+        self.c = CRobot(identity)
+        self.ticks = 5000
+        self.wheels_m = [0.0, 0.0]
+        self.session, self.sequence = 0, 0
+        self.parsers = (FrameParser(Sender.ROBOT), FrameParser(Sender.ROBOT))
+
+    @property
+    def now_s(self) -> float:
+        return self.ticks * TICK_S
+
+    def feed(self, data: bytes) -> None:
+        self.python.receive_bytes(data, self.now_s)
+        self.c.receive_bytes(data, self.now_s)
+
+    def send(
+        self, message: Message, sequence: int | None = None, reliable: bool | None = None
+    ) -> None:
+        numbered = message.TYPE in RELIABLE if reliable is None else reliable
+        number = self.sequence if sequence is None else sequence
+        frame = Frame(
+            message.TYPE, self.session, message.pack(), number if numbered else 0, reliable=numbered
+        )
+        if numbered and sequence is None:
+            self.sequence = (self.sequence + 1) % 256
+        self.feed(encode_frame(frame, Sender.HOST))
+
+    def hello(self, session: int) -> None:
+        self.session, self.sequence = session, 0
+        self.send(Hello())
+
+    def pass_time(self, ticks: int) -> None:
+        for _ in range(ticks):
+            self.ticks += 1
+            self.python.controller.tick(self.now_s)
+            self.c.controller.tick(self.now_s)
+            if self.ticks % 10 == 0:
+                self.step()
+            self.compare()
+
+    def step(self) -> None:
+        wheels = self.python.controller.wheels
+        for side in (0, 1):
+            self.wheels_m[side] += wheels[side] * 10 * TICK_S
+        left, right = (round(m * 1e6) / 1e6 for m in self.wheels_m)
+        self.python.controller.step(self.now_s, left, right)
+        self.c.controller.step(self.now_s, left, right)
+
+    def compare(self) -> None:
+        while True:
+            ours, theirs = self.python.next_frame(self.now_s), self.c.next_frame(self.now_s)
+            if ours == theirs:
+                if not ours:
+                    return
+                continue
+            (mine,), (yours,) = self.parsers[0].feed(ours), self.parsers[1].feed(theirs)
+            assert mine.kind == yours.kind == MessageType.STATUS
+            same_but_for_rounding(mine, yours)
+
+
+def same_but_for_rounding(a: Frame, b: Frame) -> None:
+    """STATUS carries measured numbers: float and double differ in the last digits there."""
+    assert (a.session, a.acknowledged, a.credit) == (b.session, b.acknowledged, b.credit)
+    ours, theirs = read_message(a), read_message(b)
+    assert isinstance(ours, Status)
+    assert isinstance(theirs, Status)
+    near = {"x_m": 3e-5, "y_m": 3e-5, "heading_rad": 4e-4, "speed_m_s": 2e-3, "turn_rad_s": 1e-2}
+    near |= {"pose_age_s": 1.1e-3, "lease_left_s": 1.1e-3}
+    for name in Status.__dataclass_fields__:
+        mine, yours = getattr(ours, name), getattr(theirs, name)
+        if name in near and mine != yours:
+            assert abs(mine - yours) <= near[name], (name, mine, yours)
+        elif name not in near:
+            assert mine == yours, (name, mine, yours)
+
+
+def random_deed(pair: Pair, rng: random.Random) -> None:
+    control = pair.python.controller
+    command = rng.randrange(1, 0x10000)
+    match rng.randrange(17):
+        case 0:
+            pair.hello(rng.randrange(1, 12))
+        case 1:
+            pair.send(Clear(command, rng.choice([0, 9, 9, 9, 10])))
+        case 2 | 3 | 4:
+            first = rng.choice([control.accept_next, rng.randrange(60)])
+            records = MISSION.records[first : first + rng.randrange(1, 7)]
+            if records:
+                pair.send(Waypoints(9, first, records))
+        case 5:
+            pair.send(Start(command, 9, rng.choice([control.exec_next, 3])))
+        case 6:
+            pair.send(Pause(command))
+        case 7 | 8:
+            flags = rng.choice([LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, LeaseFlag.PERMIT])
+            pair.send(Lease(rng.random(), flags, rng.choice([0.05, 0.9])))
+        case 9:
+            pose = control.estimate.pose
+            offset = rng.choice([0.0, 0.01, 0.3])
+            pair.send(PoseFix(pose.x_m + offset, pose.y_m, pose.heading_rad, rng.random() * 0.3))
+        case 10:
+            pair.send(TimeSync(rng.getrandbits(32)))
+        case 11:
+            wire = bytearray(encode_frame(Frame(rng.randrange(256), pair.session), Sender.HOST))
+            wire[rng.randrange(len(wire))] ^= 1 << rng.randrange(8)
+            pair.feed(bytes(wire))
+        case 12:
+            payload = rng.randbytes(rng.randrange(113))
+            kind = rng.choice([*MessageType, rng.randrange(256)])
+            number = rng.choice([pair.python._sequence.expected, rng.randrange(256)])
+            reliable = rng.random() < 0.5
+            if kind not in (MessageType.POSE, MessageType.LEASE, MessageType.ESTOP):
+                frame = Frame(kind, pair.session, payload, number, reliable=reliable)
+                pair.feed(encode_frame(frame, Sender.HOST))
+        case 13:
+            pair.feed(rng.randbytes(rng.randrange(400)))
+        case _:
+            begin_to_drive(pair, rng)
+
+
+def begin_to_drive(pair: Pair, rng: random.Random) -> None:
+    """What a sane host does, from whatever the fuzzing has left."""
+    control = pair.python.controller
+    pair.sequence = pair.python._sequence.expected
+    if control.mission != 9 or control.done:
+        pair.send(Clear(1, 0))
+        pair.send(Clear(2, 9))
+    first = control.accept_next
+    records = MISSION.records[first : first + 6]
+    if records:
+        pair.send(Waypoints(9, first, records))
+    for _ in range(rng.randrange(1, 8)):
+        pair.send(Lease(0.5, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.05))
+        pair.send(Start(3, 9, control.exec_next))
+        pair.pass_time(100)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_both_robots_answer_alike_whatever_the_host_does(seed: int) -> None:
+    rng, pair = random.Random(seed), Pair()
+    pair.hello(20)
+    for deed in range(150):
+        random_deed(pair, rng)
+        if deed % 50 == 49 and seed % 4 == 0:
+            pair.feed(ESTOP_FRAME)
+            pair.pass_time(30)
+            pair.hello(30 + deed)
+            pair.send(ResetEstop(1))
+        pair.pass_time(rng.choice([1, 3, 20, 60]))
+
+
+@given(st.binary(max_size=600), st.lists(st.integers(0, 600), max_size=6))
+@settings(max_examples=200, deadline=None)
+def test_any_bytes_in_any_portions_leave_both_alike(stream: bytes, cuts: list[int]) -> None:
+    pair = Pair()
+    pair.hello(3)
+    at = 0
+    for end in [*sorted(cuts), len(stream)]:
+        pair.feed(stream[at:end])
+        at = max(at, end)
+        pair.pass_time(4)
+    pair.send(Clear(1, 77))
+    pair.pass_time(60)
+    assert pair.python.controller.mission == pair.c.controller.mission
+
+
+@given(st.binary(max_size=130), st.integers(0, 0xFFFFFFFF))
+def test_crc_is_the_same_in_c(data: bytes, running: int) -> None:
+    length, start = ctypes.c_uint16(len(data)), ctypes.c_uint32(running)
+    assert library().cw_crc32c(data, length, start) == crc32c(data, running)
+
+
+def test_the_c_headers_have_the_schema_and_the_emergency_stop() -> None:
+    text = (FIRMWARE / "wire.h").read_text()
+    (schema,) = re.findall(r"CW_SCHEMA_HASH 0x([0-9a-f]+)ul", text)
+    assert int(schema, 16) == SCHEMA_HASH
+    frame = (ctypes.c_uint8 * 15).in_dll(library(), "cw_estop_frame")
+    assert bytes(frame) == ESTOP_FRAME
+
+
+def test_the_interrupts_matcher_finds_the_emergency_stop_and_nothing_else() -> None:
+    match = library().cw_estop_match
+    match.restype = ctypes.c_bool
+    matched = ctypes.c_uint8(0)
+
+    def found(data: bytes) -> int:
+        return sum(match(ctypes.byref(matched), ctypes.c_uint8(byte)) for byte in data)
+
+    assert found(b"\x00\x03\x10" + ESTOP_FRAME) == 1
+    assert found(ESTOP_FRAME[1:]) == 1, "the last zero is the next frame's first"
+    assert found(ESTOP_FRAME * 3) == 3
+    rng = random.Random(1)
+    for _ in range(200):
+        frame = Frame(rng.randrange(256), rng.getrandbits(16), rng.randbytes(rng.randrange(113)))
+        assert found(encode_frame(frame, Sender.HOST)) == 0
+
+
+def test_a_robot_in_c_fits_into_small_memory() -> None:
+    assert library().cw_twin_robot_size() < 1024
+
+
+def test_the_pairs_drive_in_the_differential_test() -> None:
+    """The comparison above is worth little unless the robots run in it."""
+    running = 0
+    for seed in range(10):
+        rng, pair = random.Random(seed), Pair()
+        pair.hello(20)
+        for _ in range(150):
+            random_deed(pair, rng)
+            pair.pass_time(rng.choice([1, 3, 20, 60]))
+            running += pair.python.controller.state is RobotState.RUN
+    assert running > 100
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_c_firmware_survives(name: str) -> None:
+    token = robot_maker.set(lambda identity, drive: CRobot(identity, drive))  # type: ignore[arg-type,return-value]
+    try:
+        outcome = SCENARIOS[name](5)
+    finally:
+        robot_maker.reset(token)
+    assert "executed" in outcome or "said so" in outcome
+
+
+def test_the_firmware_as_a_process_drives_a_mission_under_the_sanitizers(tmp_path: Path) -> None:
+    """Over a real pseudo-terminal, on odometry: the process has no camera above it."""
+    command = ["make", "-s", "-C", str(FIRMWARE), "host", f"BUILD={tmp_path}"]
+    subprocess.run(command, check=True, timeout=120)
+    process = subprocess.Popen([tmp_path / "robot"], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        with SerialLink(process.stdout.readline().strip()) as link:
+            end_s = time.monotonic() + 20.0
+            waypoints = [Waypoint(0.02 * i, 0.0, 0.4) for i in range(40)]
+            mission = None
+            while not link.snapshot().mission_done and time.monotonic() < end_s:
+                link.lease(True, odometry=True)
+                if mission is None and link.snapshot().down_reason is None:
+                    mission = link.upload(5, waypoints)
+                time.sleep(0.02)
+            snapshot = link.snapshot()
+            assert snapshot.mission_done
+            assert snapshot.status is not None
+            assert mission is not None
+            assert snapshot.status.exec_crc == mission.prefix_crc(40)
+            assert abs(snapshot.status.x_m - 0.78) < 0.01
+            link.estop()
+            while not link.snapshot().estopped and time.monotonic() < end_s:
+                time.sleep(0.01)
+            assert link.snapshot().estopped
+        process.terminate()
+        assert process.wait(timeout=10) == 0, "a sanitizer complained"
+    finally:
+        process.kill()
+        process.communicate()
