@@ -29,6 +29,7 @@ PICTURE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", "
 _STREAMS = ("rtsp://", "rtsps://", "http://", "https://", "udp://", "tcp://")
 _OPEN_TIMEOUT_MS = 5000
 _DRIVER_CLOCK_LIMIT_S = 0.5
+_FRAMES_FOR_RATE = 30
 
 Wait = Callable[[float], object]
 
@@ -165,6 +166,7 @@ class DeviceCamera(_Capture):
         self._path = f"/dev/video{device}" if device.isdecimal() else device
         self._rate_wanted_hz = rate_hz
         self._size_wanted = size
+        self._promise = ""
 
     def open(self) -> None:
         """Open the device; ``CameraError`` where it is missing, busy or no camera."""
@@ -184,7 +186,7 @@ class DeviceCamera(_Capture):
             capture.set(cv2.CAP_PROP_FPS, self._rate_wanted_hz)
         # One buffer would be the newest frame, but many drivers need two to run at all.
         capture.set(cv2.CAP_PROP_BUFFERSIZE, 2)
-        self.reason = self._not_as_asked(capture)
+        self._promise = self.reason = self._not_as_asked(capture)
 
     def read(self, timeout_s: float) -> Frame | None:
         """The next frame; the driver itself bounds the wait, ``timeout_s`` is not needed."""
@@ -194,7 +196,18 @@ class DeviceCamera(_Capture):
                 raise CameraError(f"{self.name}: unplugged ({self._path} is gone)")
             raise CameraError(f"{self.name}: the driver gave no picture")
         image, captured_s = grabbed
-        return self._frame(image, self._driver_time_s(captured_s))
+        frame = self._frame(image, self._driver_time_s(captured_s))
+        self.reason = self._rate_really_got() or self._promise
+        return frame
+
+    def _rate_really_got(self) -> str:
+        """What to say where the measured rate is not the one asked for; drivers may promise it."""
+        wanted_hz = self._rate_wanted_hz
+        if wanted_hz is None or self._sequence < _FRAMES_FOR_RATE:
+            return ""
+        if abs(self.rate_hz - wanted_hz) <= 0.1 * wanted_hz:
+            return ""
+        return f"asked for {wanted_hz:g} frames/s, gets {self.rate_hz:.1f}"
 
     def _driver_time_s(self, grabbed_s: float) -> float:
         """The driver's time of exposure where it is on our clock, else the time of the grab."""

@@ -349,6 +349,84 @@ def test_impossible_wishes_are_refused(how: dict[str, float], message: str) -> N
         camera_for("0", clock=Clock(), **how)  # type: ignore[arg-type]
 
 
+class Driver:
+    """Stands for OpenCV's capture of a device: promises 30 frames/s at 640x480, whatever asked."""
+
+    opens = True
+    frames = 1000
+
+    def __init__(self) -> None:
+        self.left = self.frames
+
+    def open(self, target: str, backend: int, parameters: list[int]) -> bool:
+        return self.opens
+
+    def set(self, key: int, value: float) -> bool:
+        return False
+
+    def get(self, key: int) -> float:
+        promised = {
+            cv2.CAP_PROP_FRAME_WIDTH: 640.0,
+            cv2.CAP_PROP_FRAME_HEIGHT: 480.0,
+            cv2.CAP_PROP_FPS: 30.0,
+        }
+        return promised.get(key, 0.0)
+
+    def grab(self) -> bool:
+        self.left -= 1
+        return self.left >= 0
+
+    def retrieve(self) -> tuple[bool, np.ndarray]:
+        return True, np.full((4, 4, 3), self.left % 256, np.uint8)
+
+    def release(self) -> None:
+        self.left = 0
+
+
+def device(monkeypatch: pytest.MonkeyPatch, clock: Clock, **how: float) -> Camera:
+    monkeypatch.setattr(cv2, "VideoCapture", Driver)
+    return camera_for("/dev/null", clock=clock, **how)  # type: ignore[arg-type]
+
+
+def test_a_driver_that_ignores_what_was_asked_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Clock()
+    camera = device(monkeypatch, clock, rate_hz=60.0, size=(1920, 1080))  # type: ignore[arg-type]
+    camera.open()
+    assert "asked for 1920x1080 pixels, the driver gives 640x480" in camera.reason
+    assert "asked for 60 frames/s, the driver promises 30" in camera.reason
+    for _ in range(40):
+        clock.now_s += 1.0 / 15.0
+        frame = camera.read(1.0)
+        assert frame is not None
+        assert frame.captured_s == clock.now_s
+    assert camera.reason == "asked for 60 frames/s, gets 15.0"
+    assert camera.rate_hz == pytest.approx(15.0)
+    assert not camera.may_repeat
+    camera.close()
+    with pytest.raises(CameraError, match="read while closed"):
+        camera.read(1.0)
+
+
+def test_a_busy_and_an_unplugged_device_are_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Driver, "opens", False)
+    with pytest.raises(CameraError, match="busy"):
+        device(monkeypatch, Clock()).open()
+    monkeypatch.setattr(Driver, "opens", True)
+    monkeypatch.setattr(Driver, "frames", 1)
+    camera = device(monkeypatch, Clock())
+    camera.open()
+    assert camera.read(1.0) is not None
+    with pytest.raises(CameraError, match="gave no picture"):
+        camera.read(1.0)
+
+
+def test_a_stream_that_nobody_serves_is_told_of_without_its_password() -> None:
+    camera = camera_for("http://me:secret@127.0.0.1:9/none.mjpg", clock=Clock())
+    with pytest.raises(CameraError, match="no stream there") as caught:
+        camera.open()
+    assert "secret" not in str(caught.value)
+
+
 def test_a_password_never_shows_in_a_message() -> None:
     assert without_password("rtsp://me:secret@host:554/live") == "rtsp://host:554/live"
     assert without_password("http://host/a@b") == "http://host/a@b"
