@@ -347,6 +347,7 @@ def pilot_settings(config: Config) -> PilotSettings:
         settle_s=SETTLE_S,
         retry_s=RETRY_S,
         robot_grace_s=ROBOT_GRACE_S,
+        replan_distance_m=config.planning.replan_distance_m,
         give_up_s=safety.give_up_s,
         corrections=CORRECTIONS,
     )

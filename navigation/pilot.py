@@ -38,6 +38,8 @@ class PilotSettings:
     """How long to wait before asking for a plan again where there was none."""
     robot_grace_s: float
     """How long the robot may take to begin, or stand without having finished."""
+    replan_distance_m: float
+    """A changed obstacle that comes nearer to the path than this asks for a new plan."""
     give_up_s: float
     """How long the robot may have to hold before the mission fails."""
     corrections: int
@@ -336,11 +338,17 @@ class Pilot:
     def new_scene(self, path_clearance_m: float | None) -> None:
         """The scene changed; the running path keeps this clearance in it (None: no path runs).
 
-        Below the robot's radius the robot holds and the way is planned anew.
+        The way is planned anew where the robot does not fit any more, and where something has
+        come nearer to the path than ``replan_distance_m``.
         """
         if self.mission.state is not State.DRIVING or path_clearance_m is None:
             return
-        if path_clearance_m < self.settings.limits.robot_radius_m:
+        assert self.path is not None
+        nearer_m = self.path.min_clearance - self.settings.limits.clearance_slack_m
+        least_m = max(
+            self.settings.limits.robot_radius_m, min(self.settings.replan_distance_m, nearer_m)
+        )
+        if path_clearance_m < least_m:
             self.mission = self.mission.after(
                 Event.REPLAN,
                 f"an obstacle leaves the path {path_clearance_m:.3f} m of clearance: planning anew",

@@ -31,6 +31,7 @@ SETTINGS = PilotSettings(
     settle_s=0.3,
     retry_s=1.0,
     robot_grace_s=1.0,
+    replan_distance_m=0.15,
     give_up_s=30.0,
     corrections=2,
 )
@@ -224,6 +225,19 @@ def test_an_obstacle_on_the_path_holds_the_robot_and_plans_anew(world: World) ->
     assert not world.cycle().permit
     world.run_until(State.DONE)
     assert world.pilot.replans == 1
+
+
+@pytest.mark.parametrize(
+    ("clearance_m", "state"),
+    [(0.295, State.DRIVING), (0.16, State.DRIVING), (0.14, State.PLANNING), (0.05, State.PLANNING)],
+)
+def test_an_obstacle_that_comes_near_the_path_asks_for_a_new_plan(
+    world: World, clearance_m: float, state: State
+) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.pilot.new_scene(clearance_m)
+    assert world.pilot.mission.state is state
 
 
 def test_an_answer_for_an_older_scene_is_not_driven(world: World) -> None:
