@@ -56,7 +56,7 @@ def held_karp(distance, closed):
     visited, j = full - 1, last
     for at in range(n - 1, -1, -1):
         order[at] = j + 1
-        before = came[visited, j]
+        before = int(came[visited, j])
         visited ^= 1 << j
         j = before
     return order, best
