@@ -142,7 +142,7 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
     fx, fy = x - x0, y - y0
     above = grey[y0, x0] * (1.0 - fx) + grey[y0, x0 + 1] * fx
     below = grey[y0 + 1, x0] * (1.0 - fx) + grey[y0 + 1, x0 + 1] * fx
-    return above * (1.0 - fy) + below * fy
+    return float(above * (1.0 - fy) + below * fy)
 
 
 @njit(cache=True, nogil=True)

@@ -1,37 +1,38 @@
-"""The cameras: devices, network streams, video files, single pictures and folders of pictures.
+"""From the name of a source to its camera.
 
-Rules and units
-- ``camera_for`` chooses by the look of the source: a number or ``/dev/...`` is a V4L2 device
-  (a stable path such as ``/dev/v4l/by-id/...`` survives replugging), ``rtsp://`` and
-  ``http(s)://`` are streams, anything else is a file or a folder.
-- What a driver made of the rate and size asked for is compared with what it gives; the
-  difference is said in ``reason``, as the real rate is measured and never taken on trust.
-- Files are paced at their rate where ``paced``; pictures are read in the order of their names.
-- Times are seconds on the clock passed in; sizes are (width, height) in pixels.
+- A number or ``/dev/...`` is a V4L2 device (a stable path such as ``/dev/v4l/by-id/...``
+  survives replugging), ``rtsp://`` and ``http(s)://`` are streams, anything else is a file
+  or a folder.
+- Rates are frames a second; sizes are (width, height) in pixels.
 """
 
 from __future__ import annotations
 
-import glob
-import os
 import threading
-from collections.abc import Callable
 from pathlib import Path
 
-import cv2
-import numpy as np
+from vision.camera import Camera, CameraError, Clock
+from vision.capture import DeviceCamera, StreamCamera, driver_time_s, list_devices, without_password
+from vision.files import (
+    PICTURE_SUFFIXES,
+    FolderCamera,
+    Pace,
+    PictureCamera,
+    VideoCamera,
+    Wait,
+    read_picture,
+)
 
-from vision.camera import Camera, CameraError, Clock, Frame, Image, RateMeter, SourceState
-
-PICTURE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"})
-"""Names of files that are taken for pictures; ``.webp`` and the like decode too, if named."""
+__all__ = [
+    "PICTURE_SUFFIXES",
+    "camera_for",
+    "driver_time_s",
+    "list_devices",
+    "read_picture",
+    "without_password",
+]
 
 _STREAMS = ("rtsp://", "rtsps://", "http://", "https://", "udp://", "tcp://")
-_OPEN_TIMEOUT_MS = 5000
-_DRIVER_CLOCK_LIMIT_S = 0.5
-_FRAMES_FOR_RATE = 30
-
-Wait = Callable[[float], object]
 
 
 def camera_for(
@@ -62,7 +63,7 @@ def camera_for(
         return StreamCamera(text, clock)
     path = Path(text)
     pause = wait or threading.Event().wait
-    pace = _Pace(clock, pause, paced)
+    pace = Pace(clock, pause, paced)
     if path.is_dir():
         return FolderCamera(path, pace, rate_hz, loop)
     if not path.exists():
@@ -70,394 +71,3 @@ def camera_for(
     if path.suffix.lower() in PICTURE_SUFFIXES:
         return PictureCamera(path, pace, rate_hz)
     return VideoCamera(path, pace, rate_hz, loop)
-
-
-def read_picture(path: Path) -> Image:
-    """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none."""
-    try:
-        raw = np.fromfile(path, dtype=np.uint8)
-    except OSError as error:
-        raise CameraError(f"{path}: cannot be read: {error.strerror}") from error
-    if raw.size == 0:
-        raise CameraError(f"{path}: an empty file, not a picture")
-    try:
-        image = cv2.imdecode(raw, cv2.IMREAD_ANYCOLOR)
-    except cv2.error as error:
-        raise CameraError(f"{path}: not a picture that OpenCV can decode") from error
-    if image is None:
-        raise CameraError(f"{path}: not a picture that OpenCV can decode")
-    return image.astype(np.uint8, copy=False)
-
-
-class _Capture:
-    """What devices, streams and video files share: an OpenCV capture and its frames."""
-
-    may_repeat = False
-
-    def __init__(self, name: str, clock: Clock) -> None:
-        self.name = name
-        self.state: SourceState = "closed"
-        self.reason = ""
-        self._clock = clock
-        self._rate = RateMeter()
-        self._capture: cv2.VideoCapture | None = None
-        self._sequence = 0
-
-    @property
-    def rate_hz(self) -> float:
-        """Frames a second really got."""
-        return self._rate.rate_hz
-
-    def close(self) -> None:
-        """Free the device; harmless when closed."""
-        capture, self._capture = self._capture, None
-        if capture is not None:
-            capture.release()
-        self.state = "closed"
-
-    def _start(self, target: str | int, backend: int, parameters: list[int]) -> cv2.VideoCapture:
-        self.close()
-        capture = cv2.VideoCapture()
-        try:
-            opened = capture.open(target, backend, parameters)
-        except cv2.error as error:
-            raise CameraError(f"{self.name}: cannot be opened: {error.err}") from error
-        if not opened:
-            capture.release()
-            raise CameraError(f"{self.name}: {self._why_not()}")
-        self._capture = capture
-        self._rate = RateMeter()
-        self.state, self.reason = "running", ""
-        return capture
-
-    def _why_not(self) -> str:
-        return "cannot be opened"
-
-    def _grab(self) -> tuple[Image, float] | None:
-        """The next picture and when it was captured; None where the capture gave none."""
-        capture = self._capture
-        if capture is None:
-            raise CameraError(f"{self.name}: read while closed")
-        try:
-            if not capture.grab():
-                return None
-            captured_s = self._clock()
-            got, image = capture.retrieve()
-        except cv2.error as error:
-            raise CameraError(f"{self.name}: {error.err}") from error
-        if not got or image is None or image.size == 0:
-            return None
-        return image.astype(np.uint8, copy=False), captured_s
-
-    def _frame(self, image: Image, captured_s: float) -> Frame:
-        self._rate.add(captured_s)
-        frame = Frame(image, captured_s, self._sequence, self.name)
-        self._sequence += 1
-        return frame
-
-
-class DeviceCamera(_Capture):
-    """A V4L2 camera by its index (``0``) or path (``/dev/video0``, ``/dev/v4l/by-id/...``)."""
-
-    def __init__(
-        self, device: str, clock: Clock, rate_hz: float | None, size: tuple[int, int] | None
-    ) -> None:
-        super().__init__(f"camera {device}", clock)
-        self._path = f"/dev/video{device}" if device.isdecimal() else device
-        self._rate_wanted_hz = rate_hz
-        self._size_wanted = size
-        self._promise = ""
-
-    def open(self) -> None:
-        """Open the device; ``CameraError`` where it is missing, busy or no camera."""
-        if not os.path.exists(self._path):
-            raise CameraError(f"{self.name}: {self._path} does not exist; is it plugged in?")
-        if not os.access(self._path, os.R_OK | os.W_OK):
-            raise CameraError(
-                f"{self.name}: no permission for {self._path}; add the user to the group 'video'"
-            )
-        parameters: list[int] = []
-        if self._size_wanted is not None:
-            width, height = self._size_wanted
-            parameters += [cv2.CAP_PROP_FRAME_WIDTH, width, cv2.CAP_PROP_FRAME_HEIGHT, height]
-        # A stable path is a link; V4L2 is opened by the device's own name.
-        capture = self._start(os.path.realpath(self._path), cv2.CAP_V4L2, parameters)
-        if self._rate_wanted_hz is not None:
-            capture.set(cv2.CAP_PROP_FPS, self._rate_wanted_hz)
-        # One buffer would be the newest frame, but many drivers need two to run at all.
-        capture.set(cv2.CAP_PROP_BUFFERSIZE, 2)
-        self._promise = self.reason = self._not_as_asked(capture)
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; the driver itself bounds the wait, ``timeout_s`` is not needed."""
-        grabbed = self._grab()
-        if grabbed is None:
-            if not os.path.exists(self._path):
-                raise CameraError(f"{self.name}: unplugged ({self._path} is gone)")
-            raise CameraError(f"{self.name}: the driver gave no picture")
-        image, captured_s = grabbed
-        frame = self._frame(image, self._driver_time_s(captured_s))
-        self.reason = self._rate_really_got() or self._promise
-        return frame
-
-    def _rate_really_got(self) -> str:
-        """What to say where the measured rate is not the one asked for; drivers may promise it."""
-        wanted_hz = self._rate_wanted_hz
-        if wanted_hz is None or self._sequence < _FRAMES_FOR_RATE:
-            return ""
-        if abs(self.rate_hz - wanted_hz) <= 0.1 * wanted_hz:
-            return ""
-        return f"asked for {wanted_hz:g} frames/s, gets {self.rate_hz:.1f}"
-
-    def _driver_time_s(self, grabbed_s: float) -> float:
-        """The driver's time of exposure where it is on our clock, else the time of the grab."""
-        if self._capture is None:
-            return grabbed_s
-        return driver_time_s(self._capture.get(cv2.CAP_PROP_POS_MSEC), grabbed_s)
-
-    def _not_as_asked(self, capture: cv2.VideoCapture) -> str:
-        said = []
-        if self._size_wanted is not None:
-            got = (
-                round(capture.get(cv2.CAP_PROP_FRAME_WIDTH)),
-                round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT)),
-            )
-            if got != self._size_wanted:
-                wanted = f"{self._size_wanted[0]}x{self._size_wanted[1]}"
-                said.append(f"asked for {wanted} pixels, the driver gives {got[0]}x{got[1]}")
-        if self._rate_wanted_hz is not None:
-            rate_hz = capture.get(cv2.CAP_PROP_FPS)
-            if abs(rate_hz - self._rate_wanted_hz) > 0.05 * self._rate_wanted_hz:
-                said.append(
-                    f"asked for {self._rate_wanted_hz:g} frames/s, the driver promises {rate_hz:g}"
-                )
-        return "; ".join(said)
-
-    def _why_not(self) -> str:
-        return (
-            f"{self._path} cannot be opened: it is busy (another program uses it) or is no "
-            "capture device"
-        )
-
-
-def driver_time_s(position_ms: float, grabbed_s: float) -> float:
-    """A V4L2 time stamp (ms) in seconds if it is on the clock of ``grabbed_s``, else that time.
-
-    Drivers stamp with the monotonic clock or with one of their own; a stamp that lies in the
-    future or more than half a second back is on another clock.
-    """
-    stamp_s = position_ms / 1000.0
-    return stamp_s if 0.0 <= grabbed_s - stamp_s <= _DRIVER_CLOCK_LIMIT_S else grabbed_s
-
-
-class StreamCamera(_Capture):
-    """An RTSP or HTTP stream, through FFmpeg, with bounded waits."""
-
-    def __init__(self, url: str, clock: Clock) -> None:
-        super().__init__(without_password(url), clock)
-        self._url = url
-
-    def open(self) -> None:
-        """Connect; ``CameraError`` where nobody answers within five seconds."""
-        timeouts = [
-            cv2.CAP_PROP_OPEN_TIMEOUT_MSEC,
-            _OPEN_TIMEOUT_MS,
-            cv2.CAP_PROP_READ_TIMEOUT_MSEC,
-            _OPEN_TIMEOUT_MS,
-        ]
-        self._start(self._url, cv2.CAP_FFMPEG, timeouts)
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; FFmpeg bounds the wait by five seconds."""
-        grabbed = self._grab()
-        if grabbed is None:
-            raise CameraError(f"{self.name}: the stream ended or its peer is gone")
-        return self._frame(*grabbed)
-
-    def _why_not(self) -> str:
-        return "no stream there, or nobody answered within 5 s"
-
-
-def without_password(url: str) -> str:
-    """The URL as messages may show it: user and password left out."""
-    scheme, _, rest = url.partition("://")
-    host, slash, path = rest.partition("/")
-    return f"{scheme}://{host.rpartition('@')[2]}{slash}{path}"
-
-
-class _Pace:
-    """Gives a file's frames their time."""
-
-    def __init__(self, clock: Clock, wait: Wait, paced: bool) -> None:
-        self.clock = clock
-        self._wait = wait
-        self._paced = paced
-        self._due_s: float | None = None
-
-    def restart(self) -> None:
-        self._due_s = None
-
-    def wait_for_turn(self, rate_hz: float, timeout_s: float) -> float | None:
-        """The present time when the next frame is due; None where that is after the timeout."""
-        now_s = self.clock()
-        if not self._paced:
-            return now_s
-        if self._due_s is None:
-            self._due_s = now_s
-        if self._due_s - now_s > timeout_s:
-            self._wait(timeout_s)
-            return None
-        if self._due_s > now_s:
-            self._wait(self._due_s - now_s)
-            now_s = self.clock()
-        # A reader that is late does not get the missed frames in a burst.
-        self._due_s = max(self._due_s + 1.0 / rate_hz, now_s)
-        return now_s
-
-
-class VideoCamera(_Capture):
-    """A video file, at its own rate or the one asked for."""
-
-    may_repeat = True
-
-    def __init__(self, path: Path, pace: _Pace, rate_hz: float | None, loop: bool) -> None:
-        super().__init__(str(path), pace.clock)
-        self._path = path
-        self._pace = pace
-        self._rate_wanted_hz = rate_hz
-        self._loop = loop
-        self._file_rate_hz = 30.0
-        self._first = True
-
-    def open(self) -> None:
-        """Open the file; ``CameraError`` where it is no video."""
-        capture = self._start(str(self._path), cv2.CAP_ANY, [])
-        rate_hz = capture.get(cv2.CAP_PROP_FPS)
-        self._file_rate_hz = rate_hz if 0.0 < rate_hz <= 1000.0 else 30.0
-        self._pace.restart()
-        self._first = True
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next frame when it is due; None before that, and after the last (``ended``)."""
-        if self.state == "ended":
-            return None
-        due = self._pace.wait_for_turn(self._rate_wanted_hz or self._file_rate_hz, timeout_s)
-        if due is None:
-            return None
-        grabbed = self._grab()
-        if grabbed is None:
-            return self._at_end(timeout_s)
-        self._first = False
-        return self._frame(*grabbed)
-
-    def _at_end(self, timeout_s: float) -> Frame | None:
-        if self._first:
-            raise CameraError(f"{self.name}: a video without a picture")
-        if self._loop:
-            self.open()
-            return self.read(timeout_s)
-        self.state, self.reason = "ended", f"{self.name}: the video has ended"
-        return None
-
-    def _why_not(self) -> str:
-        return "neither a picture nor a video that OpenCV can decode"
-
-
-class FolderCamera:
-    """The pictures of a folder in the order of their names."""
-
-    may_repeat = True
-
-    def __init__(self, path: Path, pace: _Pace, rate_hz: float | None, loop: bool) -> None:
-        self.name = str(path)
-        self.state: SourceState = "closed"
-        self.reason = ""
-        self._path = path
-        self._pace = pace
-        self._rate_wanted_hz = rate_hz or 10.0
-        self._loop = loop
-        self._rate = RateMeter()
-        self._files: list[Path] = []
-        self._next = 0
-        self._sequence = 0
-
-    @property
-    def rate_hz(self) -> float:
-        """Frames a second really got."""
-        return self._rate.rate_hz
-
-    def open(self) -> None:
-        """List the pictures; ``CameraError`` where there are none."""
-        self._files = self._list()
-        self._next = 0
-        self._rate = RateMeter()
-        self._pace.restart()
-        self.state, self.reason = "running", ""
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next picture when it is due; None before that, and after the last (``ended``)."""
-        if self.state == "closed":
-            raise CameraError(f"{self.name}: read while closed")
-        if self.state == "ended":
-            return None
-        if self._next >= len(self._files):
-            if not self._loop:
-                self.state, self.reason = "ended", f"{self.name}: no more pictures"
-                return None
-            self._next = 0
-        now_s = self._pace.wait_for_turn(self._rate_wanted_hz, timeout_s)
-        if now_s is None:
-            return None
-        image = self._picture(self._files[self._next])
-        self._next += 1
-        self._rate.add(now_s)
-        frame = Frame(image, now_s, self._sequence, self.name)
-        self._sequence += 1
-        return frame
-
-    def close(self) -> None:
-        """Forget the list; harmless when closed."""
-        self._files = []
-        self.state = "closed"
-
-    def _list(self) -> list[Path]:
-        try:
-            entries = sorted(self._path.iterdir())
-        except OSError as error:
-            raise CameraError(f"{self.name}: cannot be read: {error.strerror}") from error
-        files = [p for p in entries if p.suffix.lower() in PICTURE_SUFFIXES and p.is_file()]
-        if not files:
-            raise CameraError(f"{self.name}: a folder without pictures")
-        return files
-
-    def _picture(self, path: Path) -> Image:
-        return read_picture(path)
-
-
-class PictureCamera(FolderCamera):
-    """One picture, shown for ever; decoded once."""
-
-    def __init__(self, path: Path, pace: _Pace, rate_hz: float | None) -> None:
-        super().__init__(path, pace, rate_hz, loop=True)
-        self._image: Image | None = None
-
-    def _list(self) -> list[Path]:
-        self._image = read_picture(self._path)
-        return [self._path]
-
-    def _picture(self, path: Path) -> Image:
-        return self._image if self._image is not None else read_picture(path)
-
-
-def list_devices() -> list[tuple[str, str]]:
-    """The V4L2 capture devices of this machine: (path, what it is called).
-
-    A device is listed by its stable path under /dev/v4l/by-id where it has one.
-    """
-    stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
-    found = []
-    for device in sorted(glob.glob("/dev/video*")):
-        label = Path("/sys/class/video4linux", Path(device).name, "name")
-        name = label.read_text(errors="replace").strip() if label.is_file() else device
-        found.append((stable.get(device, device), name))
-    return found

@@ -1,0 +1,205 @@
+"""Files as cameras: videos, single pictures and folders of pictures.
+
+Rules and units
+- Pictures are read in the order of their names; a single picture is shown for ever.
+- Files are paced at their rate where ``paced``: a late reader gets no burst of missed frames.
+- Times are seconds on the clock passed in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+from vision.capture import Capture
+
+PICTURE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"})
+"""Names of files that are taken for pictures; any other file is tried as a video."""
+
+Wait = Callable[[float], object]
+
+
+def read_picture(path: Path) -> Image:
+    """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none."""
+    try:
+        raw = np.fromfile(path, dtype=np.uint8)
+    except OSError as error:
+        raise CameraError(f"{path}: cannot be read: {error.strerror}") from error
+    if raw.size == 0:
+        raise CameraError(f"{path}: an empty file, not a picture")
+    try:
+        image = cv2.imdecode(raw, cv2.IMREAD_ANYCOLOR)
+    except cv2.error as error:
+        raise CameraError(f"{path}: not a picture that OpenCV can decode") from error
+    if image is None:
+        raise CameraError(f"{path}: not a picture that OpenCV can decode")
+    return image.astype(np.uint8, copy=False)
+
+
+class Pace:
+    """Gives a file's frames their time."""
+
+    def __init__(self, clock: Clock, wait: Wait, paced: bool) -> None:
+        self.clock = clock
+        self._wait = wait
+        self._paced = paced
+        self._due_s: float | None = None
+
+    def restart(self) -> None:
+        """The next frame is due at once."""
+        self._due_s = None
+
+    def wait_for_turn(self, rate_hz: float, timeout_s: float) -> float | None:
+        """The present time when the next frame is due; None where that is after the timeout."""
+        now_s = self.clock()
+        if not self._paced:
+            return now_s
+        if self._due_s is None:
+            self._due_s = now_s
+        if self._due_s - now_s > timeout_s:
+            self._wait(timeout_s)
+            return None
+        if self._due_s > now_s:
+            self._wait(self._due_s - now_s)
+            now_s = self.clock()
+        # A reader that is late does not get the missed frames in a burst.
+        self._due_s = max(self._due_s + 1.0 / rate_hz, now_s)
+        return now_s
+
+
+class VideoCamera(Capture):
+    """A video file, at its own rate or the one asked for."""
+
+    may_repeat = True
+
+    def __init__(self, path: Path, pace: Pace, rate_hz: float | None, loop: bool) -> None:
+        super().__init__(str(path), pace.clock)
+        self._path = path
+        self._pace = pace
+        self._rate_wanted_hz = rate_hz
+        self._loop = loop
+        self._file_rate_hz = 30.0
+        self._first = True
+
+    def open(self) -> None:
+        """Open the file; ``CameraError`` where it is no video."""
+        capture = self._start(str(self._path), cv2.CAP_ANY, [])
+        rate_hz = capture.get(cv2.CAP_PROP_FPS)
+        self._file_rate_hz = rate_hz if 0.0 < rate_hz <= 1000.0 else 30.0
+        self._pace.restart()
+        self._first = True
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame when it is due; None before that, and after the last (``ended``)."""
+        if self.state == "ended":
+            return None
+        due = self._pace.wait_for_turn(self._rate_wanted_hz or self._file_rate_hz, timeout_s)
+        if due is None:
+            return None
+        grabbed = self._grab()
+        if grabbed is None:
+            return self._at_end(timeout_s)
+        self._first = False
+        return self._frame(*grabbed)
+
+    def _at_end(self, timeout_s: float) -> Frame | None:
+        if self._first:
+            raise CameraError(f"{self.name}: a video without a picture")
+        if self._loop:
+            self.open()
+            return self.read(timeout_s)
+        self.state, self.reason = "ended", f"{self.name}: the video has ended"
+        return None
+
+    def _why_not(self) -> str:
+        return "neither a picture nor a video that OpenCV can decode"
+
+
+class FolderCamera:
+    """The pictures of a folder in the order of their names."""
+
+    may_repeat = True
+
+    def __init__(self, path: Path, pace: Pace, rate_hz: float | None, loop: bool) -> None:
+        self.name = str(path)
+        self.state: SourceState = "closed"
+        self.reason = ""
+        self._path = path
+        self._pace = pace
+        self._rate_wanted_hz = rate_hz or 10.0
+        self._loop = loop
+        self._rate = RateMeter()
+        self._files: list[Path] = []
+        self._next = 0
+        self._sequence = 0
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames a second really got."""
+        return self._rate.rate_hz
+
+    def open(self) -> None:
+        """List the pictures; ``CameraError`` where there are none."""
+        self._files = self._list()
+        self._next = 0
+        self._rate = RateMeter()
+        self._pace.restart()
+        self.state, self.reason = "running", ""
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next picture when it is due; None before that, and after the last (``ended``)."""
+        if self.state == "closed":
+            raise CameraError(f"{self.name}: read while closed")
+        if self.state == "ended":
+            return None
+        if self._next >= len(self._files):
+            if not self._loop:
+                self.state, self.reason = "ended", f"{self.name}: no more pictures"
+                return None
+            self._next = 0
+        now_s = self._pace.wait_for_turn(self._rate_wanted_hz, timeout_s)
+        if now_s is None:
+            return None
+        image = self._picture(self._files[self._next])
+        self._next += 1
+        self._rate.add(now_s)
+        frame = Frame(image, now_s, self._sequence, self.name)
+        self._sequence += 1
+        return frame
+
+    def close(self) -> None:
+        """Forget the list; harmless when closed."""
+        self._files = []
+        self.state = "closed"
+
+    def _list(self) -> list[Path]:
+        try:
+            entries = sorted(self._path.iterdir())
+        except OSError as error:
+            raise CameraError(f"{self.name}: cannot be read: {error.strerror}") from error
+        files = [p for p in entries if p.suffix.lower() in PICTURE_SUFFIXES and p.is_file()]
+        if not files:
+            raise CameraError(f"{self.name}: a folder without pictures")
+        return files
+
+    def _picture(self, path: Path) -> Image:
+        return read_picture(path)
+
+
+class PictureCamera(FolderCamera):
+    """One picture, shown for ever; decoded once."""
+
+    def __init__(self, path: Path, pace: Pace, rate_hz: float | None) -> None:
+        super().__init__(path, pace, rate_hz, loop=True)
+        self._image: Image | None = None
+
+    def _list(self) -> list[Path]:
+        self._image = read_picture(self._path)
+        return [self._path]
+
+    def _picture(self, path: Path) -> Image:
+        return self._image if self._image is not None else read_picture(path)
