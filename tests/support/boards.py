@@ -102,15 +102,37 @@ def _paint(
     xs: NDArray[np.float64],
     ys: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    pixels = np.stack([xs.ravel(), ys.ravel()], axis=1)
-    grey = np.full(len(pixels), LIGHT)
+    grey = np.full(xs.shape, LIGHT)
     for patch in patches:
-        floor = calibration.arena_from_image(pixels, patch.height_m)
         c, s = math.cos(patch.heading_rad), math.sin(patch.heading_rad)
-        dx, dy = floor[:, 0] - patch.x, floor[:, 1] - patch.y
         rows, columns = patch.cells.shape
+        x0, y0, x1, y1 = _extent(calibration, patch)
+        near = (xs[0] >= x0) & (xs[0] <= x1), (ys[:, 0] >= y0) & (ys[:, 0] <= y1)
+        part = np.ix_(near[1], near[0])
+        if xs[part].size == 0:
+            continue
+        pixels = np.stack([xs[part].ravel(), ys[part].ravel()], axis=1)
+        floor = calibration.arena_from_image(pixels, patch.height_m)
+        dx, dy = floor[:, 0] - patch.x, floor[:, 1] - patch.y
         column = np.floor((c * dx + s * dy) / patch.cell_m + columns / 2).astype(int)
         row = np.floor((s * dx - c * dy) / patch.cell_m + rows / 2).astype(int)
         inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
-        grey[inside] = patch.cells[row[inside], column[inside]]
-    return grey.reshape(xs.shape)
+        painted = grey[part].ravel()
+        painted[inside] = patch.cells[row[inside], column[inside]]
+        grey[part] = painted.reshape(grey[part].shape)
+    return grey
+
+
+def _extent(calibration: Calibration, patch: Patch) -> tuple[float, float, float, float]:
+    """The pixels that a patch can reach: its rim's, and a little for what a lens bends."""
+    rows, columns = patch.cells.shape
+    along = np.linspace(-0.5, 0.5, 9)
+    rim = np.vstack(
+        [np.column_stack([along, np.full(9, v)]) for v in (-0.5, 0.5)]
+        + [np.column_stack([np.full(9, v), along]) for v in (-0.5, 0.5)]
+    ) * (columns * patch.cell_m, rows * patch.cell_m)
+    c, s = math.cos(patch.heading_rad), math.sin(patch.heading_rad)
+    places = rim @ np.array([[c, s], [-s, c]]) + (patch.x, patch.y)
+    seen = calibration.image_from_arena(places, patch.height_m)
+    (x0, y0), (x1, y1) = seen.min(axis=0) - 3.0, seen.max(axis=0) + 3.0
+    return float(x0), float(y0), float(x1), float(y1)

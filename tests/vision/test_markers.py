@@ -80,7 +80,7 @@ def pose_of(
     raise AssertionError(f"not found: {tracker.refusals}")
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.floats(30.0, 90.0),
     st.floats(-math.pi, math.pi),
