@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from planner.scene import (
     Bounds,
+    FloatArray,
     PolygonRecord,
     Scene,
     SceneError,
@@ -48,6 +49,7 @@ class _Borders:
     """The segments of all borders: ends as grid vertices, heading, and the loop they run in."""
 
     start: IndexArray  # (k, 2) column, row of grid vertices
+    end: IndexArray  # (k, 2)
     heading: IndexArray  # (k,)
     loops: list[list[int]]  # segments, in order
 
@@ -59,13 +61,14 @@ def grid_scene(obstacle: NDArray[np.bool_], remarks: tuple[str, ...] = ()) -> Sc
     """
     height, width = _checked_shape(obstacle)
 
-    def vertex(column: int, row: int) -> Vec:
-        return column - 0.5, row - 0.5
+    def place(vertices: IndexArray) -> FloatArray:
+        corners: FloatArray = vertices - 0.5
+        return corners
 
     return Scene(
         units="cells",
         bounds=Bounds(-0.5, -0.5, width - 0.5, height - 0.5),
-        objects=_objects(obstacle, vertex),
+        objects=_objects(obstacle, place),
         size=(width, height),
         border_pixels=_border_cells(obstacle),
         remarks=remarks,
@@ -83,15 +86,15 @@ def map_scene(obstacle: NDArray[np.bool_], pose: GridPose, remarks: tuple[str, .
     cos, sin = (math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)) if turned else (1.0, 0.0)
     rim = 1 if turned else 0
 
-    def vertex(column: int, row: int) -> Vec:
-        x = (column - rim) * pose.resolution
-        y = (height - (row - rim)) * pose.resolution
-        return pose.x + (cos * x - sin * y), pose.y + (sin * x + cos * y)
+    def place(vertices: IndexArray) -> FloatArray:
+        x = (vertices[:, 0] - rim) * pose.resolution
+        y = (height - (vertices[:, 1] - rim)) * pose.resolution
+        return np.stack([pose.x + (cos * x - sin * y), pose.y + (sin * x + cos * y)], axis=1)
 
-    corners = [vertex(c, r) for c in (0, width + 2 * rim) for r in (0, height + 2 * rim)]
-    xs, ys = zip(*corners, strict=True)
+    corners = [(c, r) for c in (0, width + 2 * rim) for r in (0, height + 2 * rim)]
+    xs, ys = place(np.array(corners)).T.tolist()
     bounds = Bounds(min(xs), min(ys), max(xs), max(ys))
-    objects = _objects(np.pad(obstacle, rim, constant_values=True), vertex)
+    objects = _objects(np.pad(obstacle, rim, constant_values=True), place)
     if turned:
         objects = (_fill_rectangle(objects[0], bounds), *objects[1:])
     return Scene(
@@ -126,11 +129,10 @@ def _border_cells(obstacle: NDArray[np.bool_]) -> int:
 
 
 def _objects(
-    obstacle: NDArray[np.bool_], vertex: Callable[[int, int], Vec]
+    obstacle: NDArray[np.bool_], place: Callable[[IndexArray], FloatArray]
 ) -> tuple[SceneObject, ...]:
     borders = _trace(np.ascontiguousarray(obstacle, dtype=np.bool_))
-    columns, rows = borders.start[:, 0].tolist(), borders.start[:, 1].tolist()
-    positions = [vertex(c, r) for c, r in zip(columns, rows, strict=True)]
+    positions: list[Vec] = [(x, y) for x, y in place(borders.start).tolist()]
     outlines: list[PolygonRecord] = []
     holes: list[list[tuple[PolygonRecord, ...]]] = []
     for segments, parent in zip(borders.loops, _parents(obstacle, borders), strict=True):
@@ -183,7 +185,7 @@ def _trace(obstacle: NDArray[np.bool_]) -> _Borders:
     order = np.lexsort((heading, start[:, 0], start[:, 1]))
     start, end, heading = start[order], end[order], heading[order]
     follower = _followers(start, end, heading, obstacle.shape[1] + 1)
-    return _Borders(start, heading, _loops(follower))
+    return _Borders(start, end, heading, _loops(follower))
 
 
 def _runs(sign: NDArray[np.int8]) -> tuple[IndexArray, IndexArray, IndexArray]:
@@ -272,8 +274,7 @@ def _left_neighbours(
     run_starts = np.flatnonzero(begins.ravel())
     # edges with the obstacle on their right run north; sorted by column and row of their top
     north = np.flatnonzero(borders.heading == NORTH)
-    ends = _segment_ends(borders)
-    top = ends[north, 1]
+    top = borders.end[north, 1]
     order = np.lexsort((top, borders.start[north, 0]))
     north, top = north[order], top[order]
     keys = borders.start[north, 0] * (height + 1) + top
@@ -291,10 +292,3 @@ def _left_neighbours(
         edge = north[np.searchsorted(keys, key, side="right") - 1]
         result[hole] = int(loop_of[edge])
     return result
-
-
-def _segment_ends(borders: _Borders) -> IndexArray:
-    ends = np.empty_like(borders.start)
-    for loop in borders.loops:
-        ends[loop] = borders.start[[*loop[1:], loop[0]]]
-    return ends
