@@ -208,8 +208,10 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
 def _by_method(
     grey: NDArray[Any], side: Literal["dark", "light"], method: Method, threshold: float | None
 ) -> Binary:
-    noise = float(noise_sigma(grey))
-    classes = split_classes(sampled_histogram(grey), noise)
+    histogram = sampled_histogram(grey)
+    # two values only: drawn, not taken; what looks like noise is texture
+    noise = float(noise_sigma(grey)) if np.count_nonzero(histogram) > 2 else 0.0
+    classes = split_classes(histogram, noise)
     if classes is None:
         classes = _rare_pixels(grey, noise)
     if method == "fixed":

@@ -29,13 +29,16 @@ STAIRCASE_PX = 0.5
 @dataclass(frozen=True, slots=True)
 class Tolerance:
     """What a fit may miss: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
+    ``crisp``: the picture has no grey at its edges; ``spread_px``: what noise does to a point.
 
     ``blur_px`` is how far light spreads at an edge (sigma), ``guard_px`` how far from a corner
     it bends the border: what is nearer takes no part in a fit.
     """
 
+    crisp: bool
     dead_zone_px: float
     sigma_px: float
+    spread_px: float
     blur_px: float
     guard_px: float
 
@@ -48,22 +51,30 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     blur = float(np.sqrt(max((0.3989 / slope) ** 2 - 1.0, 0.08)))
     sigmas = 2.6 - 0.8 * min(1.0, spread / 0.15)
     return Tolerance(
+        crisp=crisp > 0.5,
         dead_zone_px=CALM_PX + (STAIRCASE_PX - CALM_PX) * crisp,
         sigma_px=float(np.hypot(FLOOR_PX, spread)),
+        spread_px=spread,
         blur_px=blur,
         guard_px=max(1.0, sigmas * blur),
     )
 
 
 def fit_edges(
-    points: NDArray[np.float64], starts: NDArray[np.int64], tolerance: Tolerance
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    areas: NDArray[np.int64],
+    tolerance: Tolerance,
 ) -> FittedBorders:
     """Partition every border into lines and arcs, or take it for a circle. O(points)."""
     kind, edge_starts, edge_kind, data = fit_borders(
         np.ascontiguousarray(points),
         starts,
+        areas,
+        tolerance.crisp,
         tolerance.dead_zone_px,
         tolerance.sigma_px,
+        tolerance.spread_px,
         tolerance.blur_px,
         tolerance.guard_px,
     )

@@ -34,14 +34,36 @@ SAMPLES = 48
 """At most about so many points shape a stretch in the search; all of them judge it."""
 SPAN = 160
 """At most so many seeds in one stretch."""
-ROUNDS = 3
+ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before."""
 SHALLOW = 0.03
 """Sine of the angle below which two lines are taken for one."""
 SNAP = 4
 """Points by which a seed moves to the middle of its corner."""
+SMOOTH_SLIDE = 24
+"""Points by which a break beside an arc may move to where the fits of both sides are best."""
 SLIDE = 8
 """Points by which a break may move towards its corner at a time."""
+CHECKS = 6
+"""Times that the finished edges are compared with the border."""
+HALF = 0.5
+"""Along a pixel's axis, how far an edge may leave the middle between two pixels' centres."""
+LOST_AXIS_PX = 0.7
+"""The same where a pixel counts as lost: a straight edge may pass a staircase so closely."""
+MOST_PX = 1.0
+"""How far an edge may leave a border without noise: less than the pixel that is promised."""
+TIP_PX = 2.5
+"""Within this distance of a corner pixels are too coarse to tell where its sides run."""
+CALM_LOSS_PX = 0.02
+"""Deviation that does not count as area lost."""
+LOSS_SHARE, LEAST_LOSS = 0.004, 1.0
+"""Area that the edges of a border may lose, as a share of what it encloses, and in pixels."""
+SEPARATION_STEPS = 12
+SEPARATION_MARGIN = 0.03
+"""How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
+CHORD_PX = 0.45
+"""How far a chord of a ragged stretch may leave its border points."""
+TAU = 2.0 * math.pi
 HUGE = 1e18
 
 
@@ -211,11 +233,12 @@ def fit_circle(points, first, n, lo, hi, step, rounds, out):
 
 
 @njit(cache=True, nogil=True)
-def _line_cost(points, first, n, lo, hi, step, line, dead_zone, sigma, worst):
+def _line_cost(points, first, n, lo, hi, line, crisp, dead_zone, sigma, worst):
     cost = 0.0
-    for k in range(lo, hi, step):
+    scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
+    for k in range(lo, hi):
         p = first + _wrapped(k, n)
-        d = abs((points[p, 0] - line[0]) * line[3] - (points[p, 1] - line[1]) * line[2])
+        d = abs((points[p, 0] - line[0]) * line[3] - (points[p, 1] - line[1]) * line[2]) * scale
         if d > worst:
             return HUGE
         if d > dead_zone:
@@ -225,13 +248,16 @@ def _line_cost(points, first, n, lo, hi, step, line, dead_zone, sigma, worst):
 
 
 @njit(cache=True, nogil=True)
-def _circle_cost(points, first, n, lo, hi, step, circle, dead_zone, sigma, worst):
+def _circle_cost(points, first, n, lo, hi, circle, crisp, dead_zone, sigma, worst):
     cost = 0.0
-    for k in range(lo, hi, step):
+    for k in range(lo, hi):
         p = first + _wrapped(k, n)
         x = points[p, 0] - circle[0]
         y = points[p, 1] - circle[1]
-        d = abs(math.sqrt(x * x + y * y) - circle[2])
+        far = math.sqrt(x * x + y * y)
+        d = abs(far - circle[2])
+        if crisp:
+            d *= far / max(abs(x), abs(y), 1e-9)
         if d > worst:
             return HUGE
         if d > dead_zone:
@@ -252,7 +278,7 @@ def _trim(lo, hi, guard):
 
 
 @njit(cache=True, nogil=True)
-def _stretch(points, first, n, lo, hi, guard, dead_zone, sigma, worst, line, circle):
+def _stretch(points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, line, circle):
     """The cheaper of a line and an arc through points lo .. hi: (cost, is_arc)."""
     g = _trim(lo, hi, guard)
     a = lo + g
@@ -262,13 +288,15 @@ def _stretch(points, first, n, lo, hi, guard, dead_zone, sigma, worst, line, cir
     if count > SAMPLES:
         step = count // SAMPLES
     fit_line(points, first, n, a, b, step, line)
-    line_cost = LINE_PRICE + _line_cost(points, first, n, a, b, 1, line, dead_zone, sigma, worst)
+    line_cost = LINE_PRICE + _line_cost(
+        points, first, n, a, b, line, crisp, dead_zone, sigma, worst
+    )
     if count < 6 or line_cost < ARC_PRICE:
         return line_cost, False
     arc_cost = HUGE
     if fit_circle(points, first, n, a, b, step, 1, circle):
         arc_cost = ARC_PRICE + _circle_cost(
-            points, first, n, a, b, 1, circle, dead_zone, sigma, worst
+            points, first, n, a, b, circle, crisp, dead_zone, sigma, worst
         )
     if arc_cost < line_cost:
         return arc_cost, True
@@ -401,7 +429,7 @@ def _turn_at(points, first, n, k, reach):
 
 @njit(cache=True, nogil=True)
 def best_partition(
-    points, first, n, seeds, m, start, guard, dead_zone, sigma, worst, breaks, is_arc
+    points, first, n, seeds, m, start, guard, crisp, dead_zone, sigma, worst, breaks, is_arc
 ):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
@@ -436,7 +464,7 @@ def best_partition(
                 lo -= n
                 hi -= n
             cost, bent = _stretch(
-                points, first, n, lo, hi, guard, dead_zone, sigma, worst, line, circle
+                points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, line, circle
             )
             if cost >= HUGE:
                 if j == i + 1:
@@ -467,6 +495,100 @@ def best_partition(
 
 
 @njit(cache=True, nogil=True)
+def _separate_line(points, first, n, lo, hi, line):
+    """Turn and shift a line until it passes between the pixels on its two sides.
+
+    In a picture without grey every point is the middle between an obstacle pixel and a free
+    one: a line that leaves it by less than half a pixel along the axis keeps both on their
+    sides. Least squares on what exceeds that, a few steps from the total-least-squares line.
+    """
+    for _ in range(SEPARATION_STEPS):
+        limit = (HALF - SEPARATION_MARGIN) * max(abs(line[2]), abs(line[3]))
+        w = 0.0
+        wt = 0.0
+        wtt = 0.0
+        b0 = 0.0
+        b1 = 0.0
+        for k in range(lo, hi):
+            p = first + _wrapped(k, n)
+            dx = points[p, 0] - line[0]
+            dy = points[p, 1] - line[1]
+            d = dy * line[2] - dx * line[3]
+            excess = abs(d) - limit
+            if excess <= 0.0:
+                continue
+            t = dx * line[2] + dy * line[3]
+            if d < 0.0:
+                excess = -excess
+            w += 1.0
+            wt += t
+            wtt += t * t
+            b0 += excess
+            b1 += excess * t
+        if w == 0.0:
+            return
+        # damped: one point alone must not turn the line
+        half = 0.5 * (hi - lo)
+        a00 = w + 0.5
+        a11 = wtt + 0.15 * half * half
+        det = a00 * a11 - wt * wt
+        shift = (b0 * a11 - b1 * wt) / det
+        turn = (b1 * a00 - b0 * wt) / det
+        line[0] -= shift * line[3]
+        line[1] += shift * line[2]
+        ux = line[2] - turn * line[3]
+        uy = line[3] + turn * line[2]
+        length = math.sqrt(ux * ux + uy * uy)
+        line[2] = ux / length
+        line[3] = uy / length
+
+
+@njit(cache=True, nogil=True)
+def _separate_circle(points, first, n, lo, hi, circle):
+    """The same for a circle: move and grow it until it passes between the pixels."""
+    for _ in range(SEPARATION_STEPS):
+        m = np.zeros((3, 3))
+        v = np.zeros(3)
+        count = 0
+        for k in range(lo, hi):
+            p = first + _wrapped(k, n)
+            dx = points[p, 0] - circle[0]
+            dy = points[p, 1] - circle[1]
+            far = math.sqrt(dx * dx + dy * dy)
+            if far < 1e-9:
+                return
+            ux = dx / far
+            uy = dy / far
+            d = far - circle[2]
+            excess = abs(d) - (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
+            if excess <= 0.0:
+                continue
+            if d < 0.0:
+                excess = -excess
+            count += 1
+            m[0, 0] += ux * ux
+            m[0, 1] += ux * uy
+            m[0, 2] += ux
+            m[1, 1] += uy * uy
+            m[1, 2] += uy
+            m[2, 2] += 1.0
+            v[0] += ux * excess
+            v[1] += uy * excess
+            v[2] += excess
+        if count == 0:
+            return
+        m[1, 0] = m[0, 1]
+        m[2, 0] = m[0, 2]
+        m[2, 1] = m[1, 2]
+        for i in range(3):
+            m[i, i] += 0.5
+        step = np.linalg.solve(m, v)
+        circle[0] += step[0]
+        circle[1] += step[1]
+        circle[2] += step[2]
+
+
+@njit(cache=True, nogil=True)
 def _clear_of_joints(points, first, n, lo, hi, joints, e, after, guard):
     """The part of a stretch that keeps ``guard`` pixels from both joints, or its middle."""
     length = hi - lo
@@ -489,7 +611,7 @@ def _clear_of_joints(points, first, n, lo, hi, joints, e, after, guard):
 
 
 @njit(cache=True, nogil=True)
-def _fit_edges(points, first, n, breaks, is_arc, edges, guard, joints, shape):
+def _fit_edges(points, first, n, breaks, is_arc, edges, crisp, guard, joints, shape):
     """Fit every edge between its breaks; shape rows: x, y, ux, uy or cx, cy, r, rms last."""
     for e in range(edges):
         lo = breaks[e]
@@ -502,12 +624,16 @@ def _fit_edges(points, first, n, breaks, is_arc, edges, guard, joints, shape):
             is_arc[e] = False
         total = 0.0
         if is_arc[e]:
+            if crisp:
+                _separate_circle(points, first, n, a, b, row)
             for k in range(a, b):
                 p = first + _wrapped(k, n)
                 d = math.sqrt((points[p, 0] - row[0]) ** 2 + (points[p, 1] - row[1]) ** 2) - row[2]
                 total += d * d
         else:
             fit_line(points, first, n, a, b, 1, row)
+            if crisp:
+                _separate_line(points, first, n, a, b, row)
             for k in range(a, b):
                 p = first + _wrapped(k, n)
                 d = (points[p, 0] - row[0]) * row[3] - (points[p, 1] - row[1]) * row[2]
@@ -592,6 +718,32 @@ def _nearest_point(points, first, n, middle, before, after, x, y):
 
 
 @njit(cache=True, nogil=True)
+def _deviation(row, is_arc, x, y):
+    dx = x - row[0]
+    dy = y - row[1]
+    if is_arc:
+        return abs(math.sqrt(dx * dx + dy * dy) - row[2])
+    return abs(dx * row[3] - dy * row[2])
+
+
+@njit(cache=True, nogil=True)
+def _best_split(points, first, n, a, a_arc, b, b_arc, middle, before, after):
+    """Where a border changes from edge a to edge b: the split with the least squares."""
+    total = 0.0
+    best = 0.0
+    where = -before
+    for k in range(-before, after):
+        p = first + (middle + k) % n
+        da = _deviation(a, a_arc, points[p, 0], points[p, 1])
+        db = _deviation(b, b_arc, points[p, 0], points[p, 1])
+        total += da * da - db * db
+        if total < best:
+            best = total
+            where = k + 1
+    return (middle + where) % n
+
+
+@njit(cache=True, nogil=True)
 def _join(points, first, n, breaks, is_arc, edges, shape, blur, joints):
     """Where neighbouring edges meet; breaks move to the border points nearest to that.
 
@@ -607,6 +759,12 @@ def _join(points, first, n, breaks, is_arc, edges, shape, blur, joints):
         a_arc = is_arc[before]
         b_arc = is_arc[e]
         here = breaks[e]
+        if a_arc or b_arc:
+            here = _best_split(
+                points, first, n, a, a_arc, b, b_arc, here,
+                min(SMOOTH_SLIDE, max((here - breaks[before]) % n - 1, 0) // 2),
+                min(SMOOTH_SLIDE, max((breaks[(e + 1) % edges] - here) % n - 1, 0) // 2),
+            )  # fmt: skip
         x = points[first + here, 0]
         y = points[first + here, 1]
         room_before = (here - breaks[before]) % n
@@ -684,13 +842,124 @@ def _is_ccw(points, first, n, lo, hi, cx, cy):
 
 
 @njit(cache=True, nogil=True)
-def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
+def _distance_to_edge(kind, row, x1, y1, x, y, out):
+    """Distance from (x, y) to a finished edge that ends at (x1, y1); out = the foot."""
+    x0 = row[0]
+    y0 = row[1]
+    if kind != LINE:
+        dx = x - row[2]
+        dy = y - row[3]
+        d = math.sqrt(dx * dx + dy * dy)
+        if d > 0.0:
+            begin = math.atan2(y0 - row[3], x0 - row[2])
+            end = math.atan2(y1 - row[3], x1 - row[2])
+            here = math.atan2(dy, dx)
+            # y down: the angle grows along an arc that is clockwise on the screen
+            if kind == ARC_CW:
+                sweep = (end - begin) % TAU
+                turn = (here - begin) % TAU
+            else:
+                sweep = (begin - end) % TAU
+                turn = (begin - here) % TAU
+            if turn <= sweep:
+                out[0] = row[2] + dx * row[4] / d
+                out[1] = row[3] + dy * row[4] / d
+                return abs(d - row[4])
+        near0 = math.sqrt((x - x0) ** 2 + (y - y0) ** 2)
+        near1 = math.sqrt((x - x1) ** 2 + (y - y1) ** 2)
+        out[0] = x0 if near0 < near1 else x1
+        out[1] = y0 if near0 < near1 else y1
+        return min(near0, near1)
+    dx = x1 - x0
+    dy = y1 - y0
+    square = dx * dx + dy * dy
+    t = 0.0
+    if square > 0.0:
+        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
+    out[0] = x0 + t * dx
+    out[1] = y0 + t * dy
+    return math.sqrt((x - out[0]) ** 2 + (y - out[1]) ** 2)
+
+
+@njit(cache=True, nogil=True)
+def _finish_edge(points, first, n, lo, hi, bent, shape_row, x0, y0, x1, y1, row, circle):
+    """Write an edge between its joints into ``row``; returns its kind."""
+    row[0] = x0
+    row[1] = y0
+    row[2] = 0.0
+    row[3] = 0.0
+    row[4] = 0.0
+    row[5] = shape_row[4]
+    if not bent:
+        return LINE
+    ccw = _is_ccw(points, first, n, lo, hi, shape_row[0], shape_row[1])
+    _through_ends(shape_row, x0, y0, x1, y1, ccw, circle)
+    row[2] = circle[0]
+    row[3] = circle[1]
+    row[4] = circle[2]
+    return ARC_CCW if ccw else ARC_CW
+
+
+@njit(cache=True, nogil=True)
+def _loss(points, first, n, lo, hi, e, edges, kinds, rows, crisp, free, guard, foot):
+    """What a finished edge misses of its stretch: ``(worst deviation, area lost)``.
+
+    A point may lie at a neighbouring edge, which the joint may have lengthened; what blur
+    rounds within ``guard`` of a joint does not count. In a picture without grey a deviation
+    below ``LOST_AXIS_PX`` along the axis loses nothing, beyond it a pixel; otherwise what exceeds
+    ``free`` is lost.
+    """
+    next_ = (e + 1) % edges
+    near = max(guard, TIP_PX) ** 2
+    worst = 0.0
+    lost = 0.0
+    for k in range(lo, hi + 1):
+        p = first + _wrapped(k, n)
+        x = points[p, 0]
+        y = points[p, 1]
+        if (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near or (x - rows[next_, 0]) ** 2 + (
+            y - rows[next_, 1]
+        ) ** 2 < near:
+            continue
+        best = HUGE
+        axis = 1.0
+        for neighbour in range(3):
+            if neighbour == 1 and best < 0.5:
+                break
+            i = (e, (e - 1) % edges, (e + 1) % edges)[neighbour]
+            j = (i + 1) % edges
+            d = _distance_to_edge(kinds[i], rows[i], rows[j, 0], rows[j, 1], x, y, foot)
+            if d < best:
+                best = d
+                if d > 1e-9:
+                    axis = max(abs(x - foot[0]), abs(y - foot[1])) / d
+        worst = max(worst, best)
+        if crisp:
+            if best > LOST_AXIS_PX * axis:
+                lost += 1.0
+        elif best > free:
+            lost += best - free
+    return worst, lost
+
+
+@njit(cache=True, nogil=True)
+def _arc_length(kind, row, x1, y1):
+    begin = math.atan2(row[1] - row[3], row[0] - row[2])
+    end = math.atan2(y1 - row[3], x1 - row[2])
+    sweep = (end - begin) % TAU if kind == ARC_CW else (begin - end) % TAU
+    return sweep * row[4]
+
+
+@njit(cache=True, nogil=True)
+def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, blur, guard):
     """Lines, arcs and circles of every border.
 
-    Returns ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and
-    its first edge; per edge LINE, ARC_CW or ARC_CCW and data (k, 6): the edge's first point
-    x, y, then cx, cy, r of an arc, and the rms deviation. A circle is one edge of kind LINE
-    with its centre and radius in the data. TINY borders have no edges.
+    ``areas`` (b,): the pixels that each border encloses, holes negative; ``crisp``: a picture
+    without grey; ``spread``: what noise does to a point. Returns ``(border_kind, edge_starts,
+    kind, data)``: per border POLYGON, CIRCLE or TINY and its first edge; per edge LINE, ARC_CW
+    or ARC_CCW and data (k, 6): the edge's first point x, y, then cx, cy, r of an arc, and the
+    rms deviation. A circle is one edge of kind LINE with its centre and radius in the data.
+    TINY borders have no edges.
     """
     borders = point_starts.shape[0] - 1
     longest = 0
@@ -705,12 +974,19 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
     seeds = np.empty(longest, np.int64)
     breaks = np.empty(longest + 1, np.int64)
     is_arc = np.empty(longest + 1, np.bool_)
+    ragged = np.empty(longest + 1, np.bool_)
+    losses = np.empty(longest + 1, np.float64)
     shape = np.empty((longest + 1, 5), np.float64)
     joints = np.empty((longest + 1, 2), np.float64)
+    kinds = np.empty(longest + 1, np.int8)
+    rows = np.empty((longest + 1, 6), np.float64)
     circle = np.empty(3, np.float64)
-    worst = 0.35 + dead_zone + 4.5 * sigma
+    foot = np.empty(2, np.float64)
+    worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
+    allowed = MOST_PX + 4.5 * spread
+    free = CALM_LOSS_PX + 2.0 * spread
     skip = math.ceil(guard)
-    seed_tolerance = 0.35 + dead_zone + 2.5 * sigma
+    seed_tolerance = 0.8 if crisp else 0.35 + dead_zone + 2.5 * sigma
     count = 0
     for b in range(borders):
         first = point_starts[b]
@@ -722,51 +998,20 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
         circle_cost = HUGE
         if fit_circle(points, first, n, 0, n, 1, 8, circle):
             circle_cost = CIRCLE_PRICE + _circle_cost(
-                points, first, n, 0, n, 1, circle, dead_zone, sigma, worst
+                points, first, n, 0, n, circle, crisp, dead_zone, sigma, worst
             )
         edges = 0
         if circle_cost > 3.0 * LINE_PRICE:
-            seed_breaks(points, first, n, seed_tolerance, is_seed)
-            m = 0
-            for k in range(n):
-                if is_seed[k]:
-                    seeds[m] = k
-                    m += 1
-            _snap_seeds(points, first, n, seeds, m, skip + 4)
-            sharpest = -1.0
-            start = 0
-            for t in range(m):
-                turn = _turn_at(points, first, n, seeds[t], 6)
-                if turn > sharpest:
-                    sharpest = turn
-                    start = t
-            edges, cost = best_partition(
-                points, first, n, seeds, m, start, skip, dead_zone, sigma, worst, breaks, is_arc
-            )
-            if sharpest < 0.6 and edges > 1:
-                # no corner to begin at: begin again at a break that the search found
-                again = breaks[edges // 2]
-                for s in range(m):
-                    if seeds[s] == again:
-                        start = s
-                edges, cost = best_partition(
-                    points,
-                    first,
-                    n,
-                    seeds,
-                    m,
-                    start,
-                    skip,
-                    dead_zone,
-                    sigma,
-                    worst,
-                    breaks,
-                    is_arc,
-                )
+            edges, cost = _partition(
+                points, first, n, skip, crisp, dead_zone, sigma, worst, seed_tolerance,
+                is_seed, seeds, breaks, is_arc,
+            )  # fmt: skip
             if circle_cost <= cost:
                 edges = 0
         if edges == 0:
             border_kind[b] = CIRCLE
+            if crisp:
+                _separate_circle(points, first, n, 0, n, circle)
             total = 0.0
             for k in range(n):
                 d = (
@@ -790,37 +1035,181 @@ def fit_borders(points, point_starts, dead_zone, sigma, blur, guard):
         for e in range(edges):
             joints[e, 0] = points[first + breaks[e], 0]
             joints[e, 1] = points[first + breaks[e], 1]
+            ragged[e] = False
         for _ in range(ROUNDS):
-            _fit_edges(points, first, n, breaks, is_arc, edges, guard, joints, shape)
+            _fit_edges(points, first, n, breaks, is_arc, edges, crisp, guard, joints, shape)
             _join(points, first, n, breaks, is_arc, edges, shape, blur, joints)
+        budget = max(LOSS_SHARE * abs(areas[b]), LEAST_LOSS)
+        _check_edges(
+            points, first, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
+            budget, ragged, losses, kinds, rows, circle, foot,
+        )  # fmt: skip
         for e in range(edges):
-            after = (e + 1) % edges
-            data[count, 0] = joints[e, 0]
-            data[count, 1] = joints[e, 1]
-            data[count, 2] = 0.0
-            data[count, 3] = 0.0
-            data[count, 4] = 0.0
-            data[count, 5] = shape[e, 4]
-            kind[count] = LINE
-            if is_arc[e]:
-                lo = breaks[e]
-                hi = breaks[after]
-                if hi <= lo:
-                    hi += n
-                ccw = _is_ccw(points, first, n, lo, hi, shape[e, 0], shape[e, 1])
-                kind[count] = ARC_CCW if ccw else ARC_CW
-                _through_ends(
-                    shape[e],
-                    joints[e, 0],
-                    joints[e, 1],
-                    joints[after, 0],
-                    joints[after, 1],
-                    ccw,
-                    circle,
-                )
-                data[count, 2] = circle[0]
-                data[count, 3] = circle[1]
-                data[count, 4] = circle[2]
-            count += 1
+            if not ragged[e]:
+                kind[count] = kinds[e]
+                data[count] = rows[e]
+                count += 1
+                continue
+            lo = breaks[e]
+            hi = breaks[(e + 1) % edges]
+            if hi <= lo:
+                hi += n
+            m = _chords(points, first, n, lo, hi, CHORD_PX + 2.0 * spread, is_seed, seeds)
+            for t in range(m):
+                p = first + _wrapped(seeds[t], n)
+                kind[count] = LINE
+                data[count] = 0.0
+                data[count, 0] = points[p, 0]
+                data[count, 1] = points[p, 1]
+                data[count, 5] = 0.5 * CHORD_PX
+                count += 1
     edge_starts[borders] = count
     return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
+
+
+@njit(cache=True, nogil=True)
+def _partition(
+    points, first, n, skip, crisp, dead_zone, sigma, worst, tolerance,
+    is_seed, seeds, breaks, is_arc,
+):  # fmt: skip
+    """Seeds, then the cheapest partition that breaks at some of them: (edges, cost)."""
+    seed_breaks(points, first, n, tolerance, is_seed)
+    m = 0
+    for k in range(n):
+        if is_seed[k]:
+            seeds[m] = k
+            m += 1
+    _snap_seeds(points, first, n, seeds, m, skip + 4)
+    sharpest = -1.0
+    start = 0
+    for t in range(m):
+        turn = _turn_at(points, first, n, seeds[t], 6)
+        if turn > sharpest:
+            sharpest = turn
+            start = t
+    edges = 0
+    cost = HUGE
+    for _ in range(2):
+        edges, cost = best_partition(
+            points, first, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst, breaks, is_arc
+        )
+        if sharpest >= 0.6 or edges < 2:
+            break
+        # no corner to begin at: begin again at a break that the search found
+        sharpest = 1.0
+        again = breaks[edges // 2]
+        for t in range(m):
+            if seeds[t] == again:
+                start = t
+    return edges, cost
+
+
+@njit(cache=True, nogil=True)
+def _check_edges(
+    points, first, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
+    budget, ragged, losses, kinds, rows, circle, foot,
+):  # fmt: skip
+    """Finish the edges, and mark as ragged what would not cover the border well enough.
+
+    A ragged edge ends at border points; that moves its neighbours' ends, so the check is
+    repeated until nothing changes.
+    """
+    for _ in range(CHECKS):
+        for e in range(edges):
+            after = (e + 1) % edges
+            lo = breaks[e]
+            hi = breaks[after]
+            if hi <= lo:
+                hi += n
+            kinds[e] = _finish_edge(
+                points, first, n, lo, hi, is_arc[e], shape[e],
+                joints[e, 0], joints[e, 1], joints[after, 0], joints[after, 1], rows[e], circle,
+            )  # fmt: skip
+        changed = False
+        total = 0.0
+        for e in range(edges):
+            losses[e] = 0.0
+            if ragged[e]:
+                continue
+            after = (e + 1) % edges
+            lo = breaks[e]
+            hi = breaks[after]
+            if hi <= lo:
+                hi += n
+            farthest, losses[e] = _loss(
+                points, first, n, lo, hi, e, edges, kinds, rows, crisp, free, guard, foot
+            )
+            total += losses[e]
+            bad = farthest > allowed
+            if kinds[e] != LINE:
+                longest = 2.0 * (hi - lo) + 4.0
+                bad = (
+                    bad or _arc_length(kinds[e], rows[e], rows[after, 0], rows[after, 1]) > longest
+                )
+            if bad:
+                ragged[e] = True
+                changed = True
+        while not changed and total > budget:
+            worst = 0
+            for e in range(edges):
+                if losses[e] > losses[worst]:
+                    worst = e
+            if losses[worst] <= 0.0:
+                break
+            total -= losses[worst]
+            losses[worst] = 0.0
+            ragged[worst] = True
+            if total <= budget:
+                changed = True
+        if not changed:
+            break
+        for e in range(edges):
+            if ragged[e]:
+                for end in (e, (e + 1) % edges):
+                    joints[end, 0] = points[first + breaks[end], 0]
+                    joints[end, 1] = points[first + breaks[end], 1]
+
+
+@njit(cache=True, nogil=True)
+def _chords(points, first, n, lo, hi, tolerance, is_seed, found):
+    """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
+    count = hi - lo
+    for k in range(count + 1):
+        is_seed[k % n] = False
+    found[0] = lo
+    m = 1
+    stack = np.empty((count + 2, 2), np.int64)
+    stack[0, 0] = lo
+    stack[0, 1] = hi
+    top = 1
+    while top > 0:
+        top -= 1
+        a = stack[top, 0]
+        b = stack[top, 1]
+        p = first + _wrapped(a, n)
+        q = first + _wrapped(b, n)
+        dx = points[q, 0] - points[p, 0]
+        dy = points[q, 1] - points[p, 1]
+        length = math.sqrt(dx * dx + dy * dy)
+        far = -1.0
+        where = a
+        for k in range(a + 1, b):
+            i = first + _wrapped(k, n)
+            x = points[i, 0] - points[p, 0]
+            y = points[i, 1] - points[p, 1]
+            d = math.sqrt(x * x + y * y) if length < 1e-9 else abs(x * dy - y * dx) / length
+            if d > far:
+                far = d
+                where = k
+        if far > tolerance:
+            is_seed[where - lo] = True
+            stack[top, 0] = where
+            stack[top, 1] = b
+            stack[top + 1, 0] = a
+            stack[top + 1, 1] = where
+            top += 2
+    for k in range(1, count):
+        if is_seed[k]:
+            found[m] = lo + k
+            m += 1
+    return m
