@@ -192,7 +192,7 @@ class Follower:
             self.phase = Phase.SETTLE
             self._slew(0.0, 0.0, dt_s)
             return None
-        if abs(self._lateral(pose, target)) > self.settings.max_deviation_m:
+        if self._deviation(pose, target) > self.settings.max_deviation_m:
             return Trouble.OFF_PATH
         curvature, off = self._steer(pose, targets)
         turning = self.phase is Phase.TURN
@@ -285,12 +285,14 @@ class Follower:
             return 0.0
         return ((target.x_m - pose.x_m) * dx + (target.y_m - pose.y_m) * dy) / length
 
-    def _lateral(self, pose: Pose, target: Waypoint) -> float:
+    def _deviation(self, pose: Pose, target: Waypoint) -> float:
+        """How far the robot is beside the line, or behind its beginning."""
         dx, dy = target.x_m - self._from[0], target.y_m - self._from[1]
         length = math.hypot(dx, dy)
         if length < 1e-4:
             return 0.0
-        return ((pose.y_m - self._from[1]) * dx - (pose.x_m - self._from[0]) * dy) / length
+        x, y = pose.x_m - self._from[0], pose.y_m - self._from[1]
+        return max(abs(y * dx - x * dy), -(x * dx + y * dy)) / length
 
     # The stop.
 

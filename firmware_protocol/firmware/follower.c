@@ -321,18 +321,21 @@ static float turn_towards(const cw_follower *follower, float off_rad)
     return off_rad < 0.0f ? -rate : rate;
 }
 
-/* How far along the line the target still is, and how far the robot is beside the line. */
-static float remaining_to(const cw_follower *follower, cw_pose pose, place at, float *out_lateral)
+/* How far along the line the target still is, and how far the robot is beside the line or
+ * behind its beginning. */
+static float remaining_to(const cw_follower *follower, cw_pose pose, place at,
+                          float *out_deviation)
 {
     float dx = at.x - follower->from_x_m;
     float dy = at.y - follower->from_y_m;
     float length = length_of(dx, dy);
-    *out_lateral = 0.0f;
+    float x = pose.x_m - follower->from_x_m;
+    float y = pose.y_m - follower->from_y_m;
+    *out_deviation = 0.0f;
     if (length < 1e-4f) {
         return 0.0f;
     }
-    *out_lateral =
-        ((pose.y_m - follower->from_y_m) * dx - (pose.x_m - follower->from_x_m) * dy) / length;
+    *out_deviation = most(fabsf(y * dx - x * dy), -(x * dx + y * dy)) / length;
     return ((at.x - pose.x_m) * dx + (at.y - pose.y_m) * dy) / length;
 }
 
@@ -344,7 +347,7 @@ static uint8_t pass_waypoints(cw_follower *follower, cw_pose pose, cw_targets ta
         const uint8_t *record = targets.get(targets.queue, passed);
         place at = place_of(targets, passed);
         float distance = length_of(at.x - pose.x_m, at.y - pose.y_m);
-        float lateral, radius;
+        float deviation, radius;
         place from;
         if (stops(record)) {
             if (follower->first && distance <= START_RADIUS_M) {
@@ -361,7 +364,7 @@ static uint8_t pass_waypoints(cw_follower *follower, cw_pose pose, cw_targets ta
         if (is_corner(from, at, targets, passed)) {
             radius = follower->first ? START_RADIUS_M : STOP_TOLERANCE_M;
         }
-        if (distance > radius && remaining_to(follower, pose, at, &lateral) > 0.0f) {
+        if (distance > radius && remaining_to(follower, pose, at, &deviation) > 0.0f) {
             break;
         }
         leave(follower, at, record);
@@ -461,14 +464,14 @@ static float speed_limit(const cw_follower *follower, float remaining, cw_target
 static cw_trouble track(cw_follower *follower, float dt_s, cw_pose pose, cw_targets targets,
                         uint8_t begin)
 {
-    float lateral, off, curvature, speed;
-    float remaining = remaining_to(follower, pose, place_of(targets, begin), &lateral);
+    float deviation, off, curvature, speed;
+    float remaining = remaining_to(follower, pose, place_of(targets, begin), &deviation);
     if (stops(targets.get(targets.queue, begin)) && remaining <= 0.001f) {
         follower->phase = CW_PHASE_SETTLE;
         slew(follower, 0.0f, 0.0f, dt_s);
         return CW_TROUBLE_NONE;
     }
-    if (fabsf(lateral) > follower->settings->max_deviation_m) {
+    if (deviation > follower->settings->max_deviation_m) {
         return CW_TROUBLE_OFF_PATH;
     }
     curvature = steer(follower, pose, targets, begin, &off);

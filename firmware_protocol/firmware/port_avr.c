@@ -85,14 +85,14 @@ ISR(TIMER1_OVF_vect)
     overflows++;
 }
 
-/* Quadrature: the index is the old and the new A, B of one wheel. */
+/* One step from the old and the new A (bit 0) and B (bit 1) of a wheel; forwards A leads. */
 static int8_t quadrature(uint8_t old, uint8_t now)
 {
     uint8_t changed = (uint8_t)(old ^ now);
     if (changed == 0u || changed == 3u) {
         return 0; /* nothing, or a step was missed */
     }
-    return ((old & 1u) ^ (now >> 1)) != 0u ? 1 : -1;
+    return ((old & 1u) ^ (now >> 1)) != 0u ? -1 : 1;
 }
 
 ISR(PCINT1_vect)

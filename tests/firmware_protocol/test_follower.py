@@ -272,3 +272,21 @@ def test_a_fix_older_than_the_memory_is_not_used() -> None:
     run = Run()
     run.idle(1.0)
     assert not run.control.pose_fix(PoseFix(0.0, 0.0, 0.0, 2.0), run.now_s)
+
+
+def test_a_robot_whose_encoders_count_backwards_holds() -> None:
+    """Found on the emulated board: it drove away backwards in its own belief, for ever."""
+    run = Run(blind=True)
+    control = run.control
+    control.clear(1)
+    control.accept(Waypoints(1, 0, Mission(1, line([(0.0, 0.0), (1.5, 0.0)])).records))
+    control.start(1, 0, run.now_s)
+    for _ in range(300):
+        run.now_s += DT_S
+        for _ in range(5):
+            run.drive.step(DT_S / 5, run.wheels)
+        left, right = run.drive.encoders_m
+        control.lease(Lease(0.5, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.0), run.now_s)
+        run.wheels = control.step(run.now_s, -left, -right)
+    assert control.reason is StopReason.OFF_PATH
+    assert run.drive.pose.x_m < 0.7
