@@ -62,7 +62,7 @@ def grid_scene(obstacle: NDArray[np.bool_], remarks: tuple[str, ...] = ()) -> Sc
     height, width = _checked_shape(obstacle)
 
     def place(vertices: IndexArray) -> FloatArray:
-        corners: FloatArray = vertices - 0.5
+        corners: FloatArray = np.subtract(vertices, 0.5, dtype=np.float64)
         return corners
 
     return Scene(
