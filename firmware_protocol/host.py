@@ -570,7 +570,7 @@ class HostConnection:
             return None
         self._hello_s = now_s + self._hello_wait_s
         self._hello_wait_s = min(HELLO_LAST_S, 1.5 * self._hello_wait_s)
-        return self._frame(Hello())
+        return self._frame(Hello(SCHEMA_HASH))
 
     def _next_sync(self, now_s: float) -> Frame | None:
         interval_s = SYNC_FAST_S if self._sync_count < SYNC_FAST_COUNT else SYNC_SLOW_S

@@ -84,7 +84,7 @@ class Pair:
 
     def hello(self, session: int) -> None:
         self.session, self.sequence = session, 0
-        self.send(Hello())
+        self.send(Hello(SCHEMA_HASH))
 
     def pass_time(self, ticks: int) -> None:
         for _ in range(ticks):

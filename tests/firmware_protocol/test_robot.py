@@ -10,6 +10,7 @@ from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
 from firmware_protocol.messages import (
     ESTOP_FRAME,
     RELIABLE,
+    SCHEMA_HASH,
     Ack,
     Clear,
     CommandResult,
@@ -71,7 +72,7 @@ class Board:
 
     def hello(self, session: int) -> None:
         self.session, self.sequence = session, 0
-        self.send(Hello())
+        self.send(Hello(SCHEMA_HASH))
 
     def lease(self, flags: LeaseFlag = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY) -> None:
         self.send(Lease(0.5, flags, 0.0))
@@ -128,7 +129,7 @@ def test_hello_is_answered_with_who_and_where() -> None:
 def test_another_schema_is_answered_but_opens_nothing() -> None:
     board = Board()
     board.session = 3
-    board.send(Hello(schema=1))
+    board.send(Hello(1))
     assert isinstance(board.answer(HelloAck), HelloAck)
     assert board.control.state is RobotState.BOOT
     assert board.robot.session is None
@@ -146,14 +147,14 @@ def test_a_late_hello_does_not_bring_an_old_session_back() -> None:
     board = Board()
     board.hello(3)
     board.hello(4)
-    board.send(Hello(), session=3)
+    board.send(Hello(SCHEMA_HASH), session=3)
     assert board.robot.session == 4
 
 
 def test_a_repeated_hello_changes_nothing() -> None:
     board = Board()
     board.run(far())
-    board.send(Hello())
+    board.send(Hello(SCHEMA_HASH))
     assert board.control.state is RobotState.RUN
 
 

@@ -426,7 +426,7 @@ def wrong_baud_rate(seed: int) -> str:
 
 
 def hello(session: int) -> bytes:
-    return encode_frame(Frame(MessageType.HELLO, session, Hello().pack()), Sender.HOST)
+    return encode_frame(Frame(MessageType.HELLO, session, Hello(SCHEMA_HASH).pack()), Sender.HOST)
 
 
 def line_echoes(seed: int) -> str:

@@ -57,7 +57,7 @@ WAYPOINTS = (
 _RECORDS = tuple(waypoint.pack() for waypoint in WAYPOINTS)
 
 MESSAGES: tuple[tuple[str, Sender, Message], ...] = (
-    ("hello", Sender.HOST, Hello()),
+    ("hello", Sender.HOST, Hello(SCHEMA_HASH)),
     ("one waypoint", Sender.HOST, Waypoints(1, 0, _RECORDS[:1])),
     ("six waypoints", Sender.HOST, Waypoints(0xDEADBEEF, 70_000, _RECORDS)),
     ("start", Sender.HOST, Start(1, 0xDEADBEEF, 123_456)),

@@ -1,0 +1,226 @@
+"""What the robot says. SI units outside; each message packs and checks its own payload."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import astuple, dataclass
+from struct import Struct
+from typing import ClassVar, Self
+
+from firmware_protocol.errors import RemoteError
+from firmware_protocol.vocabulary import (
+    CommandResult,
+    MessageType,
+    ResetCause,
+    RobotState,
+    StatusFlag,
+    StopReason,
+)
+from firmware_protocol.wire_values import (
+    NO_POSE_MS,
+    UM_PER_M,
+    clamped,
+    heading_from_wire,
+    heading_to_wire,
+    known,
+    saturated,
+    unpack_exactly,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class HelloAck:
+    """The robot's answer: who it is and where it stands. Layout frozen for ever."""
+
+    major: int
+    minor: int
+    schema: int
+    firmware: int
+    boot_id: int
+    reset_cause: ResetCause
+    max_payload: int
+    rx_window: int
+    queue_size: int
+    state: RobotState
+    mission: int
+    accept_next: int
+    exec_next: int
+    prefix_crc: int
+    """CRC over the mission id and the accepted waypoints, see ``mission``."""
+    exec_crc: int
+    """The same over the executed waypoints, in the order in which they were executed."""
+
+    TYPE: ClassVar[MessageType] = MessageType.HELLO_ACK
+    LAYOUT: ClassVar[Struct] = Struct("<BBIIIBBHBBIIIII")
+
+    def pack(self) -> bytes:
+        """The payload."""
+        return self.LAYOUT.pack(
+            self.major,
+            self.minor,
+            self.schema,
+            self.firmware,
+            self.boot_id,
+            self.reset_cause,
+            self.max_payload,
+            self.rx_window,
+            self.queue_size,
+            self.state,
+            self.mission,
+            self.accept_next,
+            self.exec_next,
+            self.prefix_crc,
+            self.exec_crc,
+        )
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; RemoteError where it is none."""
+        v = list(unpack_exactly("HELLO_ACK", cls.LAYOUT, payload))
+        cause, state = known(ResetCause, v[5]), known(RobotState, v[9])
+        return cls(v[0], v[1], v[2], v[3], v[4], cause, v[6], v[7], v[8], state, *v[10:])
+
+
+@dataclass(frozen=True, slots=True)
+class TimeSyncReply:
+    """The robot's clock at receiving and at answering; microseconds, modulo 2**32."""
+
+    host_sent_us: int
+    robot_received_us: int
+    robot_sent_us: int
+
+    TYPE: ClassVar[MessageType] = MessageType.TIMESYNC_REPLY
+    LAYOUT: ClassVar[Struct] = Struct("<III")
+
+    def pack(self) -> bytes:
+        """The payload."""
+        return self.LAYOUT.pack(self.host_sent_us, self.robot_received_us, self.robot_sent_us)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; RemoteError where it is none."""
+        sent, received, answered = unpack_exactly("TIMESYNC_REPLY", cls.LAYOUT, payload)
+        return cls(sent, received, answered)
+
+
+@dataclass(frozen=True, slots=True)
+class Ack:
+    """The robot acknowledges at once; sequence and credit stand in the frame's header."""
+
+    accept_next: int
+
+    TYPE: ClassVar[MessageType] = MessageType.ACK
+    LAYOUT: ClassVar[Struct] = Struct("<I")
+
+    def pack(self) -> bytes:
+        """The payload."""
+        return self.LAYOUT.pack(self.accept_next)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; RemoteError where it is none."""
+        (accept_next,) = unpack_exactly("ACK", cls.LAYOUT, payload)
+        return cls(accept_next)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotCounters:
+    """What the robot's receiver has seen since it booted; each modulo 2**16."""
+
+    frames: int = 0
+    crc_errors: int = 0
+    format_errors: int = 0
+    """COBS, length and size errors together."""
+    overruns: int = 0
+    session_errors: int = 0
+    gaps: int = 0
+    duplicates: int = 0
+    rejected: int = 0
+    """Whole frames whose content was refused."""
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Where the robot stands, 20 times a second; cumulative, so that none may be missed."""
+
+    time_us: int
+    boot_id: int
+    mission: int
+    accept_next: int
+    exec_next: int
+    prefix_crc: int
+    exec_crc: int
+    state: RobotState
+    flags: StatusFlag
+    reason: StopReason
+    result: CommandResult
+    """What became of command number ``command``."""
+    command: int
+    x_m: float
+    y_m: float
+    heading_rad: float
+    speed_m_s: float
+    turn_rad_s: float
+    pose_age_s: float
+    lease_left_s: float
+    counters: RobotCounters = RobotCounters()
+
+    TYPE: ClassVar[MessageType] = MessageType.STATUS
+    LAYOUT: ClassVar[Struct] = Struct("<IIIIIIIBBBBHiihhhHH8H")
+
+    def pack(self) -> bytes:
+        """The payload; positions, speeds and ages beyond the wire's range are clamped."""
+        return self.LAYOUT.pack(
+            self.time_us,
+            self.boot_id,
+            self.mission,
+            self.accept_next,
+            self.exec_next,
+            self.prefix_crc,
+            self.exec_crc,
+            self.state,
+            self.flags,
+            self.reason,
+            self.result,
+            self.command,
+            saturated(self.x_m * UM_PER_M, 0x7FFFFFFF),
+            saturated(self.y_m * UM_PER_M, 0x7FFFFFFF),
+            heading_to_wire(self.heading_rad),
+            saturated(self.speed_m_s * 1e3, 0x7FFF),
+            saturated(self.turn_rad_s * 1e3, 0x7FFF),
+            clamped(self.pose_age_s, 1e3, NO_POSE_MS),
+            clamped(self.lease_left_s, 1e3, 0xFFFF),
+            *(count & 0xFFFF for count in astuple(self.counters)),
+        )
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; RemoteError where it is none."""
+        v = list(unpack_exactly("STATUS", cls.LAYOUT, payload))
+        heading = heading_from_wire(v[14])
+        if heading is None:
+            raise RemoteError("STATUS without a heading")
+        if v[8] & ~0x3F:
+            raise RemoteError(f"STATUS flags {v[8]:#x}: unknown")
+        return cls(
+            time_us=v[0],
+            boot_id=v[1],
+            mission=v[2],
+            accept_next=v[3],
+            exec_next=v[4],
+            prefix_crc=v[5],
+            exec_crc=v[6],
+            state=known(RobotState, v[7]),
+            flags=StatusFlag(v[8]),
+            reason=known(StopReason, v[9]),
+            result=known(CommandResult, v[10]),
+            command=v[11],
+            x_m=v[12] / UM_PER_M,
+            y_m=v[13] / UM_PER_M,
+            heading_rad=heading,
+            speed_m_s=v[15] / 1e3,
+            turn_rad_s=v[16] / 1e3,
+            pose_age_s=math.inf if v[17] == NO_POSE_MS else v[17] / 1e3,
+            lease_left_s=v[18] / 1e3,
+            counters=RobotCounters(*v[19:]),
+        )
