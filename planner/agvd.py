@@ -83,20 +83,19 @@ def diagram(generators: Generators) -> DiagramArrays:
 def omit_invalid(ordinary: DiagramArrays, generators: Generators, mode: Mode) -> Agvd:
     """Mark the edges that belong to the generalized diagram's free part. O(m)."""
     borders = generators.borders
-    edges, vertices = ordinary.edges, ordinary.vertices
     valid = kernels.valid_edges(
-        edges,
-        vertices,
+        ordinary.edges,
+        ordinary.vertices,
+        generators.sites,
         generators.label,
-        *borders.tree,
+        borders.kind,
+        borders.data,
         borders.owner,
-        borders.backwards,
-        borders.following,
-        borders.preceding,
         borders.solid,
         borders.before,
         borders.after,
         borders.box,
+        generators.spacing,
         SAME_PLACE * borders.extent,
         mode == "paper",
     )

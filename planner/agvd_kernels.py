@@ -7,7 +7,7 @@ Rules and units
   either side.
 - A label is the index of a generator's piece. A Voronoi edge is valid where the feet on the
   two labels differ: not within one piece, and not between a corner point and its own sides.
-- A vertex is alive where it lies in free space and inside the bounds; an edge needs two.
+- A vertex is free where it lies inside the bounds and in no object; an edge needs two.
 - A chain is a maximal run of valid edges through vertices with two of them.
 """
 
@@ -28,7 +28,7 @@ from planner.distance_kernels import (
     SEGMENT,
     TAU,
     distance,
-    foot,
+    in_object,
     nearest,
     segment_clearance,
 )
@@ -225,38 +225,68 @@ def place_generators(kind, data, backwards, at, before, after, spacing, room):
 
 
 @njit(cache=True, nogil=True)
-def in_solid(kind, data, backwards, following, preceding, solid, before, after, i, x, y):
-    """Whether (x, y), whose nearest piece is i, lies on the solid side of it.
+def _root(parent, i):
+    """The set of i, halving the way there."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
 
-    Beyond an end of the primitive the sum of the two sides' normals decides, which is right
-    for both kinds of corner (the pseudo-normal of Baerentzen and Aanaes).
+
+@njit(cache=True, nogil=True)
+def free_vertices(edges, vertices, sites, kind, data, owner, solid, box, spacing):
+    """Which vertices lie in free space: inside the bounds, and in no object by even-odd.
+
+    A Voronoi edge that stays further than half the spacing from its generators crosses no
+    border, so that all vertices joined by such edges lie on one side and one is asked for
+    all: the one with the most room.
     """
-    k = len(solid)
-    j = -1
-    if i >= k:
-        i, j = before[i - k], after[i - k]
-        if i < 0 or j < 0:
-            return False
-        fx, fy = _end(kind, data, backwards, i, True)
-    else:
-        if solid[i] == 0:
-            return False
-        fx, fy = foot(kind, data, i, x, y)
-        if kind[i] != CIRCLE:
-            sx, sy = _end(kind, data, backwards, i, False)
-            ex, ey = _end(kind, data, backwards, i, True)
-            if fx == ex and fy == ey:
-                j = following[i]
-            elif fx == sx and fy == sy:
-                j = preceding[i]
-    if kind[i] == CIRCLE:
-        inside = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2
-        return inside == (solid[i] > 0)
-    tx, ty = _tangent(kind, data, backwards, i, fx, fy)
-    if j >= 0:
-        ux, uy = _tangent(kind, data, backwards, j, fx, fy)
-        tx, ty = tx + ux, ty + uy
-    return (tx * (y - fy) - ty * (x - fx)) * solid[i] > 0.0
+    v = len(vertices)
+    parent = np.arange(v)
+    room = np.zeros(v)
+    limit = (0.5 * spacing) ** 2 * (1.0 + 1e-9)
+    for e in range(len(edges)):
+        u, w = edges[e, 2], edges[e, 3]
+        ax, ay = sites[edges[e, 0], 0], sites[edges[e, 0], 1]
+        bx, by = sites[edges[e, 1], 0], sites[edges[e, 1], 1]
+        du, dw = 0.0, 0.0
+        if u >= 0:
+            du = (vertices[u, 0] - ax) ** 2 + (vertices[u, 1] - ay) ** 2
+            room[u] = du
+        if w >= 0:
+            dw = (vertices[w, 0] - ax) ** 2 + (vertices[w, 1] - ay) ** 2
+            room[w] = dw
+        if u < 0 or w < 0:
+            continue
+        least = min(du, dw)
+        mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+        tx, ty = vertices[w, 0] - vertices[u, 0], vertices[w, 1] - vertices[u, 1]
+        before = (mx - vertices[u, 0]) * tx + (my - vertices[u, 1]) * ty
+        after = (vertices[w, 0] - mx) * tx + (vertices[w, 1] - my) * ty
+        if before > 0.0 and after > 0.0:
+            least = 0.25 * ((bx - ax) ** 2 + (by - ay) ** 2)
+        if least > limit:
+            parent[_root(parent, u)] = _root(parent, w)
+    widest = np.full(v, -1)
+    for w in range(v):
+        x, y = vertices[w, 0], vertices[w, 1]
+        if box[0] < x < box[2] and box[1] < y < box[3]:
+            r = _root(parent, w)
+            if widest[r] < 0 or room[w] > room[widest[r]]:
+                widest[r] = w
+    free = np.zeros(v, np.bool_)
+    for r in range(v):
+        w = widest[r]
+        if w >= 0:
+            free[r] = not in_object(
+                kind, data, owner, solid, vertices[w, 0], vertices[w, 1], math.sqrt(room[w])
+            )
+    out = np.zeros(v, np.bool_)
+    for w in range(v):
+        x, y = vertices[w, 0], vertices[w, 1]
+        if box[0] < x < box[2] and box[1] < y < box[3]:
+            out[w] = free[_root(parent, w)]
+    return out
 
 
 @njit(cache=True, nogil=True)
@@ -279,57 +309,18 @@ def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, toler
 
 @njit(cache=True, nogil=True)
 def valid_edges(
-    edges, vertices, label, kind, data, order, large, boxes, owner, backwards, following,
-    preceding, solid, before, after, box, tolerance, paper
+    edges, vertices, sites, label, kind, data, owner, solid, before, after, box, spacing,
+    tolerance, paper
 ):  # fmt: skip
-    """The valid edges whose two ends are alive: ``keep`` (m,) bool.
-
-    A vertex lies on the free side of its nearest piece. Its labels name that piece but for
-    thin spikes, whose far side sampling may have put first: so a vertex that seems to lie in
-    the solid is asked again with the truly nearest.
-    """
-    m, v, k = len(edges), len(vertices), len(solid)
+    """The valid edges between two free vertices: ``keep`` (m,) bool."""
+    m, k = len(edges), len(solid)
     keep = np.zeros(m, np.bool_)
-    rho = np.full(v, np.inf)
-    around = np.full(v, -1, np.int32)
+    free = free_vertices(edges, vertices, sites, kind, data, owner, solid, box, spacing)
     for e in range(m):
-        a, b = label[edges[e, 0]], label[edges[e, 1]]
-        if edges[e, 2] < 0 or edges[e, 3] < 0:
-            continue
-        keep[e] = is_valid(kind, data, a, b, k, before, after, owner, paper, tolerance)
-        if not keep[e]:
-            continue
-        for end in range(2, 4):
-            w = edges[e, end]
-            for lab in (a, b):
-                d = distance(kind, data, lab, vertices[w, 0], vertices[w, 1])
-                if d < rho[w]:
-                    rho[w], around[w] = d, lab
-    state = np.zeros(v, np.int8)
-    for e in range(m):
-        if not keep[e]:
-            continue
-        for end in range(2, 4):
-            w = edges[e, end]
-            if state[w] == 0:
-                x, y = vertices[w, 0], vertices[w, 1]
-                free = box[0] < x < box[2] and box[1] < y < box[3]
-                if free:
-                    free = not in_solid(
-                        kind, data, backwards, following, preceding, solid, before, after,
-                        around[w], x, y
-                    )  # fmt: skip
-                    if not free:
-                        _, i = nearest(
-                            kind, data, order, large, boxes, x, y, rho[w] * (1.0 - 1e-12)
-                        )
-                        free = i >= 0 and not in_solid(
-                            kind, data, backwards, following, preceding, solid, before, after,
-                            i, x, y
-                        )  # fmt: skip
-                state[w] = 1 if free else 2
-            if state[w] == 2:
-                keep[e] = False
+        u, w = edges[e, 2], edges[e, 3]
+        if u >= 0 and w >= 0 and free[u] and free[w]:
+            a, b = label[edges[e, 0]], label[edges[e, 1]]
+            keep[e] = is_valid(kind, data, a, b, k, before, after, owner, paper, tolerance)
     return keep
 
 

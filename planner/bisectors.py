@@ -24,11 +24,12 @@ EQUAL = 1e-12
 
 def solve_exactly(agvd: Agvd) -> tuple[Agvd, Places]:
     """The diagram refined until its vertices are exact, and where they are."""
+    places, refined = _solve_once(agvd)
     for _ in range(ROUNDS):
-        places, refined = _solve_once(agvd)
         if refined is None:
             break
         agvd = omit_invalid(diagram(refined), refined, "exact")
+        places, refined = _solve_once(agvd)
     return agvd, places
 
 

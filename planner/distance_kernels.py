@@ -26,6 +26,8 @@ LARGE = 0.25
 """A primitive longer than this share of the scene's extent is kept out of the tree."""
 TAU = 2.0 * math.pi
 STACK = 64
+RAYS = (0.0, 0.31830988618, -0.43429448190)
+"""Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
 
 @njit(cache=True, nogil=True)
@@ -386,3 +388,24 @@ def _arc_crossings(data, i, x, y):
         lo, y_lo = hi, y_hi
         cut += math.pi
     return count
+
+
+@njit(cache=True, nogil=True)
+def in_object(kind, data, owner, solid, x, y, reach):
+    """Whether (x, y), ``reach`` away from every border, lies in an object, by even-odd.
+
+    Asked at three heights within reach, so that a ray that grazes a joint is outvoted.
+    """
+    most = -1
+    for i in range(len(solid)):
+        most = max(most, owner[i])
+    inside = np.zeros(most + 1, np.bool_)
+    votes = 0
+    for j in range(3):
+        inside[:] = False
+        crossings(kind, data, owner, solid, x, y + RAYS[j] * reach, inside)
+        if inside.any():
+            votes += 1
+        if votes == 2 or (j == 1 and votes == 0):
+            break
+    return votes >= 2

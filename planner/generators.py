@@ -89,7 +89,7 @@ class Borders:
         """
         count = int(self.owner.max(initial=-1)) + 1
         votes = np.zeros(count, dtype=np.int64)
-        for part in (0.0, 0.31830988618, -0.43429448190):
+        for part in distance_kernels.RAYS:
             inside = np.zeros(count, dtype=np.bool_)
             distance_kernels.crossings(
                 self.kind, self.data, self.owner, self.solid, x, y + part * reach, inside
