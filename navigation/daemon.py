@@ -22,35 +22,25 @@ from typing import Any, Final
 
 import numpy as np
 
-from navigation.config import Config, limits_of
-from navigation.eye import Body, Eye, EyeSettings, Glimpse
+from navigation.config import Config
+from navigation.cycle import Orders, PlanAnswer, RobotReport, Sight
+from navigation.eye import Eye, Glimpse
 from navigation.mission import Mission, State, Station
-from navigation.pilot import (
-    Orders,
-    Pilot,
-    PilotSettings,
-    PlanAnswer,
-    RobotReport,
-    Sight,
-)
-from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
+from navigation.pilot import Pilot
+from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.serial_link import LinkSnapshot, SerialLink
+from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
 from navigation.targets import to_wire
-from navigation.watch import SafetyLimits
 from navigation.world import World
 from planner.path import Path, Trajectory
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera import Frame
 from vision.latest_frame import LatestFrame
-from vision.markers import MarkedRobot, MarkerTracker, RobotPose
+from vision.markers import MarkerTracker, RobotPose
 
 LONGEST_CYCLE_S: Final = 0.05
 LEASE_EVERY_S: Final = 0.08
-SETTLE_S: Final = 0.4
-RETRY_S: Final = 1.0
-ROBOT_GRACE_S: Final = 1.5
-CORRECTIONS: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -322,71 +312,3 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
         executed=snapshot.executed,
         standing_reason=snapshot.standing_reason,
     )
-
-
-def stations_of(config: Config) -> tuple[Station, ...]:
-    """The configured mission's stations."""
-    return tuple(Station(s.x_m, s.y_m, s.heading_rad, s.dwell_s) for s in config.mission.stations)
-
-
-def pilot_settings(config: Config) -> PilotSettings:
-    """The pilot's numbers."""
-    safety = config.safety
-    return PilotSettings(
-        limits=SafetyLimits(
-            pose_stale_s=safety.pose_stale_s,
-            frame_stale_s=safety.frame_stale_s,
-            link_stale_s=safety.link_stale_s,
-            max_deviation_m=safety.max_deviation_m,
-            robot_radius_m=config.robot.radius_m,
-            clearance_slack_m=safety.clearance_slack_m,
-        ),
-        bounds_m=Bounds(*config.arena.bounds_m),
-        goal_tolerance_m=config.mission.tolerance_m,
-        goal_tolerance_rad=math.radians(config.mission.tolerance_deg),
-        settle_s=SETTLE_S,
-        retry_s=RETRY_S,
-        robot_grace_s=ROBOT_GRACE_S,
-        replan_distance_m=config.planning.replan_distance_m,
-        give_up_s=safety.give_up_s,
-        corrections=CORRECTIONS,
-    )
-
-
-def plan_settings(config: Config) -> PlanSettings:
-    """What every plan must keep."""
-    return PlanSettings(
-        radius_m=config.robot.radius_m,
-        margin_m=config.planning.margin_m,
-        spacing_m=config.planning.spacing_m,
-        prefer=config.planning.prefer,
-        limits=limits_of(config),
-    )
-
-
-def eye_settings(config: Config) -> EyeSettings:
-    """What the eye looks for."""
-    seen = (config.robot, *config.other_robots)
-    return EyeSettings(
-        bounds_m=Bounds(*config.arena.bounds_m),
-        polarity=config.vision.polarity,
-        method=config.vision.method,
-        threshold=config.vision.threshold,
-        driven_id=config.robot.marker_id,
-        bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
-    )
-
-
-def marked_robots(config: Config) -> list[MarkedRobot]:
-    """The robots whose markers are looked for."""
-    driven = MarkedRobot(
-        config.robot.marker_id,
-        config.robot.marker_size_m,
-        config.robot.marker_height_m,
-        marker_yaw_rad=math.radians(config.robot.marker_turn_deg),
-    )
-    others = [
-        MarkedRobot(one.marker_id, one.marker_size_m, one.marker_height_m)
-        for one in config.other_robots
-    ]
-    return [driven, *others]

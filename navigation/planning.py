@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import planner
-from navigation.pilot import PlanAnswer, PlanRequest
+from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.targets import targets_of
 from planner.path import Limits, NoPath, Path
 from planner.roadmap import Roadmap

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from navigation.daemon import Daemon, stations_of
+from navigation.daemon import Daemon
 from navigation.draw import save_picture
 from navigation.mission import State
 from navigation.report import (
@@ -24,6 +24,7 @@ from navigation.report import (
     rms_and_max,
     tracking_error,
 )
+from navigation.stages import stations_of
 from planner.scene import FloatArray
 
 

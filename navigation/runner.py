@@ -16,10 +16,11 @@ from pathlib import Path
 
 from navigation.config import Config
 from navigation.control import ControlServer, default_socket
-from navigation.daemon import Daemon, DaemonState, stations_of
+from navigation.daemon import Daemon, DaemonState
 from navigation.mission import State
 from navigation.report import Report
 from navigation.run_summary import make_run_folder, summarise, write_run
+from navigation.stages import stations_of
 from navigation.warm_up import warm_up
 from navigation.world import World
 

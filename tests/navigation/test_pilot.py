@@ -7,17 +7,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from navigation.mission import MissionError, State, Station
-from navigation.pilot import (
+from navigation.cycle import (
     Orders,
-    Pilot,
     PilotSettings,
     PlanAnswer,
     PlanRequest,
     RobotReport,
     Sight,
-    distance_to_polyline,
 )
+from navigation.mission import MissionError, State, Station
+from navigation.pilot import Pilot, distance_to_polyline
 from navigation.targets import Target
 from navigation.watch import SafetyLimits
 from planner.path import NoPath, Path

@@ -6,8 +6,8 @@ import threading
 import numpy as np
 import pytest
 
+from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.mission import Station
-from navigation.pilot import PlanAnswer, PlanRequest
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from planner.path import NoPath, Path
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject

@@ -1,0 +1,106 @@
+"""What goes into and comes out of one control cycle: facts in, orders out.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from navigation.mission import Station
+from navigation.targets import Target
+from navigation.watch import SafetyLimits
+from planner.path import NoPath, Path, Trajectory
+from planner.scene import Bounds
+
+
+@dataclass(frozen=True, slots=True)
+class PilotSettings:
+    """The pilot's numbers, from the configuration."""
+
+    limits: SafetyLimits
+    bounds_m: Bounds
+    goal_tolerance_m: float
+    goal_tolerance_rad: float
+    settle_s: float
+    """How long the cause of a hold must be gone before a new plan is made, and how long the
+    robot must stand before the camera judges its arrival."""
+    retry_s: float
+    """How long to wait before asking for a plan again where there was none."""
+    robot_grace_s: float
+    """How long the robot may take to begin, or stand without having finished."""
+    replan_distance_m: float
+    """A changed obstacle that comes nearer to the path than this asks for a new plan."""
+    give_up_s: float
+    """How long the robot may have to hold before the mission fails."""
+    corrections: int
+    """How often the last stretch is planned again where the camera sees the robot off its goal."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What the camera says: the robot's pose and how old picture and pose are."""
+
+    frame_age_s: float = math.inf
+    pose_age_s: float = math.inf
+    pose: tuple[float, float, float] | None = None
+    scene_revision: int = 0
+    """Counts the scenes seen; 0 before the first."""
+    clearance_m: float | None = None
+    """From the robot's centre to the nearest border in the newest scene."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotReport:
+    """What the link says of the robot."""
+
+    age_s: float = math.inf
+    down_reason: str | None = "not connected yet"
+    estopped: bool = False
+    disarmed: bool = False
+    mission_id: int | None = None
+    """The mission that the robot holds."""
+    executed: int = 0
+    """How many waypoints of that mission the robot has reached."""
+    standing_reason: str | None = None
+    """Why the robot does not run its mission; None while it does."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanRequest:
+    """Ask for a way from here through these stations."""
+
+    id: int
+    start: tuple[float, float, float]
+    stations: tuple[Station, ...]
+    scene_revision: int
+    any_order: bool = False
+    """Whether the stations but the last may change places."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlanAnswer:
+    """The planner's answer to a request, or its check of the running plan in a new scene."""
+
+    id: int
+    scene_revision: int
+    path: Path | NoPath
+    trajectory: Trajectory | None = None
+    targets: tuple[Target, ...] = ()
+    """What the robot is given; empty where there is no path."""
+
+
+@dataclass(frozen=True, slots=True)
+class Orders:
+    """What to do after a cycle; None and False mean nothing."""
+
+    permit: bool
+    """Whether the lease lets the robot move."""
+    request: PlanRequest | None = None
+    upload: tuple[int, tuple[Target, ...]] | None = None
+    """A new mission for the robot: its id and the targets."""
+    halt: bool = False
+    """Stop under control and drop the queue."""
+    estop: bool = False
+    rearm: bool = False

@@ -1,0 +1,91 @@
+"""From a configuration to the settings of each stage: eye, planner, pilot.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from navigation.config import Config, limits_of
+from navigation.cycle import PilotSettings
+from navigation.eye import Body, EyeSettings
+from navigation.mission import Station
+from navigation.planning import PlanSettings
+from navigation.watch import SafetyLimits
+from planner.scene import Bounds
+from vision.markers import MarkedRobot
+
+SETTLE_S: Final = 0.4
+RETRY_S: Final = 1.0
+ROBOT_GRACE_S: Final = 1.5
+CORRECTIONS: Final = 3
+
+
+def stations_of(config: Config) -> tuple[Station, ...]:
+    """The configured mission's stations."""
+    return tuple(Station(s.x_m, s.y_m, s.heading_rad, s.dwell_s) for s in config.mission.stations)
+
+
+def pilot_settings(config: Config) -> PilotSettings:
+    """The pilot's numbers."""
+    safety = config.safety
+    return PilotSettings(
+        limits=SafetyLimits(
+            pose_stale_s=safety.pose_stale_s,
+            frame_stale_s=safety.frame_stale_s,
+            link_stale_s=safety.link_stale_s,
+            max_deviation_m=safety.max_deviation_m,
+            robot_radius_m=config.robot.radius_m,
+            clearance_slack_m=safety.clearance_slack_m,
+        ),
+        bounds_m=Bounds(*config.arena.bounds_m),
+        goal_tolerance_m=config.mission.tolerance_m,
+        goal_tolerance_rad=math.radians(config.mission.tolerance_deg),
+        settle_s=SETTLE_S,
+        retry_s=RETRY_S,
+        robot_grace_s=ROBOT_GRACE_S,
+        replan_distance_m=config.planning.replan_distance_m,
+        give_up_s=safety.give_up_s,
+        corrections=CORRECTIONS,
+    )
+
+
+def plan_settings(config: Config) -> PlanSettings:
+    """What every plan must keep."""
+    return PlanSettings(
+        radius_m=config.robot.radius_m,
+        margin_m=config.planning.margin_m,
+        spacing_m=config.planning.spacing_m,
+        prefer=config.planning.prefer,
+        limits=limits_of(config),
+    )
+
+
+def eye_settings(config: Config) -> EyeSettings:
+    """What the eye looks for."""
+    seen = (config.robot, *config.other_robots)
+    return EyeSettings(
+        bounds_m=Bounds(*config.arena.bounds_m),
+        polarity=config.vision.polarity,
+        method=config.vision.method,
+        threshold=config.vision.threshold,
+        driven_id=config.robot.marker_id,
+        bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
+    )
+
+
+def marked_robots(config: Config) -> list[MarkedRobot]:
+    """The robots whose markers are looked for."""
+    driven = MarkedRobot(
+        config.robot.marker_id,
+        config.robot.marker_size_m,
+        config.robot.marker_height_m,
+        marker_yaw_rad=math.radians(config.robot.marker_turn_deg),
+    )
+    others = [
+        MarkedRobot(one.marker_id, one.marker_size_m, one.marker_height_m)
+        for one in config.other_robots
+    ]
+    return [driven, *others]
