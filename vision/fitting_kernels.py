@@ -30,7 +30,7 @@ LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 16.0, 22.0, 20.0
 """What an edge costs, in units of sigma squared: more than noise gains by one more break."""
 FEWEST = 10
 """Points of the smallest border that is fitted."""
-SAMPLES = 48
+SAMPLES = 24
 """At most about so many points shape a stretch in the search; all of them judge it."""
 SPAN = 160
 """At most so many seeds in one stretch."""
@@ -48,7 +48,7 @@ CHECKS = 6
 """Times that the finished edges are compared with the border."""
 HALF = 0.5
 """Along a pixel's axis, how far an edge may leave the middle between two pixels' centres."""
-LOST_AXIS_PX = 0.7
+LOST_AXIS_PX = 0.55
 """The same where a pixel counts as lost: a straight edge may pass a staircase so closely."""
 MOST_PX = 1.0
 """How far an edge may leave a border without noise: less than the pixel that is promised."""
@@ -61,10 +61,15 @@ LOSS_SHARE, LEAST_LOSS = 0.004, 1.0
 SEPARATION_STEPS = 12
 SEPARATION_MARGIN = 0.03
 """How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
+RAGGED_SHARE = 0.15
+"""Area lost per point from which a stretch counts as ragged, where its border loses too much."""
 CHORD_PX = 0.45
 """How far a chord of a ragged stretch may leave its border points."""
 TAU = 2.0 * math.pi
 HUGE = 1e18
+"""The cost of what may not be."""
+BEATEN = 1e12
+"""The cost of what is dearer than the best known."""
 
 
 @njit(cache=True, nogil=True)
@@ -233,7 +238,7 @@ def fit_circle(points, first, n, lo, hi, step, rounds, out):
 
 
 @njit(cache=True, nogil=True)
-def _line_cost(points, first, n, lo, hi, line, crisp, dead_zone, sigma, worst):
+def _line_cost(points, first, n, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
     cost = 0.0
     scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
     for k in range(lo, hi):
@@ -244,11 +249,13 @@ def _line_cost(points, first, n, lo, hi, line, crisp, dead_zone, sigma, worst):
         if d > dead_zone:
             d = (d - dead_zone) / sigma
             cost += d * d
+            if cost > bound:
+                return BEATEN
     return cost
 
 
 @njit(cache=True, nogil=True)
-def _circle_cost(points, first, n, lo, hi, circle, crisp, dead_zone, sigma, worst):
+def _circle_cost(points, first, n, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
     cost = 0.0
     for k in range(lo, hi):
         p = first + _wrapped(k, n)
@@ -263,6 +270,8 @@ def _circle_cost(points, first, n, lo, hi, circle, crisp, dead_zone, sigma, wors
         if d > dead_zone:
             d = (d - dead_zone) / sigma
             cost += d * d
+            if cost > bound:
+                return BEATEN
     return cost
 
 
@@ -278,7 +287,7 @@ def _trim(lo, hi, guard):
 
 
 @njit(cache=True, nogil=True)
-def _stretch(points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, line, circle):
+def _stretch(points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, bound, line, circle):
     """The cheaper of a line and an arc through points lo .. hi: (cost, is_arc)."""
     g = _trim(lo, hi, guard)
     a = lo + g
@@ -289,14 +298,14 @@ def _stretch(points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, li
         step = count // SAMPLES
     fit_line(points, first, n, a, b, step, line)
     line_cost = LINE_PRICE + _line_cost(
-        points, first, n, a, b, line, crisp, dead_zone, sigma, worst
+        points, first, n, a, b, line, crisp, dead_zone, sigma, worst, bound - LINE_PRICE
     )
     if count < 6 or line_cost < ARC_PRICE:
         return line_cost, False
     arc_cost = HUGE
-    if fit_circle(points, first, n, a, b, step, 1, circle):
+    if fit_circle(points, first, n, a, b, step, 0, circle):
         arc_cost = ARC_PRICE + _circle_cost(
-            points, first, n, a, b, circle, crisp, dead_zone, sigma, worst
+            points, first, n, a, b, circle, crisp, dead_zone, sigma, worst, bound - ARC_PRICE
         )
     if arc_cost < line_cost:
         return arc_cost, True
@@ -464,7 +473,19 @@ def best_partition(
                 lo -= n
                 hi -= n
             cost, bent = _stretch(
-                points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, line, circle
+                points,
+                first,
+                n,
+                lo,
+                hi,
+                guard,
+                crisp,
+                dead_zone,
+                sigma,
+                worst,
+                best[j] - best[i],
+                line,
+                circle,
             )
             if cost >= HUGE:
                 if j == i + 1:
@@ -986,7 +1007,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
     skip = math.ceil(guard)
-    seed_tolerance = 0.8 if crisp else 0.35 + dead_zone + 2.5 * sigma
+    seed_tolerance = 0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma
     count = 0
     for b in range(borders):
         first = point_starts[b]
@@ -996,9 +1017,18 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
             border_kind[b] = TINY
             continue
         circle_cost = HUGE
-        if fit_circle(points, first, n, 0, n, 1, 8, circle):
+        # a sample tells most other shapes from a circle
+        rough = max(1, n // 64)
+        if (
+            fit_circle(points, first, n, 0, n, rough, 1, circle)
+            and _circle_cost(
+                points, first, n, 0, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE
+            )
+            < HUGE
+            and fit_circle(points, first, n, 0, n, 1, 8, circle)
+        ):
             circle_cost = CIRCLE_PRICE + _circle_cost(
-                points, first, n, 0, n, circle, crisp, dead_zone, sigma, worst
+                points, first, n, 0, n, circle, crisp, dead_zone, sigma, worst, HUGE
             )
         edges = 0
         if circle_cost > 3.0 * LINE_PRICE:
@@ -1149,25 +1179,37 @@ def _check_edges(
             if bad:
                 ragged[e] = True
                 changed = True
-        while not changed and total > budget:
+        while total > budget:
             worst = 0
+            densest = 0.0
             for e in range(edges):
-                if losses[e] > losses[worst]:
+                length = (breaks[(e + 1) % edges] - breaks[e]) % n
+                density = losses[e] / max(length, 4)
+                if density > densest:
+                    densest = density
                     worst = e
-            if losses[worst] <= 0.0:
+            if densest < RAGGED_SHARE:
                 break
+            changed = True
             total -= losses[worst]
             losses[worst] = 0.0
             ragged[worst] = True
-            if total <= budget:
-                changed = True
         if not changed:
             break
         for e in range(edges):
             if ragged[e]:
                 for end in (e, (e + 1) % edges):
-                    joints[end, 0] = points[first + breaks[end], 0]
-                    joints[end, 1] = points[first + breaks[end], 1]
+                    x = points[first + breaks[end], 0]
+                    y = points[first + breaks[end], 1]
+                    joints[end, 0] = x
+                    joints[end, 1] = y
+                    other = (e - 1) % edges if end == e else end
+                    if not ragged[other]:
+                        # the neighbour stays where its fit is
+                        px, py = _onto(shape[other], is_arc[other], x, y)
+                        if (px - x) ** 2 + (py - y) ** 2 < 1.0:
+                            joints[end, 0] = px
+                            joints[end, 1] = py
 
 
 @njit(cache=True, nogil=True)
