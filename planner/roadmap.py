@@ -30,12 +30,16 @@ from planner.generators import (
     gather_borders,
     place_generators,
 )
-from planner.path import NoPath, Path
-from planner.route import Request, plan_request
+from planner.path import Bottleneck, NoPath, Path
+from planner.route import Request, plan_request, widest_way
 from planner.scene import FloatArray, Scene, Vec
 
 if TYPE_CHECKING:
     import networkx as nx
+
+
+FINER = 4.0
+"""How much denser the generators are when a plan has failed, before it is said to be so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +135,34 @@ class Roadmap:
         margin. Raises ``ValueError`` on options that make no sense.
         """
         request = Request.of(start, goal, prefer, via, order, alternatives, margin)
-        return plan_request(self.borders, self.chains, self.radius, request)
+        answer = plan_request(self.borders, self.chains, self.radius, request)
+        if isinstance(answer, Path) or not answer.reason.startswith("no way"):
+            return answer
+        finer = self._finer()
+        again = plan_request(finer.borders, finer.chains, self.radius, request)
+        return again if isinstance(again, Path) else finer._explain(again, request)
+
+    def _finer(self) -> Roadmap:
+        """The same roadmap from denser generators, made when an answer hangs on narrow places.
+
+        With generators every delta, ways narrower than delta are not told from walls.
+        """
+        if "finer" not in self._made:
+            spacing = self.spacing / FINER
+            self._made["finer"] = build_roadmap(
+                self.scene, self.radius, spacing=spacing, mode=self.mode
+            )
+        return self._made["finer"]  # type: ignore[no-any-return]
+
+    def _explain(self, answer: NoPath, request: Request) -> NoPath:
+        """Where the widest way is too narrow, or that there is none for any robot."""
+        found = widest_way(self.borders, self.chains, request.stations)
+        if found is None:
+            return NoPath(f"{answer.reason}: borders lie between them")
+        wide, (x, y) = found
+        radius = max(wide - request.margin, 0.0)
+        reason = f"{answer.reason}: the widest is {2 * wide:.6g} wide at ({x:.6g}, {y:.6g})"
+        return NoPath(reason, Bottleneck(x, y, 2.0 * wide), radius)
 
 
 def build_roadmap(

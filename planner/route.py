@@ -10,22 +10,31 @@ Rules and units
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, pairwise
 
 import numpy as np
 
 from planner import bisector_kernels, distance_kernels, search_kernels
 from planner.agvd import Chains
 from planner.bisectors import EQUAL
+from planner.corridor import pull_taut
 from planner.generators import Borders
 from planner.path import NoPath, Path
 from planner.scene import FloatArray, IntArray, Vec
+from planner.tour import best_tour
 
 PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
 """The names of ``prefer`` and the numbers they stand for."""
 DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
+ROOM = 2.0
+"""Radii of clearance kept on top of the first, where there is room, per unit of preference."""
+ROUTES = 4
+"""Routes over different chains that are compared."""
+PENALTY = 1.4
+"""How much dearer a chain becomes with every route that took it."""
 ENTRIES = 8
 """Chains tried as a station's way onto the roadmap."""
 FLATNESS = 0.02
@@ -44,6 +53,15 @@ class Request:
     best_order: bool
     alternatives: int
     margin: float
+
+    def in_order(self, order: Sequence[int]) -> Request:
+        """The same request with its vias in another order."""
+        picked = (0, *(i + 1 for i in order), len(self.stations) - 1)
+        return replace(
+            self,
+            stations=tuple(self.stations[i] for i in picked),
+            headings_rad=tuple(self.headings_rad[i] for i in picked),
+        )
 
     @classmethod
     def of(
@@ -138,13 +156,85 @@ def plan_request(
     for name, place in zip(names, request.stations, strict=True):
         if reason := why_not(borders, name, place, need):
             return NoPath(reason)
-    legs: list[FloatArray] = []
-    for a, b in zip(request.stations[:-1], request.stations[1:], strict=True):
-        leg = plan_leg(borders, chains, a, b, need, request.preference)
-        if leg is None:
+    order = tuple(range(len(request.stations) - 2))
+    if request.best_order and len(order) > 1:
+        order = _best_order(borders, chains, request, need)
+    request = request.in_order(order)
+    tries = 3 * request.alternatives + (ROUTES if request.preference < 1.0 else 1)
+    legs: list[list[FloatArray]] = []
+    for a, b in pairwise(request.stations):
+        found = plan_leg(borders, chains, a, b, need, request.preference, tries)
+        if not found:
             return NoPath(f"no way from {_at(a)} to {_at(b)} is {2 * need:g} wide throughout")
-        legs.append(leg)
-    return _as_path(borders, legs, radius, request)
+        legs.append(found)
+    best = _as_path(borders, [leg[0] for leg in legs], radius, request, order)
+    if not request.alternatives:
+        return best
+    others = (_as_path(borders, choice, radius, request, order) for choice in _others(legs))
+    return replace(best, alternatives=tuple(islice(others, request.alternatives)))
+
+
+def _others(legs: list[list[FloatArray]]) -> Iterator[list[FloatArray]]:
+    """Ways that differ from the best in one leg, the next best of each leg first."""
+    for rank in range(1, max(len(leg) for leg in legs)):
+        for i, leg in enumerate(legs):
+            if rank < len(leg):
+                yield [leg[rank] if j == i else other[0] for j, other in enumerate(legs)]
+
+
+def _best_order(borders: Borders, chains: Chains, request: Request, need: float) -> tuple[int, ...]:
+    """The order of the vias that makes the way over the chains shortest."""
+    floor = need - ROUNDING * borders.extent
+    cost, total = search_kernels.chain_costs(
+        chains.rho, chains.gap, chains.step, chains.first, chains.length, need,
+        DETOUR * request.preference
+    )  # fmt: skip
+    ways = [attach(borders, chains, place, floor, cost) for place in request.stations]
+    m = len(ways)
+    matrix = np.full((m, m), np.inf)
+    for i in range(m):
+        matrix[i, i] = 0.0
+        for j in range(i + 1, m):
+            if request.stations[i] == request.stations[j]:
+                matrix[i, j] = matrix[j, i] = 0.0
+            elif ways[i] and ways[j]:
+                far = _cost_between(chains, total, cost, ways[i], ways[j], floor)
+                matrix[i, j] = matrix[j, i] = far
+    tour = best_tour(matrix)
+    if not math.isfinite(tour.cost):
+        return tuple(range(m - 2))
+    return tuple(i - 1 for i in tour.order)
+
+
+def widest_way(
+    borders: Borders, chains: Chains, stations: Sequence[Vec]
+) -> tuple[float, Vec] | None:
+    """The largest radius that can make the journey, and where it is narrowest, or None."""
+    narrowest: tuple[float, Vec] | None = None
+    cost, total = search_kernels.chain_costs(
+        chains.rho, chains.gap, chains.step, chains.first, chains.length, 1.0, 0.0
+    )
+    least = ROUNDING * borders.extent
+    for a, b in pairwise(stations):
+        if a == b:
+            continue
+        entries = attach(borders, chains, a, least, cost)
+        exits = attach(borders, chains, b, least, cost)
+        if not entries or not exits:
+            return None
+        gap = _widest_gap(chains, entries, exits)
+        if gap <= least:
+            return None
+        route = _cheapest(chains, total, cost, entries, exits, gap * (1.0 - 1e-12))
+        if route is None:
+            return None
+        way = _certain(borders, route[0], gap)
+        if way is None:
+            return None
+        wide, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, way)
+        if narrowest is None or wide < narrowest[0]:
+            narrowest = (wide, (x, y))
+    return narrowest
 
 
 def why_not(borders: Borders, name: str, place: Vec, need: float) -> str | None:
@@ -172,24 +262,72 @@ def _at(place: Vec) -> str:
 
 
 def plan_leg(
-    borders: Borders, chains: Chains, start: Vec, goal: Vec, need: float, preference: float
-) -> FloatArray | None:
-    """The polyline from start to goal with clearance >= ``need``, or None."""
-    floor = need - ROUNDING * borders.extent
+    borders: Borders,
+    chains: Chains,
+    start: Vec,
+    goal: Vec,
+    need: float,
+    preference: float,
+    wanted: int = ROUTES,
+) -> list[FloatArray]:
+    """Polylines from start to goal with clearance >= ``need``, the preferred one first.
+
+    Up to ``wanted`` routes over different chains, each as its corridor's shortest way that keeps
+    ``1 + ROOM * preference`` radii off the borders where there is room; with the preference 1
+    the route itself, the widest there is. Empty where there is no way.
+    """
     if start == goal:
-        return np.array([start, goal])
-    weight = DETOUR * preference
+        return [np.array([start, goal])]
+    floor = need - ROUNDING * borders.extent
     cost, total = search_kernels.chain_costs(
-        chains.rho, chains.gap, chains.step, chains.first, chains.length, need, weight
+        chains.rho, chains.gap, chains.step, chains.first, chains.length, need, DETOUR * preference
     )
     entries = attach(borders, chains, start, floor, cost)
     exits = attach(borders, chains, goal, floor, cost)
     if not entries or not exits:
-        return None
+        return []
     if preference >= 1.0:
         floor = max(floor, _widest_gap(chains, entries, exits) * (1.0 - 1e-12))
-    route = _cheapest(chains, total, cost, entries, exits, floor)
-    return None if route is None else _certain(borders, route, need)
+    total = total.copy()
+    found: list[tuple[float, FloatArray]] = []
+    seen: set[frozenset[int]] = set()
+    for _ in range(wanted):
+        route = _cheapest(chains, total, cost, entries, exits, floor)
+        if route is None:
+            break
+        line, used = route
+        total[list(used)] *= PENALTY
+        if preference >= 1.0:
+            floor = need - ROUNDING * borders.extent
+        if used in seen:
+            continue
+        seen.add(used)
+        way = _finish(borders, line, need, preference)
+        if way is not None:
+            found.append((_judge(borders, way, need, preference), way))
+    if preference >= 1.0:
+        return [way for _, way in found]
+    return [way for _, way in sorted(found, key=lambda pair: pair[0])]
+
+
+def _finish(borders: Borders, line: Line, need: float, preference: float) -> FloatArray | None:
+    """The route as a proved polyline: taut, or as it is where that cannot be proved."""
+    if preference < 1.0:
+        keep = need * (1.0 + ROOM * preference)
+        way = pull_taut(borders, line.points, line.pairs, keep, need)
+        if way is not None:
+            return way
+    return _certain(borders, line, need)
+
+
+def _judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
+    """What a way costs: its length, and more where it is narrow."""
+    steps = np.hypot(*np.diff(way, axis=0).T)
+    if preference == 0.0:
+        return float(steps.sum())
+    middles = 0.5 * (way[1:] + way[:-1])
+    rho, _ = borders.distances(middles)
+    return float((steps * (1.0 + DETOUR * preference * need / np.maximum(rho, need))).sum())
 
 
 def _certain(borders: Borders, line: Line, need: float) -> FloatArray | None:
@@ -293,8 +431,8 @@ def _cheapest(
     entries: list[Entry],
     exits: list[Entry],
     floor: float,
-) -> Line | None:
-    """The cheapest way from any entry to any exit, or None."""
+) -> tuple[Line, frozenset[int]] | None:
+    """The route and its chains: the cheapest way from any entry to any exit, or None."""
     around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
     s_node, s_cost, s_gap, s_who = _gates(chains, entries)
     g_node, g_cost, g_gap, g_who = _gates(chains, exits)
@@ -316,15 +454,31 @@ def _cheapest(
         return None
     if direct is not None:
         a, b = direct
-        return _join([_arrive(chains, a), _inner(chains, a, b), _arrive(chains, b).reversed()])
+        inner = _inner(chains, a, b)
+        return _join([_arrive(a), inner, _arrive(b).reversed()]), frozenset({a.chain})
     (a, a_end), (b, b_end) = s_who[entry], g_who[out]
-    pieces = [_arrive(chains, a), _to_end_line(chains, a, a_end)]
+    pieces = [_arrive(a), _to_end_line(chains, a, a_end)]
     for step in steps.tolist():
         c, end = divmod(step, 2)
         line = _part(chains, chains.first[c], chains.first[c + 1])
         pieces.append(line if end == 0 else line.reversed())
-    pieces += [_to_end_line(chains, b, b_end).reversed(), _arrive(chains, b).reversed()]
-    return _join(pieces)
+    pieces += [_to_end_line(chains, b, b_end).reversed(), _arrive(b).reversed()]
+    return _join(pieces), frozenset([a.chain, b.chain, *(steps // 2).tolist()])
+
+
+def _cost_between(
+    chains: Chains,
+    total: FloatArray,
+    cost: FloatArray,
+    entries: list[Entry],
+    exits: list[Entry],
+    floor: float,
+) -> float:
+    """What the cheapest way costs, infinity where there is none."""
+    route = _cheapest(chains, total, cost, entries, exits, floor)
+    if route is None:
+        return math.inf
+    return float(np.hypot(*np.diff(route[0].points, axis=0).T).sum())
 
 
 def _position(cost: FloatArray, entry: Entry) -> float:
@@ -337,7 +491,7 @@ def _part(chains: Chains, lo: int, hi: int) -> Line:
     return Line(chains.points[lo:hi], pairs)
 
 
-def _arrive(chains: Chains, entry: Entry) -> Line:
+def _arrive(entry: Entry) -> Line:
     """The straight way from a station to its place on a chain."""
     return Line.straight(entry.access)
 
@@ -375,7 +529,13 @@ def _join(lines: list[Line]) -> Line:
     return Line(points[kept], pairs[kept])
 
 
-def _as_path(borders: Borders, legs: list[FloatArray], radius: float, request: Request) -> Path:
+def _as_path(
+    borders: Borders,
+    legs: list[FloatArray],
+    radius: float,
+    request: Request,
+    order: tuple[int, ...],
+) -> Path:
     """The legs as one proved path."""
     points = [legs[0][:1]]
     stations = [0]
@@ -397,5 +557,5 @@ def _as_path(borders: Borders, legs: list[FloatArray], radius: float, request: R
         robot_radius=radius,
         stations=tuple(stations),
         headings_rad=request.headings_rad,
-        order=tuple(range(len(request.stations) - 2)),
+        order=order,
     )
