@@ -241,6 +241,11 @@ class RecordingSection(Section):
         default=Path("runs"),
         description="each run makes a folder in this one (from the current folder)",
     )
+    journal: Path | None = Field(
+        default=None,
+        description="file that keeps mission and progress, so that a restart goes on where it "
+        "was (from the current folder); empty: a restart begins anew",
+    )
 
 
 class Config(Section):

@@ -25,6 +25,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.cycle import Orders, PlanAnswer, RobotReport, Sight
 from navigation.eye import Eye, Glimpse
+from navigation.journal import Journal, SentPlan
 from navigation.mission import Mission, State, Station
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
@@ -78,6 +79,7 @@ class Daemon:
         *,
         clock: Callable[[], float] = time.monotonic,
         first_mission_id: int,
+        journal: Journal | None = None,
     ) -> None:
         self.config, self.world = config, world
         self._clock = clock
@@ -106,6 +108,8 @@ class Daemon:
         self._frame_s = -math.inf
         self._leased_s = -math.inf
         self._permitted = False
+        self._journal = journal
+        self._journalled: Mission | None = None
 
     # Life.
 
@@ -155,6 +159,11 @@ class Daemon:
         self.link.estop()
         with self._lock:
             self.pilot.stop(reason)
+
+    def restore(self, mission: Mission) -> None:
+        """Go on with a mission from the journal."""
+        with self._lock:
+            self.pilot.restore(mission)
 
     def pause(self) -> None:
         """Hold where the robot is."""
@@ -209,6 +218,7 @@ class Daemon:
                 self.pilot.new_scene(check.path_clearance_m)
             answer = self._answers.pop() if self._answers else None
             orders = self.pilot.step(now_s, sight, robot_report(snapshot), answer)
+        self._write_journal(orders)
         self._carry_out(orders, now_s, sight)
         return self._state(now_s, sight, snapshot)
 
@@ -238,6 +248,18 @@ class Daemon:
             scene_revision=self._known_revision,
             clearance_m=clearance,
         )
+
+    def _write_journal(self, orders: Orders) -> None:
+        """Before anything takes effect: progress, and the plan that the robot is given next."""
+        if self._journal is None:
+            return
+        mission = self.pilot.mission
+        if mission.stations and not _same_progress(mission, self._journalled):
+            self._journal.save_mission(mission)
+            self._journalled = mission
+        if orders.upload is not None:
+            mission_id, targets = orders.upload
+            self._journal.save_plan(SentPlan(mission_id, mission.visited, targets))
 
     def _carry_out(self, orders: Orders, now_s: float, sight: Sight) -> None:
         if orders.estop:
@@ -299,6 +321,14 @@ class Daemon:
     def roadmap(self) -> Roadmap | None:
         """The newest roadmap, for pictures."""
         return self._arena_planner.roadmap
+
+
+def _same_progress(one: Mission, other: Mission | None) -> bool:
+    if other is None:
+        return False
+    parts = ((m.stations, m.visited, m.any_order, m.state) for m in (one, other))
+    first, second = parts
+    return first == second
 
 
 def robot_report(snapshot: LinkSnapshot) -> RobotReport:

@@ -68,6 +68,12 @@ class Pilot:
         self._forget_plan()
         self._corrections = 0
 
+    def restore(self, mission: Mission) -> None:
+        """Go on with a mission that an earlier program left unfinished; planned anew."""
+        given = self.mission.given(mission.stations, "going on after a restart")
+        self.mission = replace(given, visited=mission.visited, any_order=mission.any_order)
+        self._forget_plan()
+
     def stop(self, reason: str) -> None:
         """Emergency stop: latched until `rearm`."""
         self._stop_reason = reason

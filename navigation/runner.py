@@ -10,6 +10,7 @@ import random
 import threading
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -17,7 +18,8 @@ from pathlib import Path
 from navigation.config import Config
 from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon, DaemonState
-from navigation.mission import State
+from navigation.journal import Journal
+from navigation.mission import Mission, State
 from navigation.report import Report
 from navigation.run_summary import make_run_folder, summarise, write_run
 from navigation.stages import stations_of
@@ -26,6 +28,8 @@ from navigation.world import World
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 PROGRESS_EVERY_S = 1.0
+ROBOT_PATIENCE_S = 3.0
+"""How long a restart waits for the robot to say how far it has come."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,22 +72,59 @@ class Runner:
         self._say("compiling the kernels (a few seconds the first time)")
         warm_up(self.config)
         world = World(self.config, self._clock)
-        first_id = random.SystemRandom().randrange(1, 1 << 32)
         self._say(f"camera {self.config.camera.source}, robot on {world.port}")
         socket = self._socket or default_socket()
-        with (
-            Daemon(self.config, world, clock=self._clock, first_mission_id=first_id) as daemon,
-            ControlServer(socket, daemon),
-        ):
+        with ExitStack() as open_things:
+            journal = self._open_journal(open_things)
+            first_id = random.SystemRandom().randrange(1, 1 << 32)
+            daemon = open_things.enter_context(
+                Daemon(
+                    self.config,
+                    world,
+                    clock=self._clock,
+                    first_mission_id=first_id,
+                    journal=journal,
+                )
+            )
+            open_things.enter_context(ControlServer(socket, daemon))
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
-            stations = stations_of(self.config)
-            if stations:
-                daemon.give(stations, any_order=self.config.mission.order == "best")
+            self._begin_mission(daemon, journal)
             state, reason = self._drive(daemon)
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
         write_run(folder, daemon, report)
         return RunResult(report, folder, _exit_code(state, daemon))
+
+    def _open_journal(self, open_things: ExitStack) -> Journal | None:
+        path = self.config.recording.journal
+        return None if path is None else open_things.enter_context(Journal(path))
+
+    def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
+        """The journal's unfinished mission, else the configured one."""
+        left = None if journal is None else journal.unfinished()
+        if journal is not None and left is not None:
+            left = self._caught_up(daemon, journal, left)
+            self._say(f"going on: {left.visited} of {len(left.stations)} stations were visited")
+            daemon.restore(left)
+            return
+        stations = stations_of(self.config)
+        if stations:
+            daemon.give(stations, any_order=self.config.mission.order == "best")
+
+    def _caught_up(self, daemon: Daemon, journal: Journal, mission: Mission) -> Mission:
+        """The mission with what the robot has done since the last entry of the journal."""
+        plan = journal.plan()
+        until_s = self._clock() + ROBOT_PATIENCE_S
+        while plan is not None and self._clock() < until_s and not self.interrupt.is_set():
+            daemon.cycle()
+            snapshot = daemon.link.snapshot()
+            if snapshot.down_reason is not None or snapshot.status is None:
+                continue
+            if snapshot.mission_id != plan.mission_id:
+                break
+            visited = min(plan.visited_after(snapshot.executed), len(mission.stations) - 1)
+            return mission.with_visited(max(mission.visited, visited))
+        return mission
 
     def _drive(self, daemon: Daemon) -> tuple[State, str]:
         limit_s = self._time_limit_s()
