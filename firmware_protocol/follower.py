@@ -21,6 +21,9 @@ from firmware_protocol.messages import Waypoint, wrap_angle
 from firmware_protocol.pose_estimate import Pose
 
 TURN_ENTER_RAD: Final = 0.8
+TURN_STANDING_RAD: Final = 0.2
+"""A robot that stands turns first where it would otherwise swing out."""
+STANDING_M_S: Final = 0.02
 TURN_EXIT_RAD: Final = 0.04
 PASS_RADIUS_M: Final = 0.005
 """A waypoint without a radius of its own counts as passed within this distance."""
@@ -48,8 +51,8 @@ class DriveSettings:
     lateral_m_s2: float = 0.6
     max_turn_rad_s: float = 2.5
     turn_acceleration_rad_s2: float = 8.0
-    lookahead_m: float = 0.05
-    lookahead_s: float = 0.2
+    lookahead_m: float = 0.04
+    lookahead_s: float = 0.15
     max_deviation_m: float = 0.15
 
 
@@ -195,8 +198,8 @@ class Follower:
         if self._deviation(pose, target) > self.settings.max_deviation_m:
             return Trouble.OFF_PATH
         curvature, off = self._steer(pose, targets)
-        turning = self.phase is Phase.TURN
-        if abs(off) > TURN_ENTER_RAD or (turning and abs(off) > TURN_EXIT_RAD):
+        enter = TURN_STANDING_RAD if abs(self.speed_m_s) < STANDING_M_S else TURN_ENTER_RAD
+        if abs(off) > (TURN_EXIT_RAD if self.phase is Phase.TURN else enter):
             self.phase = Phase.TURN
             self._slew(0.0, self._turn_towards(off), dt_s)
             return None

@@ -17,6 +17,8 @@
 
 #define TURN_ENTER_RAD 0.8f
 #define TURN_ENTER_COS 0.69670671f
+#define TURN_STANDING_RAD 0.2f
+#define STANDING_M_S 0.02f
 #define TURN_EXIT_RAD 0.04f
 #define PASS_RADIUS_M 0.005f
 #define START_RADIUS_M 0.02f
@@ -30,7 +32,7 @@
 #define APPROACH_PER_S 4.0f
 
 const cw_drive_settings cw_default_settings = {0.12f, 0.5f, 0.5f, 0.6f, 2.5f,
-                                               8.0f,  0.05f, 0.2f, 0.15f};
+                                               8.0f,  0.04f, 0.15f, 0.15f};
 
 /* A waypoint's place in float; the rest is read from the record where it is needed. */
 typedef struct {
@@ -464,7 +466,7 @@ static float speed_limit(const cw_follower *follower, float remaining, cw_target
 static cw_trouble track(cw_follower *follower, float dt_s, cw_pose pose, cw_targets targets,
                         uint8_t begin)
 {
-    float deviation, off, curvature, speed;
+    float deviation, off, curvature, speed, enter;
     float remaining = remaining_to(follower, pose, place_of(targets, begin), &deviation);
     if (stops(targets.get(targets.queue, begin)) && remaining <= 0.001f) {
         follower->phase = CW_PHASE_SETTLE;
@@ -475,8 +477,8 @@ static cw_trouble track(cw_follower *follower, float dt_s, cw_pose pose, cw_targ
         return CW_TROUBLE_OFF_PATH;
     }
     curvature = steer(follower, pose, targets, begin, &off);
-    if (fabsf(off) > TURN_ENTER_RAD ||
-        (follower->phase == CW_PHASE_TURN && fabsf(off) > TURN_EXIT_RAD)) {
+    enter = fabsf(follower->speed_m_s) < STANDING_M_S ? TURN_STANDING_RAD : TURN_ENTER_RAD;
+    if (fabsf(off) > (follower->phase == CW_PHASE_TURN ? TURN_EXIT_RAD : enter)) {
         follower->phase = CW_PHASE_TURN;
         slew(follower, 0.0f, turn_towards(follower, off), dt_s);
         return CW_TROUBLE_NONE;
