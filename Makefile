@@ -6,7 +6,8 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
-.PHONY: help install install-dev run test lint types arrows check wheel clean
+.PHONY: help install install-dev run test coverage lint types arrows check wheel clean
+.PHONY: firmware hil faults bench
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -35,6 +36,25 @@ run: $(VENV)/.installed ## the whole loop on a simulated arena
 
 test: $(VENV)/.installed-dev ## every test
 	$(BIN)/python -m pytest
+
+coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
+	$(BIN)/python -m pytest --cov --cov-report=term-missing
+
+firmware: $(VENV)/.installed-dev ## build and test the C99 robot: Linux process, twin, ATmega328P
+	bash .ci/packages firmware
+	$(MAKE) -C firmware_protocol/firmware host twin avr
+	$(BIN)/python -m pytest tests/firmware_protocol tests/hil
+
+hil: $(VENV)/.installed-dev ## the AVR binary on an emulated ATmega328P
+	bash .ci/packages firmware
+	$(BIN)/python -m pytest tests/hil
+
+faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmarks/results/faults.md
+	$(BIN)/python -m benchmarks.faults
+
+bench: $(VENV)/.installed-dev ## every benchmark, into benchmarks/results/
+	for one in $$(ls benchmarks/*.py); do \
+	  echo "== $$one"; $(BIN)/python -m "benchmarks.$$(basename $$one .py)" || exit 1; done
 
 lint: $(VENV)/.installed-dev ## ruff: style and format
 	$(BIN)/ruff check .
