@@ -13,7 +13,7 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import cv2
@@ -34,8 +34,15 @@ LEAST_CONTRAST_SIGMAS = 5.0
 """The same in standard deviations of the noise."""
 SAFE_MARGIN_SIGMAS = 6.0
 """From here on no pixel of a whole picture crosses the level by noise alone."""
-EVEN_SPREAD = 0.06
-"""Spread of the light pixels, as a share of the contrast, up to which light is even."""
+EVEN_MARGIN = 0.25
+"""Least distance of the darkest free pixels from the level, as a share of the contrast, at
+which light is even: the edge itself is measured against its own surroundings."""
+DARKEST_SIGMAS = 2.0
+"""How far below the middle the darkest free pixels are taken to be, in spreads of the light."""
+CALM_NOISE, WILD_NOISE = 4.0, 25.0
+"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px to be judged."""
+LEFT_BY_GAUSSIAN = 0.2821
+"""The share of white noise that a Gaussian of sigma 1 leaves."""
 FREE_LEVEL = 200.0
 """Grey value that free pixels get when the picture is divided by its light."""
 
@@ -84,7 +91,6 @@ class Classes:
     light: float
     light_spread: float
     dark_share: float
-    between_share: float
 
     @property
     def level(self) -> float:
@@ -161,10 +167,7 @@ def binarise(
     if why_side:
         how = binary.how
         how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
-        binary = Binary(
-            binary.mask, binary.grey, binary.level, binary.noise, binary.contrast, how,
-            binary.remarks,
-        )  # fmt: skip
+        binary = replace(binary, how=how)
     if ignore is not None:
         width = grey.shape[1]
         binary.mask[1:-1, 1 : width + 1][ignore] = 0
@@ -208,12 +211,10 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
 def _by_method(
     grey: NDArray[Any], side: Literal["dark", "light"], method: Method, threshold: float | None
 ) -> Binary:
-    histogram = sampled_histogram(grey)
     # two values only: drawn, not taken; what looks like noise is texture
-    noise = float(noise_sigma(grey)) if np.count_nonzero(histogram) > 2 else 0.0
-    classes = split_classes(histogram, noise)
-    if classes is None:
-        classes = _rare_pixels(grey, noise)
+    drawn = np.count_nonzero(sampled_histogram(grey)) <= 2
+    noise = 0.0 if drawn else float(noise_sigma(grey))
+    classes = _classes(grey, noise)
     if method == "fixed":
         level = 127.5 if threshold is None else threshold
         contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
@@ -222,27 +223,61 @@ def _by_method(
     if method == "adaptive":
         return _adaptive(grey, noise, classes, side)
     if method == "background":
-        return _divided(grey, side, "asked for")
-    if classes is None:
-        return _uniform(grey, noise, side)
+        return _divided(grey, side, "asked for")[0]
     if method == "otsu":
+        if classes is None:
+            return _uniform(grey, noise, side)
         level = _otsu(grey) + 0.5
         how = Binarisation("otsu", _shown(level, side), side, "asked for")
         return _binary(grey, level, noise, classes.contrast, how)
-    if _is_even(classes, noise):
+    if classes is not None and _room(classes, noise) >= EVEN_MARGIN:
         return _even(grey, classes, noise, side)
-    divided = _divided(
-        grey,
-        side,
-        f"uneven light: free pixels spread by {classes.light_spread:.0f} of "
-        f"{classes.contrast:.0f} grey levels",
+    return _uneven(grey, classes, noise, side)
+
+
+def _uneven(
+    grey: NDArray[Any], classes: Classes | None, noise: float, side: Literal["dark", "light"]
+) -> Binary:
+    """Divide by the light where that sets the classes apart better than one level does."""
+    spread = _spread(grey) if classes is None else classes.light_spread
+    if classes is None and spread <= 1.5 * noise + LEAST_CONTRAST / 4.0:
+        return _uniform(grey, noise, side)
+    divided, after = _divided(
+        grey, side, f"uneven light: free pixels spread by {spread:.0f} grey levels"
     )
-    after = split_classes(sampled_histogram(divided.grey), divided.noise)
-    if after is not None and (
-        after.light_spread / after.contrast < 0.7 * classes.light_spread / classes.contrast
-    ):
+    if after is None:
+        return _uniform(grey, noise, side) if classes is None else _even(grey, classes, noise, side)
+    if classes is None or _room(after, divided.noise) > _room(classes, noise):
         return divided
     return _even(grey, classes, noise, side)
+
+
+def _classes(grey: NDArray[Any], noise: float, strongest: float | None = None) -> Classes | None:
+    """The two classes of a picture, seen through a little smoothing where it is noisy."""
+    strongest = noise if strongest is None else strongest
+    calm, left = _calmed(grey, strongest)
+    found = split_classes(sampled_histogram(calm), noise * left)
+    if found is None:
+        found = _rare_pixels(calm, strongest * left)
+    if found is None or left == 1.0:
+        return found
+    # the spread that noise explains, as the unsmoothed picture would have it
+    explained = float(np.hypot(noise, found.light_spread))
+    return replace(found, light_spread=explained)
+
+
+def _calmed(grey: NDArray[Any], noise: float) -> tuple[NDArray[Any], float]:
+    """The picture smoothed as its noise demands, and the share of the noise that is left."""
+    if noise < CALM_NOISE:
+        return grey, 1.0
+    sigma = 1.0 if noise < WILD_NOISE else 2.0
+    return cv2.GaussianBlur(grey, (0, 0), sigma), LEFT_BY_GAUSSIAN / sigma
+
+
+def _spread(grey: NDArray[Any]) -> float:
+    """The grey values' spread: the quartiles' distance, as a normal distribution's sigma."""
+    counts = sampled_histogram(grey).astype(np.float64)
+    return (_quantile(counts, 0.75) - _quantile(counts, 0.25)) / 1.349
 
 
 def _even(
@@ -287,21 +322,25 @@ def _adaptive(
     return _binary(centred.astype(np.float32), 127.5, noise, contrast, how)
 
 
-def _divided(grey: NDArray[Any], side: Literal["dark", "light"], why: str) -> Binary:
+def _divided(
+    grey: NDArray[Any], side: Literal["dark", "light"], why: str
+) -> tuple[Binary, Classes | None]:
     light = light_surface(grey)
     flat = np.clip(grey / light * np.float32(FREE_LEVEL), 0.0, 255.0).astype(np.float32)
     noise = float(noise_sigma(flat))
-    classes = split_classes(sampled_histogram(flat), noise)
+    # where there is little light, division makes the noise stronger
+    strongest = max(noise, float(noise_sigma(grey)) * FREE_LEVEL / float(light.min()))
+    classes = _classes(flat, noise, strongest)
     level = 0.5 * FREE_LEVEL if classes is None else classes.level
     contrast = FREE_LEVEL if classes is None else classes.contrast
     how = Binarisation(
         "background",
-        level / FREE_LEVEL,
+        round(level / FREE_LEVEL, 4),
         side,
         f"{why}; divided by a quadratic surface of the light, which runs from "
         f"{float(light.min()):.0f} to {float(light.max()):.0f}",
     )
-    return _binary(flat, level, noise, contrast, how)
+    return _binary(flat, level, noise, contrast, how, strongest), classes
 
 
 def light_surface(grey: NDArray[Any]) -> NDArray[np.float32]:
@@ -362,25 +401,29 @@ def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
     cost = p0 * np.log(v0) + p1 * np.log(v1) - 2.0 * (p0 * np.log(p0) + p1 * np.log(p1))
     split = int(np.argmin(np.where(usable, cost, np.inf)))
     dark = _quantile(counts[: split + 1], 0.5)
-    light_counts = np.where(values > split, counts, 0.0)
-    light = _quantile(light_counts, 0.5)
+    light = _quantile(np.where(values > split, counts, 0.0), 0.5)
+    for _ in range(3):
+        # half-way between the middles, whatever tail the split has cut off
+        level = 0.5 * (dark + light)
+        dark = _quantile(np.where(values <= level, counts, 0.0), 0.5)
+        light = _quantile(np.where(values > level, counts, 0.0), 0.5)
     if light - dark < least:
         return None
     level = 0.5 * (dark + light)
     quarter = _quantile(np.where(values > level, counts, 0.0), 0.25)
     three = _quantile(np.where(values > level, counts, 0.0), 0.75)
-    near = np.abs(values - level) < 0.2 * (light - dark)
     return Classes(
         dark=dark,
         light=light,
         light_spread=(three - quarter) / 1.349,
         dark_share=float(counts[values < level].sum() / total),
-        between_share=float(counts[near].sum() / total),
     )
 
 
-def _is_even(classes: Classes, noise: float) -> bool:
-    return classes.light_spread <= 1.5 * noise + EVEN_SPREAD * classes.contrast
+def _room(classes: Classes, noise: float) -> float:
+    """How far the darkest free pixels stay from the level, as a share of the contrast."""
+    uneven = np.sqrt(max(classes.light_spread**2 - noise**2, 0.0))
+    return float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast)
 
 
 def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
@@ -389,9 +432,9 @@ def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
     middle = float(np.median(grey[:: max(1, grey.shape[0] // 64)]))
     least = max(LEAST_CONTRAST, 2.0 * SAFE_MARGIN_SIGMAS * noise)
     if middle - lowest >= least and middle - lowest >= highest - middle:
-        return Classes(lowest, middle, 0.0, 0.0, 0.0)
+        return Classes(lowest, middle, 0.0, 0.0)
     if highest - middle >= least:
-        return Classes(middle, highest, 0.0, 1.0, 0.0)
+        return Classes(middle, highest, 0.0, 1.0)
     return None
 
 
@@ -411,17 +454,23 @@ def _shown(level: float, side: Literal["dark", "light"]) -> float:
 
 
 def _binary(
-    grey: NDArray[Any], level: float, noise: float, contrast: float, how: Binarisation
+    grey: NDArray[Any],
+    level: float,
+    noise: float,
+    contrast: float,
+    how: Binarisation,
+    strongest_noise: float | None = None,
 ) -> Binary:
     """Compare with the level, in a smoothed picture where noise alone could cross it."""
     remarks: tuple[str, ...] = ()
     compared = grey
-    if noise > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * noise:
-        sigma = 1.0 if 0.5 * contrast > 0.4 * SAFE_MARGIN_SIGMAS * noise else 2.0
-        compared = cv2.GaussianBlur(grey, (0, 0), sigma)
+    strongest = noise if strongest_noise is None else strongest_noise
+    if strongest > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * strongest:
+        compared, left = _calmed(grey, max(strongest, CALM_NOISE))
+        sigma = LEFT_BY_GAUSSIAN / left
         remarks = (
-            f"noise of {noise:.0f} grey levels at a contrast of {contrast:.0f}: the picture was "
-            f"smoothed by {sigma:.0f} px before the level was applied",
+            f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: "
+            f"the picture was smoothed by {sigma:.0f} px before the level was applied",
         )
     height, width = grey.shape
     mask = np.zeros((height + 2, (width + 2 + 7) // 8 * 8), np.uint8)
