@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil faults bench
+.PHONY: firmware hil faults bench paper
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -51,6 +51,9 @@ hil: $(VENV)/.installed-dev ## the AVR binary on an emulated ATmega328P
 
 faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmarks/results/faults.md
 	$(BIN)/python -m benchmarks.faults
+
+paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
+	$(BIN)/python -m benchmarks.paper
 
 bench: $(VENV)/.installed-dev ## every benchmark, into benchmarks/results/
 	for one in $$(ls benchmarks/*.py); do \
