@@ -42,6 +42,8 @@ from vision.markers import MarkerTracker, RobotPose
 
 LONGEST_CYCLE_S: Final = 0.05
 LEASE_EVERY_S: Final = 0.08
+STOP_GRACE_S: Final = 0.35
+"""On top of the time that braking takes, for the last words on the wire."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,14 +139,14 @@ class Daemon:
         self.link.close()
         self.world.__exit__(kind, error, trace)
 
-    def _let_the_robot_stop(self, patience_s: float = 0.5) -> None:
-        """Withdraw the lease and give the robot a moment to say that it stands."""
-        if not self._permitted:
-            return
-        self.link.lease(permit=False)
-        self.link.pause()
-        until_s = self._clock() + patience_s
-        while self._clock() < until_s and self.link.snapshot().running:
+    def _let_the_robot_stop(self) -> None:
+        """Withdraw the lease and wait until the robot says that it stands, or should by now."""
+        if self._permitted:
+            self.link.lease(permit=False)
+            self.link.pause()
+        braking_s = self.config.robot.speed_m_s / self.config.robot.acceleration_m_s2
+        until_s = self._clock() + braking_s + STOP_GRACE_S
+        while self._clock() < until_s and self.link.snapshot().moving:
             threading.Event().wait(0.01)
 
     # Orders from people.

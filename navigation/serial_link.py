@@ -58,6 +58,7 @@ class LinkSnapshot:
     ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the
     robot's last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
     ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
+    ``moving`` is True in RUN and until the robot has come to a stand after it.
     ``standing_reason`` says why the robot is not running, None while it is in RUN.
     """
 
@@ -71,6 +72,7 @@ class LinkSnapshot:
     executed: int = 0
     mission_done: bool = False
     running: bool = False
+    moving: bool = False
     estopped: bool = False
     estop_pending: bool = False
     disarmed: bool = False
@@ -384,6 +386,7 @@ def _with_status(snapshot: LinkSnapshot, status: Status) -> LinkSnapshot:
         executed=status.exec_next,
         mission_done=bool(status.flags & StatusFlag.MISSION_DONE),
         running=running,
+        moving=running or bool(status.flags & StatusFlag.MOVING),
         estopped=status.state is RobotState.ESTOP,
         disarmed=status.reason is StopReason.DISARMED,
         standing_reason=None if running else STOP_SENTENCES[status.reason],
