@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 from vision.corner_kernels import is_digital_circle
 
+SLACK_PX = 0.25
+"""The paper's "threshold value": the border pixels of a filled disc lie up to a pixel inside
+its circle, and their mean radius is not that of the best circle, but near it."""
 FEWEST = 8
 """Pixels of the smallest contour that can be told from a dot."""
 
@@ -28,7 +31,7 @@ class DigitalCircle:
     radius: float
 
 
-def digital_circle(contour: NDArray[np.int32], slack_px: float = 0.0) -> DigitalCircle | None:
+def digital_circle(contour: NDArray[np.int32], slack_px: float = SLACK_PX) -> DigitalCircle | None:
     """The circle that the closed contour (n, 2) is the digital image of, or None. O(n).
 
     ``slack_px`` widens the half pixel of equation 14.

@@ -92,6 +92,7 @@ def build_objects(
     rows = _placed_rows(fitted.data, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
+    thin = may_be_thin(borders).tolist()
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}
     for b, owner in enumerate(borders.owner.tolist()):
@@ -100,6 +101,8 @@ def build_objects(
         record: Record
         if border_kind[b] == TINY:
             record = tiny_record(borders, b, placement)
+        elif thin[b] and (straight := thin_record(borders, b, placement)) is not None:
+            record = straight
         elif border_kind[b] == CIRCLE:
             _, _, cx, cy, r, rms = rows[starts[b]]
             record = CircleRecord((cx, cy), r, rms)
@@ -142,18 +145,40 @@ def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -
 
 def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
     """P, S, or the pixels' own outline as L, for an object too small for a fit."""
-    xs, ys, directions = borders.cracks_of(border)
-    pixels = list(dict.fromkeys(zip(xs.tolist(), ys.tolist(), strict=True)))
-    if borders.owner[border] == border and borders.area[border] == len(pixels):
-        if len(pixels) == 1:
-            return PointRecord(_placed([pixels[0]], placement)[0])
-        line = straight_line(pixels)
-        if line is not None:
-            start, end = _placed([line.start, line.end], placement)
-            return SegmentRecord(start, end, line.residual_px)
-    corners = _placed(pixel_outline(xs, ys, directions), placement)
+    thin = thin_record(borders, border, placement)
+    if thin is not None:
+        return thin
+    corners = _placed(pixel_outline(*borders.cracks_of(border)), placement)
     edges = tuple(Segment(corners[i], corners[(i + 1) % len(corners)]) for i in range(len(corners)))
     return PolygonRecord(edges)
+
+
+def thin_record(
+    borders: Borders, border: int, placement: Placement
+) -> PointRecord | SegmentRecord | None:
+    """P or S where an object's pixels are one, or one straight line one pixel wide."""
+    xs, ys, _ = borders.cracks_of(border)
+    pixels = list(dict.fromkeys(zip(xs.tolist(), ys.tolist(), strict=True)))
+    if borders.owner[border] != border or borders.area[border] != len(pixels):
+        return None
+    if len(pixels) == 1:
+        return PointRecord(_placed(pixels, placement)[0])
+    line = straight_line(pixels)
+    if line is None:
+        return None
+    start, end = _placed([line.start, line.end], placement)
+    return SegmentRecord(start, end, line.residual_px)
+
+
+def may_be_thin(borders: Borders) -> NDArray[np.bool_]:
+    """Which borders enclose as many pixels as they are wide or high: (b,). O(border)."""
+    if len(borders.area) == 0:
+        return np.zeros(0, dtype=np.bool_)
+    first = borders.starts[:-1]
+    wide = np.maximum.reduceat(borders.x, first) - np.minimum.reduceat(borders.x, first)
+    high = np.maximum.reduceat(borders.y, first) - np.minimum.reduceat(borders.y, first)
+    thin: NDArray[np.bool_] = borders.area == np.maximum(wide, high) + 1
+    return thin
 
 
 def _placed(points: Sequence[tuple[float, float]], placement: Placement) -> list[Vec]:

@@ -1,0 +1,69 @@
+"""Digital circles: the paper's test on drawn discs, the exact fit on rendered ones."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.scene import CircleRecord
+from tests.support.render import draw, polygon
+from vision.circles import digital_circle
+from vision.contours import follow_borders
+from vision.observe import extract
+
+
+def contour_of(mask: np.ndarray) -> np.ndarray:
+    height, width = mask.shape
+    padded = np.zeros((height + 2, (width + 9) // 8 * 8), np.uint8)
+    padded[1:-1, 1 : width + 1] = mask
+    return follow_borders(padded).contours()[0]
+
+
+@pytest.mark.parametrize("radius", [4, 7, 12, 20])
+def test_sauers_test_takes_a_digital_disc_and_finds_its_centre(radius: int) -> None:
+    y, x = np.mgrid[0 : 2 * radius + 9, 0 : 2 * radius + 9]
+    c = radius + 4
+    found = digital_circle(contour_of(((x - c) ** 2 + (y - c) ** 2 <= radius**2).astype(np.uint8)))
+    assert found is not None
+    assert math.dist(found.center, (c, c)) < 0.2
+    assert abs(found.radius - radius) < 0.75
+
+
+@pytest.mark.parametrize("side", [9, 15, 30])
+def test_sauers_test_refuses_a_square(side: int) -> None:
+    mask = np.zeros((side + 6, side + 6), np.uint8)
+    mask[3:-3, 3:-3] = 1
+    assert digital_circle(contour_of(mask)) is None
+
+
+@pytest.mark.parametrize("noise", [0.0, 10.0, 20.0])
+@pytest.mark.parametrize("radius", [5.0, 8.0, 20.0, 50.0])
+def test_every_circle_is_found_with_its_centre_and_radius(radius: float, noise: float) -> None:
+    errors = []
+    size = int(2 * radius + 40)
+    for seed in range(6):
+        rng = np.random.default_rng([seed, int(radius), int(noise)])
+        center = tuple((size / 2 + rng.uniform(-0.5, 0.5, 2)).tolist())
+        picture = draw([CircleRecord(center, radius)], (size, size), noise=noise, rng=rng)
+        scene = extract(picture)
+        assert len(scene.objects) == 1
+        record = scene.objects[0].records[0]
+        assert isinstance(record, CircleRecord)
+        errors.append((math.dist(record.center, center), record.radius - radius))
+    rms = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert rms.max() < (0.12 if radius < 8 else 0.1)
+
+
+@pytest.mark.parametrize(("sides", "radius"), [(4, 12), (6, 20), (8, 30), (12, 50)])
+@pytest.mark.parametrize("noise", [0.0, 20.0])
+def test_no_polygon_is_taken_for_a_circle(sides: int, radius: float, noise: float) -> None:
+    size = int(2 * radius + 40)
+    rng = np.random.default_rng(sides)
+    angles = rng.uniform(0, math.tau) + np.arange(sides) * math.tau / sides
+    vertices = size / 2 + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    picture = draw([polygon(vertices)], (size, size), noise=noise, rng=rng)
+    record = extract(picture).objects[0].records[0]
+    assert not isinstance(record, CircleRecord)
+    assert len(record.edges) == sides
