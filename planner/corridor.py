@@ -27,21 +27,27 @@ def pull_taut(
     """The taut polyline along a route, or None where it cannot be proved to keep ``need``.
 
     ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the
-    route itself is kept. ``keep`` >= ``need`` is kept where there is room. Borders are kept
+    route itself is kept, but for its ends, where a station lies in the first or last disc.
+    ``keep`` >= ``need`` is kept where there is room. Borders are kept
     off by so much more that the chord between two portals does not come nearer.
     """
+    known = np.flatnonzero(pairs[:, 0] >= 0)
+    if not len(known):
+        return None
+    lo, hi = int(known[0]), int(known[-1]) + 2
     for turn in TURNS_RAD:
         wider = keep / math.cos(0.5 * turn)
         gates = corridor_kernels.portals(
             borders.kind,
             borders.data,
-            np.ascontiguousarray(points),
-            np.ascontiguousarray(pairs),
+            np.ascontiguousarray(points[lo:hi]),
+            np.ascontiguousarray(pairs[lo:hi]),
             wider,
             math.cos(turn),
             EQUAL * borders.extent,
         )
-        way: FloatArray = corridor_kernels.funnel(gates, *points[0], *points[-1])
+        first, last = corridor_kernels.between(gates, *points[0], *points[-1])
+        way: FloatArray = corridor_kernels.funnel(gates[first:last], *points[0], *points[-1])
         gap = distance_kernels.polyline_clearance(*borders.tree, way)[0]
         if gap >= need:
             return way

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 
 from planner.bisector_kernels import slide_between
-from planner.distance_kernels import foot
+from planner.distance_kernels import ARC, CIRCLE, foot
 
 DENSER = 12
 """How often a link is halved at most for its feet to turn slowly enough."""
@@ -38,13 +38,22 @@ def _portal(kind, data, pair, x, y, keep, out):
 
 
 @njit(cache=True, nogil=True)
-def _turn(kind, data, piece, ax, ay, bx, by):
-    """Cosine of the angle between the directions from a piece's feet to two places."""
+def _turn(kind, data, piece, ax, ay, bx, by, keep):
+    """Cosine of the angle between the directions from a piece's feet to two places.
+
+    A chord around a circle of radius R, ``keep`` off it, bulges by 1 + R / keep times more
+    than one around a point: its angle counts as so much larger.
+    """
     px, py = foot(kind, data, piece, ax, ay)
     qx, qy = foot(kind, data, piece, bx, by)
     ux, uy, vx, vy = ax - px, ay - py, bx - qx, by - qy
     n = math.sqrt((ux * ux + uy * uy) * (vx * vx + vy * vy))
-    return 1.0 if n == 0.0 else (ux * vx + uy * vy) / n
+    if n == 0.0:
+        return 1.0
+    bulge = 1.0 - (ux * vx + uy * vy) / n
+    if kind[piece] == CIRCLE or kind[piece] == ARC:
+        bulge *= 1.0 + data[piece, 2] / keep
+    return 1.0 - bulge
 
 
 @njit(cache=True, nogil=True)
@@ -75,8 +84,8 @@ def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
             bx, by, deep = stack[top - 1, 0], stack[top - 1, 1], level[top - 1]
             if pair[0] >= 0 and deep < DENSER:
                 c = min(
-                    _turn(kind, data, pair[0], ax, ay, bx, by),
-                    _turn(kind, data, pair[1], ax, ay, bx, by),
+                    _turn(kind, data, pair[0], ax, ay, bx, by, keep),
+                    _turn(kind, data, pair[1], ax, ay, bx, by, keep),
                 )
                 if c < least_cosine:
                     mx, my, found = slide_between(
@@ -97,6 +106,31 @@ def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
 @njit(cache=True, nogil=True)
 def _side(ax, ay, bx, by, cx, cy):
     return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+
+
+@njit(cache=True, nogil=True)
+def between(gates, sx, sy, gx, gy):
+    """The first and last portal that the way from s to g has to pass: first, last + 1.
+
+    Portals that s has passed already, or lies on, are left out, and so are those beyond g:
+    the first ones of a route often lie behind its start, which retraction moved sideways.
+    """
+    first, last = 0, len(gates)
+    while first < last:
+        q = gates[first]
+        if _side(q[2], q[3], q[0], q[1], sx, sy) > 0.0:
+            break
+        if q[0] == q[2] and q[1] == q[3] and (q[0] != sx or q[1] != sy):
+            break
+        first += 1
+    while last > first:
+        q = gates[last - 1]
+        if _side(q[2], q[3], q[0], q[1], gx, gy) < 0.0:
+            break
+        if q[0] == q[2] and q[1] == q[3] and (q[0] != gx or q[1] != gy):
+            break
+        last -= 1
+    return first, last
 
 
 @njit(cache=True, nogil=True)

@@ -35,6 +35,8 @@ ROUTES = 4
 """Routes over different chains that are compared."""
 PENALTY = 1.4
 """How much dearer a chain becomes with every route that took it."""
+NEAR = 0.25
+"""A retracted place this near to a chain, in radii, has met it."""
 ENTRIES = 8
 """Chains tried as a station's way onto the roadmap."""
 FLATNESS = 0.02
@@ -282,32 +284,35 @@ def plan_leg(
     cost, total = search_kernels.chain_costs(
         chains.rho, chains.gap, chains.step, chains.first, chains.length, need, DETOUR * preference
     )
-    entries = attach(borders, chains, start, floor, cost)
-    exits = attach(borders, chains, goal, floor, cost)
-    if not entries or not exits:
-        return []
-    if preference >= 1.0:
-        floor = max(floor, _widest_gap(chains, entries, exits) * (1.0 - 1e-12))
-    total = total.copy()
-    found: list[tuple[float, FloatArray]] = []
-    seen: set[frozenset[int]] = set()
-    for _ in range(wanted):
-        route = _cheapest(chains, total, cost, entries, exits, floor)
-        if route is None:
-            break
-        line, used = route
-        total[list(used)] *= PENALTY
-        if preference >= 1.0:
-            floor = need - ROUNDING * borders.extent
-        if used in seen:
+    for anywhere in (False, True):
+        entries = attach(borders, chains, start, floor, cost, anywhere)
+        exits = attach(borders, chains, goal, floor, cost, anywhere)
+        if not entries or not exits:
             continue
-        seen.add(used)
-        way = _finish(borders, line, need, preference)
-        if way is not None:
-            found.append((_judge(borders, way, need, preference), way))
-    if preference >= 1.0:
-        return [way for _, way in found]
-    return [way for _, way in sorted(found, key=lambda pair: pair[0])]
+        least = floor
+        if preference >= 1.0:
+            least = max(floor, _widest_gap(chains, entries, exits) * (1.0 - 1e-12))
+        found: list[tuple[float, FloatArray]] = []
+        seen: set[frozenset[int]] = set()
+        dearer = total.copy()
+        for _ in range(wanted):
+            route = _cheapest(chains, dearer, cost, entries, exits, least)
+            if route is None:
+                break
+            line, used = route
+            dearer[list(used)] *= PENALTY
+            least = floor
+            if used in seen:
+                continue
+            seen.add(used)
+            way = _finish(borders, line, need, preference)
+            if way is not None:
+                found.append((_judge(borders, way, need, preference), way))
+        if found and preference < 1.0:
+            found.sort(key=lambda pair: pair[0])
+        if found:
+            return [way for _, way in found]
+    return []
 
 
 def _finish(borders: Borders, line: Line, need: float, preference: float) -> FloatArray | None:
@@ -346,16 +351,28 @@ def _certain(borders: Borders, line: Line, need: float) -> FloatArray | None:
 
 
 def attach(
-    borders: Borders, chains: Chains, place: Vec, floor: float, cost: FloatArray
+    borders: Borders,
+    chains: Chains,
+    place: Vec,
+    floor: float,
+    cost: FloatArray,
+    anywhere: bool = False,
 ) -> list[Entry]:
-    """Ways from a place onto the chains, each with clearance >= ``floor``; the nearest first."""
+    """Ways from a place onto the chains, each with clearance >= ``floor``; the nearest first.
+
+    Where retraction meets a chain that chain is the way; with ``anywhere``, or where it meets
+    none, any of the nearest chains that a straight line reaches.
+    """
     x, y, _, _, _ = search_kernels.retract(*borders.tree, *place, 2.0 * borders.extent)
     ridge = (x, y)
     usable = np.ones(len(chains), dtype=np.bool_)
     found = search_kernels.nearest_links(chains.points, chains.first, usable, x, y, ENTRIES)
-    entries = []
+    entries: list[Entry] = []
     for chain, link, part, away in zip(*(a.tolist() for a in found), strict=True):
         if chain < 0:
+            break
+        met = found[3][0] <= NEAR * floor and not anywhere
+        if met and entries and away > found[3][0] + ROUNDING * borders.extent:
             break
         a, b = chains.points[link], chains.points[min(link + 1, chains.first[chain + 1] - 1)]
         foot = a + part * (b - a)
