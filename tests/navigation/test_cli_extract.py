@@ -1,0 +1,75 @@
+"""`clearway extract` as a user sees it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from navigation.cli.main import run
+from planner.scene_io import read_scene_text
+
+
+@pytest.fixture
+def arena(tmp_path: Path) -> Path:
+    picture = np.full((60, 90), 255, np.uint8)
+    picture[10:30, 10:40] = 0
+    cv2.circle(picture, (65, 35), 12, 0, -1)
+    file = tmp_path / "arena.png"
+    cv2.imwrite(str(file), picture)
+    return file
+
+
+def test_text_is_the_papers_records(arena: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["extract", str(arena)]) == 0
+    scene = read_scene_text(capsys.readouterr().out)
+    assert len(scene.objects) == 2
+    assert scene.size == (90, 60)
+
+
+def test_json_holds_what_the_design_names(arena: Path, tmp_path: Path) -> None:
+    out = tmp_path / "scene.json"
+    assert run(["extract", str(arena), "--format", "json", "-o", str(out)]) == 0
+    answer = json.loads(out.read_text())
+    assert answer["schema"] == "clearway.scene/1"
+    assert set(answer["timings_ms"]) == {"load", "binarise", "contours", "geometry", "total"}
+    assert answer["counts"]["objects"] == 2
+    assert {"method", "threshold", "polarity", "reason"} == set(answer["binarisation"])
+    box = answer["objects"][0]["records"][0]
+    assert box["type"] == "L"
+    assert len(box["edges"]) == 4
+    assert box["edges"][0]["kind"] == "segment"
+    assert all("residual_px" in r for o in answer["objects"] for r in o["records"])
+
+
+def test_the_overlay_is_a_picture(arena: Path, tmp_path: Path) -> None:
+    out = tmp_path / "overlay.png"
+    assert run(["extract", str(arena), "--paper", "--render", str(out)]) == 0
+    assert cv2.imread(str(out)).shape == (240, 360, 3)
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (None, "No such file"),
+        (b"", "empty"),
+        (b"no picture at all", "not a picture"),
+        ("black", "no free space"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(
+    content: bytes | str | None, word: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "bad.png"
+    if content == "black":
+        cv2.imwrite(str(file), np.zeros((20, 20), np.uint8))
+    elif content is not None:
+        file.write_bytes(content)
+    assert run(["extract", str(file)]) == 2
+    error = capsys.readouterr().err
+    assert word in error
+    assert str(file) in error
+    assert error.count("\n") == 1

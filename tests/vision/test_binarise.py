@@ -1,0 +1,125 @@
+"""Binarisation: the right method is chosen, said why, and the mask is right."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from planner.scene import CircleRecord
+from tests.support.render import coverage, draw, outline_points, polygon, ramp
+from vision.binarise import PictureError, as_grey, binarise, light_surface
+from vision.binarise_kernels import noise_sigma
+
+SIZE = (320, 240)
+
+
+def discs(share: float, count: int = 4) -> list[CircleRecord]:
+    radius = math.sqrt(SIZE[0] * SIZE[1] * share / count / math.pi)
+    return [
+        CircleRecord(((i % 2 + 0.5) * SIZE[0] / 2, (i // 2 + 0.5) * SIZE[1] / 2), radius)
+        for i in range(count)
+    ]
+
+
+def truth(records: list[CircleRecord]) -> np.ndarray:
+    return sum(coverage([outline_points(r)], SIZE) for r in records) >= 0.5
+
+
+def overlap(a: np.ndarray, b: np.ndarray) -> float:
+    return float((a & b).sum() / (a | b).sum())
+
+
+@pytest.mark.parametrize("share", [0.002, 0.05, 0.3])
+@pytest.mark.parametrize("noise", [0.0, 10.0, 20.0])
+def test_even_light_takes_one_level_at_any_dark_area_and_noise(share: float, noise: float) -> None:
+    records = discs(share)
+    picture = draw(records, SIZE, noise=noise, rng=np.random.default_rng(1))
+    binary = binarise(picture)
+    assert binary.how.method == "otsu"
+    assert "even light" in binary.how.reason
+    assert overlap(binary.inside > 0, truth(records)) > (0.8 if share < 0.01 else 0.97)
+    assert cv2.connectedComponents(binary.inside, connectivity=8)[0] == 5
+
+
+@pytest.mark.parametrize("fall", [0.5, 0.8])
+@pytest.mark.parametrize("angle", [0.0, 0.9])
+@pytest.mark.parametrize("noise", [0.0, 4.0])
+def test_a_ramp_of_light_is_divided_out(fall: float, angle: float, noise: float) -> None:
+    records = discs(0.1)
+    picture = draw(
+        records, SIZE, lit=ramp(SIZE, fall, angle), noise=noise, rng=np.random.default_rng(2)
+    )
+    binary = binarise(picture)
+    assert binary.how.method == "background"
+    assert overlap(binary.inside > 0, truth(records)) > 0.95
+
+
+def test_the_light_surface_follows_the_light_and_not_the_obstacles() -> None:
+    lit = ramp(SIZE, 0.6, 0.5)
+    surface = light_surface(draw(discs(0.3), SIZE, lit=lit))
+    assert np.abs(surface / (215.0 * lit) - 1.0).max() < 0.06
+
+
+def test_most_of_the_picture_may_be_obstacle() -> None:
+    block = polygon([(-5, -5), (325, -5), (325, 150), (-5, 150)])
+    picture = draw([block], SIZE, noise=5.0, rng=np.random.default_rng(3))
+    assert abs(binarise(picture).inside.mean() - 150.5 / 240.0) < 0.01
+
+
+@pytest.mark.parametrize("method", ["otsu", "adaptive", "background"])
+def test_every_method_can_be_asked_for(method: str) -> None:
+    records = discs(0.05)
+    binary = binarise(draw(records, SIZE), method=method)
+    assert binary.how.method == method
+    assert overlap(binary.inside > 0, truth(records)) > 0.9
+
+
+def test_a_fixed_level_is_exact() -> None:
+    picture = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    assert int(binarise(picture, threshold=100).inside.sum()) == 100
+    light = binarise(picture, threshold=100, polarity="light")
+    assert int(light.inside.sum()) == 156
+
+
+def test_polarity_auto_takes_the_rarer_side_and_says_so() -> None:
+    picture = draw(discs(0.1), SIZE)
+    for shown, side in ((picture, "dark"), (255 - picture, "light")):
+        binary = binarise(shown, polarity="auto")
+        assert binary.how.polarity == side
+        assert f"obstacles are {side}" in binary.how.reason
+        assert overlap(binary.inside > 0, truth(discs(0.1))) > 0.97
+
+
+@pytest.mark.parametrize("sigma", [0.0, 2.0, 10.0, 20.0])
+def test_noise_is_measured_past_edges_and_ramps(sigma: float) -> None:
+    rng = np.random.default_rng(4)
+    clean = draw(discs(0.2), SIZE, lit=ramp(SIZE, 0.3)).astype(float)
+    noisy = np.clip(np.rint(clean + rng.normal(0, sigma, clean.shape)), 0, 255).astype(np.uint8)
+    assert abs(noise_sigma(noisy) - sigma) < 0.1 * sigma + 0.6
+
+
+def test_a_transparent_background_is_white() -> None:
+    picture = np.zeros((40, 40, 4), np.uint8)
+    picture[10:20, 10:20, 3] = 255
+    assert int(binarise(picture).inside.sum()) == 100
+
+
+def test_16_bits_are_scaled_by_the_brightest_pixel() -> None:
+    deep = np.array([[0, 1023], [4092, 2046]], np.uint16)
+    assert np.allclose(as_grey(deep), [[0.0, 63.75], [255.0, 127.5]])
+
+
+def test_rare_dark_pixels_are_seen_though_no_sample_shows_them() -> None:
+    picture = np.full((900, 1200), 250, np.uint8)
+    picture[501, 701] = 3
+    assert int(binarise(picture).inside.sum()) == 1
+
+
+def test_a_picture_without_free_space_is_refused() -> None:
+    with pytest.raises(PictureError, match="no free space"):
+        binarise(np.full((30, 40), 3, np.uint8))
+    with pytest.raises(PictureError, match="no free space"):
+        binarise(np.full((30, 40), 250, np.uint8), polarity="light")
