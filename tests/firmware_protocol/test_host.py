@@ -280,6 +280,7 @@ def test_a_pose_carries_its_age_at_the_time_of_sending() -> None:
     assert table.control.pose_age_s(table.now_s) == pytest.approx(0.05 + TICK_S, abs=2e-4)
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.lists(st.binary(max_size=200), max_size=20))
 def test_any_bytes_from_the_line_do_no_harm(parts: list[bytes]) -> None:
     table = Table()
@@ -299,7 +300,7 @@ def test_any_bytes_from_the_line_do_no_harm(parts: list[bytes]) -> None:
     credit=st.integers(0, 255),
     nak=st.booleans(),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 def test_any_whole_frame_of_the_session_is_survived(
     kind: int, payload: bytes, acknowledged: int, credit: int, nak: bool
 ) -> None:
@@ -420,5 +421,5 @@ class HostileLine(RuleBasedStateMachine):
         assert MissionDone(last.id) in table.events, (table.control.state, table.control.reason)
 
 
-HostileLine.TestCase.settings = settings(max_examples=30, stateful_step_count=25, deadline=None)
+HostileLine.TestCase.settings = settings(max_examples=15, stateful_step_count=25, deadline=None)
 TestHostileLine = HostileLine.TestCase
