@@ -533,7 +533,7 @@ def _leave_estop(witness: Witness) -> str:
 
 def schema_mismatch(seed: int) -> str:
     make = robot_maker.get()
-    other = Identity(1, schema=SCHEMA_HASH ^ (1 << seed))
+    other = Identity(1, schema=SCHEMA_HASH ^ (1 << seed % 32))
     token = robot_maker.set(lambda _identity, settings: make(other, settings))
     witness = Witness(seed)
     robot_maker.reset(token)
