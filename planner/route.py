@@ -33,6 +33,8 @@ ROOM = 2.0
 """Radii of clearance kept on top of the first, where there is room, per unit of preference."""
 ROUTES = 4
 """Routes over different chains that are compared."""
+TRIES = 8
+"""Searches made for every alternative wanted: many of them find a way that is known already."""
 PENALTY = 1.4
 """How much dearer a chain becomes with every route that took it."""
 NEAR = 0.25
@@ -162,7 +164,7 @@ def plan_request(
     if request.best_order and len(order) > 1:
         order = _best_order(borders, chains, request, need)
     request = request.in_order(order)
-    tries = 3 * request.alternatives + (ROUTES if request.preference < 1.0 else 1)
+    tries = TRIES * request.alternatives + (ROUTES if request.preference < 1.0 else 1)
     legs: list[list[FloatArray]] = []
     for a, b in pairwise(request.stations):
         found = plan_leg(borders, chains, a, b, need, request.preference, tries)
