@@ -87,8 +87,10 @@ class Roadmap:
     def graph(self) -> nx.Graph[int]:
         """The roadmap as a ``networkx.Graph``, made when first asked for.
 
-        Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``polyline`` (n, 2),
-        ``length``, ``clearance`` (its minimum, exact, never below the radius) and ``owners``.
+        Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``geometry``
+        (:class:`planner.bisectors.Piece` in order), ``polyline`` (n, 2) through exact places
+        about half a spacing apart, ``length``, ``clearance`` (its minimum, exact, never below
+        the radius) and ``owners``.
         """
         if "graph" not in self._made:
             from planner.graph import make_graph
