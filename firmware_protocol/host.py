@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_protocol.clock_sync import WRAP_US, ClockEstimate
+from firmware_protocol.commands import Commands
 from firmware_protocol.errors import LocalError, RemoteError
 from firmware_protocol.framing import (
     VERSION,
@@ -28,7 +29,6 @@ from firmware_protocol.framing import (
     wire_bytes,
 )
 from firmware_protocol.host_events import (
-    CommandEnded,
     EstopConfirmed,
     Event,
     LinkChanged,
@@ -44,18 +44,12 @@ from firmware_protocol.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     Ack,
-    Clear,
-    CommandResult,
     Hello,
     HelloAck,
     Lease,
     LeaseFlag,
-    MessageType,
-    Pause,
     PoseFix,
-    ResetEstop,
     RobotState,
-    Start,
     Status,
     TimeSync,
     TimeSyncReply,
@@ -72,16 +66,9 @@ ESTOP_REPEAT_S: Final = 0.02
 SYNC_FAST_S: Final = 0.1
 SYNC_SLOW_S: Final = 1.0
 SYNC_FAST_COUNT: Final = 8
-COMMAND_RETRY_S: Final = 0.5
-"""A command that was acknowledged but not answered in STATUS is given again after this."""
-START_PATIENCE_S: Final = 1.0
-"""START is repeated for so long where the robot has no lease or pose yet."""
-START_RETRY_S: Final = 0.05
 PREFETCH_S: Final = 0.001
 """The next frame may be handed out so long before the line is free."""
 FOREIGN_S: Final = 1.0
-_MAY_COME: Final = (CommandResult.NO_LEASE, CommandResult.NO_POSE, CommandResult.WRONG_INDEX)
-"""What START may lack for a moment: a lease, a pose, or that the robot has come to rest."""
 
 
 @dataclass(slots=True)
@@ -99,15 +86,6 @@ class HostCounters:
     foreign_session: int = 0
     late_session: int = 0
     nonsense: int = 0
-
-
-@dataclass(slots=True)
-class _Outstanding:
-    """The command that waits for its answer; one at a time."""
-
-    number: int
-    kind: MessageType
-    sent_s: float
 
 
 class HostConnection:
@@ -156,13 +134,7 @@ class HostConnection:
         self._sync_count = 0
         self._estop_wanted = False
         self._estop_s = -math.inf
-        self._reset_wanted = False
-        self._pause_wanted = False
-        self._clear_wanted = False
-        self._start_wanted_s: float | None = None
-        self._start_again_s = -math.inf
-        self._command = 0
-        self._outstanding: _Outstanding | None = None
+        self._commands = Commands()
 
     # Orders.
 
@@ -185,8 +157,7 @@ class HostConnection:
         A mission that the robot already holds (same id, same waypoints) goes on where it was.
         """
         self.upload_state = Upload(mission)
-        self._pause_wanted = self._clear_wanted = False
-        self._start_wanted_s = None
+        self._commands.want_mission()
         self._change(LinkEvent.MISSION_OVER, "a mission was given")
         if self.status is not None and self.state is LinkState.STREAM:
             void = self.upload_state.see_status(self.status, 0, False)
@@ -200,21 +171,16 @@ class HostConnection:
         """Drive the mission; LocalError where there is none."""
         if self.upload_state is None:
             raise LocalError("start: there is no mission")
-        self._pause_wanted = False
-        self._start_wanted_s = now_s
-        self._start_again_s = -math.inf
+        self._commands.want_start(now_s)
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""
-        self._start_wanted_s = None
-        self._pause_wanted = True
+        self._commands.want_pause()
 
     def clear(self) -> None:
         """Stop under control and forget the mission."""
         self.upload_state = None
-        self._start_wanted_s = None
-        self._pause_wanted = False
-        self._clear_wanted = True
+        self._commands.want_clear()
         self._change(LinkEvent.MISSION_OVER, "the mission was cleared")
 
     def lease(
@@ -241,13 +207,13 @@ class HostConnection:
         """Emergency stop: past every queue, repeated until the robot confirms it."""
         self._estop_wanted = True
         self._estop_s = -math.inf
-        self._reset_wanted = False
-        self._start_wanted_s = None
+        self._commands.want_reset(False)
+        self._commands.want_no_start()
 
     def reset_estop(self, now_s: float) -> None:
         """Leave the emergency stop, in a fresh session; the mission is void."""
         self._estop_wanted = False
-        self._reset_wanted = True
+        self._commands.want_reset(True)
         if self.state.is_up:
             self._drop_session()
             self._change(LinkEvent.RENEW, "a fresh session, to leave the emergency stop")
@@ -381,7 +347,9 @@ class HostConnection:
             self._events.append(EstopConfirmed())
         if self.upload_state is not None and self.state is not LinkState.REBOOTED:
             self._follow_mission(self.upload_state, status, frame)
-        self._settle_command(status, now_s)
+        ended = self._commands.settle(status, now_s)
+        if ended is not None:
+            self._events.append(ended)
         self._events.append(StatusReceived(status, now_s))
 
     def _verify(self, status: Status) -> None:
@@ -407,7 +375,7 @@ class HostConnection:
         void = upload.see_status(status, frame.credit, everything)
         if void is not None:
             self._void(void)
-            self._pause_wanted = True
+            self._commands.want_pause()
             return
         if upload.complete and not upload.announced:
             upload.announced = True
@@ -422,63 +390,9 @@ class HostConnection:
         assert self.upload_state is not None
         self._events.append(MissionVoid(self.upload_state.mission.id, reason))
         self.upload_state = None
-        self._start_wanted_s = None
+        self._commands.want_no_start()
         if self.state is LinkState.DRAIN:
             self._change(LinkEvent.MISSION_OVER, reason)
-
-    # Commands.
-
-    def _settle_command(self, status: Status, now_s: float) -> None:
-        waiting = self._outstanding
-        if waiting is None or status.command != waiting.number:
-            return
-        self._outstanding = None
-        patient = (
-            waiting.kind is MessageType.START
-            and status.result in _MAY_COME
-            and self._start_wanted_s is not None
-            and now_s - self._start_wanted_s < START_PATIENCE_S
-        )
-        if patient:
-            self._start_again_s = now_s + START_RETRY_S
-            return
-        if waiting.kind is MessageType.START:
-            self._start_wanted_s = None
-        elif waiting.kind is MessageType.PAUSE:
-            self._pause_wanted = False
-        elif waiting.kind is MessageType.RESET_ESTOP:
-            self._reset_wanted = False
-        elif waiting.kind is MessageType.CLEAR and status.mission == 0:
-            self._clear_wanted = False
-        self._events.append(CommandEnded(waiting.kind, status.result))
-
-    def _next_command(self, now_s: float) -> Pause | Clear | Start | ResetEstop | None:
-        """The command that is wanted and may be given now, the most urgent first."""
-        waiting = self._outstanding
-        if waiting is not None and not (
-            self._window.idle and now_s - waiting.sent_s > COMMAND_RETRY_S
-        ):
-            return None
-        number = self._command % 0xFFFF + 1
-        status, upload = self.status, self.upload_state
-        if status is None or self.state is LinkState.REBOOTED:
-            return None
-        if self._reset_wanted:
-            return ResetEstop(number)
-        if self._pause_wanted:
-            return Pause(number)
-        if self._clear_wanted and status.mission == 0:
-            self._clear_wanted = False
-        if self._clear_wanted:
-            return Clear(number, 0)
-        if upload is None or status.state is RobotState.ESTOP:
-            return None
-        if not upload.on_robot:
-            return Clear(number, upload.mission.id)
-        wanted = self._start_wanted_s is not None and now_s >= self._start_again_s
-        if wanted and (upload.blocked or upload.complete):
-            return Start(number, upload.mission.id, upload.executed)
-        return None
 
     # Time and bytes out.
 
@@ -548,13 +462,13 @@ class HostConnection:
         return self._next_sync(now_s)
 
     def _fill_window(self, now_s: float) -> None:
-        command = self._next_command(now_s)
-        if command is not None:
-            self._command = command.command
-            self._outstanding = _Outstanding(command.command, command.TYPE, now_s)
-            self._window.add(command.TYPE, command.pack())
         upload = self.upload_state
-        if upload is None or self._window.has_unsent() or self.state is LinkState.REBOOTED:
+        if self.status is None or self.state is LinkState.REBOOTED:
+            return
+        command = self._commands.next(self.status, upload, self._window.idle, now_s)
+        if command is not None:
+            self._window.add(command.TYPE, command.pack())
+        if upload is None or self._window.has_unsent():
             return
         batch = upload.next_batch()
         if batch is None:
@@ -608,13 +522,10 @@ class HostConnection:
 
     def _drop_session(self) -> None:
         """Orders in flight end here; the robot stands, and only a new start moves it."""
-        if self._outstanding is not None or self._start_wanted_s is not None:
-            kind = MessageType.START if self._outstanding is None else self._outstanding.kind
-            self._events.append(CommandEnded(kind, CommandResult.NONE))
+        ended = self._commands.give_up()
+        if ended is not None:
+            self._events.append(ended)
         self.counters.timeouts += self._window.timeouts
-        self._outstanding = None
-        self._start_wanted_s = None
-        self._command = 0
         self._window = SendWindow(0)
         self._lease = self._pose = None
         self._sync_sent = {}

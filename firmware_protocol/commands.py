@@ -1,0 +1,151 @@
+"""The host's wishes as commands: one at a time, until STATUS tells what became of it.
+
+A wish stays until the robot has answered; START is patient for a moment where a lease or a
+pose is still on its way. When the session ends every command in flight is given up: after a
+lost link only a new wish moves the robot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from firmware_protocol.host_events import CommandEnded
+from firmware_protocol.messages import (
+    Clear,
+    CommandResult,
+    MessageType,
+    Pause,
+    ResetEstop,
+    RobotState,
+    Start,
+    Status,
+)
+from firmware_protocol.upload import Upload
+
+RETRY_S: Final = 0.5
+"""A command that was acknowledged but not answered in STATUS is given again after this."""
+START_PATIENCE_S: Final = 1.0
+START_RETRY_S: Final = 0.05
+_MAY_COME: Final = (CommandResult.NO_LEASE, CommandResult.NO_POSE, CommandResult.WRONG_INDEX)
+"""What START may lack for a moment: a lease, a pose, or that the robot has come to rest."""
+
+Command: TypeAlias = Pause | Clear | Start | ResetEstop
+
+
+@dataclass(frozen=True, slots=True)
+class _Outstanding:
+    """The command that waits for its answer."""
+
+    number: int
+    kind: MessageType
+    sent_s: float
+
+
+class Commands:
+    """What is wanted of the robot, and the command that waits for an answer."""
+
+    def __init__(self) -> None:
+        self._reset = False
+        self._pause = False
+        self._clear = False
+        self._start_s: float | None = None
+        """When START was asked for, None while it is not wanted."""
+        self._start_again_s = -math.inf
+        self._number = 0
+        self._waiting: _Outstanding | None = None
+
+    # Wishes.
+
+    def want_start(self, now_s: float) -> None:
+        """Drive the mission."""
+        self._pause = False
+        self._start_s, self._start_again_s = now_s, -math.inf
+
+    def want_no_start(self) -> None:
+        """Do not drive, if it has not begun yet."""
+        self._start_s = None
+
+    def want_pause(self) -> None:
+        """Stop under control and keep the mission."""
+        self._start_s, self._pause = None, True
+
+    def want_clear(self) -> None:
+        """Stop under control and forget the mission."""
+        self._start_s, self._pause, self._clear = None, False, True
+
+    def want_mission(self) -> None:
+        """Another mission replaces all wishes about the last one."""
+        self._start_s, self._pause, self._clear = None, False, False
+
+    def want_reset(self, wanted: bool) -> None:
+        """Leave the emergency stop, or no longer."""
+        self._reset = wanted
+
+    # The robot's side.
+
+    def next(
+        self, status: Status, upload: Upload | None, all_acknowledged: bool, now_s: float
+    ) -> Command | None:
+        """The command to send now, the most urgent wish first; it counts as sent."""
+        waiting = self._waiting
+        overdue = waiting is not None and all_acknowledged and now_s - waiting.sent_s > RETRY_S
+        if waiting is not None and not overdue:
+            return None
+        command = self._choose(self._number % 0xFFFF + 1, status, upload, now_s)
+        if command is not None:
+            self._number = command.command
+            self._waiting = _Outstanding(command.command, command.TYPE, now_s)
+        return command
+
+    def _choose(
+        self, number: int, status: Status, upload: Upload | None, now_s: float
+    ) -> Command | None:
+        if self._reset:
+            return ResetEstop(number)
+        if self._pause:
+            return Pause(number)
+        self._clear = self._clear and status.mission != 0
+        if self._clear:
+            return Clear(number, 0)
+        if upload is None or status.state is RobotState.ESTOP:
+            return None
+        if not upload.on_robot:
+            return Clear(number, upload.mission.id)
+        wanted = self._start_s is not None and now_s >= self._start_again_s
+        if wanted and (upload.blocked or upload.complete):
+            return Start(number, upload.mission.id, upload.executed)
+        return None
+
+    def settle(self, status: Status, now_s: float) -> CommandEnded | None:
+        """Look for the answer in a report; the command's end, if this is it."""
+        waiting = self._waiting
+        if waiting is None or status.command != waiting.number:
+            return None
+        self._waiting = None
+        match waiting.kind:
+            case MessageType.START:
+                asked_s = self._start_s
+                recent = asked_s is not None and now_s - asked_s < START_PATIENCE_S
+                if recent and status.result in _MAY_COME:
+                    self._start_again_s = now_s + START_RETRY_S
+                    return None
+                self._start_s = None
+            case MessageType.PAUSE:
+                self._pause = False
+            case MessageType.RESET_ESTOP:
+                self._reset = False
+            case MessageType.CLEAR if status.mission == 0:
+                self._clear = False
+        return CommandEnded(waiting.kind, status.result)
+
+    def give_up(self) -> CommandEnded | None:
+        """The session is over: what waits is void, and so is the wish to drive."""
+        waiting, self._waiting = self._waiting, None
+        start_s, self._start_s = self._start_s, None
+        self._number = 0
+        if waiting is None and start_s is None:
+            return None
+        kind = MessageType.START if waiting is None else waiting.kind
+        return CommandEnded(kind, CommandResult.NONE)
