@@ -63,6 +63,8 @@ SEPARATION_MARGIN = 0.03
 """How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
 RAGGED_SHARE = 0.15
 """Area lost per point from which a stretch counts as ragged, where its border loses too much."""
+FLATTEST_PX = 1e-3
+"""An arc that rises less above its chord is a line."""
 CHORD_PX = 0.45
 """How far a chord of a ragged stretch may leave its border points."""
 TAU = 2.0 * math.pi
@@ -915,6 +917,9 @@ def _finish_edge(points, first, n, lo, hi, bent, shape_row, x0, y0, x1, y1, row,
         return LINE
     ccw = _is_ccw(points, first, n, lo, hi, shape_row[0], shape_row[1])
     _through_ends(shape_row, x0, y0, x1, y1, ccw, circle)
+    chord = math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+    if chord < FLATTEST_PX or circle[2] * FLATTEST_PX > 0.125 * chord * chord:
+        return LINE
     row[2] = circle[0]
     row[3] = circle[1]
     row[4] = circle[2]
@@ -1089,8 +1094,8 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
                 p = first + _wrapped(seeds[t], n)
                 kind[count] = LINE
                 data[count] = 0.0
-                data[count, 0] = points[p, 0]
-                data[count, 1] = points[p, 1]
+                data[count, 0] = joints[e, 0] if t == 0 else points[p, 0]
+                data[count, 1] = joints[e, 1] if t == 0 else points[p, 1]
                 data[count, 5] = 0.5 * CHORD_PX
                 count += 1
     edge_starts[borders] = count
@@ -1145,16 +1150,7 @@ def _check_edges(
     repeated until nothing changes.
     """
     for _ in range(CHECKS):
-        for e in range(edges):
-            after = (e + 1) % edges
-            lo = breaks[e]
-            hi = breaks[after]
-            if hi <= lo:
-                hi += n
-            kinds[e] = _finish_edge(
-                points, first, n, lo, hi, is_arc[e], shape[e],
-                joints[e, 0], joints[e, 1], joints[after, 0], joints[after, 1], rows[e], circle,
-            )  # fmt: skip
+        _finish_all(points, first, n, breaks, is_arc, edges, shape, joints, kinds, rows, circle)
         changed = False
         total = 0.0
         for e in range(edges):
@@ -1210,6 +1206,21 @@ def _check_edges(
                         if (px - x) ** 2 + (py - y) ** 2 < 1.0:
                             joints[end, 0] = px
                             joints[end, 1] = py
+    _finish_all(points, first, n, breaks, is_arc, edges, shape, joints, kinds, rows, circle)
+
+
+@njit(cache=True, nogil=True)
+def _finish_all(points, first, n, breaks, is_arc, edges, shape, joints, kinds, rows, circle):
+    for e in range(edges):
+        after = (e + 1) % edges
+        lo = breaks[e]
+        hi = breaks[after]
+        if hi <= lo:
+            hi += n
+        kinds[e] = _finish_edge(
+            points, first, n, lo, hi, is_arc[e], shape[e],
+            joints[e, 0], joints[e, 1], joints[after, 0], joints[after, 1], rows[e], circle,
+        )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
