@@ -106,7 +106,12 @@ def test_a_plan_as_json_has_every_field_and_keeps_the_radius(arena, capsys):
     assert answer["length"] == pytest.approx(
         sum(math.dist(a, b) for a, b in pairwise(answer["path"]))
     )
-    sampled = min(clearance(*p) for p in dense)
+    along = [
+        (a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]))
+        for a, b in pairwise(answer["path"])
+        for t in np.linspace(0, 1, 11)
+    ]
+    sampled = min(clearance(*p) for p in along)
     assert answer["min_clearance"] <= sampled + 1e-9
     gap = answer["bottleneck"]
     assert clearance(gap["x"], gap["y"]) == pytest.approx(answer["min_clearance"])
