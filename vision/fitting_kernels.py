@@ -1098,6 +1098,13 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
                 data[count, 1] = joints[e, 1] if t == 0 else points[p, 1]
                 data[count, 5] = 0.5 * CHORD_PX
                 count += 1
+        bent = False
+        for i in range(edge_starts[b], count):
+            bent = bent or kind[i] != LINE
+        if count - edge_starts[b] < 3 and not bent:
+            # two lines enclose nothing: so small a border is its pixels' outline
+            border_kind[b] = TINY
+            count = edge_starts[b]
     edge_starts[borders] = count
     return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
 
