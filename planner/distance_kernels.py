@@ -1,7 +1,8 @@
 """Exact distances to flat primitives, and a box tree that finds the nearest of many.
 
 Rules and units
-- A primitive is a row of :class:`planner.scene.Primitives`: ``kind`` and six numbers.
+- A primitive is a row of :class:`planner.scene.Primitives`: ``kind`` and six numbers, and
+  three more that :func:`with_middles` adds.
 - Distances are unsigned and in the scene's units; a border has no inside here.
 - The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root,
   node i has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that
@@ -33,11 +34,25 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 @njit(cache=True, nogil=True)
 def on_sweep(data, i, x, y):
     """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
-    sweep = data[i, 4]
-    if sweep >= TAU:
-        return True
-    turn = (math.atan2(y - data[i, 1], x - data[i, 0]) - data[i, 3]) % TAU
-    return turn <= sweep
+    dx, dy = x - data[i, 0], y - data[i, 1]
+    return dx * data[i, 6] + dy * data[i, 7] >= data[i, 8] * math.sqrt(dx * dx + dy * dy)
+
+
+@njit(cache=True, nogil=True)
+def with_middles(kind, data):
+    """The primitives' rows with three more numbers for arcs, so that no query needs angles.
+
+    The unit vector from the centre to the arc's middle, and the cosine of half its sweep (-2
+    for the whole circle).
+    """
+    out = np.zeros((len(kind), 9))
+    out[:, :6] = data
+    for i in range(len(kind)):
+        if kind[i] == ARC:
+            half = 0.5 * data[i, 4]
+            out[i, 6], out[i, 7] = math.cos(data[i, 3] + half), math.sin(data[i, 3] + half)
+            out[i, 8] = -2.0 if data[i, 4] >= TAU else math.cos(half)
+    return out
 
 
 @njit(cache=True, nogil=True)

@@ -45,7 +45,7 @@ class Borders:
     """All borders as pieces, how they join, and a box tree that finds the nearest.
 
     Pieces are the k primitives and then the c corner points: ``kind`` (k + c,), ``data``
-    (k + c, 6), ``owner`` (k + c,). ``following``, ``preceding`` (k,) are the neighbours along
+    (k + c, 9), ``owner`` (k + c,). ``following``, ``preceding`` (k,) are the neighbours along
     a border or -1; ``solid`` (k,) is +1 where the solid lies to the left of travel, -1 to the
     right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
     meet in a corner point. ``box`` is x_min, y_min, x_max, y_max of the free space, and
@@ -136,7 +136,8 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
 def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     """The scene's borders as pieces, joined and indexed. O(k log k)."""
     flat = scene.primitives()
-    kind, data, owner = flat.kind, flat.data, flat.owner
+    kind, owner = flat.kind, flat.owner
+    data = distance_kernels.with_middles(kind, flat.data)
     box = _free_box(flat)
     extent = float(max(box[2] - box[0], box[3] - box[1]))
     following, preceding, solid = kernels.link_borders(
@@ -146,7 +147,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
         kind, data, flat.reversed, following, preceding, solid, mode == "paper"
     )
     order, large, boxes = distance_kernels.build_tree(kind, data)
-    corners = np.zeros((len(at), 6))
+    corners = np.zeros((len(at), data.shape[1]))
     corners[:, :2] = at
     joint = np.maximum(before, after)
     return Borders(
