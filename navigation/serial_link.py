@@ -115,6 +115,7 @@ class SerialLink:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self._wake_out = self._wake_in = -1
+        self._wake_lock = threading.Lock()
         self._published: tuple[LinkSnapshot, float, float] = (
             LinkSnapshot(LinkState.CLOSED, self._port_fault, math.inf),
             -math.inf,
@@ -143,14 +144,17 @@ class SerialLink:
 
     def close(self) -> None:
         """Stop the thread and close the port; the robot stops when its lease runs out."""
-        thread, self._thread = self._thread, None
+        thread = self._thread
         if thread is None:
             return
         self._stop.set()
         self._wake()
         thread.join()
-        for end in (self._wake_out, self._wake_in):
-            os.close(end)
+        with self._wake_lock:
+            if self._thread is thread:
+                self._thread = None
+                os.close(self._wake_out)
+                os.close(self._wake_in)
 
     def __enter__(self) -> SerialLink:
         self.open()
@@ -371,8 +375,9 @@ class SerialLink:
         self._wake()
 
     def _wake(self) -> None:
-        if self._thread is not None or self._stop.is_set():
-            with contextlib.suppress(BlockingIOError):
+        # the lock keeps a late order from writing into a pipe that close() has closed
+        with self._wake_lock, contextlib.suppress(BlockingIOError):
+            if self._thread is not None:
                 os.write(self._wake_in, b"!")
 
 

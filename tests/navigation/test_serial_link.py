@@ -75,7 +75,7 @@ def test_a_mission_is_driven_over_a_pseudo_terminal() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
         assert wait_for(lambda: is_up(link))
         mission = link.upload(7, LINE)
-        assert wait_for(lambda: link.snapshot().mission_done, 20.0)
+        assert wait_for(lambda: link.snapshot().mission_done, 20.0), link.snapshot()
         snapshot = link.snapshot()
         assert (snapshot.mission_id, snapshot.executed) == (7, len(LINE))
         assert there.view().exec_crc == mission.prefix_crc(len(LINE))
@@ -166,6 +166,17 @@ def test_closing_is_quick_and_frees_the_port() -> None:
         assert link.snapshot().state is LinkState.CLOSED
         open_port(there.port, 115_200).close()
         link.close()
+        link.lease(True)
+        link.estop()
+
+
+def test_a_closed_link_can_be_opened_again() -> None:
+    with robot() as there:
+        link = SerialLink(there.port)
+        for _ in range(2):
+            with link:
+                assert wait_for(lambda: is_up(link))
+        assert link.snapshot().sent.sessions == 2
 
 
 def test_a_silent_port_says_what_to_look_at() -> None:
