@@ -55,13 +55,13 @@ def paper_objects(borders: Borders) -> tuple[SceneObject, ...]:
 
 def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_]) -> Record:
     """P, S, C or L for one closed contour (n, 2)."""
-    pixels = [(int(x), int(y)) for x, y in contour]
-    distinct = list(dict.fromkeys(pixels))
-    if len(distinct) == 1:
-        return PointRecord((float(pixels[0][0]), float(pixels[0][1])))
-    straight = straight_line(distinct)
-    if straight is not None:
-        return straight
+    reach = int(np.ptp(contour, axis=0).max())
+    if reach == 0:
+        return PointRecord((float(contour[0, 0]), float(contour[0, 1])))
+    if len(contour) <= 2 * reach + 2:  # as short as the way along a line and back
+        straight = straight_line(list(dict.fromkeys(map(tuple, contour.tolist()))))
+        if straight is not None:
+            return straight
     circle = digital_circle(contour)
     if circle is not None:
         return CircleRecord(circle.center, circle.radius)
