@@ -69,8 +69,7 @@ class Runner:
     def run(self) -> RunResult:
         """Until the mission is over (``once``), the time limit, or an interrupt."""
         folder = make_run_folder(self.config.recording.runs_dir, datetime.now())
-        self._say("compiling the kernels (a minute or two the first time, then a second)")
-        warm_up(self.config)
+        warm_up(self.config, self._say)
         world = World(self.config, self._clock)
         self._say(f"camera {self.config.camera.source}, robot on {world.port}")
         socket = self._socket or default_socket()
