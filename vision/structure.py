@@ -119,11 +119,11 @@ def build_objects(
 
 
 def _placed_rows(data: NDArray[np.float64], placement: Placement) -> list[list[float]]:
-    if placement.calibration is None:
-        return data.tolist()
-    x, y = placement.scale, placement.y_scale
-    placed = data * np.array([x, y, x, y, x, 1.0])
-    return placed.tolist()
+    if placement.calibration is not None:
+        x, y = placement.scale, placement.y_scale
+        data = data * np.array([x, y, x, y, x, 1.0])
+    rows: list[list[float]] = data.tolist()
+    return rows
 
 
 def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -> Record:
