@@ -73,6 +73,37 @@ def _length(kind, data, i):
 
 
 @njit(cache=True, nogil=True)
+def without_repeats(kind, data, border, backwards, tolerance):
+    """Degenerate primitives made points, and points at a neighbour's end left out.
+
+    Segments, circles and arcs shorter than ``tolerance`` have no direction, and a repeated
+    vertex is a segment without length. Returns ``kind`` (k,), ``data`` (k, 6) and ``keep``
+    (k,) bool.
+    """
+    n = len(kind)
+    out_kind, out = kind.copy(), data.copy()
+    keep = np.ones(n, np.bool_)
+    for i in range(n):
+        if kind[i] != POINT and _length(kind, data, i) <= tolerance:
+            if kind[i] == ARC and data[i, 2] > tolerance:
+                out[i, 0], out[i, 1] = _end(kind, data, backwards, i, False)
+            out[i, 2:] = 0.0
+            out_kind[i] = POINT
+    for turn in range(2):
+        last = -1
+        for j in range(n):
+            i = j if turn == 0 else n - 1 - j
+            if out_kind[i] == CIRCLE or not keep[i]:
+                continue
+            if out_kind[i] == POINT and last >= 0 and border[last] == border[i]:
+                x, y = _end(out_kind, out, backwards, last, turn == 0)
+                keep[i] = abs(x - out[i, 0]) > tolerance or abs(y - out[i, 1]) > tolerance
+            if keep[i]:
+                last = i
+    return out_kind, out, keep
+
+
+@njit(cache=True, nogil=True)
 def link_borders(kind, data, border, is_hole, backwards, tolerance):
     """How the primitives of every border join.
 

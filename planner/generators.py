@@ -28,6 +28,8 @@ MAX_GENERATORS = 5_000_000
 """More than this is refused: the diagram of as many needs several gigabytes."""
 JOINT = 1e-6
 """Ends nearer than this share of the scene's extent are one joint."""
+NO_LENGTH = 1e-13
+"""Edges shorter than this share of the scene's extent are points."""
 SAME_PLACE = 1e-9
 """Distances below this share of the scene's extent count as none."""
 
@@ -136,10 +138,11 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
 def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     """The scene's borders as pieces, joined and indexed. O(k log k)."""
     flat = scene.primitives()
-    kind, owner = flat.kind, flat.owner
-    data = distance_kernels.with_middles(kind, flat.data)
     box = _free_box(flat)
     extent = float(max(box[2] - box[0], box[3] - box[1]))
+    flat = _without_repeats(flat, NO_LENGTH * extent)
+    kind, owner = flat.kind, flat.owner
+    data = distance_kernels.with_middles(kind, flat.data)
     following, preceding, solid = kernels.link_borders(
         kind, data, flat.border, flat.is_hole, flat.reversed, JOINT * extent
     )
@@ -165,6 +168,21 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
         boxes=boxes,
         box=box,
         extent=extent,
+    )
+
+
+def _without_repeats(flat: Primitives, tolerance: float) -> Primitives:
+    """The same borders without degenerate edges and repeated vertices."""
+    kind, data, keep = kernels.without_repeats(
+        flat.kind, flat.data, flat.border, flat.reversed, tolerance
+    )
+    return Primitives(
+        kind=kind[keep],
+        data=data[keep],
+        owner=flat.owner[keep],
+        border=flat.border[keep],
+        is_hole=flat.is_hole[keep],
+        reversed=flat.reversed[keep],
     )
 
 
