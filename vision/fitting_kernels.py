@@ -32,10 +32,19 @@ FEWEST = 10
 """Points of the smallest border that is fitted."""
 SAMPLES = 24
 """At most about so many points shape a stretch in the search; all of them judge it."""
+CRISP_SAMPLES = 192
+"""The same in a picture without grey, whose points are off by up to half a pixel."""
+NEAR_MISS = 1.6
+"""Share of the worst deviation up to which an arc is worth turning between the pixels."""
 SPAN = 160
 """At most so many seeds in one stretch."""
 ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before."""
+CORNER, CRISP_CORNER = 0.6, 1.2
+"""Turn in radians from which a seed is surely a corner; a staircase turns sharply by itself."""
+TANGENT_PX = 0.05
+CRISP_TANGENT_PX = 0.3
+"""By how much two smoothly joined edges may miss or cross each other, noise aside."""
 SHALLOW = 0.03
 """Sine of the angle below which two lines are taken for one."""
 SNAP = 4
@@ -295,9 +304,7 @@ def _stretch(points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, bo
     a = lo + g
     b = hi - g + 1
     count = b - a
-    step = 1
-    if count > SAMPLES:
-        step = count // SAMPLES
+    step = max(1, count // (CRISP_SAMPLES if crisp else SAMPLES))
     fit_line(points, first, n, a, b, step, line)
     line_cost = LINE_PRICE + _line_cost(
         points, first, n, a, b, line, crisp, dead_zone, sigma, worst, bound - LINE_PRICE
@@ -309,6 +316,19 @@ def _stretch(points, first, n, lo, hi, guard, crisp, dead_zone, sigma, worst, bo
         arc_cost = ARC_PRICE + _circle_cost(
             points, first, n, a, b, circle, crisp, dead_zone, sigma, worst, bound - ARC_PRICE
         )
+        if (crisp and ARC_PRICE < arc_cost < HUGE) or (
+            crisp
+            and arc_cost >= HUGE
+            and _circle_cost(
+                points, first, n, a, b, circle, crisp, dead_zone, sigma, NEAR_MISS * worst, HUGE
+            )
+            < HUGE
+        ):
+            # the staircase alone may have turned the fit: let it pass between the pixels
+            _separate_circle(points, first, n, a, b, circle)
+            arc_cost = ARC_PRICE + _circle_cost(
+                points, first, n, a, b, circle, crisp, dead_zone, sigma, worst, bound - ARC_PRICE
+            )
     if arc_cost < line_cost:
         return arc_cost, True
     return line_cost, False
@@ -727,6 +747,53 @@ def _crossing(a, a_arc, b, b_arc, x, y, out):
 
 
 @njit(cache=True, nogil=True)
+def _touch(a, a_arc, b, b_arc, out):
+    """Where an arc and its neighbour come nearest; out = x, y and the gap (crossing: negative).
+
+    Two arcs touch from outside or from inside, whichever leaves the smaller gap. A crossing's
+    position is ill-defined where edges are nearly tangent; the point of contact is not.
+    """
+    if a_arc and b_arc:
+        dx = b[0] - a[0]
+        dy = b[1] - a[1]
+        d = math.sqrt(dx * dx + dy * dy)
+        if d < 1e-9:
+            return False
+        # on the line of centres, the points of both circles
+        outside = d - a[2] - b[2]
+        inside = d - abs(a[2] - b[2])
+        ta = a[2]
+        tb = d - b[2]
+        gap = outside
+        if abs(inside) < abs(outside):
+            if a[2] >= b[2]:
+                tb = d + b[2]
+            else:
+                ta = -a[2]
+            gap = -inside
+        t = 0.5 * (ta + tb) / d
+        out[0] = a[0] + t * dx
+        out[1] = a[1] + t * dy
+        out[2] = gap
+        return True
+    line = b if a_arc else a
+    arc = a if a_arc else b
+    t = (arc[0] - line[0]) * line[2] + (arc[1] - line[1]) * line[3]
+    foot_x = line[0] + t * line[2]
+    foot_y = line[1] + t * line[3]
+    dx = foot_x - arc[0]
+    dy = foot_y - arc[1]
+    d = math.sqrt(dx * dx + dy * dy)
+    if d < 1e-9:
+        return False
+    share = 0.5 * (1.0 + arc[2] / d)
+    out[0] = arc[0] + share * dx
+    out[1] = arc[1] + share * dy
+    out[2] = d - arc[2]
+    return True
+
+
+@njit(cache=True, nogil=True)
 def _nearest_point(points, first, n, middle, before, after, x, y):
     """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
     best = HUGE
@@ -767,7 +834,7 @@ def _best_split(points, first, n, a, a_arc, b, b_arc, middle, before, after):
 
 
 @njit(cache=True, nogil=True)
-def _join(points, first, n, breaks, is_arc, edges, shape, blur, joints):
+def _join(points, first, n, breaks, is_arc, edges, shape, blur, tangent, joints):
     """Where neighbouring edges meet; breaks move to the border points nearest to that.
 
     A crossing is believed where the border comes as near to it as blur and the corner's
@@ -795,6 +862,18 @@ def _join(points, first, n, breaks, is_arc, edges, shape, blur, joints):
         back = min(SLIDE, max(room_before - 1, 0) // 2)
         ahead = min(SLIDE, max(room_after - 1, 0) // 2)
         moved[e] = here
+        if (a_arc or b_arc) and _touch(a, a_arc, b, b_arc, found) and abs(found[2]) <= tangent:
+            where, distance = _nearest_point(
+                points, first, n, here,
+                min(SMOOTH_SLIDE, max(room_before - 1, 0) // 2),
+                min(SMOOTH_SLIDE, max(room_after - 1, 0) // 2),
+                found[0], found[1],
+            )  # fmt: skip
+            if distance <= 1.0:
+                joints[e, 0] = found[0]
+                joints[e, 1] = found[1]
+                moved[e] = where
+                continue
         if _crossing(a, a_arc, b, b_arc, x, y, found):
             where, distance = _nearest_point(
                 points, first, n, here, back, ahead, found[0], found[1]
@@ -1012,6 +1091,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
     skip = math.ceil(guard)
+    tangent = CRISP_TANGENT_PX if crisp else TANGENT_PX + spread
     seed_tolerance = 0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma
     count = 0
     for b in range(borders):
@@ -1073,7 +1153,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
             ragged[e] = False
         for _ in range(ROUNDS):
             _fit_edges(points, first, n, breaks, is_arc, edges, crisp, guard, joints, shape)
-            _join(points, first, n, breaks, is_arc, edges, shape, blur, joints)
+            _join(points, first, n, breaks, is_arc, edges, shape, blur, tangent, joints)
         budget = max(LOSS_SHARE * abs(areas[b]), LEAST_LOSS)
         _check_edges(
             points, first, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
@@ -1131,14 +1211,15 @@ def _partition(
             start = t
     edges = 0
     cost = HUGE
+    sharp = CRISP_CORNER if crisp else CORNER
     for _ in range(2):
         edges, cost = best_partition(
             points, first, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst, breaks, is_arc
         )
-        if sharpest >= 0.6 or edges < 2:
+        if sharpest >= sharp or edges < 2:
             break
         # no corner to begin at: begin again at a break that the search found
-        sharpest = 1.0
+        sharpest = sharp
         again = breaks[edges // 2]
         for t in range(m):
             if seeds[t] == again:
