@@ -141,7 +141,7 @@ class Panel:
 
     def label(self, at: Points, text: str, dx: float = 6.0, dy: float = -5.0) -> None:
         """A word beside a place of the scene."""
-        ((x, y),) = self.screen.points([at]).tolist()
+        ((x, y),) = self.screen.points(at.reshape(1, 2)).tolist()
         self.draw(Label(x + dx, y + dy, text, 12.0, INK, halo=True))
 
 

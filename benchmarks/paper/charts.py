@@ -75,7 +75,7 @@ class Chart:
             each = f"{line.slope * 1e3:.2g} us" if line.slope < 1.0 else f"{line.slope:.3g} ms"
             x, y = ends[1]
             right = x > self.left + 0.6 * WIDTH
-            place = (x - 12.0, y + 4.0, "end") if right else (x + 10.0, y - 4.0, "start")
+            place = (x - 12.0, y + 4.0, "end") if right else (x - 24.0, y - 16.0, "start")
             self.page.shapes.append(
                 Label(*place[:2], f"{each} each", 11.5, colour, place[2], halo=True)
             )

@@ -6,6 +6,7 @@ ones from seeds; the judges are slow distances that share no code with the plann
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -140,15 +141,16 @@ def completeness(mode: Mode, seeds: Sequence[int] = range(25), pairs: int = 8) -
             continue
         roadmap = planner.build_roadmap(scene, RADIUS, mode=mode)
         for i, j in rng.choice(standing, (pairs, 2)):
-            joined, apart = sure[i] == sure[j] and sure[i] > 0, maybe[i] != maybe[j]
-            if not (joined or apart):
+            one, two = sure[i] == sure[j] and sure[i] > 0, maybe[i] != maybe[j]
+            if not (one or two):
                 continue
             answer = roadmap.plan(places[i], places[j])
             found = isinstance(answer, Path)
-            counts += (joined, joined and found, apart, apart and found)
+            counts += (one, one and found, two, two and found)
             if isinstance(answer, Path):
                 least = min(least, float(slow_distance(scene, _dense(answer.points)).min()))
-    return Completeness(mode, len(scenes), *counts.tolist(), least / RADIUS)
+    joined, planned, apart, invented = (int(n) for n in counts)
+    return Completeness(mode, len(scenes), joined, planned, apart, invented, least / RADIUS)
 
 
 def _regions(
@@ -178,7 +180,7 @@ def _dense_chains(roadmap: Roadmap) -> Points:
 
 def _dense(line: Points, parts: int = 9) -> Points:
     t = np.linspace(0.0, 1.0, parts)[:, None]
-    pieces = [a + t * (b - a) for a, b in zip(line[:-1], line[1:], strict=True)]
+    pieces = [a + t * (b - a) for a, b in itertools.pairwise(line)]
     return np.concatenate([*pieces, line[-1:]])
 
 

@@ -20,6 +20,9 @@ from benchmarks.paper.inputs import SEED
 from navigation.draw_layers import chain_points
 from planner.scene import CircleRecord, PolygonRecord, Scene
 from tests.support.render import draw, outline_points, polygon, rounded
+from vision.binarise import binarise
+from vision.circles import SLACK_PX
+from vision.contours import follow_borders
 from vision.corners import SUPPORT
 
 Points = NDArray[np.float64]
@@ -103,6 +106,21 @@ def circles(radius: float, noise: float, mode: Mode, count: int = 36) -> Taken:
 def octagons(radius: float, noise: float, mode: Mode, count: int = 36) -> Taken:
     """Regular octagons of one circumradius, turned at random: how many pass for circles."""
     return _taken(lambda rng: _regular(8, radius, rng), radius, noise, mode, count)
+
+
+def literal_discs(radius: float, count: int = 36) -> Taken:
+    """Discs without noise that pass equation 14 as it is written: bounds in y for every pixel,
+    with the paper mode's slack."""
+    rng = np.random.default_rng([SEED, 8])
+    passed = 0
+    for _ in range(count):
+        image = draw([CircleRecord(_place(rng), radius)], (TILE, TILE))
+        contours, _ = follow_borders(binarise(image, method="otsu").mask).contours()
+        dx, dy = np.abs(contours - contours.mean(axis=0)).T
+        r = float(np.hypot(dx, dy).mean())
+        on_circle = np.sqrt(np.maximum(r * r - dx * dx, 0.0))
+        passed += bool((np.abs(on_circle - dy) <= 0.5 + SLACK_PX).all())
+    return Taken(count, passed, math.nan)
 
 
 def eigenvalue_ratio(record: PolygonRecord | CircleRecord) -> float:
