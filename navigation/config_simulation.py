@@ -67,6 +67,11 @@ class SimulatedRobotSection(Section):
     faults: str = Field(
         default="", description="faults of the line, as in `clearway robot --faults`"
     )
+    emulator: str = Field(
+        default="",
+        description="program, with arguments, that emulates the robot's processor and runs its "
+        "real firmware (tests/hil); empty: the firmware's Python twin",
+    )
 
 
 class SimulationSection(Section):

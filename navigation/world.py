@@ -7,6 +7,7 @@ report asks for the truth. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import random
+import shlex
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from navigation.config import Config
 from navigation.config_sections import SIMULATED
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.camera import make_camera
+from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.pinhole import pinhole_of
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.settings import (
@@ -40,7 +42,7 @@ class Truth:
     """What only a simulation can know."""
 
     arena: SimulatedArena
-    robot: SimulatedRobot
+    robot: SimulatedRobot | EmulatedRobot
 
     def track(self) -> FloatArray:
         """Where the robot really was: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
@@ -64,9 +66,18 @@ class World:
         self.port = self.truth.robot.port if self.truth else config.serial.port
         self.calibration = self._calibrate()
 
-    def _make_robot(self) -> SimulatedRobot:
+    def _make_robot(self) -> SimulatedRobot | EmulatedRobot:
         simulation = self.config.simulation
         seed = 0 if simulation is None else simulation.seed
+        if simulation is not None and simulation.robot.emulator:
+            return EmulatedRobot(
+                shlex.split(simulation.robot.emulator),
+                true_start_of(self.config),
+                rng=np.random.default_rng(seed),
+                model=drive_model_of(self.config),
+                faults=faults_of(self.config),
+                clock=self._clock,
+            )
         return SimulatedRobot(
             true_start_of(self.config),
             rng=np.random.default_rng(seed),

@@ -10,8 +10,9 @@ from firmware_protocol.host import HostConnection
 from firmware_protocol.host_events import Event, MissionDone, RobotRebooted
 from firmware_protocol.messages import RobotState, Waypoint
 from firmware_protocol.mission import Mission
+from navigation.simulator.emulated_processor import Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
-from tests.support.avr_robot import AvrRobot, Motors, missing_tools
+from tests.support.avr_robot import AvrRobot, missing_tools
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
 

@@ -1,0 +1,141 @@
+"""The simulated robot with its real firmware: an emulated microcontroller drives the model.
+
+The same face as the simulated robot with the Python twin. A thread runs the emulator in real
+time: what the host sends into the pseudo-terminal goes to the emulated UART, which takes it at
+its true baud rate; the motor outputs drive the simulated wheels; their travel turns the
+emulated encoders. Which settings the robot has is compiled into its firmware.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import threading
+import time
+import tty
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware_protocol.robot import WheelSpeeds
+from navigation.simulator.drive_model import Drive, DriveModel, TruePose
+from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError, Motors
+from navigation.simulator.line_faults import FaultSpec, FaultyLine
+
+STEP_S = 0.002
+"""The emulator and the drive model go on by turns of this length."""
+TRACK_EVERY = 10
+BEHIND_MAX_S = 0.02
+"""Further behind the clock than this, the emulated time lets the difference go: the robot's clock
+is slow then, but no byte waits for it, and a pose is as old as the host says."""
+READ_BYTES = 4096
+
+
+class EmulatedRobot:
+    """A robot on a new pseudo-terminal whose processor is ``command``, an emulator.
+
+    ``command`` speaks the protocol of :mod:`emulated_processor`; ``pose`` is (x_m, y_m,
+    heading_rad) at the start; ``rng`` moves the robot and its faults. EmulatorError where the
+    program cannot be started; when it ends, the robot stands and the line is silent.
+    """
+
+    def __init__(
+        self,
+        command: Sequence[str | Path],
+        pose: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        *,
+        rng: np.random.Generator,
+        model: DriveModel | None = None,
+        faults: FaultSpec | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._clock = clock
+        self._processor = EmulatedProcessor(command)
+        self._drive = Drive(model or DriveModel(), TruePose(*pose), rng)
+        spec = faults or FaultSpec()
+        self._lines = (FaultyLine(spec, rng), FaultyLine(spec, rng))
+        self._encoders_m = (0.0, 0.0)
+        self._steps = 0
+        self._track: list[tuple[float, float, float, float]] = []
+        self._lock = threading.Lock()
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._fd, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._fd, False)
+        self.port = os.ttyname(self._slave)
+        self.motors = Motors(0.0, 0.0, False, 0.0, 0.0)
+        self.lost_s = 0.0
+        """How much of the clock's time the emulator was too slow for."""
+
+    def start(self) -> None:
+        """Switch the robot on."""
+        self._thread = threading.Thread(target=self._run, name="emulated robot", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Switch it off; its end of the line is closed then."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+        self._processor.close()
+        if self._fd >= 0:
+            os.close(self._fd)
+            os.close(self._slave)
+        self._fd = -1
+
+    def pose(self) -> TruePose:
+        """Where the robot is now; for any thread."""
+        return self._drive.pose
+
+    def track(self) -> NDArray[np.float64]:
+        """Where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
+        with self._lock:
+            return np.array(self._track, dtype=np.float64).reshape(-1, 4)
+
+    def _run(self) -> None:
+        done_s = self._clock()
+        while not self._stop.is_set():
+            now_s = self._clock()
+            if now_s - done_s > BEHIND_MAX_S:
+                self.lost_s += now_s - done_s - BEHIND_MAX_S
+                done_s = now_s - BEHIND_MAX_S
+            while done_s + STEP_S <= now_s:
+                done_s += STEP_S
+                try:
+                    self._step(done_s)
+                except EmulatorError:
+                    return
+            self._stop.wait(max(0.0, done_s + STEP_S - self._clock()))
+
+    def _step(self, now_s: float) -> None:
+        arrived = self._lines[0].carry(self._read(), now_s)
+        encoders_m = self._drive.encoders_m
+        travel = (encoders_m[0] - self._encoders_m[0], encoders_m[1] - self._encoders_m[1])
+        self._encoders_m = encoders_m
+        self.motors, data = self._processor.run(STEP_S, arrived, travel)
+        wheels = WheelSpeeds(self.motors.left_m_s, self.motors.right_m_s, self.motors.powered)
+        self._drive.step(STEP_S, wheels)
+        self._write(self._lines[1].carry(data, now_s))
+        self._steps += 1
+        if self._steps % TRACK_EVERY == 0:
+            with self._lock:
+                self._track.append((now_s, *self._drive.pose))
+
+    def _read(self) -> bytes:
+        if not select.select([self._fd], [], [], 0.0)[0]:
+            return b""
+        try:
+            return os.read(self._fd, READ_BYTES)
+        except OSError:
+            return b""  # the other end has hung up: a robot does not mind
+
+    def _write(self, data: bytes) -> None:
+        if data and select.select([], [self._fd], [], 0.0)[1]:
+            try:
+                os.write(self._fd, data)
+            except OSError:
+                return  # nobody reads: a UART does not wait either

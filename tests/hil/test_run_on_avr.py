@@ -1,0 +1,95 @@
+"""A whole `clearway run` with the AVR binary as the robot, in real time.
+
+Camera, vision, planning, the link and the pseudo-terminal are those of every run; behind the
+line an emulated ATmega328P runs the firmware, and its PWM and encoders move the drive model.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from navigation.config import load_config
+from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
+from navigation.simulator.emulated_robot import EmulatedRobot
+from navigation.world import World
+from tests.support.avr_robot import AvrRobot, missing_tools
+from tests.support.pictures import call
+
+pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+MISSION = """mission:
+  stations:
+    - {x_m: 0.20, y_m: 0.75}
+    - {x_m: 0.20, y_m: 1.40, heading_deg: 90}
+"""
+
+
+def short_configuration(folder: Path, avr: AvrRobot) -> Path:
+    """The shipped simulation with two near stations and the emulated processor."""
+    shutil.copytree(CONFIGS, folder, dirs_exist_ok=True)
+    text = (CONFIGS / "simulation.yaml").read_text()
+    text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, text, flags=re.MULTILINE)
+    text = text.replace("runs_dir: runs", f"runs_dir: {folder / 'runs'}")
+    emulator = json.dumps(shlex.join(avr.command))
+    text = re.sub(r"(    motor_time_s: .*\n)", rf"\1    emulator: {emulator}\n", text)
+    file = folder / "avr.yaml"
+    file.write_text(text)
+    assert load_config(file).simulation is not None
+    return file
+
+
+def speed_of_emulation(avr: AvrRobot) -> float:
+    """Emulated seconds in a second, of the busy processor, on this machine now."""
+    processor = EmulatedProcessor(avr.command)
+    try:
+        began_s = time.perf_counter()
+        processor.run(1.0)
+        return 1.0 / (time.perf_counter() - began_s)
+    finally:
+        processor.close()
+
+
+def test_clearway_run_drives_the_emulated_microcontroller_to_its_goal(tmp_path: Path) -> None:
+    with AvrRobot() as avr:
+        speed = speed_of_emulation(avr)
+        if speed < 0.5:
+            pytest.skip(f"this machine emulates {speed:.2f} seconds in a second: not real time")
+        file = short_configuration(tmp_path, avr)
+        told = call("run", file, "--once", "--report", tmp_path / "report.json")
+    assert (told.code, told.err) == (0, ""), told
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert (report["state"], report["stations_visited"]) == ("done", 2)
+    assert report["waypoints_executed"] == report["waypoints_sent"] >= 4
+    assert report["ground_truth"]
+    assert report["goal_error_m"] < 0.02
+    assert report["min_clearance_m"] > 0.09
+
+
+def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> None:
+    with AvrRobot() as avr, World(load_config(short_configuration(tmp_path, avr))) as world:
+        assert world.truth is not None
+        robot = world.truth.robot
+        assert isinstance(robot, EmulatedRobot)
+        until_s = time.monotonic() + 20.0
+        while robot.motors.now_s < 0.2 and time.monotonic() < until_s:
+            time.sleep(0.01)
+        assert robot.motors.now_s >= 0.2, "the emulated clock goes"
+        assert not robot.motors.powered, "nobody has told it to drive"
+
+
+def test_an_emulator_that_ends_is_an_error_and_no_hang() -> None:
+    processor = EmulatedProcessor(["true"])
+    with pytest.raises(EmulatorError, match="has ended"):
+        processor.run(0.001)
+    processor.close()
+    with pytest.raises(EmulatorError, match="no-such-program"):
+        EmulatedRobot(["no-such-program"], rng=np.random.default_rng(1))
