@@ -160,7 +160,7 @@ def test_ctrl_c_in_mid_run_ends_it_in_order(tmp_path: Path, write: Callable[...,
 @pytest.fixture
 def config(write: Callable[..., Path]) -> Config:
     loaded = load_config(write())
-    warm_up(loaded)
+    warm_up(loaded, print)
     return loaded
 
 
