@@ -16,12 +16,14 @@ from datetime import datetime
 from pathlib import Path
 
 from navigation.config import Config
+from navigation.config_sections import SIMULATED
 from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon, DaemonState
 from navigation.journal import Journal
 from navigation.mission import Mission, State
 from navigation.report import Report
 from navigation.run_summary import make_run_folder, summarise, write_run
+from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
 from navigation.warm_up import warm_up
 from navigation.world import World
@@ -68,6 +70,8 @@ class Runner:
 
     def run(self) -> RunResult:
         """Until the mission is over (``once``), the time limit, or an interrupt."""
+        if self.config.serial.port != SIMULATED:
+            look_for_port(self.config.serial.port)  # before the user has waited for the kernels
         folder = make_run_folder(self.config.recording.runs_dir, datetime.now())
         warm_up(self.config, self._say)
         world = World(self.config, self._clock)

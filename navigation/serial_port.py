@@ -19,16 +19,21 @@ def open_port(path: str, baud: int) -> serial.Serial:
 
     Raises PortError where the port is missing, busy, forbidden or no serial port.
     """
+    look_for_port(path)
+    try:
+        return serial.Serial(path, baud, timeout=0, write_timeout=0, exclusive=True)
+    except (serial.SerialException, OSError, ValueError, termios.error) as error:
+        raise PortError(f"serial port {path}: {_reason(error)}") from error
+
+
+def look_for_port(path: str) -> None:
+    """PortError where there is no such device; opens nothing, for opening resets some robots."""
     try:
         mode = os.stat(path).st_mode
     except OSError as error:
         raise PortError(f"serial port {path}: {_reason(error)}") from error
     if not stat.S_ISCHR(mode):
         raise PortError(f"serial port {path}: is no serial port")
-    try:
-        return serial.Serial(path, baud, timeout=0, write_timeout=0, exclusive=True)
-    except (serial.SerialException, OSError, ValueError, termios.error) as error:
-        raise PortError(f"serial port {path}: {_reason(error)}") from error
 
 
 def _reason(error: BaseException) -> str:
