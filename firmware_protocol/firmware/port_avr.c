@@ -214,17 +214,22 @@ void cw_port_travel(uint32_t *out_left_um, uint32_t *out_right_um)
     *out_right_um = (uint32_t)(right * UM_PER_TICK);
 }
 
-static uint8_t duty(float speed_m_s)
+/* What a step of the PWM (3.1 mm/s) is too coarse for is carried on to the next round, so that
+ * slow wheels turn at all: without it the robot cannot end a turn at a stop. */
+static uint8_t duty(float speed_m_s, uint8_t *carry)
 {
-    float part = (speed_m_s < 0.0f ? -speed_m_s : speed_m_s) * (255.0f / FULL_SPEED_M_S);
-    return part > 255.0f ? 255u : (uint8_t)part;
+    float part = (speed_m_s < 0.0f ? -speed_m_s : speed_m_s) * (65280.0f / FULL_SPEED_M_S);
+    uint16_t fine = (uint16_t)((part > 65280.0f ? 65280u : (uint16_t)part) + *carry);
+    *carry = (uint8_t)(fine & 0xFFu);
+    return (uint8_t)(fine >> 8);
 }
 
 void cw_port_drive(cw_wheels wheels)
 {
     uint8_t interrupts = SREG;
-    uint8_t left = duty(wheels.left_m_s);
-    uint8_t right = duty(wheels.right_m_s);
+    static uint8_t carry[2];
+    uint8_t left = duty(wheels.left_m_s, &carry[0]);
+    uint8_t right = duty(wheels.right_m_s, &carry[1]);
     if (!wheels.powered) {
         motors_off();
         return;
