@@ -166,9 +166,9 @@ def _circles_and_records(m: Measured) -> list[Claim]:
             "The bound in y alone fails where the circle is steep: of perfect discs of 12 px"
             f" {m.literal_discs.circles} of {m.literal_discs.shown} pass; x and y must change"
             " places there. The threshold is not told (0.25 px here). Noise breaks it: of circles"
-            f" of 30 px {taken(30.0, 0.0)} pass, at noise 5 {taken(30.0, 5.0)}, at 20 {taken(30.0, 20.0)};"
-            f" octagons of 8 px pass, {eight.circles} of {eight.shown}; radii are up to"
-            f" {error:.2f} px short",
+            f" of 30 px {taken(30.0, 0.0)} pass, at noise 5 {taken(30.0, 5.0)}, at 20"
+            f" {taken(30.0, 20.0)}; octagons of 8 px pass, {eight.circles} of {eight.shown};"
+            f" radii are up to {error:.2f} px short",
             f"all {sum(t.circles for t in every)} of {sum(t.shown for t in every)} found at noise"
             f" up to 20, radius within {our_error:.2f} px. Octagons of 8 px pass here too"
             f" ({ours.circles} of {ours.shown}, off by {ours.radius_error_px:.2f} px); from 12 px"

@@ -128,10 +128,15 @@ def _side_differences(roadmap: Roadmap) -> Points:
     return np.array(out)
 
 
-def completeness(mode: Mode, seeds: Sequence[int] = range(25), pairs: int = 8) -> Completeness:
+def scenes_to_judge(random: int = 25) -> list[Scene]:
+    """The hand-made scenes and so many random ones."""
+    rngs = (np.random.default_rng(seed) for seed in range(random))
+    return [*hand_made().values(), *(random_scene(rng) for rng in rngs)]
+
+
+def completeness(mode: Mode, scenes: Sequence[Scene], pairs: int = 8) -> Completeness:
     """Paths against connected cells of a grid with enough distance: surely with a pixel more,
     surely not with a pixel less."""
-    scenes = [*hand_made().values(), *(random_scene(np.random.default_rng(s)) for s in seeds)]
     rng = np.random.default_rng(1)
     counts = np.zeros(4, np.int64)
     least = math.inf

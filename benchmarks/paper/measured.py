@@ -75,7 +75,7 @@ def measure(largest: int) -> Measured:
         protrusions={(r, m): weaknesses.protrusion(r, m) for r in ARC_RADII for m in MODES},
         clearances=[guarantees.clearances(k) for k in PER_RADIUS],
         errors=[guarantees.bisector_error(d, m) for d in SPACINGS for m in MODES],
-        completeness={m: guarantees.completeness(m) for m in MODES},
+        completeness={m: guarantees.completeness(m, guarantees.scenes_to_judge()) for m in MODES},
     )
 
 
