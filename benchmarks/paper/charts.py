@@ -66,6 +66,8 @@ class Chart:
         xs = [i * x_step for i in range(round(x_max / x_step) + 1)]
         ys = [i * y_step for i in range(round(y_max / y_step) + 1)]
         self._grid([(at(x, 0.0)[0], f"{x:g}") for x in xs], [(at(0.0, y)[1], f"{y:g}") for y in ys])
+        # a line that meets the axis to the right of zero leaves room above the few dots only
+        crosses = fit([x for x, _ in full], [y for _, y in full]).intercept < 0.0
         for dots, colour in ((full, canvas.FULL), (reduced, canvas.REDUCED)):
             line = fit([x for x, _ in dots], [y for _, y in dots])
             x1 = max(x for x, _ in dots)
@@ -74,8 +76,12 @@ class Chart:
             self._dots(dots, ends, at, colour)
             each = f"{line.slope * 1e3:.2g} us" if line.slope < 1.0 else f"{line.slope:.3g} ms"
             x, y = ends[1]
-            right = x > self.left + 0.6 * WIDTH
-            place = (x - 12.0, y + 4.0, "end") if right else (x - 24.0, y - 16.0, "start")
+            if x > self.left + 0.6 * WIDTH:
+                place = (x - 12.0, y + 4.0, "end")
+            elif crosses:
+                place = (max(x - 24.0, self.left + 4.0), y - 16.0, "start")
+            else:
+                place = (x + 10.0, y + 4.0, "start")
             self.page.shapes.append(
                 Label(*place[:2], f"{each} each", 11.5, colour, place[2], halo=True)
             )
