@@ -156,7 +156,8 @@ def plan_request(
 ) -> Path | NoPath:
     """Answer a request on measured chains, for a disc of ``radius``."""
     need = radius + request.margin
-    names = ["start", *(f"via[{i}]" for i in range(len(request.stations) - 2)), "goal"]
+    vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
+    names = ["the start", *vias, "the goal"]
     for name, place in zip(names, request.stations, strict=True):
         if reason := why_not(borders, name, place, need):
             return NoPath(reason)
@@ -246,16 +247,16 @@ def why_not(borders: Borders, name: str, place: Vec, need: float) -> str | None:
     x, y = place
     box = borders.box
     if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
-        return f"the {name} {_at(place)} lies outside the bounds"
+        return f"{name} {_at(place)} lies outside the bounds"
     distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
     inside = np.flatnonzero(borders.owners_around(x, y, distance))
     if len(inside):
-        return f"the {name} {_at(place)} lies inside obstacle {inside[0]}"
+        return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
     if distance < need - ROUNDING * borders.extent:
         owner = borders.owner[which]
         what = "the bounds" if owner < 0 else f"obstacle {owner}"
         return (
-            f"the {name} {_at(place)} is {distance:.6g} from {what}, "
+            f"{name} {_at(place)} is {distance:.6g} from {what}, "
             f"nearer than the radius and margin of {need:g}"
         )
     return None
@@ -282,6 +283,8 @@ def plan_leg(
     """
     if start == goal:
         return [np.array([start, goal])]
+    if wanted <= ROUTES and _is_clear(borders, start, goal, need, preference):
+        return [np.array([start, goal])]
     floor = need - ROUNDING * borders.extent
     cost, total = search_kernels.chain_costs(
         chains.rho, chains.gap, chains.step, chains.first, chains.length, need, DETOUR * preference
@@ -307,7 +310,7 @@ def plan_leg(
             if used in seen:
                 continue
             seen.add(used)
-            way = _finish(borders, line, need, preference)
+            way = _finish(borders, line, need, preference, alone=wanted <= ROUTES)
             if way is not None:
                 found.append((_judge(borders, way, need, preference), way))
         if found and preference < 1.0:
@@ -317,14 +320,67 @@ def plan_leg(
     return []
 
 
-def _finish(borders: Borders, line: Line, need: float, preference: float) -> FloatArray | None:
-    """The route as a proved polyline: taut, or as it is where that cannot be proved."""
-    if preference < 1.0:
-        keep = need * (1.0 + ROOM * preference)
-        way = pull_taut(borders, line.points, line.pairs, keep, need)
-        if way is not None:
-            return way
-    return _certain(borders, line, need)
+def _is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: float) -> bool:
+    """Whether the straight line is as far off the borders as the preference asks.
+
+    The widest way (preference 1) is never cut short.
+    """
+    if preference >= 1.0:
+        return False
+    ends = np.array([start, goal])
+    rho, _ = borders.distances(ends)
+    return _keeps(borders, ends, float(rho.min()), need, preference)
+
+
+def _keeps(
+    borders: Borders, line: FloatArray, standing: float, need: float, preference: float
+) -> bool:
+    """Whether a line keeps ``1 + ROOM * preference`` radii, or what its ends have (standing)."""
+    gap, *_ = distance_kernels.polyline_clearance(*borders.tree, line)
+    wish = min(need * (1.0 + ROOM * preference), standing)
+    return bool(gap >= max(need, wish) - ROUNDING * borders.extent)
+
+
+def _finish(
+    borders: Borders, line: Line, need: float, preference: float, *, alone: bool
+) -> FloatArray | None:
+    """The route as a proved polyline: taut, or as it is where that cannot be proved.
+
+    ``alone``: no alternatives are wanted, so it may be cut short across to another side of an
+    obstacle.
+    """
+    if preference >= 1.0:
+        return _certain(borders, line, need)
+    keep = need * (1.0 + ROOM * preference)
+    way = pull_taut(borders, line.points, line.pairs, keep, need)
+    if way is None:
+        way = _certain(borders, line, need)
+    if way is None or not alone:
+        return way
+    way = _cut_short(borders, way, need, preference)
+    return np.ascontiguousarray(_cut_short(borders, way[::-1], need, preference)[::-1])
+
+
+def _cut_short(borders: Borders, way: FloatArray, need: float, preference: float) -> FloatArray:
+    """The way with straight lines put in where they keep their distance; never longer.
+
+    From each point the line to the last one is tried, then to one half as far, and so on:
+    O(n log n) lines for n points.
+    """
+    way = np.ascontiguousarray(way)
+    rho, _ = borders.distances(way)
+    kept = [0]
+    while kept[-1] < len(way) - 1:
+        here = kept[-1]
+        step = len(way) - 1 - here
+        while step > 1:
+            ends = np.ascontiguousarray(way[[here, here + step]])
+            standing = float(min(rho[here], rho[here + step]))
+            if _keeps(borders, ends, standing, need, preference):
+                break
+            step //= 2
+        kept.append(here + step)
+    return np.ascontiguousarray(way[kept])
 
 
 def _judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:

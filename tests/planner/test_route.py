@@ -10,7 +10,7 @@ import pytest
 
 import planner
 from planner.path import NoPath, Path
-from planner.scene import CircleRecord, Scene
+from planner.scene import Bounds, CircleRecord, Scene
 from tests.support.planner_scenes import bay, box, hand_made, random_scene, scene_of, slow_distance
 
 
@@ -202,3 +202,20 @@ def test_the_way_back_is_the_way_there(seed: int) -> None:
     if isinstance(there, Path):
         assert there.min_clearance == pytest.approx(back.min_clearance, abs=1e-6)
         assert there.length == pytest.approx(back.length, rel=1e-6)
+
+
+def test_length_is_the_straight_line_where_nothing_is_in_the_way() -> None:
+    scene = scene_of(
+        box(199.5, 149.5, 300.5, 300.5),
+        CircleRecord((450.0, 240.0), 60.5),
+        bounds=Bounds(-0.5, -0.5, 639.5, 479.5),
+    )
+    path = _plan(scene, 9.0, (40, 40), (600, 40), prefer="length")
+    assert path.points.tolist() == [[40.0, 40.0], [600.0, 40.0]]
+
+
+def test_a_refused_station_is_called_by_its_number() -> None:
+    scene = hand_made()["one box"]
+    answer = _plan(scene, 5.0, (10, 10), (150, 110), via=[(10, 100), (80, 60)])
+    assert isinstance(answer, NoPath)
+    assert answer.reason.startswith("station 2 (80, 60) lies inside obstacle 0")
