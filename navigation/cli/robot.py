@@ -78,7 +78,7 @@ def command(
             if news != told:
                 told = news
                 click.echo(describe(view))
-            time.sleep(LOOK_S)
+            time.sleep(LOOK_S)  # the robot lives in its own thread; this one only looks on
 
 
 def describe(view: RobotView) -> str:

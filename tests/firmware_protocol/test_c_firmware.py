@@ -40,6 +40,7 @@ from firmware_protocol.robot_connection import Identity, RobotConnection
 from navigation.serial_link import SerialLink
 from tests.support.c_robot import FIRMWARE, CRobot, library, missing_tool
 from tests.support.fault_scenarios import SCENARIOS, robot_maker
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(
     missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"
@@ -294,7 +295,7 @@ def test_the_firmware_as_a_process_drives_a_mission_under_the_sanitizers(tmp_pat
                 link.lease(True, odometry=True)
                 if mission is None and link.snapshot().down_reason is None:
                     mission = link.upload(5, waypoints)
-                time.sleep(0.02)
+                time.sleep(0.02)  # a control loop's period: the lease has to be given again
             snapshot = link.snapshot()
             assert snapshot.mission_done
             assert snapshot.status is not None
@@ -302,9 +303,7 @@ def test_the_firmware_as_a_process_drives_a_mission_under_the_sanitizers(tmp_pat
             assert snapshot.status.exec_crc == mission.prefix_crc(40)
             assert abs(snapshot.status.x_m - 0.78) < 0.01
             link.estop()
-            while not link.snapshot().estopped and time.monotonic() < end_s:
-                time.sleep(0.01)
-            assert link.snapshot().estopped
+            assert wait_until(lambda: link.snapshot().estopped)
         process.terminate()
         assert process.wait(timeout=10) == 0, "a sanitizer complained"
     finally:

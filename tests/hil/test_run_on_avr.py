@@ -22,6 +22,7 @@ from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.world import World
 from tests.support.avr_robot import AvrRobot, missing_tools
 from tests.support.pictures import call
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
 
@@ -79,10 +80,7 @@ def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> 
         assert world.truth is not None
         robot = world.truth.robot
         assert isinstance(robot, EmulatedRobot)
-        until_s = time.monotonic() + 20.0
-        while robot.motors.now_s < 0.2 and time.monotonic() < until_s:
-            time.sleep(0.01)
-        assert robot.motors.now_s >= 0.2, "the emulated clock goes"
+        assert wait_until(lambda: robot.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
         assert not robot.motors.powered, "nobody has told it to drive"
 
 

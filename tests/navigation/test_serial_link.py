@@ -6,7 +6,7 @@ import random
 import threading
 import time
 import tty
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -22,17 +22,7 @@ from navigation.serial_link import LinkSnapshot, SerialLink
 from navigation.serial_port import PortError, open_port
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
-
-TICK_S = 0.01
-
-
-def wait_for(holds: Callable[[], bool], seconds: float = 10.0) -> bool:
-    end_s = time.monotonic() + seconds
-    while time.monotonic() < end_s:
-        if holds():
-            return True
-        time.sleep(TICK_S)
-    return holds()
+from tests.support.waiting import wait_until
 
 
 @contextmanager
@@ -73,7 +63,7 @@ def driven(link: SerialLink) -> bool:
     snapshot = link.snapshot()
     if snapshot.mission_id is not None and not snapshot.running and not snapshot.mission_done:
         link.start()
-        time.sleep(0.1)
+        wait_until(lambda: link.snapshot().running, 0.1)  # not again before it could begin
     return snapshot.mission_done
 
 
@@ -82,9 +72,9 @@ LINE = [Waypoint(0.02 * i, 0.0, 0.4) for i in range(30)]
 
 def test_a_mission_is_driven_over_a_pseudo_terminal() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
-        assert wait_for(lambda: is_up(link))
+        assert wait_until(lambda: is_up(link))
         mission = link.upload(7, LINE)
-        assert wait_for(lambda: driven(link), 30.0), link.snapshot()
+        assert wait_until(lambda: driven(link), 30.0), link.snapshot()
         snapshot = link.snapshot()
         assert (snapshot.mission_id, snapshot.executed) == (7, len(LINE))
         assert there.view().exec_crc == mission.prefix_crc(len(LINE))
@@ -98,39 +88,39 @@ def test_a_mission_is_driven_over_a_pseudo_terminal() -> None:
 def test_a_mission_is_driven_over_a_bad_line() -> None:
     faults = FaultSpec.parse("drop=0.001,flip=0.0005,dup=0.01,stall=0.1@1")
     with robot(faults=faults) as there, SerialLink(there.port) as link, controlled(link, there):
-        assert wait_for(lambda: is_up(link))
+        assert wait_until(lambda: is_up(link))
         mission = link.upload(7, LINE)
-        assert wait_for(lambda: driven(link), 30.0), link.snapshot()
+        assert wait_until(lambda: driven(link), 30.0), link.snapshot()
         assert there.view().exec_crc == mission.prefix_crc(len(LINE))
 
 
 def test_emergency_stop_is_confirmed_and_left_in_a_fresh_session() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there):
-        assert wait_for(lambda: is_up(link))
+        assert wait_until(lambda: is_up(link))
         link.upload(7, LINE)
-        assert wait_for(lambda: there.view().moving)
+        assert wait_until(lambda: there.view().moving)
         link.estop()
-        assert wait_for(lambda: link.snapshot().estopped, 2.0)
-        assert wait_for(lambda: not there.view().moving, 2.0)
+        assert wait_until(lambda: link.snapshot().estopped, 2.0)
+        assert wait_until(lambda: not there.view().moving, 2.0)
         assert not link.snapshot().estop_pending
         assert any(isinstance(event, MissionVoid) for event in link.events())
         link.reset_estop()
-        assert wait_for(lambda: there.view().state is RobotState.IDLE, 5.0)
-        assert wait_for(lambda: not link.snapshot().estopped, 5.0)
+        assert wait_until(lambda: there.view().state is RobotState.IDLE, 5.0)
+        assert wait_until(lambda: not link.snapshot().estopped, 5.0)
 
 
 def test_the_robot_stops_when_the_control_loop_hangs_although_the_thread_lives() -> None:
     with robot() as there, SerialLink(there.port) as link, controlled(link, there) as alive:
-        assert wait_for(lambda: is_up(link))
+        assert wait_until(lambda: is_up(link))
         link.upload(7, LINE)
-        assert wait_for(lambda: there.view().moving)
+        assert wait_until(lambda: there.view().moving)
         alive.clear()
-        assert wait_for(lambda: there.view().state is RobotState.HOLD, 2.0)
+        assert wait_until(lambda: there.view().state is RobotState.HOLD, 2.0)
         assert is_up(link)
         alive.set()
-        assert not wait_for(lambda: there.view().state is RobotState.RUN, 0.5)
+        assert not wait_until(lambda: there.view().state is RobotState.RUN, 0.5)
         link.start()
-        assert wait_for(lambda: link.snapshot().mission_done, 20.0)
+        assert wait_until(lambda: link.snapshot().mission_done, 20.0)
 
 
 def test_a_missing_port_is_one_clear_sentence(tmp_path: Path) -> None:
@@ -160,7 +150,7 @@ def test_closing_is_quick_and_frees_the_port() -> None:
     with robot() as there:
         link = SerialLink(there.port)
         link.open()
-        assert wait_for(lambda: is_up(link))
+        assert wait_until(lambda: is_up(link))
         began_s = time.monotonic()
         link.close()
         assert time.monotonic() - began_s < 0.2
@@ -176,7 +166,7 @@ def test_a_closed_link_can_be_opened_again() -> None:
         link = SerialLink(there.port)
         for _ in range(2):
             with link:
-                assert wait_for(lambda: is_up(link))
+                assert wait_until(lambda: is_up(link))
         assert link.snapshot().sent.sessions == 2
 
 
@@ -185,7 +175,7 @@ def test_a_silent_port_says_what_to_look_at() -> None:
     tty.setraw(slave)
     try:
         with SerialLink(os.ttyname(slave)) as link:
-            assert wait_for(lambda: "no byte" in (link.snapshot().down_reason or ""), 3.0)
+            assert wait_until(lambda: "no byte" in (link.snapshot().down_reason or ""), 3.0)
     finally:
         os.close(master)
         os.close(slave)
@@ -199,16 +189,16 @@ def test_a_port_that_goes_away_is_found_again_by_its_name(tmp_path: Path) -> Non
         link = SerialLink(str(name))
         link.open()
         try:
-            assert wait_for(lambda: is_up(link))
+            assert wait_until(lambda: is_up(link))
             first.stop()
-            assert wait_for(lambda: not is_up(link), 3.0)
-            assert "broke" in str(link.snapshot().down_reason) or wait_for(
+            assert wait_until(lambda: not is_up(link), 3.0)
+            assert "broke" in str(link.snapshot().down_reason) or wait_until(
                 lambda: link.snapshot().down_reason is not None
             )
             name.unlink()
             with robot(seed=2) as second:
                 name.symlink_to(second.port)
-                assert wait_for(lambda: is_up(link), 10.0), link.snapshot().down_reason
+                assert wait_until(lambda: is_up(link), 10.0), link.snapshot().down_reason
                 assert link.snapshot().state is LinkState.REBOOTED
         finally:
             link.close()
@@ -217,17 +207,17 @@ def test_a_port_that_goes_away_is_found_again_by_its_name(tmp_path: Path) -> Non
 def test_a_new_process_goes_on_with_the_robots_mission() -> None:
     with robot() as there:
         with SerialLink(there.port) as first, controlled(first, there):
-            assert wait_for(lambda: is_up(first))
+            assert wait_until(lambda: is_up(first))
             first.upload(7, LINE)
-            assert wait_for(lambda: first.snapshot().executed >= 5)
+            assert wait_until(lambda: first.snapshot().executed >= 5)
             boot_id = first.snapshot().boot_id
         with SerialLink(there.port, expected_boot_id=boot_id) as second, controlled(second, there):
             second.upload(7, LINE, start=False)
-            assert wait_for(lambda: is_up(second))
-            assert wait_for(lambda: not there.view().moving, 3.0)
+            assert wait_until(lambda: is_up(second))
+            assert wait_until(lambda: not there.view().moving, 3.0)
             assert 5 <= second.snapshot().executed < len(LINE)
             second.start()
-            assert wait_for(lambda: second.snapshot().mission_done, 20.0)
+            assert wait_until(lambda: second.snapshot().mission_done, 20.0)
             assert there.view().exec_crc == Mission(7, LINE).prefix_crc(len(LINE))
 
 

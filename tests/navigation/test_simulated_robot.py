@@ -4,7 +4,6 @@ import select
 import signal
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -18,6 +17,7 @@ from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultSpecError, FaultyLine
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.virtual_loop import PacedLine
+from tests.support.waiting import wait_until
 
 
 def drive(model: DriveModel) -> Drive:
@@ -154,9 +154,7 @@ def test_a_robot_that_resets_is_noticed() -> None:
         SimulatedRobot(rng=np.random.default_rng(0), faults=faults) as robot,
         SerialLink(robot.port) as link,
     ):
-        end_s = time.monotonic() + 10.0
-        while link.snapshot().sent.reboots == 0 and time.monotonic() < end_s:
-            time.sleep(0.02)
+        assert wait_until(lambda: link.snapshot().sent.reboots > 0)
         assert link.snapshot().sent.reboots == 1
 
 
@@ -178,10 +176,7 @@ def test_the_command_prints_the_port_and_ends_with_ctrl_c() -> None:
             pytest.fail("the command says nothing")
         port = process.stdout.readline().strip()
         with SerialLink(port) as link:
-            end_s = time.monotonic() + 10.0
-            while link.snapshot().down_reason and time.monotonic() < end_s:
-                time.sleep(0.02)
-            assert link.snapshot().down_reason is None
+            assert wait_until(lambda: link.snapshot().down_reason is None)
             out = process.stdout.readline() + process.stdout.readline()
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=10)
