@@ -6,7 +6,8 @@ is: newest frame -> eye -> pilot -> orders to the planner and the link. It runs 
 and at least every ``LONGEST_CYCLE_S`` without one, so that a lost camera stops the robot too.
 The lease that lets the robot move is given by this loop only: should it hang, the robot stops.
 
-Only this module and the command line read the clock. Units: metres, radians, seconds.
+The clock is passed in; only the running program (runner, warm-up, command line) reads it.
+Units: metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -71,7 +72,8 @@ class DrivenPlan:
 class Daemon:
     """Runs one configuration; a context manager that opens and closes everything.
 
-    ``mission_seed`` is the id of the first mission on the wire less one.
+    ``first_mission_id``: ids on the wire count up from the one after it. With a ``journal``
+    mission, progress and plan are kept before they take effect.
     """
 
     def __init__(
