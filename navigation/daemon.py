@@ -16,15 +16,15 @@ import math
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, Final
 
 import numpy as np
 
 from navigation.config import Config
-from navigation.cycle import Orders, PlanAnswer, RobotReport, Sight
+from navigation.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
 from navigation.eye import Eye, Glimpse
 from navigation.journal import Journal, SentPlan
 from navigation.mission import Mission, State, Station
@@ -33,8 +33,9 @@ from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.serial_link import LinkSnapshot, SerialLink
 from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
 from navigation.targets import to_wire
+from navigation.watch import Verdict
 from navigation.world import World
-from planner.path import Path, Trajectory
+from planner.path import NoPath, Path, Trajectory
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera import Frame
@@ -48,8 +49,23 @@ STOP_GRACE_S: Final = 0.35
 
 
 @dataclass(frozen=True, slots=True)
+class StageTimes:
+    """How long each stage took last, seconds; None before its first time."""
+
+    look_s: float | None = None
+    """Vision, one frame."""
+    roadmap_s: float | None = None
+    """From a new scene to its roadmap, in the planner's thread."""
+    plan_s: float | None = None
+    """From a request for a plan to its answer."""
+
+
+@dataclass(frozen=True, slots=True)
 class DaemonState:
-    """What is known after a cycle; for the command line, the dashboard and tests."""
+    """What is known after a cycle; for the command line, the dashboard and tests.
+
+    Nothing in it changes any more: other threads may keep it and read it at leisure.
+    """
 
     time_s: float
     mission: Mission
@@ -58,6 +74,16 @@ class DaemonState:
     link: LinkSnapshot
     to_go_m: float | None
     clearance_m: float | None
+    verdict: Verdict
+    frame: Frame | None
+    """The newest picture."""
+    poses: Mapping[int, RobotPose]
+    """By marker id: every robot in that picture."""
+    roadmap: Roadmap | None
+    """The newest; its ``scene`` is what it was made of."""
+    path: Path | None
+    """The plan that is being driven."""
+    times: StageTimes
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +132,12 @@ class Daemon:
         self.plans: list[DrivenPlan] = []
         self.sightings: list[tuple[float, float, float, float]] = []
         self.processed = 0
+        self.state: DaemonState | None = None
+        """What the last cycle ended with; replaced as a whole, so any thread may read it."""
+        self._frame: Frame | None = None
+        self._poses: Mapping[int, RobotPose] = {}
+        self._times = StageTimes()
+        self._scene_s = self._asked_s = 0.0
         self.started_s = clock()
         self._revision = 0
         self._known_revision = 0
@@ -181,6 +213,17 @@ class Daemon:
                 self.pilot.rearm()
             self.pilot.resume()
 
+    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
+        """What a mission through these stations would be from where the robot is; changes nothing.
+
+        Any thread may ask; the answer is the plan that `give` would lead to in this scene.
+        """
+        pose = self.pose
+        if pose is None:
+            return PlanAnswer(0, 0, NoPath("the robot was not seen yet"))
+        start = (pose.x, pose.y, pose.heading_rad)
+        return self._arena_planner.answer(PlanRequest(0, start, stations, self._known_revision))
+
     def describe(self) -> dict[str, Any]:
         """The present state as JSON takes it."""
         with self._lock:
@@ -224,12 +267,16 @@ class Daemon:
             orders = self.pilot.step(now_s, sight, robot_report(snapshot), answer)
         self._write_journal(orders)
         self._carry_out(orders, now_s, sight)
-        return self._state(now_s, sight, snapshot)
+        self.state = self._state(now_s, sight, snapshot)
+        return self.state
 
     def _see(self, frame: Frame) -> None:
+        began_s = self._clock()
         glimpse: Glimpse = self._eye.look(frame)
+        self._note(look_s=self._clock() - began_s)
         self.processed += 1
         self._frame_s = frame.captured_s
+        self._frame, self._poses = frame, glimpse.poses
         pose = glimpse.poses.get(self.config.robot.marker_id)
         if pose is not None:
             self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
@@ -239,7 +286,12 @@ class Daemon:
             self._revision += 1
             self.scene = glimpse.scene
             points = None if self.pilot.path is None else self.pilot.path.points
+            self._scene_s = self._clock()
             self._planner.see(glimpse.scene, self._revision, points)
+
+    def _note(self, **times_s: float) -> None:
+        with self._lock:
+            self._times = replace(self._times, **times_s)
 
     def _sight(self, now_s: float) -> Sight:
         pose = self.pose
@@ -283,6 +335,7 @@ class Daemon:
             assert self.pilot.path is not None
             self.plans.append(DrivenPlan(self.pilot.path, self.pilot.trajectory, now_s))
         if orders.request is not None:
+            self._asked_s = now_s
             self._planner.ask(orders.request)
 
     def _state(self, now_s: float, sight: Sight, snapshot: LinkSnapshot) -> DaemonState:
@@ -295,6 +348,12 @@ class Daemon:
             link=snapshot,
             to_go_m=self._to_go_m(snapshot),
             clearance_m=sight.clearance_m,
+            verdict=self.pilot.verdict,
+            frame=self._frame,
+            poses=self._poses,
+            roadmap=self._arena_planner.roadmap,
+            path=self.pilot.path,
+            times=self._times,
         )
 
     def _to_go_m(self, snapshot: LinkSnapshot) -> float | None:
@@ -307,10 +366,12 @@ class Daemon:
     # From the planner's thread.
 
     def _on_scene(self, check: SceneCheck) -> None:
+        self._note(roadmap_s=self._clock() - self._scene_s)
         with self._lock:
             self._checks.append(check)
 
     def _on_answer(self, answer: PlanAnswer) -> None:
+        self._note(plan_s=self._clock() - self._asked_s)
         with self._lock:
             self._answers.append(answer)
 
