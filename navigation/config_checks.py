@@ -164,6 +164,18 @@ def _lease_outlives_the_pose(safety: Any) -> _Found:
         )
 
 
+def _strangers_need_a_token(dashboard: Any) -> _Found:
+    if dashboard.enabled and not dashboard.is_local and dashboard.token is None:
+        yield (
+            ("dashboard", "host"),
+            f"others can reach {dashboard.host}: needs dashboard.token (at least 16 characters)",
+        )
+    if dashboard.viewer_token is not None and dashboard.token is None:
+        yield ("dashboard", "viewer_token"), "needs dashboard.token for those who drive"
+    if dashboard.viewer_token is not None and dashboard.viewer_token == dashboard.token:
+        yield ("dashboard", "viewer_token"), "must differ from dashboard.token"
+
+
 CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena",), _bounds_have_an_inside),
     (("camera",), _camera_has_a_scale),
@@ -178,4 +190,5 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
     (("safety",), _lease_outlives_the_pose),
+    (("dashboard",), _strangers_need_a_token),
 )

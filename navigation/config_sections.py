@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field, StrictBool
 
+from navigation.config_dashboard import DashboardSection
 from navigation.config_simulation import SimulationSection
 from navigation.config_values import (
     Count,
@@ -267,4 +268,7 @@ class Config(Section):
     )
     recording: RecordingSection = Field(
         default=RecordingSection(), description="what a run leaves behind"
+    )
+    dashboard: DashboardSection = Field(
+        default=DashboardSection(), description="the page that shows the arena and takes orders"
     )

@@ -1,0 +1,61 @@
+"""The configuration of the dashboard: where it listens, who may, and how much it shows."""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import Annotated
+
+from pydantic import Field, StrictBool
+
+from navigation.config_values import Positive, Section, Text
+
+Token = Annotated[
+    str, Field(strict=True, min_length=16, max_length=256, pattern=r"^[A-Za-z0-9_~.-]+$")
+]
+"""Characters that need no quoting in an address."""
+
+
+class DashboardSection(Section):
+    """The page that shows the arena and takes orders."""
+
+    enabled: StrictBool = Field(default=True, description="whether `clearway run` serves it")
+    host: Text = Field(
+        default="127.0.0.1",
+        description="address to listen at; any but this machine's own needs a token",
+    )
+    port: Annotated[int, Field(strict=True, ge=0, le=65535)] = Field(
+        default=8421, description="port to listen at; 0: any that is free"
+    )
+    token: Token | None = Field(
+        default=None,
+        description="at least 16 letters, digits, _ ~ . or -; whoever knows it may drive "
+        "(better in the environment: CLEARWAY_DASHBOARD__TOKEN)",
+    )
+    viewer_token: Token | None = Field(
+        default=None, description="whoever knows only this one may look and stop, not drive"
+    )
+    names: tuple[Text, ...] = Field(
+        default=(), description="further host names that browsers reach it by"
+    )
+    hold_s: Positive = Field(
+        default=300.0, description="the arena is free again when its operator did nothing for this"
+    )
+    picture_width_px: Annotated[int, Field(strict=True, ge=160, le=4096)] = Field(
+        default=960, description="width of the pictures that viewers get"
+    )
+    picture_rate_hz: Annotated[Positive, Field(le=120)] = Field(
+        default=30.0, description="most pictures a second that one viewer gets"
+    )
+    jpeg_quality: Annotated[int, Field(strict=True, ge=10, le=100)] = Field(
+        default=75, description="of the pictures"
+    )
+
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine can reach it."""
+        if self.host == "localhost":
+            return True
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return False
