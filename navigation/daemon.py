@@ -19,7 +19,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import TracebackType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from navigation.journal import Journal, SentPlan
 from navigation.mission import Mission, State, Station
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
+from navigation.recording_events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
 from navigation.serial_link import LinkSnapshot, SerialLink
 from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
 from navigation.targets import to_wire
@@ -41,6 +42,9 @@ from planner.scene import Bounds, Scene
 from vision.camera import Frame
 from vision.latest_frame import LatestFrame
 from vision.markers import MarkerTracker, RobotPose
+
+if TYPE_CHECKING:
+    from navigation.recorder import Recorder
 
 LONGEST_CYCLE_S: Final = 0.05
 LEASE_EVERY_S: Final = 0.08
@@ -99,7 +103,8 @@ class Daemon:
     """Runs one configuration; a context manager that opens and closes everything.
 
     ``first_mission_id``: ids on the wire count up from the one after it. With a ``journal``
-    mission, progress and plan are kept before they take effect.
+    mission, progress and plan are kept before they take effect; a ``recorder`` is told all that
+    is seen, planned and decided.
     """
 
     def __init__(
@@ -110,6 +115,7 @@ class Daemon:
         clock: Callable[[], float] = time.monotonic,
         first_mission_id: int,
         journal: Journal | None = None,
+        recorder: Recorder | None = None,
     ) -> None:
         self.config, self.world = config, world
         self._clock = clock
@@ -146,6 +152,7 @@ class Daemon:
         self._permitted = False
         self._journal = journal
         self._journalled: Mission | None = None
+        self._recorder = recorder
 
     # Life.
 
@@ -268,6 +275,8 @@ class Daemon:
         self._write_journal(orders)
         self._carry_out(orders, now_s, sight)
         self.state = self._state(now_s, sight, snapshot)
+        if self._recorder is not None:
+            self._recorder.state(self.state, now_s)
         return self.state
 
     def _see(self, frame: Frame) -> None:
@@ -288,6 +297,10 @@ class Daemon:
             points = None if self.pilot.path is None else self.pilot.path.points
             self._scene_s = self._clock()
             self._planner.see(glimpse.scene, self._revision, points)
+        if self._recorder is not None:
+            scene, at_s = glimpse.scene, frame.captured_s
+            seen = None if scene is None else SceneSeen(at_s, self._revision, scene)
+            self._recorder.saw(frame, glimpse.poses, seen)
 
     def _note(self, **times_s: float) -> None:
         with self._lock:
@@ -337,6 +350,8 @@ class Daemon:
         if orders.request is not None:
             self._asked_s = now_s
             self._planner.ask(orders.request)
+            if self._recorder is not None:
+                self._recorder.put(PlanAsked(now_s, orders.request))
 
     def _state(self, now_s: float, sight: Sight, snapshot: LinkSnapshot) -> DaemonState:
         mission = self.pilot.mission
@@ -366,12 +381,18 @@ class Daemon:
     # From the planner's thread.
 
     def _on_scene(self, check: SceneCheck) -> None:
-        self._note(roadmap_s=self._clock() - self._scene_s)
+        now_s = self._clock()
+        self._note(roadmap_s=now_s - self._scene_s)
+        if self._recorder is not None and self.roadmap is not None:
+            self._recorder.put(RoadmapBuilt(now_s, check.revision, self.roadmap))
         with self._lock:
             self._checks.append(check)
 
     def _on_answer(self, answer: PlanAnswer) -> None:
-        self._note(plan_s=self._clock() - self._asked_s)
+        now_s = self._clock()
+        self._note(plan_s=now_s - self._asked_s)
+        if self._recorder is not None:
+            self._recorder.put(PlanAnswered(now_s, answer))
         with self._lock:
             self._answers.append(answer)
 

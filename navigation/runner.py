@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from navigation.config import Config
 from navigation.config_sections import SIMULATED
@@ -27,6 +28,9 @@ from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
 from navigation.warm_up import warm_up
 from navigation.world import World
+
+if TYPE_CHECKING:
+    from navigation.recorder import Recorder
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 PROGRESS_EVERY_S = 1.0
@@ -56,12 +60,14 @@ class Runner:
         once: bool,
         say: Callable[[str], None],
         socket: Path | None = None,
+        record: Path | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.config = config
         self.interrupt = threading.Event()
         self._once = once
         self._socket = socket
+        self._record = record
         self._say = say
         self._clock = clock
         self._said_state: State | None = None
@@ -79,6 +85,7 @@ class Runner:
         socket = self._socket or default_socket()
         with ExitStack() as open_things:
             journal = self._open_journal(open_things)
+            recorder = self._open_recorder(open_things, world)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
             daemon = open_things.enter_context(
                 Daemon(
@@ -87,6 +94,7 @@ class Runner:
                     clock=self._clock,
                     first_mission_id=first_id,
                     journal=journal,
+                    recorder=recorder,
                 )
             )
             open_things.enter_context(ControlServer(socket, daemon))
@@ -96,11 +104,27 @@ class Runner:
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
         write_run(folder, daemon, report)
+        if recorder is not None:
+            self._say(recorder.summary())
         return RunResult(report, folder, _exit_code(state, daemon))
 
     def _open_journal(self, open_things: ExitStack) -> Journal | None:
         path = self.config.recording.journal
         return None if path is None else open_things.enter_context(Journal(path))
+
+    def _open_recorder(self, open_things: ExitStack, world: World) -> Recorder | None:
+        settings = self.config.recording
+        if self._record is None and not settings.record:
+            return None
+        from navigation.recorder import Recorder  # only a run that records needs its libraries
+
+        folder = self._record or settings.folder
+        now = datetime.now()
+        recorder = open_things.enter_context(
+            Recorder(self.config, world.calibration, folder, clock=self._clock, began=now)
+        )
+        self._say(f"recording into {recorder.path}")
+        return recorder
 
     def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
         """The journal's unfinished mission, else the configured one."""

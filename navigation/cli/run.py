@@ -23,6 +23,12 @@ PROGRESS_EVERY_S = 1.0
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--once", is_flag=True, help="End when the configured mission is over.")
 @click.option("--report", type=OUTPUT, help="Write the report here too.")
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Record pictures, scenes, plans and poses into MCAP files in DIR.",
+)
 @click.option("--no-dashboard", is_flag=True, help="Do not serve the dashboard.")
 @click.option(
     "--socket", type=click.Path(path_type=Path), help="Where to take orders; default: per user."
@@ -32,6 +38,7 @@ def command(
     config: Path,
     once: bool,
     report: Path | None,
+    record: Path | None,
     no_dashboard: bool,
     socket: Path | None,
     quiet: bool,
@@ -46,7 +53,8 @@ def command(
     from navigation.runner import Runner
 
     loaded = load_checked(config)
-    runner = Runner(loaded, once=once, say=_say if not quiet else _say_nothing, socket=socket)
+    say = _say if not quiet else _say_nothing
+    runner = Runner(loaded, once=once, say=say, socket=socket, record=record)
     with _interrupts(runner.interrupt):
         result = runner.run()
     if report is not None:

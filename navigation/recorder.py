@@ -1,0 +1,246 @@
+"""Records a run in a thread of its own: `put` never waits, the loops never notice.
+
+Rules
+- Events are never dropped. Pictures are: those beyond the configured rate are left out, and
+  when the writer lags behind by more than a few, new ones are dropped and counted.
+- What was put is on its way to the disk within ``FLUSH_EVERY_S``: a kill loses no more.
+- A recording that cannot go on (disk full) ends and says so; the run goes on.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from importlib.metadata import version
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Final
+
+from navigation.config import Config
+from navigation.mission import State
+from navigation.recording_events import (
+    Counted,
+    Level,
+    PictureTaken,
+    RecordedEvent,
+    RobotsSeen,
+    SceneSeen,
+    Told,
+)
+from navigation.recording_file import RecordingError, RecordingFiles
+from navigation.recording_json import LINK, configuration_body
+from vision.calibration import Calibration
+from vision.calibration_file import calibration_text
+from vision.camera import Frame
+from vision.markers import RobotPose
+
+if TYPE_CHECKING:
+    from navigation.daemon import DaemonState
+
+FLUSH_EVERY_S: Final = 0.2
+MOST_PICTURES_WAITING: Final = 8
+COUNTERS_EVERY_S: Final = 1.0
+RATE_SLACK: Final = 0.9
+"""A picture this part of a period after the last one is on time: cameras are not punctual."""
+
+_LEVELS: Final[dict[State, Level]] = {
+    State.HOLDING: "warning",
+    State.STOPPED: "error",
+    State.FAILED: "error",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingCounts:
+    """What a recording holds so far; ``failed`` says why it ended early, else it is empty."""
+
+    pictures: int = 0
+    dropped: int = 0
+    events: int = 0
+    files: int = 0
+    removed: int = 0
+    failed: str = ""
+
+
+class Recorder:
+    """Records one run; a context manager that starts and ends the thread.
+
+    ``clock`` is the run's; ``began`` is the wall time at which the clock says ``anchor_s``.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        calibration: Calibration,
+        folder: Path,
+        *,
+        clock: Callable[[], float],
+        began: datetime,
+    ) -> None:
+        self.config = config
+        self._clock = clock
+        self._anchor_s = clock()
+        self._anchor_ns = round(began.timestamp() * 1e9)
+        self._calibration = calibration_text(calibration)
+        self._wake = threading.Condition()
+        self._waiting: deque[RecordedEvent] = deque()
+        self._pictures_waiting = 0
+        self._stopping = False
+        self._last_picture_s = -math.inf
+        self._counted_s = -math.inf
+        self._said: tuple[State, str] | None = None
+        self._pictures = self._dropped = self._events = 0
+        self._failed = ""
+        self._files = RecordingFiles(folder, config.recording, began, self._header, self._stamp_ns)
+        self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
+
+    def _header(self, part: int) -> dict[str, object]:
+        return configuration_body(
+            self.config,
+            self._calibration,
+            version("clearway"),
+            part,
+            self._anchor_s,
+            self._anchor_ns,
+        )
+
+    def _stamp_ns(self, time_s: float) -> int:
+        return self._anchor_ns + round((time_s - self._anchor_s) * 1e9)
+
+    def __enter__(self) -> Recorder:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        with self._wake:
+            self._stopping = True
+            self._wake.notify()
+        self._thread.join()
+
+    @property
+    def path(self) -> Path:
+        """The file that is being written."""
+        return self._files.path
+
+    def counts(self) -> RecordingCounts:
+        """What was recorded and dropped so far."""
+        with self._wake:
+            return RecordingCounts(
+                self._pictures,
+                self._dropped,
+                self._events,
+                self._files.files,
+                self._files.removed,
+                self._failed,
+            )
+
+    def summary(self) -> str:
+        """One sentence on the recording."""
+        counts = self.counts()
+        parts = [f"{counts.pictures} pictures", f"{counts.events} events"]
+        if counts.dropped:
+            parts.append(f"{counts.dropped} pictures dropped")
+        if counts.removed:
+            parts.append(f"{counts.removed} old files removed")
+        told = f"recorded {', '.join(parts)} in {self.path}"
+        return f"{told}; ended early: {counts.failed}" if counts.failed else told
+
+    # From the loops: never waits.
+
+    def saw(self, frame: Frame, poses: Mapping[int, RobotPose], seen: SceneSeen | None) -> None:
+        """What the eye looked at, the robots in it by marker id, and the scene where it is new."""
+        self._picture(frame)
+        revision = None if seen is None else seen.revision
+        self.put(RobotsSeen(frame.captured_s, tuple(poses.values()), revision))
+        if seen is not None:
+            self.put(seen)
+
+    def _picture(self, frame: Frame) -> None:
+        """Left out beyond the rate, dropped when the writer is behind."""
+        period_s = 1.0 / self.config.recording.picture_rate_hz
+        if frame.captured_s - self._last_picture_s < RATE_SLACK * period_s:
+            return
+        self._last_picture_s = frame.captured_s
+        with self._wake:
+            if self._failed:
+                return
+            if self._pictures_waiting >= MOST_PICTURES_WAITING:
+                self._dropped += 1
+                return
+            self._pictures_waiting += 1
+            self._waiting.append(PictureTaken(frame))
+
+    def put(self, event: RecordedEvent) -> None:
+        """Anything but a picture."""
+        with self._wake:
+            if not self._failed:
+                self._waiting.append(event)
+
+    def state(self, now: DaemonState, time_s: float) -> None:
+        """The state after a cycle: recorded where its sentence is news; counters now and then."""
+        news = (now.mission.state, now.sentence)
+        if news != self._said:
+            self._said = news
+            level = _LEVELS.get(now.mission.state, "info")
+            self.put(Told(time_s, level, f"{now.mission.state.value}: {now.sentence}", "mission"))
+        if time_s - self._counted_s >= COUNTERS_EVERY_S:
+            self._counted_s = time_s
+            link = now.link
+            values = {
+                "state": link.state.value,
+                "down_reason": link.down_reason,
+                "rtt_s": link.rtt_s,
+                "executed": link.executed,
+                "sent": asdict(link.sent),
+                "received": asdict(link.received),
+            }
+            self.put(Counted(time_s, LINK, values))
+
+    # The recorder's thread.
+
+    def _run(self) -> None:
+        flushed_s = self._clock()
+        while True:
+            with self._wake:
+                self._wake.wait_for(lambda: self._waiting or self._stopping, FLUSH_EVERY_S)
+                batch, self._waiting = self._waiting, deque()
+                self._pictures_waiting = 0
+                stopping = self._stopping
+            try:
+                for event in batch:
+                    self._write(event)
+                now_s = self._clock()
+                if now_s - flushed_s >= FLUSH_EVERY_S:
+                    self._files.flush()
+                    flushed_s = now_s
+                if stopping and not batch:
+                    self._files.close()
+                    return
+            except RecordingError as error:
+                self._fail(str(error))
+                return
+            except Exception as error:  # noqa: BLE001 - the run goes on; said in the summary
+                self._fail(f"{self.path}: unexpected {type(error).__name__}: {error}")
+                return
+
+    def _write(self, event: RecordedEvent) -> None:
+        self._files.write(event)
+        with self._wake:
+            if isinstance(event, PictureTaken):
+                self._pictures += 1
+            else:
+                self._events += 1
+
+    def _fail(self, reason: str) -> None:
+        with self._wake:
+            self._failed = reason
+            self._waiting.clear()

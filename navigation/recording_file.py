@@ -1,0 +1,202 @@
+"""Recorded events into MCAP files: a new file when one is full, the oldest ones removed.
+
+Rules
+- Every file stands alone: it begins with the configuration and the newest scene.
+- Nothing is compressed beyond the pictures' own format, and `flush` closes a chunk: what was
+  flushed survives a kill.
+- Only files with a recording's name are counted and removed, and never the one being written.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Final
+
+import foxglove
+from foxglove.channels import (
+    CompressedImageChannel,
+    LogChannel,
+    PoseInFrameChannel,
+    SceneUpdateChannel,
+)
+from foxglove.mcap import MCAPWriteOptions
+
+from navigation import recording_foxglove as messages
+from navigation import recording_json as bodies
+from navigation.config_sections import RecordingSection
+from navigation.recording_events import (
+    Counted,
+    PictureTaken,
+    PlanAnswered,
+    PlanAsked,
+    RecordedEvent,
+    RoadmapBuilt,
+    RobotsSeen,
+    SceneSeen,
+    Told,
+)
+from planner.path import NoPath
+
+PREFIX: Final = "clearway_"
+SUFFIX: Final = ".mcap"
+BYTES_PER_MB: Final = 1_000_000
+LEAST_FREE_MB: Final = 100.0
+"""A recording ends before it fills the disk that the journal needs too."""
+
+
+class RecordingError(ValueError):
+    """A recording cannot be written or read; the message says which file and why."""
+
+
+class RecordingFiles:
+    """The files of one recording, written by one thread.
+
+    ``header(part)`` gives the configuration's message for the file of that number, from 1;
+    ``stamp_ns`` turns the run's clock into nanoseconds since 1970.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        settings: RecordingSection,
+        began: datetime,
+        header: Callable[[int], dict[str, Any]],
+        stamp_ns: Callable[[float], int],
+    ) -> None:
+        self.folder, self.settings = folder, settings
+        self.files = 0
+        self.removed = 0
+        self._began = f"{PREFIX}{began:%Y-%m-%d_%H-%M-%S}"
+        self._header, self._stamp_ns = header, stamp_ns
+        self._context = foxglove.Context()
+        self._json = {
+            topic: foxglove.Channel(topic, schema={"type": "object"}, context=self._context)
+            for topic in bodies.TOPICS
+        }
+        self._pictures = CompressedImageChannel("/camera", context=self._context)
+        self._scenes = SceneUpdateChannel("/scene", context=self._context)
+        self._roadmaps = SceneUpdateChannel("/roadmap", context=self._context)
+        self._paths = SceneUpdateChannel("/plan", context=self._context)
+        self._log = LogChannel("/log", context=self._context)
+        self._poses: dict[int, PoseInFrameChannel] = {}
+        self._scene: SceneSeen | None = None
+        self.path = self._new_path()
+        self._open(stamp_ns)
+
+    def _new_path(self) -> Path:
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise RecordingError(f"{self.folder}: {error.strerror or error}") from None
+        number = self.files + 1
+        while True:
+            path = self.folder / f"{self._began}_{number:03d}{SUFFIX}"
+            if not path.exists():
+                return path
+            number += 1
+
+    def _open(self, stamp_ns: Callable[[float], int]) -> None:
+        options = MCAPWriteOptions(compression=None, profile="clearway")
+        try:
+            self._writer = foxglove.open_mcap(
+                self.path, context=self._context, writer_options=options
+            )
+        except (OSError, RuntimeError) as error:
+            raise RecordingError(f"{self.path}: {error}") from None
+        self.files += 1
+        header = self._header(self.files)
+        self._json[bodies.CONFIGURATION].log(header, log_time=stamp_ns(header["anchor_s"]))
+        if self._scene is not None:
+            self.write(replace(self._scene, carried=True))
+
+    def write(self, event: RecordedEvent) -> None:
+        """Write one event: as Foxglove's message where it has one, and as JSON for replay."""
+        time_ns = self._stamp_ns(event.time_s)
+        match event:
+            case PictureTaken(frame):
+                form, quality = self.settings.picture_format, self.settings.jpeg_quality
+                image = messages.image_message(frame, time_ns, form, quality)
+                self._pictures.log(image, log_time=time_ns)
+            case RobotsSeen():
+                self._write_json(bodies.FRAMES, bodies.frame_body(event), time_ns)
+                for pose in event.poses:
+                    channel = self._pose_channel(pose.id)
+                    channel.log(messages.pose_message(pose, time_ns), log_time=time_ns)
+            case SceneSeen():
+                self._scene = event
+                self._write_json(bodies.SCENES, bodies.scene_body(event), time_ns)
+                self._scenes.log(messages.scene_message(event.scene, time_ns), log_time=time_ns)
+            case RoadmapBuilt():
+                update = messages.roadmap_message(event.roadmap, time_ns)
+                self._roadmaps.log(update, log_time=time_ns)
+            case PlanAsked():
+                self._write_json(bodies.REQUESTS, bodies.request_body(event), time_ns)
+            case PlanAnswered(_, answer):
+                self._write_json(bodies.PLANS, bodies.plan_body(event), time_ns)
+                points = None if isinstance(answer.path, NoPath) else answer.path.points
+                self._paths.log(messages.path_message(points, time_ns), log_time=time_ns)
+            case Told(_, level, sentence, source):
+                log = messages.log_message(level, sentence, source, time_ns)
+                self._log.log(log, log_time=time_ns)
+            case Counted(_, topic, values):
+                self._write_json(topic, dict(values), time_ns)
+
+    def _write_json(self, topic: str, body: dict[str, Any], time_ns: int) -> None:
+        text = json.dumps(body, allow_nan=False, default=asdict)
+        self._json[topic].log(text.encode(), log_time=time_ns)
+
+    def _pose_channel(self, robot_id: int) -> PoseInFrameChannel:
+        if robot_id not in self._poses:
+            topic = f"/robot/{robot_id}/pose"
+            self._poses[robot_id] = PoseInFrameChannel(topic, context=self._context)
+        return self._poses[robot_id]
+
+    def flush(self) -> None:
+        """Hand everything to the operating system; begin a new file where this one is full.
+
+        Raises ``RecordingError`` where the disk is nearly full or the file cannot be written.
+        """
+        try:
+            self._writer.flush()
+            size = self.path.stat().st_size
+            free = shutil.disk_usage(self.folder).free
+        except (OSError, RuntimeError) as error:
+            raise RecordingError(f"{self.path}: {error}") from None
+        if free < LEAST_FREE_MB * BYTES_PER_MB:
+            raise RecordingError(
+                f"{self.folder}: {free / BYTES_PER_MB:.0f} MB are free: must be at least "
+                f"{LEAST_FREE_MB:g} MB to record"
+            )
+        if size >= self.settings.file_mb * BYTES_PER_MB:
+            self._writer.close()
+            self.path = self._new_path()
+            self._open(self._stamp_ns)
+            self._remove_oldest()
+
+    def _remove_oldest(self) -> None:
+        files = recordings_in(self.folder)
+        sizes = {file: file.stat().st_size for file in files}
+        total = sum(sizes.values())
+        for file in files:
+            if total <= self.settings.limit_mb * BYTES_PER_MB or file == self.path:
+                return
+            file.unlink(missing_ok=True)
+            self.removed += 1
+            total -= sizes[file]
+
+    def close(self) -> None:
+        """Write the index and close the file."""
+        try:
+            self._writer.close()
+        except (OSError, RuntimeError) as error:
+            raise RecordingError(f"{self.path}: {error}") from None
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """The recordings in a folder, the oldest first."""
+    return sorted(folder.glob(f"{PREFIX}*{SUFFIX}"), key=lambda file: file.stem)

@@ -1,0 +1,126 @@
+"""Our objects as Foxglove's messages, so that a recording opens in any viewer of MCAP.
+
+The arena is the frame ``arena``: metres, x right, y up, z towards the camera.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Final
+
+import cv2
+from foxglove.messages import (
+    Color,
+    CompressedImage,
+    Duration,
+    LinePrimitive,
+    LinePrimitiveLineType,
+    Log,
+    LogLevel,
+    Point3,
+    Pose,
+    PoseInFrame,
+    Quaternion,
+    SceneEntity,
+    SceneUpdate,
+    Timestamp,
+    Vector3,
+)
+
+from navigation.border_points import border_polylines
+from navigation.draw_shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
+from navigation.recording_events import Level
+from planner.roadmap import Roadmap
+from planner.scene import FloatArray, Scene
+from vision.camera import Frame
+from vision.markers import RobotPose
+
+ARENA_FRAME: Final = "arena"
+NANOSECONDS: Final = 1_000_000_000
+LINE_PX: Final = 2.0
+ROADMAP_COLOUR_STEP: Final = 18
+
+_LEVELS: Final[dict[Level, LogLevel]] = {
+    "debug": LogLevel.Debug,
+    "info": LogLevel.Info,
+    "warning": LogLevel.Warning,
+    "error": LogLevel.Error,
+}
+
+
+def timestamp(time_ns: int) -> Timestamp:
+    """Nanoseconds since 1970 as Foxglove's timestamp."""
+    return Timestamp(sec=time_ns // NANOSECONDS, nsec=time_ns % NANOSECONDS)
+
+
+def image_message(frame: Frame, time_ns: int, form: str, quality: int) -> CompressedImage:
+    """A picture, compressed: ``form`` is jpeg or png, ``quality`` that of JPEG."""
+    if form == "jpeg":
+        done, data = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    else:
+        done, data = cv2.imencode(".png", frame.image, [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    assert done, "a frame is an 8-bit picture, which OpenCV can encode"
+    return CompressedImage(
+        timestamp=timestamp(time_ns), frame_id=frame.source, data=data.tobytes(), format=form
+    )
+
+
+def pose_message(pose: RobotPose, time_ns: int) -> PoseInFrame:
+    """A robot's pose in the arena."""
+    half_rad = pose.heading_rad / 2.0
+    return PoseInFrame(
+        timestamp=timestamp(time_ns),
+        frame_id=ARENA_FRAME,
+        pose=Pose(
+            position=Vector3(x=pose.x, y=pose.y, z=0.0),
+            orientation=Quaternion(x=0.0, y=0.0, z=math.sin(half_rad), w=math.cos(half_rad)),
+        ),
+    )
+
+
+def log_message(level: Level, sentence: str, source: str, time_ns: int) -> Log:
+    """A sentence for people."""
+    return Log(timestamp=timestamp(time_ns), level=_LEVELS[level], message=sentence, name=source)
+
+
+def scene_message(scene: Scene, time_ns: int) -> SceneUpdate:
+    """The borders of every obstacle; replaces those of the scene before."""
+    lines = [line for _, line in border_polylines(scene)]
+    corners = scene.bounds.corners()
+    return _lines_message("scene", [*lines, (*corners, corners[0])], OBSTACLE_EDGE, time_ns)
+
+
+def roadmap_message(roadmap: Roadmap, time_ns: int) -> SceneUpdate:
+    """The diagram: every edge of the roadmap."""
+    lines = [data["polyline"] for _, _, data in roadmap.graph.edges(data=True)]
+    return _lines_message("roadmap", lines, ramp_colour(ROADMAP_COLOUR_STEP), time_ns)
+
+
+def path_message(points: FloatArray | None, time_ns: int) -> SceneUpdate:
+    """The planned path; None where there is none."""
+    return _lines_message("plan", [] if points is None else [points], PATH, time_ns)
+
+
+def _lines_message(
+    name: str, lines: Iterable[Iterable[Iterable[float]]], colour: Colour, time_ns: int
+) -> SceneUpdate:
+    red, green, blue = (part / 255.0 for part in colour)
+    drawn = [
+        LinePrimitive(
+            type=LinePrimitiveLineType.LineStrip,
+            thickness=LINE_PX,
+            scale_invariant=True,
+            points=[Point3(x=float(x), y=float(y), z=0.0) for x, y in line],
+            color=Color(r=red, g=green, b=blue, a=1.0),
+        )
+        for line in lines
+    ]
+    entity = SceneEntity(
+        timestamp=timestamp(time_ns),
+        frame_id=ARENA_FRAME,
+        id=name,
+        lifetime=Duration(sec=0),
+        lines=drawn,
+    )
+    return SceneUpdate(entities=[entity])
