@@ -18,7 +18,7 @@ import numpy as np
 
 from vision.calibration import CalibrationError, FloatArray
 from vision.camera import Image
-from vision.markers import MarkerError, dictionary_by_name, grey_of
+from vision.marker_search import MarkerError, dictionary_by_name, grey_of
 
 _WINDOW_SHARE = 0.35
 """Half the refinement window, as a share of the distance to the nearest corner."""

@@ -131,6 +131,15 @@ class Calibration:
         foot, shrink = self._parallax(height_m)
         return foot + (floor - foot) * shrink
 
+    def plane_from_pixel(self, height_m: float = 0.0) -> FloatArray:
+        """The homography (3, 3) from undistorted pixels to the plane at ``height_m``."""
+        if height_m == 0.0:
+            return self.arena_from_pixel
+        foot, shrink = self._parallax(height_m)
+        lift = np.diag([shrink, shrink, 1.0])
+        lift[:2, 2] = foot * (1.0 - shrink)
+        return np.asarray(lift @ self.arena_from_pixel)
+
     def image_from_arena(self, points_m: ArrayLike, height_m: float = 0.0) -> FloatArray:
         """Metres (n, 2) at ``height_m`` above the floor to raw pixels (n, 2)."""
         points = _points(points_m)

@@ -104,4 +104,5 @@ def warm_up() -> None:
     """Compile, or load, the kernels now: the first frame must not wait for seconds."""
     square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
     blank = np.zeros((32, 32), dtype=np.uint8)
+    blank.setflags(write=False)
     refine_quad(blank, square, 6, Calibration.from_scale(1.0, (32, 32)))

@@ -15,7 +15,6 @@ Rules and units
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -23,10 +22,34 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
+from vision import marker_corners, marker_pattern
 from vision.calibration import Calibration, FloatArray
 from vision.camera import Frame, Image
-from vision.marker_corners import Refused, refine_quad, warm_up
+from vision.marker_corners import Refused, refine_quad
+from vision.marker_pattern import fit_pattern, pattern_bits
+from vision.marker_search import (
+    MarkerError,
+    dictionary_by_name,
+    dictionary_names,
+    find_markers,
+    find_with,
+    finder_of,
+    grey_of,
+)
 from vision.tracking import Pose, Track, TrackLimits, wrap
+
+__all__ = [
+    "MarkedRobot",
+    "MarkerError",
+    "MarkerTracker",
+    "RobotPose",
+    "body_discs_px",
+    "dictionary_by_name",
+    "dictionary_names",
+    "find_markers",
+    "marker_pose",
+    "robot_pose",
+]
 
 _UNIT_CORNERS = np.array([-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j])
 _SIZE_TOLERANCE = 0.15
@@ -36,10 +59,6 @@ _COARSE_SIDE_PX = 24.0
 
 _LOST_SEARCH_S = 1.0
 _LOST_SEARCH_EVERY = 3
-
-
-class MarkerError(ValueError):
-    """A marker, a dictionary or a robot's settings cannot be used; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +144,12 @@ class MarkerTracker:
                     f"marker id = {robot.id}: {dictionary} has ids 0 to {len(book.bytesList) - 1}"
                 )
         self._cells = book.markerSize + 2
-        warm_up()
-        self._finders = [_finder(book, 23, 15.0), _finder(book, 11, 7.0), _finder(book, 45, 10.0)]
-        self._near = [_finder(book, 23, 15.0), _finder(book, 11, 7.0)]
+        self._bits = {robot.id: pattern_bits(book, robot.id) for robot in robots}
+        marker_corners.warm_up()
+        marker_pattern.warm_up()
+        recipes = ((23, 15.0), (11, 7.0), (45, 10.0))
+        self._finders = [finder_of(book, window, constant) for window, constant in recipes]
+        self._near = self._finders[:2]
         self._tracks = {robot.id: Track(robot.limits) for robot in robots}
         self._first_s: float | None = None
         self._frames = 0
@@ -141,6 +163,7 @@ class MarkerTracker:
         self._frames += 1
         self._first_s = frame.captured_s if self._first_s is None else self._first_s
         grey = grey_of(frame.image)
+        grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
         refusals: list[str] = []
         found: dict[int, _Sighting] = {}
         for robot in self._robots.values():
@@ -201,7 +224,7 @@ class MarkerTracker:
             return None
         window = np.ascontiguousarray(grey[y0:y1, x0:x1])
         for finder in self._near:
-            seen = [q for i, q in _find(finder, window) if i == robot.id]
+            seen = [q for i, q in find_with(finder, window) if i == robot.id]
             sightings = [self._sight(grey, robot, q + np.array([x0, y0]), refusals) for q in seen]
             best = self._best([s for s in sightings if s is not None], robot.id, now_s)
             if best is not None:
@@ -222,7 +245,7 @@ class MarkerTracker:
             ).astype(np.uint8, copy=False)
         scale = np.array(grey.shape[::-1]) / np.array(picture.shape[::-1])
         finder = self._finders[self._frames % len(self._finders)]
-        seen = [(i, (q + 0.5) * scale - 0.5) for i, q in _find(finder, picture)]
+        seen = [(i, (q + 0.5) * scale - 0.5) for i, q in find_with(finder, picture)]
         self.strangers = frozenset(i for i, _ in seen if i not in self._robots)
         found = []
         for robot_id in missing:
@@ -250,9 +273,13 @@ class MarkerTracker:
         if isinstance(quad, Refused):
             refusals.append(f"marker {robot.id}: {quad.reason}")
             return None
-        corners_px = self._calibration.distort_points(quad.corners_px)
+        calibration, height_m = self._calibration, robot.marker_height_m
+        sides_px = calibration.distort_points(quad.corners_px)
+        corners = calibration.arena_from_image(sides_px, height_m)
+        whole = fit_pattern(grey, corners, self._bits[robot.id], calibration, height_m)
+        corners = corners if whole is None else whole
+        corners_px = calibration.image_from_arena(corners, height_m)
         corners_px.setflags(write=False)
-        corners = self._calibration.arena_from_image(corners_px, robot.marker_height_m)
         points = corners[:, 0] + 1j * corners[:, 1]
         center = points.mean()
         # The similarity nearest to the four corners, all of them with equal weight.
@@ -337,56 +364,3 @@ def body_discs_px(
     centers = floor[0] * (1.0 - share) + top[0] * share
     radius = (radii[0] * (1.0 - share) + radii[1] * share) * 1.04 + margin_px
     return np.hstack([centers, radius])
-
-
-def grey_of(image: Image) -> Image:
-    """A picture as grey (h, w)."""
-    if image.ndim == 2:
-        return image
-    return cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.uint8, copy=False)
-
-
-def dictionary_names() -> tuple[str, ...]:
-    """The marker dictionaries that OpenCV knows, ArUco's and AprilTag's."""
-    return tuple(sorted(name for name in dir(cv2.aruco) if name.startswith("DICT_")))
-
-
-def dictionary_by_name(name: str) -> cv2.aruco.Dictionary:
-    """A marker dictionary; raises ``MarkerError`` with what was probably meant."""
-    names = {n.upper(): n for n in dictionary_names()}
-    wanted = name.strip().upper()
-    wanted = wanted if wanted.startswith("DICT_") else f"DICT_{wanted}"
-    if wanted not in names:
-        near = difflib.get_close_matches(wanted, names, n=1)
-        hint = f"; did you mean {names[near[0]]}?" if near else f": one of {', '.join(names)}"
-        raise MarkerError(f"marker dictionary '{name}' is unknown{hint}")
-    return cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, names[wanted]))
-
-
-def find_markers(image: Image, dictionary: str) -> list[tuple[int, FloatArray]]:
-    """Every marker of a dictionary in one picture: (id, corners (4, 2) raw pixels), unrefined.
-
-    For single pictures, without a calibration; robots are tracked with ``MarkerTracker``.
-    """
-    book = dictionary_by_name(dictionary)
-    parameters = cv2.aruco.DetectorParameters()
-    return _find(cv2.aruco.ArucoDetector(book, parameters), grey_of(image))
-
-
-def _finder(book: cv2.aruco.Dictionary, window: int, constant: float) -> cv2.aruco.ArucoDetector:
-    """A detector with one threshold window; a high constant keeps noise from becoming contours."""
-    parameters = cv2.aruco.DetectorParameters()
-    parameters.adaptiveThreshWinSizeMin = window
-    parameters.adaptiveThreshWinSizeMax = window
-    parameters.adaptiveThreshConstant = constant
-    parameters.minMarkerPerimeterRate = 0.02
-    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
-    return cv2.aruco.ArucoDetector(book, parameters)
-
-
-def _find(finder: cv2.aruco.ArucoDetector, grey: Image) -> list[tuple[int, FloatArray]]:
-    corners, ids, _ = finder.detectMarkers(grey)
-    if ids is None or len(corners) == 0:
-        return []
-    quads = [np.asarray(c, dtype=np.float64).reshape(4, 2) for c in corners]
-    return [(int(i), quad) for i, quad in zip(np.ravel(ids), quads, strict=True)]

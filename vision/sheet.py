@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.board import BoardSpec
-from vision.markers import MarkerError, dictionary_by_name
+from vision.marker_search import MarkerError, dictionary_by_name
 
 Rectangle = tuple[float, float, float, float]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -94,6 +94,35 @@ def render(
     if rng is not None and noise > 0.0:
         image = image + rng.normal(0.0, noise, image.shape)
     return np.clip(np.round(image), 0, 255).astype(np.uint8)
+
+
+def pose_bound(
+    calibration: Calibration,
+    patch: Patch,
+    noise: float,
+    window: tuple[int, int, int, int] | None = None,
+) -> tuple[float, float]:
+    """The least rms error that any unbiased estimate of a patch's pose can have.
+
+    (position in pixels, heading in degrees) at white noise of ``noise`` grey levels, everything
+    but x, y and heading known: the Cramer-Rao bound, from how the picture changes with each.
+    """
+    step_m, step_rad = 0.5 * calibration.metres_per_pixel, math.radians(1.0)
+    slopes = []
+    for name, step in (("x", step_m), ("y", step_m), ("heading_rad", step_rad)):
+        there, here = (
+            render(
+                calibration,
+                [replace(patch, **{name: getattr(patch, name) + way * step})],
+                window=window,
+            ).astype(np.float64)
+            for way in (1.0, -1.0)
+        )
+        slopes.append((there - here).ravel() / (2.0 * step))
+    jacobian = np.array(slopes)
+    spread = noise * noise * np.linalg.inv(jacobian @ jacobian.T)
+    position_m = math.sqrt(spread[0, 0] + spread[1, 1])
+    return position_m / calibration.metres_per_pixel, math.degrees(math.sqrt(spread[2, 2]))
 
 
 def _paint(

@@ -103,9 +103,9 @@ def test_a_pose_is_exact(
     x, y = calibration.arena_from_image([(180.0 + dx, 150.0 + dy)], height)[0]
     found = pose_of(calibration, robot, (float(x), float(y), heading), rng)
     off_px = math.dist((found.x, found.y), (x, y)) / calibration.metres_per_pixel
-    # The targets, 0.05 px and 0.1 degrees, are for the rms; a single one may be three times it.
+    # The targets, 0.05 px and 0.1 degrees, are for the rms; a single one may be twice it.
     assert off_px < 0.10
-    assert abs(math.degrees(wrap(found.heading_rad - heading))) < (0.15 if side_px > 45 else 0.35)
+    assert abs(math.degrees(wrap(found.heading_rad - heading))) < (0.15 if side_px > 45 else 0.2)
 
 
 def test_the_errors_rms_meets_the_targets() -> None:
