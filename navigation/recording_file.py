@@ -101,7 +101,8 @@ class RecordingFiles:
             number += 1
 
     def _open(self, stamp_ns: Callable[[float], int]) -> None:
-        options = MCAPWriteOptions(compression=None, profile="clearway")
+        # without seeking a chunk is written as a whole, so that a killed file ends in whole ones
+        options = MCAPWriteOptions(compression=None, profile="clearway", disable_seeking=True)
         try:
             self._writer = foxglove.open_mcap(
                 self.path, context=self._context, writer_options=options

@@ -53,6 +53,7 @@ COMMANDS: dict[str, Listed] = {
     "calibrate": Listed("navigation.cli.calibrate:command", "Calibrate a camera from pictures."),
     "marker": Listed("navigation.cli.marker:command", "A robot marker or a board to print."),
     "devices": Listed("navigation.cli.devices:command", "The serial ports and cameras here."),
+    "replay": Listed("navigation.cli.replay:command", "Vision and planner again on a recording."),
     "init": Listed("navigation.cli.init_config:command", "Write a commented configuration."),
     "schema": Listed("navigation.cli.schema:command", "The configuration's JSON Schema."),
 }

@@ -1,0 +1,218 @@
+"""Reads a recording, whole or cut off by a kill: what was flushed is there.
+
+The file is read from its beginning, never by its index, which a cut file does not have.
+Pictures are decoded one at a time. Times are the run's clock, seconds.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.records import Channel, Chunk, DataEnd, Message
+from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
+
+from navigation import recording_json as bodies
+from navigation.config import Config
+from navigation.cycle import PlanRequest
+from navigation.recording_file import RecordingError
+from planner.scene import Scene, SceneError
+from planner.scene_text import read_scene_text
+from vision.calibration import Calibration
+from vision.calibration_file import parse_calibration
+from vision.camera import Image
+
+CAMERA: Final = "/camera"
+_DATA_FIELD: Final = 2
+"""`data` in foxglove.CompressedImage."""
+
+
+@dataclass(frozen=True, slots=True)
+class SeenFrame:
+    """What the run saw in one picture; ``poses`` by marker id: x_m, y_m, heading_rad."""
+
+    captured_s: float
+    poses: dict[int, tuple[float, float, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class SeenScene:
+    """A scene and from when on it was the newest; ``carried`` from an earlier file."""
+
+    captured_s: float
+    revision: int
+    carried: bool
+    scene: Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """A request and its answer, as `recording_json.plan_body` has it."""
+
+    request: PlanRequest
+    answer: dict[str, Any]
+
+
+@dataclass(slots=True)
+class Recording:
+    """A recording but its pictures, which `pictures` gives one by one.
+
+    ``cut``: the file has no end; the run was killed, or goes on.
+    """
+
+    path: Path
+    config: Config
+    calibration: Calibration
+    version: str
+    part: int
+    frames: dict[int, SeenFrame] = field(default_factory=dict)
+    """By the picture's time in the file, nanoseconds."""
+    scenes: list[SeenScene] = field(default_factory=list)
+    plans: list[Planned] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
+    cut: bool = False
+
+    def pictures(self) -> Iterator[tuple[int, Image]]:
+        """Time in the file (nanoseconds) and picture, in order."""
+        for topic, message in _Messages(self.path):
+            if topic == CAMERA:
+                yield message.log_time, _picture(message.data, self.path)
+
+
+def read_recording(path: Path) -> Recording:
+    """Read a recording; `RecordingError` where it is none, or has no configuration."""
+    recording: Recording | None = None
+    asked: dict[int, PlanRequest] = {}
+    messages = _Messages(path)
+    for topic, message in messages:
+        if topic not in bodies.TOPICS:
+            continue
+        try:
+            body = json.loads(message.data)
+            if recording is None:
+                recording = _begin(path, topic, body)
+            elif topic == bodies.FRAMES:
+                recording.frames[message.log_time] = _frame(body)
+            elif topic == bodies.SCENES:
+                recording.scenes.append(_scene(body))
+            elif topic == bodies.REQUESTS:
+                request = bodies.request_of(body)
+                asked[request.id] = request
+            elif topic == bodies.PLANS and body["id"] in asked:
+                recording.plans.append(Planned(asked.pop(body["id"]), body))
+        except (ValueError, KeyError, TypeError, SceneError) as error:
+            raise RecordingError(f"{path}: a message of {topic} cannot be read: {error}") from None
+    if recording is None:
+        raise RecordingError(f"{path}: holds no configuration: not a recording of a run")
+    recording.cut = messages.cut
+    return recording
+
+
+class _Messages:
+    """The messages of a file with their topics; ``cut`` says whether its end was missing."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.cut = True
+
+    def __iter__(self) -> Iterator[tuple[str, Message]]:
+        topics: dict[int, str] = {}
+        try:
+            with self.path.open("rb") as file:
+                for record in StreamReader(file, emit_chunks=True).records:
+                    self.cut &= not isinstance(record, DataEnd)
+                    inner = _whole_records(record) if isinstance(record, Chunk) else [record]
+                    for one in inner:
+                        if isinstance(one, Channel):
+                            topics[one.id] = one.topic
+                        elif isinstance(one, Message):
+                            yield topics.get(one.channel_id, ""), one
+        except OSError as error:
+            raise RecordingError(f"{self.path}: {error.strerror or error}") from None
+        except (McapError, CRCValidationError, struct.error, UnicodeDecodeError) as error:
+            if not topics:
+                raise RecordingError(f"{self.path}: not an MCAP recording: {error}") from None
+
+
+def _whole_records(chunk: Chunk) -> list[Any]:
+    """The records of a chunk; `McapError` where the end of it is missing."""
+    if not chunk.compression and len(chunk.data) != chunk.uncompressed_size:
+        raise McapError("the chunk is cut off")
+    return list(breakup_chunk(chunk, validate_crc=True))
+
+
+def _begin(path: Path, topic: str, body: dict[str, Any]) -> Recording:
+    if topic != bodies.CONFIGURATION or body.get("schema") != bodies.SCHEMA:
+        raise ValueError(f"must begin with a configuration of schema {bodies.SCHEMA}")
+    return Recording(
+        path,
+        Config.model_validate(body["config"]),
+        parse_calibration(body["calibration"], f"{path}: calibration"),
+        str(body["version"]),
+        int(body["part"]),
+    )
+
+
+def _frame(body: dict[str, Any]) -> SeenFrame:
+    poses = {
+        int(pose["id"]): (float(pose["x_m"]), float(pose["y_m"]), float(pose["heading_rad"]))
+        for pose in body["poses"]
+    }
+    return SeenFrame(float(body["captured_s"]), poses)
+
+
+def _scene(body: dict[str, Any]) -> SeenScene:
+    return SeenScene(
+        float(body["captured_s"]),
+        int(body["revision"]),
+        bool(body["carried"]),
+        read_scene_text(body["scene"], "recorded scene"),
+    )
+
+
+def _picture(message: bytes, path: Path) -> Image:
+    data = _bytes_field(message, _DATA_FIELD)
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
+    if image is None or image.dtype != np.uint8:
+        raise RecordingError(f"{path}: a picture in it cannot be decoded")
+    return np.asarray(image, dtype=np.uint8)
+
+
+def _bytes_field(message: bytes, wanted: int) -> bytes:
+    """A field of a protobuf message that holds bytes; empty where it has none.
+
+    Protobuf's wire: a varint of number and type; then a varint (0), 8 bytes (1), a length and
+    as many bytes (2), or 4 bytes (5).
+    """
+    at = 0
+    while at < len(message):
+        key, at = _varint(message, at)
+        kind = key & 7
+        if kind == 2:
+            length, at = _varint(message, at)
+            if key >> 3 == wanted:
+                return message[at : at + length]
+            at += length
+        elif kind == 0:
+            _, at = _varint(message, at)
+        else:
+            at += 8 if kind == 1 else 4
+    return b""
+
+
+def _varint(message: bytes, at: int) -> tuple[int, int]:
+    value = shift = 0
+    while at < len(message):
+        byte = message[at]
+        value |= (byte & 0x7F) << shift
+        shift, at = shift + 7, at + 1
+        if byte < 0x80:
+            break
+    return value, at

@@ -1,0 +1,208 @@
+"""Runs vision and planner again on a recording, and says where they come to something else.
+
+Rules
+- The pictures go through the same `Eye`, the requests through the same `ArenaPlanner`, with
+  the recorded configuration and calibration; start and stations are those that were asked.
+- A recording may hold fewer pictures than were seen: a scene counts as found when the replay
+  comes to it while it was the newest, or within ``SCENE_LAG_S`` after.
+- Tracking may take a moment to find a robot that the run had found before: a robot must be
+  missed for ``SEARCH_S`` to be a difference.
+
+Units: metres, radians, seconds of the recorded run's clock.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Final
+
+from navigation.eye import Eye
+from navigation.planning import ArenaPlanner
+from navigation.recording_reader import Recording, SeenFrame, SeenScene
+from navigation.replay_compare import (
+    Difference,
+    Tolerances,
+    plan_offset_m,
+    plan_problem,
+    pose_offset,
+    pose_problem,
+    scene_distance_m,
+)
+from navigation.stages import eye_settings, marked_robots, plan_settings
+from planner.scene import Scene
+from vision.camera import Frame
+from vision.markers import MarkerTracker
+
+SCENE_LAG_S: Final = 1.0
+SEARCH_S: Final = 0.6
+
+
+@dataclass(slots=True)
+class Largest:
+    """How far apart things were at most, equal or not."""
+
+    position_m: float = 0.0
+    heading_rad: float = 0.0
+    scene_m: float = 0.0
+    path_m: float = 0.0
+
+
+@dataclass(slots=True)
+class ReplayResult:
+    """What was compared, and every difference in the order of time."""
+
+    pictures: int = 0
+    poses: int = 0
+    scenes: int = 0
+    plans: int = 0
+    not_compared: int = 0
+    """Scenes and plans for which the recording has no pictures."""
+    largest: Largest = field(default_factory=Largest)
+    differences: list[Difference] = field(default_factory=list)
+
+    @property
+    def is_equal(self) -> bool:
+        """Whether nothing differs."""
+        return not self.differences
+
+
+@dataclass(frozen=True, slots=True)
+class _FoundScene:
+    captured_s: float
+    scene: Scene
+
+
+class Replay:
+    """One recording going through the pipeline once; `run` it."""
+
+    def __init__(self, recording: Recording, tolerances: Tolerances) -> None:
+        self.recording, self.tolerances = recording, tolerances
+        self.result = ReplayResult()
+        config = recording.config
+        tracker = MarkerTracker(
+            recording.calibration, marked_robots(config), config.robot.dictionary
+        )
+        self._eye = Eye(recording.calibration, tracker, eye_settings(config))
+        self._planner = ArenaPlanner(plan_settings(config))
+        self._found: list[_FoundScene] = []
+        self._last_s = -math.inf
+        self._first_s: float | None = None
+        self._unlike_since_s: dict[int, float] = {}
+        self._told: set[int] = set()
+
+    def run(self) -> ReplayResult:
+        """Every picture, then every scene and plan; the differences come in order of time."""
+        for number, (time_ns, image) in enumerate(self.recording.pictures()):
+            seen = self.recording.frames.get(time_ns)
+            if seen is None:
+                continue  # the file was cut between a picture and what was seen in it
+            self._look(Frame(image, seen.captured_s, number, "recording"), seen)
+        by_revision = self._compare_scenes()
+        self._compare_plans(by_revision)
+        self.result.differences.sort(key=lambda difference: difference.time_s)
+        return self.result
+
+    def _differ(self, kind: str, time_s: float, sentence: str) -> None:
+        self.result.differences.append(Difference(kind, time_s, sentence))
+
+    def _look(self, frame: Frame, seen: SeenFrame) -> None:
+        glimpse = self._eye.look(frame)
+        self.result.pictures += 1
+        self._last_s = frame.captured_s
+        if self._first_s is None:
+            self._first_s = frame.captured_s
+        if glimpse.scene is not None:
+            self._found.append(_FoundScene(frame.captured_s, glimpse.scene))
+        poses = {i: (pose.x, pose.y, pose.heading_rad) for i, pose in glimpse.poses.items()}
+        for robot_id in sorted({*poses, *seen.poses}):
+            recorded, here = seen.poses.get(robot_id), poses.get(robot_id)
+            if recorded is None or here is None:
+                self._seen_by_one_only(robot_id, frame.captured_s, recorded is not None)
+                continue
+            self._unlike_since_s.pop(robot_id, None)
+            self._told.discard(robot_id)
+            self.result.poses += 1
+            off_m, off_rad = pose_offset(recorded, here)
+            largest = self.result.largest
+            largest.position_m = max(largest.position_m, off_m)
+            largest.heading_rad = max(largest.heading_rad, off_rad)
+            problem = pose_problem(off_m, off_rad, self.tolerances)
+            if problem is not None:
+                self._differ("pose", frame.captured_s, f"robot {robot_id} {problem}")
+
+    def _seen_by_one_only(self, robot_id: int, time_s: float, was_recorded: bool) -> None:
+        since_s = self._unlike_since_s.setdefault(robot_id, time_s)
+        if time_s - since_s > SEARCH_S and robot_id not in self._told:
+            self._told.add(robot_id)
+            where = "in the recording" if was_recorded else "in the replay"
+            self._differ("pose", since_s, f"robot {robot_id} is seen {where} only")
+
+    def _compare_scenes(self) -> dict[int, Scene]:
+        """Compare every recorded scene; the replay's scene for each revision."""
+        by_revision: dict[int, Scene] = {}
+        scenes = self.recording.scenes
+        ends = [*(scene.captured_s for scene in scenes[1:]), math.inf]
+        for recorded, end_s in zip(scenes, ends, strict=True):
+            begin_s = recorded.captured_s
+            if recorded.carried and self._first_s is not None:
+                begin_s = max(begin_s, self._first_s)
+            if self._last_s < begin_s:
+                self.result.not_compared += 1
+                continue
+            self.result.scenes += 1
+            best, off_m = self._nearest(recorded, begin_s, end_s + SCENE_LAG_S)
+            if best is not None:
+                by_revision[recorded.revision] = best
+            problem = self._scene_problem(recorded, best, off_m)
+            if problem is not None:
+                self._differ("scene", begin_s, f"scene {recorded.revision} {problem}")
+        return by_revision
+
+    def _scene_problem(self, recorded: SeenScene, best: Scene | None, off_m: float) -> str | None:
+        if best is None:
+            return "is not seen"
+        here, there = len(best.objects), len(recorded.scene.objects)
+        if here != there:
+            return f"has {here} objects, the recorded one {there}"
+        self.result.largest.scene_m = max(self.result.largest.scene_m, off_m)
+        limit_m = self.tolerances.scene_m
+        if off_m <= limit_m:
+            return None
+        return f"has a border {off_m * 1e3:.1f} mm off: at most {limit_m * 1e3:g} mm"
+
+    def _nearest(
+        self, recorded: SeenScene, begin_s: float, end_s: float
+    ) -> tuple[Scene | None, float]:
+        """Of the replay's scenes that were the newest at some time between, the nearest."""
+        before = [f for f in self._found if f.captured_s <= begin_s][-1:]
+        between = [f for f in self._found if begin_s < f.captured_s <= end_s]
+        best: Scene | None = None
+        least_m = math.inf
+        for found in (*before, *between):
+            off_m = scene_distance_m(recorded.scene, found.scene)
+            if best is None or off_m < least_m:
+                best, least_m = found.scene, off_m
+        return best, least_m
+
+    def _compare_plans(self, by_revision: dict[int, Scene]) -> None:
+        for planned in self.recording.plans:
+            revision = int(planned.answer["revision"])
+            scene = by_revision.get(revision)
+            if scene is None:
+                self.result.not_compared += 1
+                continue
+            if self._planner.revision != revision:
+                self._planner.see(scene, revision)
+            answer = self._planner.answer(planned.request)
+            self.result.plans += 1
+            off_m = plan_offset_m(planned.answer, answer.path)
+            self.result.largest.path_m = max(self.result.largest.path_m, off_m)
+            problem = plan_problem(planned.answer, answer.path, off_m, self.tolerances)
+            if problem is not None:
+                self._differ("plan", planned.answer["time_s"], f"plan {answer.id} {problem}")
+
+
+def replay(recording: Recording, tolerances: Tolerances | None = None) -> ReplayResult:
+    """Run vision and planner on a recording again and compare; see `Replay`."""
+    return Replay(recording, tolerances or Tolerances()).run()

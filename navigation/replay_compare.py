@@ -1,0 +1,136 @@
+"""How far what a replay saw and planned is from what was recorded, and how far it may be.
+
+Scenes and paths are compared as curves: the greatest distance from a place on one to the
+nearest place on the other, both ways (Hausdorff). Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from navigation.border_points import border_polylines
+from planner.path import NoPath, Path
+from planner.scene import FloatArray, Scene
+
+SAMPLE_M: Final = 0.01
+"""Distance of the places at which curves are compared."""
+ROWS_AT_ONCE: Final = 512
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerances:
+    """What counts as equal. The defaults allow for JPEG and for pictures left out."""
+
+    position_m: float = 0.003
+    heading_rad: float = math.radians(1.0)
+    scene_m: float = 0.006
+    path_m: float = 0.03
+    clearance_m: float = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One difference: of what (``pose``, ``scene``, ``plan``), when, and the sentence."""
+
+    kind: str
+    time_s: float
+    sentence: str
+
+
+def scene_distance_m(one: Scene, other: Scene) -> float:
+    """The distance of two scenes' borders; inf where only one of them has any."""
+    return _curve_distance_m(
+        [line for _, line in border_polylines(one)],
+        [line for _, line in border_polylines(other)],
+    )
+
+
+def path_distance_m(one: FloatArray, other: FloatArray) -> float:
+    """The distance of two polylines (n, 2) and (m, 2)."""
+    return _curve_distance_m([one], [other])
+
+
+def _curve_distance_m(one: list[FloatArray], other: list[FloatArray]) -> float:
+    if not one and not other:
+        return 0.0
+    if not one or not other:
+        return math.inf
+    return max(_directed_m(one, other), _directed_m(other, one))
+
+
+def _directed_m(lines: list[FloatArray], others: list[FloatArray]) -> float:
+    places = np.vstack([_places(line) for line in lines])
+    starts = np.vstack([line[:-1] if len(line) > 1 else line for line in others])
+    ends = np.vstack([line[1:] if len(line) > 1 else line for line in others])
+    along = ends - starts
+    squared = (along * along).sum(1)
+    squared[squared == 0.0] = 1.0
+    worst = 0.0
+    for first in range(0, len(places), ROWS_AT_ONCE):
+        here = places[first : first + ROWS_AT_ONCE, None, :]
+        t = np.clip(((here - starts) * along).sum(2) / squared, 0.0, 1.0)
+        nearest = starts + t[:, :, None] * along
+        gaps = np.hypot(*np.moveaxis(here - nearest, 2, 0)).min(axis=1)
+        worst = max(worst, float(gaps.max()))
+    return worst
+
+
+def _places(line: FloatArray) -> FloatArray:
+    """The vertices of a polyline and places between them, ``SAMPLE_M`` apart at most."""
+    if len(line) == 1:
+        return line
+    parts = []
+    for start, end in pairwise(line):
+        count = max(1, math.ceil(math.dist(start, end) / SAMPLE_M))
+        parts.append(start + (end - start) * (np.arange(count) / count)[:, None])
+    return np.vstack([*parts, line[-1:]])
+
+
+def pose_offset(
+    recorded: tuple[float, float, float], seen: tuple[float, float, float]
+) -> tuple[float, float]:
+    """How far two poses are apart: metres, radians."""
+    off_rad = abs(math.remainder(recorded[2] - seen[2], math.tau))
+    return math.dist(recorded[:2], seen[:2]), off_rad
+
+
+def pose_problem(off_m: float, off_rad: float, limits: Tolerances) -> str | None:
+    """Why two poses so far apart differ; None where they agree."""
+    if off_m <= limits.position_m and off_rad <= limits.heading_rad:
+        return None
+    return (
+        f"is {off_m * 1e3:.1f} mm and {math.degrees(off_rad):.2f} deg off: at most "
+        f"{limits.position_m * 1e3:g} mm and {math.degrees(limits.heading_rad):g} deg"
+    )
+
+
+def plan_offset_m(recorded: dict[str, Any], found: Path | NoPath) -> float:
+    """How far the paths are apart; 0 where one or both are none."""
+    if recorded["status"] != "ok" or isinstance(found, NoPath):
+        return 0.0
+    return path_distance_m(np.asarray(recorded["path"], dtype=np.float64), found.points)
+
+
+def plan_problem(
+    recorded: dict[str, Any], found: Path | NoPath, off_m: float, limits: Tolerances
+) -> str | None:
+    """Why a plan differs from the recorded answer; None where they agree."""
+    if recorded["status"] != "ok":
+        if isinstance(found, NoPath):
+            return None
+        return f"was impossible ({recorded['reason']}), now there is one of {found.length:.3f} m"
+    if isinstance(found, NoPath):
+        return f"of {recorded['length_m']:.3f} m is impossible now: {found.reason}"
+    if off_m > limits.path_m:
+        return f"leaves the recorded one by {off_m * 1e3:.1f} mm: at most {limits.path_m * 1e3:g}"
+    if abs(recorded["min_clearance_m"] - found.min_clearance) > limits.clearance_m:
+        return (
+            f"keeps {found.min_clearance:.4f} m of clearance, the recorded one "
+            f"{recorded['min_clearance_m']:.4f}: at most {limits.clearance_m * 1e3:g} mm apart"
+        )
+    return None
