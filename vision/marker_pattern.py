@@ -124,14 +124,14 @@ def _pixels(
     rim = min(_RIM_PX / cell_px, _RIM_CELLS)
     outer = center + unit_m * local * (1.0 + 2.0 * rim / cells)
     seen = calibration.image_from_arena(outer, height_m)
-    if not np.isfinite(seen).all():
-        return np.empty((0, 3))
     height, width = grey.shape
-    x0, y0 = (max(0, math.floor(v) - 1) for v in seen.min(axis=0))
-    x1 = min(width - 1, math.ceil(float(seen[:, 0].max())) + 1)
-    y1 = min(height - 1, math.ceil(float(seen[:, 1].max())) + 1)
-    if x1 < x0 or y1 < y0:
+    ends = np.array([width - 1, height - 1])
+    # A part of the rim may be missing, but nothing of the marker itself.
+    inner = calibration.image_from_arena(center + unit_m * local, height_m)
+    if not (np.isfinite(seen).all() and (inner >= 0.0).all() and (inner <= ends).all()):
         return np.empty((0, 3))
+    x0, y0 = (max(0, math.floor(v) - 1) for v in seen.min(axis=0))
+    x1, y1 = np.minimum(np.ceil(seen.max(axis=0)) + 1, ends).astype(int).tolist()
     k = calibration.camera_matrix
     camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
     shrink = np.diag([1.0 / unit_m, 1.0 / unit_m, 1.0])
