@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 
 import cv2
@@ -164,12 +163,10 @@ def test_a_wrong_wish_is_one_sentence_and_code_2(
     assert "Traceback" not in error
 
 
-REAL = os.environ.get("CLEARWAY_REAL_DATA")
-
-
-@pytest.mark.skipif(REAL is None, reason="CLEARWAY_REAL_DATA is not set")
-def test_the_real_chessboards_calibrate(capsys: pytest.CaptureFixture[str]) -> None:
-    folder = str(Path(str(REAL), "calibration"))
+def test_the_real_chessboards_calibrate(
+    real_data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = str(real_data / "calibration")
     board = ["--board", "chessboard", "--squares", "9x6", "--square-mm", "25"]
     assert run(["calibrate", folder, *board]) == 0
     said = capsys.readouterr().out

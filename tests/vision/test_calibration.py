@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from pathlib import Path
 
@@ -448,13 +447,8 @@ def test_a_survey_file_is_read_and_its_errors_name_the_line(tmp_path: Path) -> N
         read_survey(tmp_path / "none.csv")
 
 
-REAL = os.environ.get("CLEARWAY_REAL_DATA")
-real_data = pytest.mark.skipif(REAL is None, reason="CLEARWAY_REAL_DATA is not set")
-
-
-@real_data
-def test_the_real_chessboards_reach_a_fifth_of_a_pixel() -> None:
-    files = sorted(Path(str(REAL), "calibration").glob("*.jpg"))
+def test_the_real_chessboards_reach_a_fifth_of_a_pixel(real_data: Path) -> None:
+    files = sorted((real_data / "calibration").glob("*.jpg"))
     spec = BoardSpec("chessboard", 9, 6, 0.025)
     found, missing = find_boards([(p.name, read_picture(p)) for p in files], spec)
     assert (len(found), len(missing)) == (13, 0)
@@ -463,9 +457,8 @@ def test_the_real_chessboards_reach_a_fifth_of_a_pixel() -> None:
     assert len(lens.used) == 13
 
 
-@real_data
-def test_every_corner_of_the_real_charuco_board_is_found() -> None:
-    image = read_picture(Path(str(REAL), "markers", "choriginal.jpg"))
+def test_every_corner_of_the_real_charuco_board_is_found(real_data: Path) -> None:
+    image = read_picture(real_data / "markers" / "choriginal.jpg")
     view = find_board(image, BoardSpec("charuco", 5, 7, 0.04, 0.02), "choriginal.jpg")
     assert isinstance(view, BoardView)
     assert len(view.corners_px) == 24

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 
 import cv2
@@ -297,11 +296,7 @@ def test_the_renderer_paints_what_it_says() -> None:
     assert painted == pytest.approx(area, rel=0.01)
 
 
-REAL = os.environ.get("CLEARWAY_REAL_DATA")
-
-
-@pytest.mark.skipif(REAL is None, reason="CLEARWAY_REAL_DATA is not set")
-def test_the_photograph_s_markers_are_found() -> None:
-    image = read_picture(Path(str(REAL), "markers", "singlemarkersoriginal.jpg"))
+def test_the_photograph_s_markers_are_found(real_data: Path) -> None:
+    image = read_picture(real_data / "markers" / "singlemarkersoriginal.jpg")
     found = sorted(i for i, _ in find_markers(image, "DICT_6X6_250"))
     assert found == [23, 40, 62, 98, 124, 203]
