@@ -620,15 +620,19 @@ def _separate_circle(points, first, n, lo, hi, circle):
             v[2] += excess
         if count == 0:
             return
-        m[1, 0] = m[0, 1]
-        m[2, 0] = m[0, 2]
-        m[2, 1] = m[1, 2]
         for i in range(3):
             m[i, i] += 0.5
-        step = np.linalg.solve(m, v)
-        circle[0] += step[0]
-        circle[1] += step[1]
-        circle[2] += step[2]
+        # by cofactors: numba's linear algebra would need scipy on the user's machine
+        c0 = m[1, 1] * m[2, 2] - m[1, 2] * m[1, 2]
+        c1 = m[0, 2] * m[1, 2] - m[0, 1] * m[2, 2]
+        c2 = m[0, 1] * m[1, 2] - m[0, 2] * m[1, 1]
+        c3 = m[0, 0] * m[2, 2] - m[0, 2] * m[0, 2]
+        c4 = m[0, 1] * m[0, 2] - m[0, 0] * m[1, 2]
+        c5 = m[0, 0] * m[1, 1] - m[0, 1] * m[0, 1]
+        det = m[0, 0] * c0 + m[0, 1] * c1 + m[0, 2] * c2
+        circle[0] += (c0 * v[0] + c1 * v[1] + c2 * v[2]) / det
+        circle[1] += (c1 * v[0] + c3 * v[1] + c4 * v[2]) / det
+        circle[2] += (c2 * v[0] + c4 * v[1] + c5 * v[2]) / det
 
 
 @njit(cache=True, nogil=True)
