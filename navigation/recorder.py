@@ -61,6 +61,8 @@ class RecordingCounts:
     pictures: int = 0
     dropped: int = 0
     events: int = 0
+    waiting: int = 0
+    """Put, and not yet written."""
     files: int = 0
     removed: int = 0
     failed: str = ""
@@ -93,7 +95,7 @@ class Recorder:
         self._last_picture_s = -math.inf
         self._counted_s = -math.inf
         self._said: tuple[State, str] | None = None
-        self._pictures = self._dropped = self._events = 0
+        self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self._files = RecordingFiles(folder, config.recording, began, self._header, self._stamp_ns)
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
@@ -138,6 +140,7 @@ class Recorder:
                 self._pictures,
                 self._dropped,
                 self._events,
+                self._put - self._pictures - self._events,
                 self._files.files,
                 self._files.removed,
                 self._failed,
@@ -177,13 +180,18 @@ class Recorder:
                 self._dropped += 1
                 return
             self._pictures_waiting += 1
-            self._waiting.append(PictureTaken(frame))
+            self._append(PictureTaken(frame))
 
     def put(self, event: RecordedEvent) -> None:
         """Anything but a picture."""
         with self._wake:
             if not self._failed:
-                self._waiting.append(event)
+                self._append(event)
+
+    def _append(self, event: RecordedEvent) -> None:
+        self._put += 1
+        self._waiting.append(event)
+        self._wake.notify()
 
     def state(self, now: DaemonState, time_s: float) -> None:
         """The state after a cycle: recorded where its sentence is news; counters now and then."""

@@ -16,7 +16,7 @@ from typing import Any, Final
 import cv2
 import numpy as np
 from mcap.exceptions import McapError
-from mcap.records import Channel, Chunk, DataEnd, Message
+from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from navigation import recording_json as bodies
@@ -127,13 +127,13 @@ class _Messages:
         try:
             with self.path.open("rb") as file:
                 for record in StreamReader(file, emit_chunks=True).records:
-                    self.cut &= not isinstance(record, DataEnd)
                     inner = _whole_records(record) if isinstance(record, Chunk) else [record]
                     for one in inner:
                         if isinstance(one, Channel):
                             topics[one.id] = one.topic
                         elif isinstance(one, Message):
                             yield topics.get(one.channel_id, ""), one
+            self.cut = False
         except OSError as error:
             raise RecordingError(f"{self.path}: {error.strerror or error}") from None
         except (McapError, CRCValidationError, struct.error, UnicodeDecodeError) as error:

@@ -1,0 +1,396 @@
+"""Recording and replay: nothing lost, nothing late, and the same result the second time."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import subprocess
+import sys
+import threading
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from navigation import recording_file
+from navigation.border_points import border_polylines
+from navigation.config import load_config
+from navigation.recorder import MOST_PICTURES_WAITING
+from navigation.recording_events import Told
+from navigation.recording_file import RecordingError
+from navigation.recording_reader import read_recording
+from navigation.replay import replay
+from navigation.replay_compare import Tolerances, path_distance_m, scene_distance_m
+from planner.scene import Bounds, CircleRecord, PointRecord, PolygonRecord, Scene, SceneObject
+from planner.scene import Segment as Line
+from tests.support.pictures import call
+from tests.support.recordings import BEGAN, RecordedBench, make_recording
+
+EVERY = {"picture_rate_hz": 60.0, "picture_format": "png"}
+EXACT = Tolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
+
+
+def see_and_plan(bench: RecordedBench) -> None:
+    bench.frames(8)
+    bench.plan()
+    bench.frames(4)
+
+
+@pytest.fixture(scope="module")
+def lossless(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Twelve frames without loss, a scene and a plan."""
+    (file,) = make_recording(tmp_path_factory.mktemp("lossless"), see_and_plan, **EVERY)
+    return file
+
+
+@pytest.fixture(scope="module")
+def jpeg(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same as a run records it unless it is told otherwise."""
+    (file,) = make_recording(tmp_path_factory.mktemp("jpeg"), see_and_plan)
+    return file
+
+
+# What a recording holds.
+
+
+def test_a_recording_holds_foxglove_s_schemas_and_is_stamped_with_the_wall_clock(
+    lossless: Path,
+) -> None:
+    schemas: dict[str, str] = {}
+    counts: Counter[str] = Counter()
+    times_ns = []
+    with lossless.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            assert schema is not None
+            schemas[channel.topic] = schema.name
+            counts[channel.topic] += 1
+            times_ns.append(message.log_time)
+    assert schemas["/camera"] == "foxglove.CompressedImage"
+    assert schemas["/scene"] == schemas["/roadmap"] == schemas["/plan"] == "foxglove.SceneUpdate"
+    assert schemas["/robot/7/pose"] == "foxglove.PoseInFrame"
+    assert counts["/camera"] == counts["/clearway/frames"] == 12
+    assert counts["/scene"] == counts["/roadmap"] == counts["/plan"] == 1
+    began_ns = BEGAN.timestamp() * 1e9
+    assert began_ns <= min(times_ns)
+    assert max(times_ns) <= began_ns + 1e9
+
+
+def test_what_was_recorded_is_read_back_without_loss(lossless: Path) -> None:
+    recording = read_recording(lossless)
+    assert not recording.cut
+    assert recording.config.robot.marker_id == 7
+    assert len(recording.frames) == 12
+    (scene,) = recording.scenes
+    assert len(scene.scene.objects) == 7
+    (plan,) = recording.plans
+    assert plan.answer["status"] == "ok"
+    assert plan.request.stations[0].x == 0.20
+    times = [time_ns for time_ns, _ in recording.pictures()]
+    assert times == sorted(recording.frames)
+    for _, picture in recording.pictures():
+        assert picture.shape == (960, 1280)
+
+
+def test_a_picture_without_loss_is_the_picture(tmp_path: Path) -> None:
+    pictures = []
+
+    def look(bench: RecordedBench) -> None:
+        frame = bench.camera.read(1.0)
+        assert frame is not None
+        pictures.append(frame.image)
+        bench.recorder.saw(frame, {}, None)
+
+    (file,) = make_recording(tmp_path, look, **EVERY)
+    ((_, picture),) = read_recording(file).pictures()
+    np.testing.assert_array_equal(picture, pictures[0])
+
+
+def test_only_as_many_pictures_a_second_are_recorded_as_configured(tmp_path: Path) -> None:
+    (file,) = make_recording(tmp_path, lambda bench: bench.frames(30), picture_rate_hz=10.0)
+    recording = read_recording(file)
+    assert len(recording.frames) == 30, "what was seen is recorded for every frame"
+    assert 9 <= sum(1 for _ in recording.pictures()) <= 11
+
+
+def test_a_writer_that_lags_drops_pictures_counts_them_and_keeps_every_event(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The writer is held at its first event until sixty frames have come."""
+    counts = []
+    go_on = threading.Event()
+    write = recording_file.RecordingFiles.write
+
+    def held(self: Any, event: Any) -> None:
+        assert go_on.wait(30.0)
+        write(self, event)
+
+    monkeypatch.setattr(recording_file.RecordingFiles, "write", held)
+
+    def crowd(bench: RecordedBench) -> None:
+        frame = bench.camera.read(1.0)
+        assert frame is not None
+        for _ in range(60):
+            bench.now_s += 0.1
+            bench.recorder.saw(replace(frame, captured_s=bench.now_s), {}, None)
+        counts.append(bench.recorder.counts())
+        go_on.set()
+
+    (file,) = make_recording(tmp_path, crowd)
+    recording = read_recording(file)
+    kept = sum(1 for _ in recording.pictures())
+    assert counts[0].dropped == 60 - kept
+    assert 0 < kept <= 2 * MOST_PICTURES_WAITING
+    assert len(recording.frames) == 60
+
+
+# Size and rotation.
+
+
+def test_a_full_file_is_followed_by_another_that_stands_alone(tmp_path: Path) -> None:
+    def fill(bench: RecordedBench) -> None:
+        for number in range(6):
+            bench.frames(6)
+            bench.plan(number + 1)
+
+    files = make_recording(tmp_path, fill, file_mb=1.0, **EVERY)
+    assert len(files) > 2
+    for file in files[1:]:
+        recording = read_recording(file)
+        assert recording.scenes[0].carried
+        if recording.frames:
+            assert replay(recording).is_equal
+    parts = [read_recording(file) for file in files]
+    assert [part.part for part in parts] == list(range(1, len(files) + 1))
+    assert sum(len(part.frames) for part in parts) == 36
+    assert sum(len(part.plans) for part in parts) == 6
+
+
+def test_the_oldest_files_go_when_the_folder_has_grown_too_large(tmp_path: Path) -> None:
+    stranger = tmp_path / "holiday.mcap"
+    stranger.write_bytes(b"x" * 3_000_000)
+    oldest = tmp_path / "clearway_2001-01-01_00-00-00_001.mcap"
+    oldest.write_bytes(b"x" * 3_000_000)
+    counts = []
+
+    def fill(bench: RecordedBench) -> None:
+        bench.frames(40)
+        counts.append(bench.recorder.counts())
+
+    make_recording(tmp_path, fill, file_mb=1.0, limit_mb=4.0, **EVERY)
+    ours = list(tmp_path.glob("clearway_*.mcap"))
+    assert stranger.exists(), "only recordings are removed"
+    assert not oldest.exists()
+    assert counts[0].removed >= 2
+    assert sum(file.stat().st_size for file in ours) < 6_500_000, "the limit and the one in hand"
+
+
+def test_a_disk_that_is_nearly_full_ends_the_recording_with_a_reason_and_not_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usage = shutil.disk_usage(tmp_path)._replace(free=5_000_000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage)
+    summaries = []
+
+    def go_on(bench: RecordedBench) -> None:
+        bench.frames(20)
+        bench.recorder.put(Told(bench.now_s, "info", "still running", "test"))
+        summaries.append(bench.recorder.summary())
+
+    make_recording(tmp_path, go_on)
+    assert "5 MB are free: must be at least 100 MB" in summaries[0]
+
+
+def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("a file")
+    with pytest.raises(RecordingError, match=r"taken/recordings"):
+        make_recording(tmp_path / "taken" / "recordings", lambda _: None)
+
+
+# Replay.
+
+
+def test_a_recording_without_loss_replays_to_the_same_numbers(lossless: Path) -> None:
+    result = replay(read_recording(lossless), EXACT)
+    assert result.differences == []
+    assert (result.pictures, result.scenes, result.plans) == (12, 1, 1)
+    assert result.poses >= 10
+
+
+def test_jpeg_pictures_replay_within_the_tolerance_and_not_exactly(jpeg: Path) -> None:
+    told = call("replay", jpeg)
+    assert told.code == 0, told
+    assert "equal" in told.out
+    assert not replay(read_recording(jpeg), EXACT).is_equal
+
+
+def test_another_place_of_the_robot_is_told(lossless: Path) -> None:
+    recording = read_recording(lossless)
+    time_ns = sorted(recording.frames)[-1]
+    x, y, heading = recording.frames[time_ns].poses[7]
+    recording.frames[time_ns].poses[7] = (x + 0.004, y, heading)
+    (difference,) = replay(recording).differences
+    assert difference.kind == "pose"
+    assert "robot 7 is 4.0 mm" in difference.sentence
+
+
+def test_a_robot_that_only_the_recording_saw_is_told_once(tmp_path: Path) -> None:
+    (file,) = make_recording(tmp_path, lambda bench: bench.frames(40))
+    recording = read_recording(file)
+    for frame in recording.frames.values():
+        frame.poses[9] = (1.0, 1.0, 0.0)
+    (difference,) = replay(recording).differences
+    assert "robot 9 is seen in the recording only" in difference.sentence
+
+
+def test_an_obstacle_more_is_told_and_a_plan_that_goes_elsewhere(lossless: Path) -> None:
+    recording = read_recording(lossless)
+    seen = recording.scenes[0]
+    fewer = Scene("m", seen.scene.bounds, seen.scene.objects[:-1])
+    recording.scenes[0] = type(seen)(seen.captured_s, 1, False, fewer)
+    recording.plans[0].answer["path"][3][0] += 0.2
+    kinds = [difference.kind for difference in replay(recording).differences]
+    assert kinds == ["scene", "plan"]
+
+
+def test_differences_end_with_code_1_and_as_json_they_say_all(lossless: Path, jpeg: Path) -> None:
+    told = call("replay", lossless, jpeg, "--pose-mm", "1e-6", "--format", "json")
+    assert told.code == 1
+    one, other = (json.loads(line) for line in told.out.splitlines())
+    assert (one["status"], other["status"]) == ("equal", "different")
+    assert other["schema"] == "clearway.replay/1"
+    assert {d["kind"] for d in other["differences"]} == {"pose"}
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [(b"", "not an MCAP recording"), (b"no recording at all", "not an MCAP recording")],
+)
+def test_a_file_that_is_no_recording_is_said(tmp_path: Path, content: bytes, sentence: str) -> None:
+    file = tmp_path / "a.mcap"
+    file.write_bytes(content)
+    told = call("replay", file)
+    assert told.code == 2
+    assert sentence in told.err
+
+
+def test_a_missing_file_is_said(tmp_path: Path) -> None:
+    told = call("replay", tmp_path / "none.mcap")
+    assert (told.code, told.out) == (2, "")
+    assert "none.mcap" in told.err
+
+
+def test_every_cut_of_a_recording_is_read_up_to_there_or_refused(
+    jpeg: Path, tmp_path: Path
+) -> None:
+    data = jpeg.read_bytes()
+    whole = len(read_recording(jpeg).frames)
+    rng = np.random.default_rng(5)
+    counts = []
+    for length in sorted(rng.integers(1, len(data), 60)):
+        file = tmp_path / "cut.mcap"
+        file.write_bytes(data[:length])
+        try:
+            recording = read_recording(file)
+        except RecordingError:
+            counts.append(-1)
+            continue
+        assert recording.cut
+        assert sum(1 for _ in recording.pictures()) <= len(recording.frames) + 1
+        counts.append(len(recording.frames))
+    assert counts == sorted(counts)
+    assert counts[-1] <= whole
+
+
+# Killed.
+
+KILLED = """
+import sys, time
+from pathlib import Path
+from tests.support.recordings import RecordedBench, recording_config
+
+bench = RecordedBench(recording_config(), Path(sys.argv[1]))
+bench.clock = None
+offset_s = bench.now_s - time.monotonic()
+bench.recorder._clock = lambda: time.monotonic() + offset_s
+with bench.recorder:
+    while True:
+        bench.frame()
+        print(repr(bench.now_s), flush=True)
+        time.sleep(max(0.0, bench.now_s - offset_s - time.monotonic()))
+"""
+
+
+def test_kill_9_loses_at_most_the_last_second(tmp_path: Path) -> None:
+    root = Path(__file__).parents[2]
+    with subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(tmp_path)], stdout=subprocess.PIPE, text=True, cwd=root
+    ) as process:
+        assert process.stdout is not None
+        seen = [float(process.stdout.readline()) for _ in range(75)]
+        process.kill()
+        seen += [float(line) for line in process.stdout.read().splitlines()]
+    (file,) = tmp_path.glob("*.mcap")
+    recording = read_recording(file)
+    assert recording.cut
+    last_s = max(frame.captured_s for frame in recording.frames.values())
+    assert last_s > seen[-1] - 1.0
+    result = replay(recording)
+    assert result.is_equal
+    assert result.pictures > 10
+
+
+# The distances that decide.
+
+
+def square(x: float, y: float, side: float) -> PolygonRecord:
+    corners = [(x, y), (x, y + side), (x + side, y + side), (x + side, y)]
+    return PolygonRecord(tuple(Line(corners[i], corners[(i + 1) % 4]) for i in range(4)))
+
+
+def scene(*records: Any) -> Scene:
+    objects = tuple(SceneObject(i, (record,)) for i, record in enumerate(records))
+    return Scene("m", Bounds(0.0, 0.0, 3.0, 3.0), objects)
+
+
+def test_the_distance_of_scenes_is_how_far_a_border_moved() -> None:
+    one, other = scene(square(1.0, 1.0, 0.5)), scene(square(1.02, 1.0, 0.5))
+    assert scene_distance_m(one, other) == pytest.approx(0.02)
+    assert scene_distance_m(one, one) == 0.0
+    assert scene_distance_m(one, scene()) == math.inf
+    assert scene_distance_m(scene(), scene()) == 0.0
+
+
+def test_the_distance_works_both_ways() -> None:
+    one = scene(square(1.0, 1.0, 0.5))
+    both = scene(square(1.0, 1.0, 0.5), PointRecord((2.5, 1.5)))
+    assert scene_distance_m(one, both) == scene_distance_m(both, one) == pytest.approx(1.0)
+
+
+def test_the_distance_of_a_circle_and_a_larger_one_is_the_difference_of_radii() -> None:
+    one, other = scene(CircleRecord((1.0, 1.0), 0.3)), scene(CircleRecord((1.0, 1.0), 0.33))
+    assert scene_distance_m(one, other) == pytest.approx(0.03, abs=2e-3)
+
+
+def test_paths_of_other_vertices_and_the_same_course_are_equal() -> None:
+    one = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)])
+    other = np.array([(0.0, 0.0), (0.3, 0.0), (1.0, 0.0), (1.0, 0.9), (1.0, 1.0)])
+    assert path_distance_m(one, other) == pytest.approx(0.0, abs=1e-12)
+    assert path_distance_m(one, other + np.array([0.0, 0.05])) == pytest.approx(0.05)
+
+
+def test_borders_as_lines_keep_to_their_arcs() -> None:
+    ((_, ring),) = border_polylines(scene(CircleRecord((1.0, 1.0), 0.3)))
+    np.testing.assert_allclose(np.hypot(*(ring - 1.0).T), 0.3, atol=1e-12)
+    middles = (ring[:-1] + ring[1:]) / 2.0
+    assert np.hypot(*(middles - 1.0).T).min() > 0.3 - 2e-3
+    np.testing.assert_allclose(ring[0], ring[-1], atol=1e-12)
+
+
+def test_the_settings_of_a_recording_are_off_unless_asked_for() -> None:
+    root = Path(__file__).parents[2]
+    assert not load_config(root / "configs" / "simulation.yaml", {}).recording.record

@@ -1,0 +1,41 @@
+"""A run that records is killed, and what it left replays to the same result."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from tests.support.pictures import call
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def test_a_recorded_run_that_was_killed_replays_to_the_same_result(tmp_path: Path) -> None:
+    shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
+    program = Path(sys.executable).with_name("clearway")
+    arguments = ["run", "simulation.yaml", "--once", "--record", "kept", "--no-dashboard"]
+    arguments += ["--socket", str(tmp_path / "private" / "socket")]
+    with subprocess.Popen(
+        [str(program), *arguments], stdout=subprocess.PIPE, text=True, cwd=tmp_path
+    ) as process:
+        assert process.stdout is not None
+        told = []
+        for line in process.stdout:
+            told.append(line)
+            if re.search(r"driving +at .* 1/3", line) or "done" in line:
+                break
+        process.kill()
+    assert any("recording into kept" in line for line in told)
+    (file,) = (tmp_path / "kept").glob("*.mcap")
+    replayed = call("replay", file, "--format", "json")
+    assert replayed.code == 0, replayed
+    result = json.loads(replayed.out)
+    assert result["cut"]
+    assert result["status"] == "equal"
+    assert result["poses"] > 20
+    assert result["scenes"] >= 1
+    assert result["plans"] >= 1
