@@ -102,7 +102,8 @@ class SceneWatcher:
         cells = self._shrink(image)
         covered = self._covered(discs)
         gain = self._gain(cells, covered)
-        difference = np.abs(cells - self._reference * np.float32(gain))
+        difference = self._reference * np.float32(gain)
+        np.abs(np.subtract(cells, difference, out=difference), out=difference)
         changed = self._changed(difference, covered)
         confirmed = self._confirm(changed)
         self._reveal(image, covered, changed)
@@ -168,14 +169,16 @@ class SceneWatcher:
         usable = (before > _DARKEST_FOR_GAIN) & (covered.ravel()[::_SPARSE] == 0)
         if np.count_nonzero(usable) < 16:
             return 1.0
-        gain = float(np.median(now[usable] / before[usable]))
+        gain = _median(now[usable] / before[usable])
         return min(max(gain, 0.25), 4.0)
 
     def _changed(self, difference: _Cells, covered: _Mask) -> _Mask:
-        noise = 1.4826 * float(np.median(difference.ravel()[::_SPARSE]))
+        noise = 1.4826 * _median(difference.ravel()[::_SPARSE])
         limit = max(self._limits.least_contrast, _NOISE_FACTOR * noise)
-        changed = (difference > self._tolerance + np.float32(limit)) & (covered == 0)
-        return np.asarray(changed.view(np.uint8) * np.uint8(255))
+        changed = (difference - self._tolerance > np.float32(limit)).view(np.uint8)
+        changed *= 255
+        changed[covered > 0] = 0
+        return changed
 
     def _confirm(self, changed: _Mask) -> _Mask | None:
         """The connected cells that differ now and did in the last frame; None where none do."""
@@ -221,6 +224,8 @@ class SceneWatcher:
 
         Where they differ from what was filled in, the change is reported as any other.
         """
+        if not self._unseen.any():
+            return
         shown = (self._unseen > 0) & (covered == 0) & (changed == 0)
         if shown.any():
             mask = shown.astype(np.uint8) * np.uint8(255)
@@ -293,6 +298,12 @@ class SceneWatcher:
         box = np.ones((3, 3), np.uint8)
         contrast = cv2.morphologyEx(self._reference, cv2.MORPH_GRADIENT, box)
         self._tolerance = (contrast * np.float32(self._limits.tremor)).astype(np.float32)
+
+
+def _median(values: _Cells) -> float:
+    """The middle value, the upper one of two: a third of the time of numpy's median."""
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])
 
 
 def _fill(image: Image, hidden: _Mask) -> Image:
