@@ -19,7 +19,8 @@ class Path:
     the whole polyline (not only its points) against every border and the bounds, and lies at
     ``min_clearance_at``. ``stations`` are indices into ``points``: start, every via, goal.
     ``order`` is the order in which the vias are visited, as indices into the request.
-    ``headings_rad`` has one entry a station, None where any heading will do.
+    ``headings_rad`` has one entry a station, None where any heading will do. ``remarks`` are
+    plain sentences on what the search could not make certain.
     """
 
     points: FloatArray
@@ -32,6 +33,7 @@ class Path:
     headings_rad: tuple[float | None, ...]
     order: tuple[int, ...] = ()
     alternatives: tuple[Path, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,8 @@ from planner.generators import (
     place_generators,
 )
 from planner.path import Bottleneck, NoPath, Path
-from planner.route import Request, plan_request, widest_way
+from planner.request import Request
+from planner.route import plan_request, widest_way
 from planner.scene import FloatArray, Scene, Vec
 
 if TYPE_CHECKING:

@@ -1,8 +1,8 @@
 """From a request to a path: attach the stations, search the chains, prove the answer.
 
 Rules and units
-- Stations attach inside a chain, by retraction: straight away from the nearest border until a
-  second one is as near, and then onto the chain.
+- Routes over the roadmap's chains are made taut (``finish.py``). The shortest way that keeps
+  the radius need not follow a chain: it is searched for over tangents (``shortest.py``).
 - Every answer is proved at the end: the exact distance of the whole polyline to every border
   is at least the radius and the margin, or it is no answer.
 """
@@ -16,139 +16,42 @@ from itertools import islice, pairwise
 
 import numpy as np
 
-from planner import bisector_kernels, distance_kernels, search_kernels
+from planner import distance_kernels
 from planner.agvd import Chains
-from planner.bisectors import EQUAL
-from planner.corridor import pull_taut
+from planner.chain_lines import Line
+from planner.chain_search import (
+    ROUNDING,
+    Gates,
+    Network,
+    attach,
+    cheapest,
+    costs_between,
+    widest_gap,
+)
+from planner.finish import certain, cut_short, finish, is_clear, judge
 from planner.generators import Borders
+from planner.homotopy import Word, anchors, word
 from planner.path import NoPath, Path
-from planner.scene import FloatArray, IntArray, Vec
+from planner.request import Request
+from planner.scene import FloatArray, Vec
+from planner.shortest import shortest_way
 from planner.tour import best_tour
 
-PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
-"""The names of ``prefer`` and the numbers they stand for."""
-DETOUR = 4.0
-"""How much longer a step at a clearance of one radius may be, at the preference just below 1."""
-ROOM = 2.0
-"""Radii of clearance kept on top of the first, where there is room, per unit of preference."""
 ROUTES = 4
 """Routes over different chains that are compared."""
 TRIES = 8
 """Searches made for every alternative wanted: many of them find a way that is known already."""
 PENALTY = 1.4
 """How much dearer a chain becomes with every route that took it."""
-NEAR = 0.25
-"""A retracted place this near to a chain, in radii, has met it."""
-ENTRIES = 8
-"""Chains tried as a station's way onto the roadmap."""
-FLATNESS = 0.02
-"""How far a path may leave the bisector it follows, in radii, where there is room."""
-ROUNDING = 1e-9
-"""Clearances are equal within this share of the scene's extent."""
+GAVE_UP = "the search for the shortest path reached its limit: there may be a shorter one"
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
-    """What is asked for: ``stations`` are start, every via, goal, with a heading or None."""
+class Ways:
+    """Polylines between two stations, the preferred one first, and what must be said of them."""
 
-    stations: tuple[Vec, ...]
-    headings_rad: tuple[float | None, ...]
-    preference: float
-    best_order: bool
-    alternatives: int
-    margin: float
-
-    def in_order(self, order: Sequence[int]) -> Request:
-        """The same request with its vias in another order."""
-        picked = (0, *(i + 1 for i in order), len(self.stations) - 1)
-        return replace(
-            self,
-            stations=tuple(self.stations[i] for i in picked),
-            headings_rad=tuple(self.headings_rad[i] for i in picked),
-        )
-
-    @classmethod
-    def of(
-        cls,
-        start: Sequence[float],
-        goal: Sequence[float],
-        prefer: str | float,
-        via: Sequence[Sequence[float]],
-        order: str,
-        alternatives: int,
-        margin: float,
-    ) -> Request:
-        """Parse the arguments of ``Roadmap.plan``; ``ValueError`` says what is wrong."""
-        named = [("start", start), *((f"via[{i}]", v) for i, v in enumerate(via)), ("goal", goal)]
-        parsed = [_station(name, value) for name, value in named]
-        if order not in ("fixed", "best"):
-            raise ValueError(f"order = {order!r}: must be 'fixed' or 'best'")
-        if not (math.isfinite(margin) and margin >= 0.0):
-            raise ValueError(f"margin = {margin}: must be >= 0 and finite")
-        if int(alternatives) != alternatives or alternatives < 0:
-            raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
-        return cls(
-            tuple(p[0] for p in parsed),
-            tuple(p[1] for p in parsed),
-            _preference(prefer),
-            order == "best",
-            int(alternatives),
-            float(margin),
-        )
-
-
-def _station(name: str, value: Sequence[float]) -> tuple[Vec, float | None]:
-    numbers = [float(v) for v in value]
-    if len(numbers) not in (2, 3) or not all(math.isfinite(v) for v in numbers):
-        raise ValueError(f"{name} = {tuple(value)}: must be x, y or x, y, heading, all finite")
-    return (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None
-
-
-def _preference(prefer: str | float) -> float:
-    if isinstance(prefer, str):
-        if prefer not in PREFERENCES:
-            raise ValueError(f"prefer = {prefer!r}: must be one of {', '.join(PREFERENCES)}")
-        return PREFERENCES[prefer]
-    value = float(prefer)
-    if not 0.0 <= value <= 1.0:
-        raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
-    return value
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """A polyline (n, 2) and the pieces (n, 2) that each link runs between, -1 where straight."""
-
-    points: FloatArray
-    pairs: IntArray
-
-    def reversed(self) -> Line:
-        """The same line the other way round: left and right change places."""
-        pairs = np.full_like(self.pairs, -1)
-        pairs[:-1] = self.pairs[:-1][::-1, ::-1]
-        return Line(self.points[::-1], pairs)
-
-    @classmethod
-    def straight(cls, points: FloatArray) -> Line:
-        """A line between no two pieces."""
-        return cls(points, np.full((len(points), 2), -1, np.int32))
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A station's way onto chain ``chain`` at point ``link`` + ``part`` of its link.
-
-    ``access`` (n, 2) runs from the station to the place on the chain; ``gap`` is its exact
-    clearance. ``to_end`` are cost and clearance from there to the chain's two ends.
-    """
-
-    chain: int
-    link: int
-    part: float
-    access: FloatArray
-    cost: float
-    gap: float
-    to_end: tuple[tuple[float, float], tuple[float, float]]
+    lines: tuple[FloatArray, ...]
+    remarks: tuple[str, ...] = ()
 
 
 def plan_request(
@@ -161,53 +64,56 @@ def plan_request(
     for name, place in zip(names, request.stations, strict=True):
         if reason := why_not(borders, name, place, need):
             return NoPath(reason)
+    network = Network.of(chains, need, request.preference)
     order = tuple(range(len(request.stations) - 2))
     if request.best_order and len(order) > 1:
-        order = _best_order(borders, chains, request, need)
+        order = _best_order(borders, network, request, need)
     request = request.in_order(order)
-    tries = TRIES * request.alternatives + (ROUTES if request.preference < 1.0 else 1)
-    legs: list[list[FloatArray]] = []
+    legs: list[Ways] = []
     for a, b in pairwise(request.stations):
-        found = plan_leg(borders, chains, a, b, need, request.preference, tries)
-        if not found:
+        found = plan_leg(borders, network, a, b, need, request.preference, request.alternatives)
+        if not found.lines:
             return NoPath(f"no way from {_at(a)} to {_at(b)} is {2 * need:g} wide throughout")
         legs.append(found)
-    best = _as_path(borders, [leg[0] for leg in legs], radius, request, order)
+    best = _as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
+    best = replace(best, remarks=tuple(dict.fromkeys(r for leg in legs for r in leg.remarks)))
     if not request.alternatives:
         return best
     others = (_as_path(borders, choice, radius, request, order) for choice in _others(legs))
     return replace(best, alternatives=tuple(islice(others, request.alternatives)))
 
 
-def _others(legs: list[list[FloatArray]]) -> Iterator[list[FloatArray]]:
+def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
     """Ways that differ from the best in one leg, the next best of each leg first."""
-    for rank in range(1, max(len(leg) for leg in legs)):
+    for rank in range(1, max(len(leg.lines) for leg in legs)):
         for i, leg in enumerate(legs):
-            if rank < len(leg):
-                yield [leg[rank] if j == i else other[0] for j, other in enumerate(legs)]
+            if rank < len(leg.lines):
+                yield [
+                    leg.lines[rank] if j == i else other.lines[0] for j, other in enumerate(legs)
+                ]
 
 
-def _best_order(borders: Borders, chains: Chains, request: Request, need: float) -> tuple[int, ...]:
-    """The order of the vias that makes the way over the chains shortest."""
+def _best_order(
+    borders: Borders, network: Network, request: Request, need: float
+) -> tuple[int, ...]:
+    """The order of the vias that makes the way cheapest.
+
+    Where length is preferred, by the shortest ways themselves; else by ways over the chains.
+    """
     floor = need - ROUNDING * borders.extent
-    cost, total = search_kernels.chain_costs(
-        chains.rho, chains.gap, chains.step, chains.first, chains.length, need,
-        DETOUR * request.preference
-    )  # fmt: skip
-    ways = [attach(borders, chains, place, floor, cost) for place in request.stations]
-    m = len(ways)
-    matrix = np.full((m, m), np.inf)
-    for i in range(m):
-        matrix[i, i] = 0.0
-        for j in range(i + 1, m):
-            if request.stations[i] == request.stations[j]:
+    stations = request.stations
+    matrix = costs_between(network, [attach(borders, network, s, floor) for s in stations], floor)
+    for i in range(len(stations)):
+        for j in range(i + 1, len(stations)):
+            if stations[i] == stations[j]:
                 matrix[i, j] = matrix[j, i] = 0.0
-            elif ways[i] and ways[j]:
-                far = _cost_between(chains, total, cost, ways[i], ways[j], floor)
-                matrix[i, j] = matrix[j, i] = far
+            elif request.preference == 0.0:
+                way = shortest_way(borders, stations[i], stations[j], need).way
+                if way is not None:
+                    matrix[i, j] = matrix[j, i] = _length(way)
     tour = best_tour(matrix)
     if not math.isfinite(tour.cost):
-        return tuple(range(m - 2))
+        return tuple(range(len(stations) - 2))
     return tuple(i - 1 for i in tour.order)
 
 
@@ -216,24 +122,19 @@ def widest_way(
 ) -> tuple[float, Vec] | None:
     """The largest radius that can make the journey, and where it is narrowest, or None."""
     narrowest: tuple[float, Vec] | None = None
-    cost, total = search_kernels.chain_costs(
-        chains.rho, chains.gap, chains.step, chains.first, chains.length, 1.0, 0.0
-    )
+    network = Network.of(chains, 1.0, 0.0)
     least = ROUNDING * borders.extent
     for a, b in pairwise(stations):
         if a == b:
             continue
-        entries = attach(borders, chains, a, least, cost)
-        exits = attach(borders, chains, b, least, cost)
-        if not entries or not exits:
-            return None
-        gap = _widest_gap(chains, entries, exits)
+        entries, exits = attach(borders, network, a, least), attach(borders, network, b, least)
+        gap = widest_gap(network, entries, exits)
         if gap <= least:
             return None
-        route = _cheapest(chains, total, cost, entries, exits, gap * (1.0 - 1e-12))
+        route = cheapest(network, entries, exits, gap * (1.0 - 1e-12))
         if route is None:
             return None
-        way = _certain(borders, route[0], gap)
+        way = certain(borders, route[0], gap)
         if way is None:
             return None
         wide, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, way)
@@ -268,340 +169,112 @@ def _at(place: Vec) -> str:
 
 def plan_leg(
     borders: Borders,
-    chains: Chains,
+    network: Network,
     start: Vec,
     goal: Vec,
     need: float,
     preference: float,
-    wanted: int = ROUTES,
-) -> list[FloatArray]:
+    alternatives: int = 0,
+) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
-    Up to ``wanted`` routes over different chains, each as its corridor's shortest way that keeps
-    ``1 + ROOM * preference`` radii off the borders where there is room; with the preference 1
-    the route itself, the widest there is. Empty where there is no way.
+    Every further one passes some obstacle on another side than those before it. With the
+    preference 0 the first is the shortest there is; up to 1, a corridor's shortest that keeps
+    ``1 + ROOM * preference`` radii off the borders where there is room; with 1 the widest
+    route itself. None where there is no way.
     """
     if start == goal:
-        return [np.array([start, goal])]
-    if wanted <= ROUTES and _is_clear(borders, start, goal, need, preference):
-        return [np.array([start, goal])]
+        return Ways((np.array([start, goal]),))
+    clear = is_clear(borders, start, goal, need, preference)
+    if clear and not alternatives:
+        return Ways((np.array([start, goal]),))
+    found = _routes(borders, network, start, goal, need, preference, alternatives)
+    if clear:
+        found.insert(0, np.array([start, goal]))
+    if preference > 0.0 or clear:
+        return Ways(_distinct(borders, found, alternatives))
+    exact = shortest_way(borders, start, goal, need, _length(found[0]) if found else math.inf)
+    if exact.way is not None:
+        found.insert(0, exact.way)
+    return Ways(_distinct(borders, found, alternatives), () if exact.certain else (GAVE_UP,))
+
+
+def _routes(
+    borders: Borders,
+    network: Network,
+    start: Vec,
+    goal: Vec,
+    need: float,
+    preference: float,
+    alternatives: int,
+) -> list[FloatArray]:
+    """Ways over different chains, the preferred one first; some may be the same but for a shift.
+
+    The first may be cut short across to another side of an obstacle.
+    """
     floor = need - ROUNDING * borders.extent
-    cost, total = search_kernels.chain_costs(
-        chains.rho, chains.gap, chains.step, chains.first, chains.length, need, DETOUR * preference
-    )
     for anywhere in (False, True):
-        entries = attach(borders, chains, start, floor, cost, anywhere)
-        exits = attach(borders, chains, goal, floor, cost, anywhere)
-        if not entries or not exits:
-            continue
-        least = floor
-        if preference >= 1.0:
-            least = max(floor, _widest_gap(chains, entries, exits) * (1.0 - 1e-12))
+        entries = attach(borders, network, start, floor, anywhere)
+        exits = attach(borders, network, goal, floor, anywhere)
         found: list[tuple[float, FloatArray]] = []
-        seen: set[frozenset[int]] = set()
-        dearer = total.copy()
-        for _ in range(wanted):
-            route = _cheapest(chains, dearer, cost, entries, exits, least)
-            if route is None:
-                break
-            line, used = route
-            dearer[list(used)] *= PENALTY
-            least = floor
-            if used in seen:
-                continue
-            seen.add(used)
-            way = _finish(borders, line, need, preference, alone=wanted <= ROUTES)
+        for line in _lines(network, entries, exits, floor, preference, alternatives):
+            way = finish(borders, line, need, preference)
             if way is not None:
-                found.append((_judge(borders, way, need, preference), way))
-        if found and preference < 1.0:
-            found.sort(key=lambda pair: pair[0])
-        if found:
+                found.append((judge(borders, way, need, preference), way))
+        if not found:
+            continue
+        if preference >= 1.0:
             return [way for _, way in found]
+        found.sort(key=lambda pair: pair[0])
+        cuts = [cut_short(borders, way, need, preference) for _, way in found[:ROUTES]]
+        best = min(cuts, key=lambda way: judge(borders, way, need, preference))
+        return [best, *(way for _, way in found)] if alternatives else [best]
     return []
 
 
-def _is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: float) -> bool:
-    """Whether the straight line is as far off the borders as the preference asks.
-
-    The widest way (preference 1) is never cut short.
-    """
+def _lines(
+    network: Network,
+    entries: Gates,
+    exits: Gates,
+    floor: float,
+    preference: float,
+    alternatives: int,
+) -> Iterator[Line]:
+    """The cheapest route, and then others: a chain gets dearer with every route that took it."""
+    least = floor
+    tries = TRIES * alternatives + ROUTES
     if preference >= 1.0:
-        return False
-    ends = np.array([start, goal])
-    rho, _ = borders.distances(ends)
-    return _keeps(borders, ends, float(rho.min()), need, preference)
+        least = max(floor, widest_gap(network, entries, exits) * (1.0 - 1e-12))
+        tries -= ROUTES - 1
+    seen: set[frozenset[int]] = set()
+    dearer = np.ones(len(network.total))
+    for _ in range(tries):
+        route = cheapest(network, entries, exits, least, dearer)
+        if route is None:
+            return
+        line, used = route
+        dearer[list(used)] *= PENALTY
+        least = floor
+        if used not in seen:
+            seen.add(used)
+            yield line
 
 
-def _keeps(
-    borders: Borders, line: FloatArray, standing: float, need: float, preference: float
-) -> bool:
-    """Whether a line keeps ``1 + ROOM * preference`` radii, or what its ends have (standing)."""
-    gap, *_ = distance_kernels.polyline_clearance(*borders.tree, line)
-    wish = min(need * (1.0 + ROOM * preference), standing)
-    return bool(gap >= max(need, wish) - ROUNDING * borders.extent)
+def _distinct(
+    borders: Borders, ways: Sequence[FloatArray], alternatives: int
+) -> tuple[FloatArray, ...]:
+    """The first way, and up to ``alternatives`` that no way before them can be shifted into."""
+    if not alternatives:
+        return tuple(ways[:1])
+    places = anchors(borders)
+    kept: dict[Word, FloatArray] = {}
+    for way in ways:
+        kept.setdefault(word(places, way), way)
+    return tuple(islice(kept.values(), alternatives + 1))
 
 
-def _finish(
-    borders: Borders, line: Line, need: float, preference: float, *, alone: bool
-) -> FloatArray | None:
-    """The route as a proved polyline: taut, or as it is where that cannot be proved.
-
-    ``alone``: no alternatives are wanted, so it may be cut short across to another side of an
-    obstacle.
-    """
-    if preference >= 1.0:
-        return _certain(borders, line, need)
-    keep = need * (1.0 + ROOM * preference)
-    way = pull_taut(borders, line.points, line.pairs, keep, need)
-    if way is None:
-        way = _certain(borders, line, need)
-    if way is None or not alone:
-        return way
-    way = _cut_short(borders, way, need, preference)
-    return np.ascontiguousarray(_cut_short(borders, way[::-1], need, preference)[::-1])
-
-
-def _cut_short(borders: Borders, way: FloatArray, need: float, preference: float) -> FloatArray:
-    """The way with straight lines put in where they keep their distance; never longer.
-
-    From each point the line to the last one is tried, then to one half as far, and so on:
-    O(n log n) lines for n points.
-    """
-    way = np.ascontiguousarray(way)
-    rho, _ = borders.distances(way)
-    kept = [0]
-    while kept[-1] < len(way) - 1:
-        here = kept[-1]
-        step = len(way) - 1 - here
-        while step > 1:
-            ends = np.ascontiguousarray(way[[here, here + step]])
-            standing = float(min(rho[here], rho[here + step]))
-            if _keeps(borders, ends, standing, need, preference):
-                break
-            step //= 2
-        kept.append(here + step)
-    return np.ascontiguousarray(way[kept])
-
-
-def _judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
-    """What a way costs: its length, and more where it is narrow."""
-    steps = np.hypot(*np.diff(way, axis=0).T)
-    if preference == 0.0:
-        return float(steps.sum())
-    middles = 0.5 * (way[1:] + way[:-1])
-    rho, _ = borders.distances(middles)
-    return float((steps * (1.0 + DETOUR * preference * need / np.maximum(rho, need))).sum())
-
-
-def _certain(borders: Borders, line: Line, need: float) -> FloatArray | None:
-    """The line's polyline, close enough to the bisectors to keep ``need``, or None."""
-    points: FloatArray
-    points, _ = bisector_kernels.follow(
-        *borders.tree,
-        np.ascontiguousarray(line.points),
-        np.ascontiguousarray(line.pairs),
-        need,
-        FLATNESS * need,
-        EQUAL * borders.extent,
-    )
-    gap = distance_kernels.polyline_clearance(*borders.tree, points)[0]
-    return points if gap >= need - 2.0 * ROUNDING * borders.extent else None
-
-
-def attach(
-    borders: Borders,
-    chains: Chains,
-    place: Vec,
-    floor: float,
-    cost: FloatArray,
-    anywhere: bool = False,
-) -> list[Entry]:
-    """Ways from a place onto the chains, each with clearance >= ``floor``; the nearest first.
-
-    Where retraction meets a chain that chain is the way; with ``anywhere``, or where it meets
-    none, any of the nearest chains that a straight line reaches.
-    """
-    x, y, _, _, _ = search_kernels.retract(*borders.tree, *place, 2.0 * borders.extent)
-    ridge = (x, y)
-    usable = np.ones(len(chains), dtype=np.bool_)
-    found = search_kernels.nearest_links(chains.points, chains.first, usable, x, y, ENTRIES)
-    entries: list[Entry] = []
-    for chain, link, part, away in zip(*(a.tolist() for a in found), strict=True):
-        if chain < 0:
-            break
-        met = found[3][0] <= NEAR * floor and not anywhere
-        if met and entries and away > found[3][0] + ROUNDING * borders.extent:
-            break
-        a, b = chains.points[link], chains.points[min(link + 1, chains.first[chain + 1] - 1)]
-        foot = a + part * (b - a)
-        if chains.proved[link]:
-            left, right = chains.pieces[link]
-            foot[0], foot[1], _ = bisector_kernels.slide_between(
-                borders.kind, borders.data, left, right, foot[0], foot[1], EQUAL * borders.extent
-            )
-        access = np.array([place, ridge, foot])
-        gap = distance_kernels.polyline_clearance(*borders.tree, access)[0]
-        if gap < floor:
-            continue
-        ends = _to_ends(chains, cost, chain, link, part)
-        length = math.dist(place, ridge) + away
-        entries.append(Entry(chain, link, part, access, length, gap, ends))
-    return entries
-
-
-def _to_ends(
-    chains: Chains, cost: FloatArray, chain: int, link: int, part: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Cost and clearance from a place inside a chain to its first and to its last point."""
-    lo, hi = int(chains.first[chain]), int(chains.first[chain + 1]) - 1
-    if lo == hi:
-        return ((0.0, float(chains.rho[lo])),) * 2
-    back = float(cost[lo:link].sum() + part * cost[link])
-    ahead = float(cost[link + 1 : hi].sum() + (1.0 - part) * cost[link])
-    return (
-        (back, float(chains.gap[lo : link + 1].min())),
-        (ahead, float(chains.gap[link:hi].min())),
-    )
-
-
-def _gates(
-    chains: Chains, entries: list[Entry]
-) -> tuple[IntArray, FloatArray, FloatArray, list[tuple[Entry, int]]]:
-    node, cost, gap, who = [], [], [], []
-    for entry in entries:
-        for end in range(2):
-            node.append(chains.ends[entry.chain, end])
-            cost.append(entry.cost + entry.to_end[end][0])
-            gap.append(min(entry.gap, entry.to_end[end][1]))
-            who.append((entry, end))
-    return np.array(node, np.int32), np.array(cost), np.array(gap), who
-
-
-def _widest_gap(chains: Chains, entries: list[Entry], exits: list[Entry]) -> float:
-    """The largest clearance a way from any entry to any exit can keep."""
-    around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
-    s_node, _, s_gap, _ = _gates(chains, entries)
-    g_node, _, g_gap, _ = _gates(chains, exits)
-    best = search_kernels.widest(
-        around, leaving, chains.ends, chains.clearance, s_node, s_gap, g_node, g_gap
-    )
-    for a in entries:
-        for b in exits:
-            if a.chain == b.chain:
-                best = max(best, min(a.gap, b.gap, _between_gap(chains, a, b)))
-    return float(best)
-
-
-def _between_gap(chains: Chains, a: Entry, b: Entry) -> float:
-    lo, hi = min(a.link, b.link), max(a.link, b.link)
-    if chains.first[a.chain + 1] - chains.first[a.chain] == 1:
-        return float(chains.rho[lo])
-    return float(chains.gap[lo : hi + 1].min())
-
-
-def _cheapest(
-    chains: Chains,
-    total: FloatArray,
-    cost: FloatArray,
-    entries: list[Entry],
-    exits: list[Entry],
-    floor: float,
-) -> tuple[Line, frozenset[int]] | None:
-    """The route and its chains: the cheapest way from any entry to any exit, or None."""
-    around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
-    s_node, s_cost, s_gap, s_who = _gates(chains, entries)
-    g_node, g_cost, g_gap, g_who = _gates(chains, exits)
-    s_cost = np.where(s_gap >= floor, s_cost, np.inf)
-    g_cost = np.where(g_gap >= floor, g_cost, np.inf)
-    best, entry, out, steps = search_kernels.cheapest(
-        around, leaving, chains.ends, total, chains.clearance, floor,
-        s_node, s_cost, g_node, g_cost
-    )  # fmt: skip
-    direct: tuple[Entry, Entry] | None = None
-    for a in entries:
-        for b in exits:
-            if a.chain != b.chain or min(a.gap, b.gap, _between_gap(chains, a, b)) < floor:
-                continue
-            here = a.cost + b.cost + abs(_position(cost, a) - _position(cost, b))
-            if here < best:
-                best, direct = here, (a, b)
-    if not math.isfinite(best):
-        return None
-    if direct is not None:
-        a, b = direct
-        inner = _inner(chains, a, b)
-        return _join([_arrive(a), inner, _arrive(b).reversed()]), frozenset({a.chain})
-    (a, a_end), (b, b_end) = s_who[entry], g_who[out]
-    pieces = [_arrive(a), _to_end_line(chains, a, a_end)]
-    for step in steps.tolist():
-        c, end = divmod(step, 2)
-        line = _part(chains, chains.first[c], chains.first[c + 1])
-        pieces.append(line if end == 0 else line.reversed())
-    pieces += [_to_end_line(chains, b, b_end).reversed(), _arrive(b).reversed()]
-    return _join(pieces), frozenset([a.chain, b.chain, *(steps // 2).tolist()])
-
-
-def _cost_between(
-    chains: Chains,
-    total: FloatArray,
-    cost: FloatArray,
-    entries: list[Entry],
-    exits: list[Entry],
-    floor: float,
-) -> float:
-    """What the cheapest way costs, infinity where there is none."""
-    route = _cheapest(chains, total, cost, entries, exits, floor)
-    if route is None:
-        return math.inf
-    return float(np.hypot(*np.diff(route[0].points, axis=0).T).sum())
-
-
-def _position(cost: FloatArray, entry: Entry) -> float:
-    return float(cost[: entry.link].sum() + entry.part * cost[entry.link])
-
-
-def _part(chains: Chains, lo: int, hi: int) -> Line:
-    """The chain's points from lo up to hi, hi excluded; unproved links are straight."""
-    pairs = np.where(chains.proved[lo:hi, None], chains.pieces[lo:hi], np.int32(-1))
-    return Line(chains.points[lo:hi], pairs)
-
-
-def _arrive(entry: Entry) -> Line:
-    """The straight way from a station to its place on a chain."""
-    return Line.straight(entry.access)
-
-
-def _inner(chains: Chains, a: Entry, b: Entry) -> Line:
-    """The chain between two places on it."""
-    if (a.link, a.part) <= (b.link, b.part):
-        inner = _part(chains, a.link, b.link + 1)
-        points = np.concatenate([a.access[-1:], inner.points[1:], b.access[-1:]])
-        return Line(points, np.concatenate([inner.pairs, [[-1, -1]]]).astype(np.int32))
-    return _inner(chains, b, a).reversed()
-
-
-def _to_end_line(chains: Chains, entry: Entry, end: int) -> Line:
-    """The chain from a place inside it to one of its ends."""
-    lo, hi = int(chains.first[entry.chain]), int(chains.first[entry.chain + 1])
-    if hi - lo == 1:
-        return Line.straight(entry.access[-1:])
-    if end == 0:
-        back = _part(chains, lo, entry.link + 1)
-        points = np.concatenate([back.points, entry.access[-1:]])
-        pairs = np.concatenate([back.pairs, [[-1, -1]]]).astype(np.int32)
-        return Line(points, pairs).reversed()
-    ahead = _part(chains, entry.link, hi)
-    return Line(np.concatenate([entry.access[-1:], ahead.points[1:]]), ahead.pairs)
-
-
-def _join(lines: list[Line]) -> Line:
-    """One line without repeated points; each starts where the one before it ends."""
-    lines = [line for line in lines if len(line.points)]
-    points = np.concatenate([line.points for line in lines])
-    pairs = np.concatenate([line.pairs for line in lines])
-    kept = np.ones(len(points), dtype=np.bool_)
-    kept[:-1] = np.any(points[1:] != points[:-1], axis=1)
-    return Line(points[kept], pairs[kept])
+def _length(way: FloatArray) -> float:
+    return float(np.hypot(*np.diff(way, axis=0).T).sum())
 
 
 def _as_path(
@@ -620,13 +293,12 @@ def _as_path(
     polyline = np.concatenate(points)
     gap, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, polyline)
     rho, _ = borders.distances(polyline)
-    steps = np.diff(polyline, axis=0)
     for array in (polyline, rho):
         array.setflags(write=False)
     return Path(
         points=polyline,
         clearances=rho,
-        length=float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
+        length=_length(polyline),
         min_clearance=gap,
         min_clearance_at=(x, y),
         robot_radius=radius,

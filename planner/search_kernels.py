@@ -121,7 +121,8 @@ def adjacency(ends, nodes):
 
 
 @njit(cache=True, nogil=True)
-def _push(keys, items, size, key, item):
+def push(keys, items, size, key, item):
+    """Put an item into the heap; ``size`` is the number of entries before."""
     i = size
     while i > 0 and keys[(i - 1) // 2] > key:
         keys[i], items[i] = keys[(i - 1) // 2], items[(i - 1) // 2]
@@ -130,7 +131,7 @@ def _push(keys, items, size, key, item):
 
 
 @njit(cache=True, nogil=True)
-def _pop(keys, items, size):
+def pop(keys, items, size):
     """Take the least; ``size`` is the number of entries before. Returns key, item."""
     key, item = keys[0], items[0]
     last_key, last_item = keys[size - 1], items[size - 1]
@@ -167,11 +168,11 @@ def cheapest(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_no
     for i in range(len(s_node)):
         if s_cost[i] < far[s_node[i]]:
             far[s_node[i]], gate[s_node[i]] = s_cost[i], i
-            _push(keys, items, size, s_cost[i], s_node[i])
+            push(keys, items, size, s_cost[i], s_node[i])
             size += 1
     best, out, exit_node = np.inf, -1, -1
     while size > 0:
-        d, u = _pop(keys, items, size)
+        d, u = pop(keys, items, size)
         size -= 1
         if d > far[u]:
             continue
@@ -187,7 +188,7 @@ def cheapest(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_no
             v = ends[c, 1 - end]
             if d + cost[c] < far[v]:
                 far[v], came[v], gate[v] = d + cost[c], leaving[k], -1
-                _push(keys, items, size, far[v], v)
+                push(keys, items, size, far[v], v)
                 size += 1
     steps = np.empty(n, np.int32)
     count = 0
@@ -198,6 +199,37 @@ def cheapest(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_no
         u = ends[came[u] // 2, came[u] % 2]
     entry = gate[u] if u >= 0 else -1
     return best, entry, out, steps[:count][::-1].copy()
+
+
+@njit(cache=True, nogil=True)
+def costs_from(around, leaving, ends, cost, clearance, floor, s_node, s_cost):
+    """What the cheapest way from the gates to every node costs (n,), inf where there is none."""
+    n = len(around) - 1
+    far = np.full(n, np.inf)
+    room = len(leaving) + len(s_node) + 1
+    keys = np.empty(room)
+    items = np.empty(room, np.int32)
+    size = 0
+    for i in range(len(s_node)):
+        if s_cost[i] < far[s_node[i]]:
+            far[s_node[i]] = s_cost[i]
+            push(keys, items, size, s_cost[i], s_node[i])
+            size += 1
+    while size > 0:
+        d, u = pop(keys, items, size)
+        size -= 1
+        if d > far[u]:
+            continue
+        for k in range(around[u], around[u + 1]):
+            c, end = leaving[k] // 2, leaving[k] % 2
+            if clearance[c] < floor:
+                continue
+            v = ends[c, 1 - end]
+            if d + cost[c] < far[v]:
+                far[v] = d + cost[c]
+                push(keys, items, size, far[v], v)
+                size += 1
+    return far
 
 
 @njit(cache=True, nogil=True)
@@ -212,11 +244,11 @@ def widest(around, leaving, ends, clearance, s_node, s_gap, g_node, g_gap):
     for i in range(len(s_node)):
         if s_gap[i] > wide[s_node[i]]:
             wide[s_node[i]] = s_gap[i]
-            _push(keys, items, size, -s_gap[i], s_node[i])
+            push(keys, items, size, -s_gap[i], s_node[i])
             size += 1
     best = -np.inf
     while size > 0:
-        d, u = _pop(keys, items, size)
+        d, u = pop(keys, items, size)
         size -= 1
         if -d < wide[u]:
             continue
@@ -231,6 +263,6 @@ def widest(around, leaving, ends, clearance, s_node, s_gap, g_node, g_gap):
             w = min(-d, clearance[c])
             if w > wide[v]:
                 wide[v] = w
-                _push(keys, items, size, -w, v)
+                push(keys, items, size, -w, v)
                 size += 1
     return best

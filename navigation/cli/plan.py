@@ -172,7 +172,7 @@ def _smoothed(
     keeps what is needed only.
     """
     from planner.path import NoPath
-    from planner.route import PREFERENCES
+    from planner.request import PREFERENCES
     from planner.smooth import smooth_path
 
     if isinstance(path, NoPath):
