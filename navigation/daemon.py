@@ -153,6 +153,7 @@ class Daemon:
         self._journal = journal
         self._journalled: Mission | None = None
         self._recorder = recorder
+        self._cycles = 0
 
     # Life.
 
@@ -256,10 +257,20 @@ class Daemon:
             "frames_s": camera.rate_hz,
         }
 
+    def turns(self) -> dict[str, int]:
+        """For each stage a number that grows while it works, or waits for work as it should."""
+        return {
+            "control loop": self._cycles,
+            "camera": self.camera.turns,
+            "planner": self._planner.turns,
+            "link": self.link.turns,
+        }
+
     # The cycle.
 
     def cycle(self) -> DaemonState:
         """Wait for the next frame, at most ``LONGEST_CYCLE_S``, and decide."""
+        self._cycles += 1
         frame = self.camera.take(LONGEST_CYCLE_S)
         self._planner.check()
         if frame is not None:

@@ -21,6 +21,9 @@ from planner.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
 from planner.smooth import smooth_path
 
+LONGEST_WAIT_S = 1.0
+"""A planner without work turns as often, so that one that hangs can be told from it."""
+
 
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
@@ -132,6 +135,8 @@ class PlannerThread:
         self._request: PlanRequest | None = None
         self._stopping = False
         self._error: Exception | None = None
+        self.turns = 0
+        """Grows while the thread works or waits for work."""
         self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
 
     def start(self) -> None:
@@ -171,8 +176,11 @@ class PlannerThread:
             self._error = error
 
     def _one_round(self) -> bool:
+        self.turns += 1
         with self._wake:
-            self._wake.wait_for(lambda: self._scene or self._request or self._stopping)
+            self._wake.wait_for(
+                lambda: self._scene or self._request or self._stopping, LONGEST_WAIT_S
+            )
             scene, self._scene = self._scene, None
             request, self._request = self._request, None
             if self._stopping:

@@ -114,6 +114,8 @@ class SerialLink:
         self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
+        self.turns = 0
+        """Grows while the thread works."""
         self._wake_out = self._wake_in = -1
         self._wake_lock = threading.Lock()
         self._published: tuple[LinkSnapshot, float, float] = (
@@ -251,6 +253,7 @@ class SerialLink:
             self._publish()
 
     def _cycle(self) -> None:
+        self.turns += 1
         self._take_orders()
         now_s = self._clock()
         if self._serial is None:

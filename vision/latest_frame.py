@@ -82,6 +82,8 @@ class LatestFrame:
         self._status = CameraStatus("closed", "", 0.0, 0, 0, 0, None)
         self._reader = _Reader(self, 0)
         self._thread: threading.Thread | None = None
+        self.turns = 0
+        """Grows while the thread works, whatever the camera does."""
 
     def __enter__(self) -> LatestFrame:
         self.start()
@@ -147,6 +149,7 @@ class LatestFrame:
         ended_well = False
         try:
             while not self._stopping.is_set() and reader.generation == self._generation:
+                self.turns += 1
                 pause_s = reader.step()
                 if pause_s > 0.0:
                     self._stopping.wait(pause_s)

@@ -1,0 +1,146 @@
+"""The log of a run: one line an event on stderr, for a journal, a log collector or a person.
+
+Rules
+- An event is a name from `EVENTS` and fields; its line is JSON or ``time level event words``.
+- Only news is logged: a change of state, of the reason, of the camera, of the link, a new plan.
+- Under systemd a text line begins with its priority, ``<4>``, which the journal takes off.
+
+Times in lines are UTC; fields keep their units in their names.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from typing import Any, Final, Literal, TextIO, TypeAlias
+
+from navigation.mission import State
+
+Level: TypeAlias = Literal["debug", "info", "warning", "error"]
+LEVELS: Final[tuple[Level, ...]] = ("debug", "info", "warning", "error")
+PRIORITY: Final[dict[Level, int]] = {"debug": 7, "info": 6, "warning": 4, "error": 3}
+"""syslog's, which the journal uses too."""
+
+EVENTS: Final = {
+    "started": "the program begins: version, configuration",
+    "said": "a line for people",
+    "ready": "camera, planner and link run",
+    "state": "the mission's state or its reason is another: state, reason, pose",
+    "station": "one more station was visited",
+    "plan": "another plan is driven: length_m, min_clearance_m",
+    "link": "the link's state is another",
+    "camera": "the camera's state is another",
+    "watchdog": "a stage does not get on",
+    "configuration": "the file was read again",
+    "finished": "the run is over: state, reason, duration_s",
+}
+
+_STATE_LEVELS: Final[Mapping[State, Level]] = {
+    State.HOLDING: "warning",
+    State.STOPPED: "error",
+    State.FAILED: "error",
+}
+
+
+class EventLog:
+    """Writes events at ``level`` and above to ``stream``.
+
+    ``form``: ``json``, ``text``, or None for no log. ``now`` gives the wall time;
+    ``priorities`` puts the journal's before each text line.
+    """
+
+    def __init__(
+        self,
+        stream: TextIO,
+        form: Literal["json", "text"] | None,
+        *,
+        now: Callable[[], datetime],
+        level: Level = "info",
+        priorities: bool = False,
+    ) -> None:
+        self._stream, self._form = stream, form
+        self._now = now
+        self._least = LEVELS.index(level)
+        self._priorities = priorities
+
+    def write(self, level: Level, event: str, **fields: Any) -> None:
+        """One event; None values are left out of text and null in JSON."""
+        if self._form is None or LEVELS.index(level) < self._least:
+            return
+        time = self._now().astimezone(UTC).isoformat(timespec="milliseconds")
+        time = time.replace("+00:00", "Z")
+        plain = {name: _plain(value) for name, value in fields.items()}
+        if self._form == "json":
+            body = {"time": time, "level": level, "event": event, **plain}
+            line = json.dumps(body, allow_nan=False, ensure_ascii=False)
+        else:
+            words = [f"{name}={_word(value)}" for name, value in plain.items() if value is not None]
+            line = " ".join([f"{time} {level:<7} {event}", *words])
+            if self._priorities:
+                line = f"<{PRIORITY[level]}>{line}"
+        self._stream.write(line + "\n")
+        self._stream.flush()
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 6) if math.isfinite(value) else None
+    return value if isinstance(value, str | int | bool | list | dict | None) else str(value)
+
+
+def _word(value: Any) -> str:
+    text = value if isinstance(value, str) else json.dumps(value)
+    simple = text and text.isprintable() and not any(c in text for c in ' "=')
+    return text if simple else json.dumps(text, ensure_ascii=False)
+
+
+class RunLog:
+    """Turns what a run's cycles end with into events, where it is news."""
+
+    def __init__(self, log: EventLog) -> None:
+        self.log = log
+        self._last: dict[str, Any] = {}
+
+    def cycle(self, now: Any, camera: Any) -> None:
+        """After a cycle: ``now`` is the `DaemonState`, ``camera`` the `CameraStatus`."""
+        mission = now.mission
+        if self._is_news("state", (mission.state, now.sentence)):
+            pose = now.pose
+            self.log.write(
+                _STATE_LEVELS.get(mission.state, "info"),
+                "state",
+                state=mission.state.value,
+                reason=now.sentence,
+                x_m=None if pose is None else pose.x,
+                y_m=None if pose is None else pose.y,
+                heading_rad=None if pose is None else pose.heading_rad,
+                clearance_m=now.clearance_m,
+            )
+        if self._is_news("station", (mission.stations, mission.visited)) and mission.visited:
+            count = len(mission.stations)
+            self.log.write("info", "station", visited=mission.visited, stations=count)
+        if self._is_news("plan", now.path) and now.path is not None:
+            path = now.path
+            self.log.write("info", "plan", length_m=path.length, min_clearance_m=path.min_clearance)
+        down = now.link.down_reason
+        if self._is_news("link", (now.link.state, down)):
+            level: Level = "info" if down is None else "warning"
+            self.log.write(level, "link", state=now.link.state.value, reason=down)
+        if self._is_news("camera", (camera.state, camera.reason)):
+            fine = camera.state in ("running", "starting")
+            reason = camera.reason or None
+            self.log.write(
+                "info" if fine else "warning", "camera", state=camera.state, reason=reason
+            )
+
+    def _is_news(self, name: str, value: Any) -> bool:
+        if name in self._last and self._same(self._last[name], value):
+            return False
+        self._last[name] = value
+        return True
+
+    @staticmethod
+    def _same(one: Any, other: Any) -> bool:
+        return one is other or (isinstance(one, tuple) and one == other)

@@ -1,0 +1,109 @@
+"""What systemd is told: ready, stopping, and that every stage of the program still works.
+
+Rules
+- A message is one datagram that is sent without waiting: a full socket loses a message, never
+  stops a robot's loop.
+- WATCHDOG=1 is sent only when every stage has turned since the last time. A stage that hangs
+  is named in STATUS, and systemd restarts the program when its time is over.
+- Without systemd (no NOTIFY_SOCKET) nothing is sent.
+
+The protocol: sd_notify(3). Units: seconds.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable, Mapping
+from typing import Final
+
+KEEPALIVES_A_PERIOD: Final = 4
+"""systemd advises at least two; four leave room for one stage that is slow once."""
+
+
+class Notifier:
+    """Sends sd_notify messages to ``address``; None sends nothing."""
+
+    def __init__(self, address: str | None) -> None:
+        self.lost = 0
+        self._socket: socket.socket | None = None
+        if not address:
+            return
+        # an @ stands for the zero byte that begins a name in the abstract namespace
+        self._address = "\0" + address[1:] if address.startswith("@") else address
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
+        self._socket.setblocking(False)
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str]) -> Notifier:
+        """The notifier that systemd's NOTIFY_SOCKET asks for."""
+        return cls(environment.get("NOTIFY_SOCKET"))
+
+    def send(self, *assignments: str) -> bool:
+        """Send assignments such as ``READY=1``; False where the message was lost."""
+        if self._socket is None:
+            return True
+        try:
+            self._socket.sendto("\n".join(assignments).encode(), self._address)
+        except OSError:
+            self.lost += 1
+            return False
+        return True
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+
+class Watchdog:
+    """Keeps systemd's watchdog from barking while every stage turns.
+
+    ``turns`` gives a number for each stage, which grows while the stage works. ``period_s``:
+    systemd's WatchdogSec; None sends nothing.
+    """
+
+    def __init__(
+        self, notifier: Notifier, period_s: float | None, turns: Callable[[], Mapping[str, int]]
+    ) -> None:
+        self._notifier = notifier
+        self._period_s = period_s
+        self._turns = turns
+        self._last = dict(turns())
+        self._due_s: float | None = None
+        self.hanging: tuple[str, ...] = ()
+        """The stages that have not turned since the last message."""
+
+    def tick(self, now_s: float) -> None:
+        """Call often: sends when it is time, and every stage has turned."""
+        if self._period_s is None:
+            return
+        every_s = self._period_s / KEEPALIVES_A_PERIOD
+        if self._due_s is None:
+            self._due_s = now_s + every_s
+        if now_s < self._due_s:
+            return
+        self._due_s = now_s + every_s
+        turns = dict(self._turns())
+        hanging = tuple(name for name, count in turns.items() if count == self._last.get(name))
+        if hanging:
+            if hanging != self.hanging:
+                self._notifier.send(f"STATUS=does not get on: {', '.join(hanging)}")
+            self.hanging = hanging
+            return
+        self.hanging = ()
+        self._last = turns
+        self._notifier.send("WATCHDOG=1")
+
+
+def watchdog_period_s(environment: Mapping[str, str], own_pid: int | None = None) -> float | None:
+    """systemd's WatchdogSec for this process; None where it watches none or another."""
+    pid = environment.get("WATCHDOG_PID")
+    if pid and pid != str(os.getpid() if own_pid is None else own_pid):
+        return None
+    try:
+        period_us = int(environment.get("WATCHDOG_USEC", ""))
+    except ValueError:
+        return None
+    return period_us / 1e6 if period_us > 0 else None
