@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.binarise_kernels import noise_sigma, sampled_histogram
+from vision.binarise_kernels import noise_sigma, sampled_histogram, split_histogram
 
 Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
 Polarity: TypeAlias = Literal["dark", "light", "auto"]
@@ -40,7 +40,9 @@ which light is even: the edge itself is measured against its own surroundings.""
 DARKEST_SIGMAS = 2.0
 """How far below the middle the darkest free pixels are taken to be, in spreads of the light."""
 CALM_NOISE, WILD_NOISE = 4.0, 25.0
-"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px to be judged."""
+"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px where noise counts."""
+BUSY_NOISE = 12.0
+"""Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper."""
 LEFT_BY_GAUSSIAN = 0.2821
 """The share of white noise that a Gaussian of sigma 1 leaves."""
 FREE_LEVEL = 200.0
@@ -103,6 +105,27 @@ class Classes:
         return self.light - self.dark
 
 
+class _Look:
+    """A grey picture, its noise and its histogram; smoothed once for every sigma asked for."""
+
+    def __init__(self, grey: NDArray[Any]) -> None:
+        self.grey = grey
+        self.counts: NDArray[np.int64] = sampled_histogram(grey)
+        # two values only: drawn, not taken; what looks like noise is texture
+        drawn = np.count_nonzero(self.counts) <= 2
+        self.noise = 0.0 if drawn else float(noise_sigma(grey))
+        self._smoothed: dict[float, NDArray[Any]] = {}
+
+    def calmed(self, noise: float) -> tuple[NDArray[Any], float]:
+        """The picture smoothed as noise demands, and the share of the noise that is left."""
+        if noise < CALM_NOISE:
+            return self.grey, 1.0
+        sigma = 1.0 if noise < WILD_NOISE else 2.0
+        if sigma not in self._smoothed:
+            self._smoothed[sigma] = cv2.GaussianBlur(self.grey, (0, 0), sigma)
+        return self._smoothed[sigma], LEFT_BY_GAUSSIAN / sigma
+
+
 def as_grey(image: NDArray[Any]) -> NDArray[Any]:
     """The picture's grey values as (h, w) uint8, or float32 in 0 .. 255 from 16 bits.
 
@@ -161,9 +184,9 @@ def binarise(
         raise PictureError(f"ignore has shape {ignore.shape}: must be the picture's {grey.shape}")
     side, why_side = _side(grey, polarity)
     if side == "light":
-        grey = 255 - grey
+        grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
         threshold = None if threshold is None else 255.0 - threshold + 1e-6
-    binary = _by_method(grey, side, method, threshold)
+    binary = _by_method(_Look(grey), side, method, threshold)
     if why_side:
         how = binary.how
         how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
@@ -209,91 +232,81 @@ def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "ligh
 
 
 def _by_method(
-    grey: NDArray[Any], side: Literal["dark", "light"], method: Method, threshold: float | None
+    look: _Look, side: Literal["dark", "light"], method: Method, threshold: float | None
 ) -> Binary:
-    # two values only: drawn, not taken; what looks like noise is texture
-    drawn = np.count_nonzero(sampled_histogram(grey)) <= 2
-    noise = 0.0 if drawn else float(noise_sigma(grey))
-    classes = _classes(grey, noise)
+    classes = _classes(look)
     if method == "fixed":
         level = 127.5 if threshold is None else threshold
         contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
         how = Binarisation("fixed", _shown(level, side), side, "the level was given")
-        return _binary(grey, level, noise, contrast, how)
+        return _binary(look, level, contrast, how)
     if method == "adaptive":
-        return _adaptive(grey, noise, classes, side)
+        return _adaptive(look, classes, side)
     if method == "background":
-        return _divided(grey, side, "asked for")[0]
+        return _divided(look, side, "asked for")[0]
     if method == "otsu":
         if classes is None:
-            return _uniform(grey, noise, side)
-        level = _otsu(grey) + 0.5
+            return _uniform(look, side)
+        level = _otsu(look.grey) + 0.5
         how = Binarisation("otsu", _shown(level, side), side, "asked for")
-        return _binary(grey, level, noise, classes.contrast, how)
-    if classes is not None and _room(classes, noise) >= EVEN_MARGIN:
-        return _even(grey, classes, noise, side)
-    return _uneven(grey, classes, noise, side)
+        return _binary(look, level, classes.contrast, how)
+    if classes is not None and _room(classes, look.noise) >= EVEN_MARGIN:
+        return _even(look, classes, side)
+    return _uneven(look, classes, side)
 
 
-def _uneven(
-    grey: NDArray[Any], classes: Classes | None, noise: float, side: Literal["dark", "light"]
-) -> Binary:
+def _uneven(look: _Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     """Divide by the light where that sets the classes apart better than one level does."""
-    spread = _spread(grey) if classes is None else classes.light_spread
-    if classes is None and spread <= 1.5 * noise + LEAST_CONTRAST / 4.0:
-        return _uniform(grey, noise, side)
+    spread = _spread(look.counts) if classes is None else classes.light_spread
+    if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
+        return _uniform(look, side)
     divided, after = _divided(
-        grey, side, f"uneven light: free pixels spread by {spread:.0f} grey levels"
+        look, side, f"uneven light: free pixels spread by {spread:.0f} grey levels"
     )
     if after is None:
-        return _uniform(grey, noise, side) if classes is None else _even(grey, classes, noise, side)
-    if classes is None or _room(after, divided.noise) > _room(classes, noise):
+        return _uniform(look, side) if classes is None else _even(look, classes, side)
+    if classes is None or _room(after, divided.noise) > _room(classes, look.noise):
         return divided
-    return _even(grey, classes, noise, side)
+    return _even(look, classes, side)
 
 
-def _classes(grey: NDArray[Any], noise: float, strongest: float | None = None) -> Classes | None:
+def _classes(look: _Look, strongest: float | None = None) -> Classes | None:
     """The two classes of a picture, seen through a little smoothing where it is noisy."""
-    strongest = noise if strongest is None else strongest
-    calm, left = _calmed(grey, strongest)
-    found = split_classes(sampled_histogram(calm), noise * left)
+    strongest = look.noise if strongest is None else strongest
+    if CALM_NOISE <= strongest < BUSY_NOISE:
+        calm, left = cv2.blur(look.grey, (3, 3)), 1.0 / 3.0
+    else:
+        calm, left = look.calmed(strongest)
+    counts = look.counts if calm is look.grey else sampled_histogram(calm)
+    found = split_classes(counts, look.noise * left)
     if found is None:
         found = _rare_pixels(calm, strongest * left)
     if found is None or left == 1.0:
         return found
     # the spread that noise explains, as the unsmoothed picture would have it
-    explained = float(np.hypot(noise, found.light_spread))
+    explained = float(np.hypot(look.noise, found.light_spread))
     return replace(found, light_spread=explained)
 
 
-def _calmed(grey: NDArray[Any], noise: float) -> tuple[NDArray[Any], float]:
-    """The picture smoothed as its noise demands, and the share of the noise that is left."""
-    if noise < CALM_NOISE:
-        return grey, 1.0
-    sigma = 1.0 if noise < WILD_NOISE else 2.0
-    return cv2.GaussianBlur(grey, (0, 0), sigma), LEFT_BY_GAUSSIAN / sigma
-
-
-def _spread(grey: NDArray[Any]) -> float:
+def _spread(counts: NDArray[np.int64]) -> float:
     """The grey values' spread: the quartiles' distance, as a normal distribution's sigma."""
-    counts = sampled_histogram(grey).astype(np.float64)
-    return (_quantile(counts, 0.75) - _quantile(counts, 0.25)) / 1.349
+    running = np.cumsum(counts)
+    low, high = np.searchsorted(running, running[-1] * np.array([0.25, 0.75]))
+    return float(high - low) / 1.349
 
 
-def _even(
-    grey: NDArray[Any], classes: Classes, noise: float, side: Literal["dark", "light"]
-) -> Binary:
+def _even(look: _Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
     reason = (
         f"even light: obstacles at {classes.dark:.0f}, free at {classes.light:.0f}, "
-        f"noise {noise:.1f} grey levels; the level lies half-way"
+        f"noise {look.noise:.1f} grey levels; the level lies half-way"
     )
     how = Binarisation("otsu", _shown(classes.level, side), side, reason)
-    return _binary(grey, classes.level, noise, classes.contrast, how)
+    return _binary(look, classes.level, classes.contrast, how)
 
 
-def _uniform(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -> Binary:
+def _uniform(look: _Look, side: Literal["dark", "light"]) -> Binary:
     """A picture without contrast is all free or all obstacle."""
-    mean = float(cv2.mean(grey)[0])
+    mean = float(cv2.mean(look.grey)[0])
     level = 256.0 if mean < 127.5 else -1.0
     how = Binarisation(
         "fixed",
@@ -302,12 +315,11 @@ def _uniform(grey: NDArray[Any], noise: float, side: Literal["dark", "light"]) -
         f"no contrast: every pixel is within noise of {mean:.0f}, "
         f"{'darker' if mean < 127.5 else 'lighter'} than half",
     )
-    return _binary(grey, level, noise, 255.0, how)
+    return _binary(look, level, 255.0, how)
 
 
-def _adaptive(
-    grey: NDArray[Any], noise: float, classes: Classes | None, side: Literal["dark", "light"]
-) -> Binary:
+def _adaptive(look: _Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+    grey = look.grey
     block = (min(grey.shape) // 4) | 1
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
     offset = LEAST_CONTRAST if classes is None else max(LEAST_CONTRAST, 0.1 * classes.contrast)
@@ -319,18 +331,20 @@ def _adaptive(
         f"a pixel is obstacle {offset:.0f} grey levels below the mean of {block} x {block} pixels",
     )
     contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
-    return _binary(centred.astype(np.float32), 127.5, noise, contrast, how)
+    centred = centred.astype(np.float32, copy=False)
+    return _binary(_Look(centred), 127.5, contrast, how, noise=look.noise)
 
 
 def _divided(
-    grey: NDArray[Any], side: Literal["dark", "light"], why: str
+    look: _Look, side: Literal["dark", "light"], why: str
 ) -> tuple[Binary, Classes | None]:
-    light = light_surface(grey)
-    flat = np.clip(grey / light * np.float32(FREE_LEVEL), 0.0, 255.0).astype(np.float32)
-    noise = float(noise_sigma(flat))
+    light = light_surface(look.grey)
+    flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0).astype(np.float32)
+    divided = _Look(flat)
+    divided.noise = float(noise_sigma(flat))
     # where there is little light, division makes the noise stronger
-    strongest = max(noise, float(noise_sigma(grey)) * FREE_LEVEL / float(light.min()))
-    classes = _classes(flat, noise, strongest)
+    strongest = max(divided.noise, float(noise_sigma(look.grey)) * FREE_LEVEL / float(light.min()))
+    classes = _classes(divided, strongest)
     level = 0.5 * FREE_LEVEL if classes is None else classes.level
     contrast = FREE_LEVEL if classes is None else classes.contrast
     how = Binarisation(
@@ -340,7 +354,7 @@ def _divided(
         f"{why}; divided by a quadratic surface of the light, which runs from "
         f"{float(light.min()):.0f} to {float(light.max()):.0f}",
     )
-    return _binary(flat, level, noise, contrast, how, strongest), classes
+    return _binary(divided, level, contrast, how, strongest_noise=strongest), classes
 
 
 def light_surface(grey: NDArray[Any]) -> NDArray[np.float32]:
@@ -377,47 +391,9 @@ def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
     Minimum error thresholding (Kittler and Illingworth, 1986), which does not mind a class
     of one pixel in a thousand; no class is narrower than the noise and a grey level.
     """
-    counts = histogram.astype(np.float64)
-    values = np.arange(256.0)
-    total = counts.sum()
-    below = np.cumsum(counts)
-    sums = np.cumsum(counts * values)
-    squares = np.cumsum(counts * values * values)
-    usable = (below[:-1] > 0.0) & (below[:-1] < total)
-    if not usable.any():
-        return None
-    n0 = np.maximum(below[:-1], 1e-9)
-    n1 = np.maximum(total - below[:-1], 1e-9)
-    m0 = sums[:-1] / n0
-    m1 = (sums[-1] - sums[:-1]) / n1
-    floor = noise * noise + 1.0
-    v0 = np.maximum(squares[:-1] / n0 - m0 * m0, floor)
-    v1 = np.maximum((squares[-1] - squares[:-1]) / n1 - m1 * m1, floor)
     least = max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
-    usable &= m1 - m0 >= least
-    if not usable.any():
-        return None
-    p0, p1 = n0 / total, n1 / total
-    cost = p0 * np.log(v0) + p1 * np.log(v1) - 2.0 * (p0 * np.log(p0) + p1 * np.log(p1))
-    split = int(np.argmin(np.where(usable, cost, np.inf)))
-    dark = _quantile(counts[: split + 1], 0.5)
-    light = _quantile(np.where(values > split, counts, 0.0), 0.5)
-    for _ in range(3):
-        # half-way between the middles, whatever tail the split has cut off
-        level = 0.5 * (dark + light)
-        dark = _quantile(np.where(values <= level, counts, 0.0), 0.5)
-        light = _quantile(np.where(values > level, counts, 0.0), 0.5)
-    if light - dark < least:
-        return None
-    level = 0.5 * (dark + light)
-    quarter = _quantile(np.where(values > level, counts, 0.0), 0.25)
-    three = _quantile(np.where(values > level, counts, 0.0), 0.75)
-    return Classes(
-        dark=dark,
-        light=light,
-        light_spread=(three - quarter) / 1.349,
-        dark_share=float(counts[values < level].sum() / total),
-    )
+    found, dark, light, spread, dark_share = split_histogram(histogram, noise, least)
+    return Classes(dark, light, spread, dark_share) if found else None
 
 
 def _room(classes: Classes, noise: float) -> float:
@@ -438,11 +414,6 @@ def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
     return None
 
 
-def _quantile(counts: NDArray[np.float64], share: float) -> float:
-    running = np.cumsum(counts)
-    return float(np.searchsorted(running, share * running[-1]))
-
-
 def _otsu(grey: NDArray[Any]) -> float:
     eight = grey if grey.dtype == np.uint8 else np.rint(grey).astype(np.uint8)
     return float(cv2.threshold(eight, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)[0])
@@ -454,19 +425,21 @@ def _shown(level: float, side: Literal["dark", "light"]) -> float:
 
 
 def _binary(
-    grey: NDArray[Any],
+    look: _Look,
     level: float,
-    noise: float,
     contrast: float,
     how: Binarisation,
+    *,
+    noise: float | None = None,
     strongest_noise: float | None = None,
 ) -> Binary:
     """Compare with the level, in a smoothed picture where noise alone could cross it."""
     remarks: tuple[str, ...] = ()
-    compared = grey
+    grey = compared = look.grey
+    noise = look.noise if noise is None else noise
     strongest = noise if strongest_noise is None else strongest_noise
     if strongest > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * strongest:
-        compared, left = _calmed(grey, max(strongest, CALM_NOISE))
+        compared, left = look.calmed(max(strongest, CALM_NOISE))
         sigma = LEFT_BY_GAUSSIAN / left
         remarks = (
             f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: "
@@ -476,5 +449,8 @@ def _binary(
     mask = np.zeros((height + 2, (width + 2 + 7) // 8 * 8), np.uint8)
     inside = mask[1:-1, 1 : width + 1]
     bound = float(np.ceil(level) - 1.0) if compared.dtype == np.uint8 else float(level)
-    inside[:] = cv2.threshold(compared, bound, 1, cv2.THRESH_BINARY_INV)[1]
+    if compared.dtype == np.uint8:
+        cv2.threshold(compared, bound, 1, cv2.THRESH_BINARY_INV, dst=inside)
+    else:
+        inside[:] = compared < level
     return Binary(mask, grey, level, noise, contrast, how, remarks)

@@ -27,6 +27,9 @@ SEEN = np.uint8(2)
 LOW_BITS = np.uint64(0x0101010101010101)
 BYTE = np.uint64(8)
 LAST_BYTE = np.uint64(56)
+ONE, TWO = np.uint64(1), np.uint64(2)
+NORTH = np.uint64(12)
+"""The walk's direction 3, times four."""
 
 
 @njit(cache=True, nogil=True)
@@ -41,11 +44,8 @@ def follow_borders(mask):
     flat = mask.reshape(-1)
     words = flat.view(np.uint64)
     per_row = stride // 8
-    ahead = np.array([1, stride, -1, -stride], dtype=np.int64)
-    step_x = np.array([1, 0, -1, 0])
-    step_y = np.array([0, 1, 0, -1])
-
-    room = 4096
+    tables = _walk_tables(stride)
+    room = max(4096, height * stride // 16)
     xs = np.empty(room, np.int32)
     ys = np.empty(room, np.int32)
     directions = np.empty(room, np.int8)
@@ -59,8 +59,8 @@ def follow_borders(mask):
         before = np.uint64(0)
         for word_index in range(row * per_row, (row + 1) * per_row):
             word = words[word_index]
-            west = word & ~((word << BYTE) | before) & LOW_BITS
-            before = word >> LAST_BYTE
+            west = word & ~((word << BYTE) | before | (word >> ONE)) & LOW_BITS
+            before = word >> LAST_BYTE & LOW_BITS
             if west == 0:
                 continue
             for byte in range(8):
@@ -72,51 +72,101 @@ def follow_borders(mask):
                     starts = _grown_long(starts, border_room + 1)
                     areas = _grown_long(areas, border_room)
                 starts[borders] = count
-                area = 0
-                at = start
-                direction = 3
-                x = start - row * stride
-                y = row
-                while True:
-                    if count == room:
-                        room *= 2
-                        xs = _grown_int(xs, room)
-                        ys = _grown_int(ys, room)
-                        directions = _grown_byte(directions, room)
-                    xs[count] = x - 1
-                    ys[count] = y - 1
-                    directions[count] = direction
-                    count += 1
-                    if direction == 3:
-                        flat[at] |= SEEN
-                        area -= x
-                    elif direction == 1:
-                        area += x + 1
-                    forward = ahead[direction]
-                    left = (direction + 3) & 3
-                    if flat[at + forward + ahead[left]] & 1:
-                        at += forward + ahead[left]
-                        x += step_x[direction] + step_x[left]
-                        y += step_y[direction] + step_y[left]
-                        direction = left
-                    elif flat[at + forward] & 1:
-                        at += forward
-                        x += step_x[direction]
-                        y += step_y[direction]
-                    else:
-                        direction = (direction + 1) & 3
-                    if at == start and direction == 3:
-                        break
+                x = start - row * stride - 1
+                end, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
+                while end < 0:
+                    # no room: walk it again where there is
+                    room *= 2
+                    xs = _grown_int(xs, room)
+                    ys = _grown_int(ys, room)
+                    directions = _grown_byte(directions, room)
+                    end, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
+                count = end
                 areas[borders] = area
                 borders += 1
     starts[borders] = count
     return (
-        xs[:count].copy(),
-        ys[:count].copy(),
-        directions[:count].copy(),
-        starts[: borders + 1].copy(),
-        areas[:borders].copy(),
+        xs[:count],
+        ys[:count],
+        directions[:count],
+        starts[: borders + 1],
+        areas[:borders],
     )
+
+
+@njit(cache=True, nogil=True)
+def _walk(flat, start, x, y, tables, xs, ys, directions, count):
+    """Walk one border: ``(where its cracks end, area)``, or -1 where the room does not do."""
+    diagonal, forward, move, step_x, step_y, turn, seen, area_of_x = tables
+    room = xs.shape[0]
+    first = np.uint64(start)
+    at = first
+    # the walk's direction times four; the two pixels ahead decide the next one
+    state = NORTH
+    area = 0
+    while count < room:
+        way = state >> TWO
+        xs[count] = x
+        ys[count] = y
+        directions[count] = way
+        count += 1
+        flat[at] |= seen[way]
+        area += area_of_x[way] * (x + 1) + (way == ONE)
+        case = (
+            state
+            | np.uint64(flat[at + diagonal[way]] & 1) << ONE
+            | np.uint64(flat[at + forward[way]] & 1)
+        )
+        at += move[case]
+        x += step_x[case]
+        y += step_y[case]
+        state = turn[case]
+        if at == first and state == NORTH:
+            return count, area
+    return -1, area
+
+
+@njit(cache=True, nogil=True)
+def _walk_tables(stride):
+    """The walk without branches: what follows from a direction and the two pixels ahead.
+
+    By direction: the offsets of the pixel ahead on the left and of the one ahead, the bit to
+    set, the factor of x in the area. By direction * 4 + left * 2 + ahead: how far to move, in
+    bytes and in x and y, and the next direction * 4.
+    """
+    ahead = (1, stride, -1, -stride)
+    across = (1, 0, -1, 0)
+    down = (0, 1, 0, -1)
+    diagonal = np.empty(4, np.uint64)
+    forward = np.empty(4, np.uint64)
+    seen = np.zeros(4, np.uint8)
+    seen[3] = SEEN
+    area_of_x = np.array([0, 1, 0, -1])
+    move = np.empty(16, np.uint64)
+    step_x = np.empty(16, np.int32)
+    step_y = np.empty(16, np.int32)
+    turn = np.empty(16, np.uint64)
+    for way in range(4):
+        left = (way + 3) & 3
+        diagonal[way] = np.uint64(ahead[way] + ahead[left])
+        forward[way] = np.uint64(ahead[way])
+        for pixels in range(4):
+            case = 4 * way + pixels
+            move[case] = 0
+            step_x[case] = 0
+            step_y[case] = 0
+            turn[case] = 4 * ((way + 1) & 3)
+            if pixels >= 2:
+                move[case] = diagonal[way]
+                step_x[case] = across[way] + across[left]
+                step_y[case] = down[way] + down[left]
+                turn[case] = 4 * left
+            elif pixels == 1:
+                move[case] = forward[way]
+                step_x[case] = across[way]
+                step_y[case] = down[way]
+                turn[case] = 4 * way
+    return diagonal, forward, move, step_x, step_y, turn, seen, area_of_x
 
 
 @njit(cache=True, nogil=True)

@@ -28,15 +28,16 @@ WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""
 CRISP = 0.95
 """Share of the contrast in one step from which an edge counts as drawn without grey."""
-
-
-@njit(cache=True, nogil=True)
-def _clamped(value, limit):
-    if value < 0:
-        return 0
-    if value >= limit:
-        return limit - 1
-    return value
+BEHIND, SAMPLES = 4, 10
+"""A profile's samples, and where in it the obstacle pixel lies."""
+CHOSEN, SLANTED, CLEAR, INSIDE, OUTSIDE = 1, 2, 4, 8, 16
+"""A crack gives a point; the border runs aslant; both plateaus are there; the profile lies in
+the picture; the free pixel does not."""
+BLOCK = 16
+"""Cracks that share their plateaus."""
+OUT_X = np.array([0, 1, 0, -1])
+OUT_Y = np.array([-1, 0, 1, 0])
+"""From a crack's obstacle pixel to its free one, by the walk's direction."""
 
 
 @njit(cache=True, nogil=True)
@@ -59,192 +60,272 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
     of its first point, the mean step of the smoothed profile at the edge as a share of the
     contrast, and the share of slanted cracks with a full step.
     """
-    height, width = grey.shape
-    total = xs.shape[0]
     borders = starts.shape[0] - 1
-    out_x = np.array([0, 1, 0, -1])
-    out_y = np.array([-1, 0, 1, 0])
-    points = np.empty((total, 2), np.float64)
+    points = np.empty((xs.shape[0], 2), np.float64)
     point_starts = np.empty(borders + 1, np.int64)
     longest = 0
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
-    sums = np.empty((longest + 1, 3), np.float64)
-    again = np.empty((longest + 1, 4), np.float64)
-    beside = np.empty((longest, 2), np.float64)
-    plateau = np.empty(4, np.float64)
-    chosen = np.empty(longest, np.bool_)
-    clear = np.empty(longest, np.bool_)
-    slanted = np.empty(longest, np.bool_)
+    dark = np.empty(longest, np.float64)
+    light = np.empty(longest, np.float64)
+    flags = np.empty(longest, np.int8)
+    blocks = longest // BLOCK + 1
+    sums = np.empty((blocks, 4), np.float64)
+    plateaus = np.empty((blocks, 2), np.float64)
+    profile = np.empty(SAMPLES, grey.dtype)
+    totals = np.zeros(4)
     count = 0
-    slope_sum = 0.0
-    slope_count = 0
-    crisp_count = 0
-    slanted_count = 0
     for b in range(borders):
         first = starts[b]
         n = starts[b + 1] - first
         point_starts[b] = count
-        sums[0] = 0.0
-        again[0] = 0.0
-        for i in range(n):
-            x = xs[first + i]
-            y = ys[first + i]
-            direction = directions[first + i]
-            nx = out_x[direction]
-            ny = out_y[direction]
-            ahead = i + REACH
-            while ahead >= n:
-                ahead -= n
-            behind = i - REACH
-            while behind < 0:
-                behind += n
-            da = directions[first + ahead]
-            db = directions[first + behind]
-            dx = xs[first + ahead] - xs[first + behind] + 0.5 * (out_x[da] - out_x[db])
-            dy = ys[first + ahead] - ys[first + behind] + 0.5 * (out_y[da] - out_y[db])
-            across = abs(dx * nx + dy * ny)
-            along = abs(dx * ny) + abs(dy * nx)
-            chosen[i] = across <= along
-            slanted[i] = across > 0.5
-            # three obstacle pixels on one side and three free ones on the other
-            good = True
-            for k in range(1, 3):
-                px = x - k * nx
-                py = y - k * ny
-                if px < 0 or py < 0 or px >= width or py >= height or mask[py + 1, px + 1] & 1 == 0:
-                    good = False
-                    break
-            if good:
-                for k in range(1, 4):
-                    px = x + k * nx
-                    py = y + k * ny
-                    if px < 0 or py < 0 or px >= width or py >= height:
-                        good = k > 1
-                        break
-                    if mask[py + 1, px + 1] & 1:
-                        good = False
-                        break
-            clear[i] = good
-            d = 0.0
-            lt = 0.0
-            if good:
-                d = 0.5 * (
-                    grey[_clamped(y - 2 * ny, height), _clamped(x - 2 * nx, width)]
-                    + np.float64(grey[_clamped(y - 3 * ny, height), _clamped(x - 3 * nx, width)])
-                )
-                if d > level:
-                    d = grey[y - 2 * ny, x - 2 * nx]
-                lt = 0.5 * (
-                    grey[_clamped(y + 3 * ny, height), _clamped(x + 3 * nx, width)]
-                    + np.float64(grey[_clamped(y + 4 * ny, height), _clamped(x + 4 * nx, width)])
-                )
-                if lt < level:
-                    lt = grey[_clamped(y + 3 * ny, height), _clamped(x + 3 * nx, width)]
-            beside[i, 0] = d
-            beside[i, 1] = lt
-            sums[i + 1, 0] = sums[i, 0] + d
-            sums[i + 1, 1] = sums[i, 1] + lt
-            sums[i + 1, 2] = sums[i, 2] + (1.0 if good else 0.0)
-        # near a corner the plateaus are not reached: average once more what is not grey
-        for i in range(n):
-            again[i + 1] = again[i]
-            if not clear[i]:
-                continue
-            _around(sums, n, i, 3, plateau)
-            if beside[i, 0] <= plateau[0] / plateau[2] + 1e-9:
-                again[i + 1, 0] += beside[i, 0]
-                again[i + 1, 2] += 1.0
-            if beside[i, 1] >= plateau[1] / plateau[2] - 1e-9:
-                again[i + 1, 1] += beside[i, 1]
-                again[i + 1, 3] += 1.0
-        for i in range(n):
-            if not chosen[i]:
-                continue
-            x = xs[first + i]
-            y = ys[first + i]
-            nx = out_x[directions[first + i]]
-            ny = out_y[directions[first + i]]
-            px = x + nx
-            py = y + ny
-            t = 0.5
-            if px < 0 or py < 0 or px >= width or py >= height:
-                t = 0.5
-            elif not clear[i]:
-                g0 = np.float64(grey[y, x])
-                g1 = np.float64(grey[py, px])
-                if g1 > level and g1 > g0 and g0 < level:
-                    t = (level - g0) / (g1 - g0)
-            else:
-                _around(again, n, i, 4, plateau)
-                if plateau[2] > 0.0 and plateau[3] > 0.0:
-                    d = plateau[0] / plateau[2]
-                    lt = plateau[1] / plateau[3]
-                else:
-                    d = beside[i, 0]
-                    lt = beside[i, 1]
-                contrast = lt - d
-                half = 0.5 * (lt + d)
-                if contrast > 0.0:
-                    if slanted[i]:
-                        slanted_count += 1
-                        if np.float64(grey[py, px]) - np.float64(grey[y, x]) >= CRISP * contrast:
-                            crisp_count += 1
-                    k = 0
-                    s0 = _smoothed(grey, x, y, nx, ny, 0, width, height)
-                    s1 = _smoothed(grey, x, y, nx, ny, 1, width, height)
-                    while s0 >= half and k > -WANDER:
-                        k -= 1
-                        s1 = s0
-                        s0 = _smoothed(grey, x, y, nx, ny, k, width, height)
-                    while s1 < half and k < WANDER:
-                        k += 1
-                        s0 = s1
-                        s1 = _smoothed(grey, x, y, nx, ny, k + 1, width, height)
-                    if s0 < half <= s1:
-                        p0 = _probit((s0 - half) / contrast)
-                        p1 = _probit((s1 - half) / contrast)
-                        if p1 - p0 > 1e-6:
-                            t = k - p0 / (p1 - p0)
-                            slope_sum += (s1 - s0) / contrast
-                            slope_count += 1
-            points[count, 0] = x + t * nx
-            points[count, 1] = y + t * ny
-            count += 1
+        _look_beside(grey, mask, level, xs, ys, directions, first, n, profile, flags, dark, light)
+        _find_plateaus(flags, dark, light, n, sums, plateaus)
+        count = _locate(
+            grey, xs, ys, directions, first, n, level, profile, flags, dark, light, plateaus,
+            totals, points, count,
+        )  # fmt: skip
     point_starts[borders] = count
-    slope = slope_sum / slope_count if slope_count > 0 else 0.4
-    crispness = crisp_count / slanted_count if slanted_count > 0 else 0.0
-    return points[:count].copy(), point_starts, slope, crispness
+    slope = totals[0] / totals[1] if totals[1] > 0 else 0.4
+    crispness = totals[2] / totals[3] if totals[3] > 0 else 0.0
+    return points[:count], point_starts, slope, crispness
 
 
 @njit(cache=True, nogil=True)
-def _around(sums, n, i, columns, out):
-    """The sums over the cracks within STRETCH of crack i of a closed border."""
-    lo = i - STRETCH
-    hi = i + STRETCH
-    for c in range(columns):
-        if n <= 2 * STRETCH:
-            out[c] = sums[n, c]
+def _look_beside(grey, mask, level, xs, ys, directions, first, n, profile, flags, dark, light):
+    """How every crack lies, and the grey values of the plateaus beside those that are clear."""
+    height, width = grey.shape
+    stride = mask.shape[1]
+    flat_mask = mask.reshape(-1)
+    flat_grey = grey.reshape(-1)
+    for i in range(n):
+        x = np.int64(xs[first + i])
+        y = np.int64(ys[first + i])
+        direction = directions[first + i]
+        nx = OUT_X[direction]
+        ny = OUT_Y[direction]
+        ahead = i + REACH
+        while ahead >= n:
+            ahead -= n
+        behind = i - REACH
+        while behind < 0:
+            behind += n
+        da = directions[first + ahead]
+        db = directions[first + behind]
+        # twice the way between the cracks' middles
+        dx = 2 * (np.int64(xs[first + ahead]) - xs[first + behind]) + OUT_X[da] - OUT_X[db]
+        dy = 2 * (np.int64(ys[first + ahead]) - ys[first + behind]) + OUT_Y[da] - OUT_Y[db]
+        across = abs(dx * nx + dy * ny)
+        along = abs(dx * ny) + abs(dy * nx)
+        flag = CHOSEN if across <= along else 0
+        if across > 1:
+            flag |= SLANTED
+        if 4 <= x < width - 5 and 4 <= y < height - 5:
+            flag |= INSIDE
+            step = ny * stride + nx
+            at = (y + 1) * stride + x + 1
+            if (
+                flat_mask[at - step] & flat_mask[at - 2 * step]
+                & ~(flat_mask[at + 2 * step] | flat_mask[at + 3 * step]) & 1
+            ) != 0:  # fmt: skip
+                flag |= CLEAR
+                step = ny * width + nx
+                at = y * width + x
+                dark[i] = _dark(flat_grey, at, step, level)
+                light[i] = _light(flat_grey, at, step, level)
+        else:
+            if not (0 <= x + nx < width and 0 <= y + ny < height):
+                flag |= OUTSIDE
+            if _is_clear(mask, x, y, nx, ny, width, height):
+                flag |= CLEAR
+                _take_profile(grey, x, y, nx, ny, profile)
+                dark[i] = _dark(profile, BEHIND, 1, level)
+                light[i] = _light(profile, BEHIND, 1, level)
+        flags[i] = flag
+
+
+@njit(cache=True, nogil=True)
+def _take_profile(grey, x, y, nx, ny, profile):
+    """The grey values across a crack; beyond the picture its last pixel goes on."""
+    height, width = grey.shape
+    for k in range(SAMPLES):
+        px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
+        py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
+        profile[k] = grey[py, px]
+
+
+@njit(cache=True, nogil=True)
+def _is_clear(mask, x, y, nx, ny, width, height):
+    """Three obstacle pixels on one side and three free ones on the other, near the margin."""
+    for k in range(1, 3):
+        px = x - k * nx
+        py = y - k * ny
+        if px < 0 or py < 0 or px >= width or py >= height or mask[py + 1, px + 1] & 1 == 0:
+            return False
+    for k in range(1, 4):
+        px = x + k * nx
+        py = y + k * ny
+        if px < 0 or py < 0 or px >= width or py >= height:
+            return k > 1
+        if mask[py + 1, px + 1] & 1:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _dark(values, at, step, level):
+    """The obstacle's own grey beside a clear crack: of two pixels, or one where that is light.
+
+    ``values[at]`` is the crack's obstacle pixel, ``step`` leads to the free one.
+    """
+    near = np.float64(values[at - 2 * step])
+    mean = 0.5 * (near + values[at - 3 * step])
+    return near if mean > level else mean
+
+
+@njit(cache=True, nogil=True)
+def _light(values, at, step, level):
+    """The free ground's grey beside a clear crack."""
+    near = np.float64(values[at + 3 * step])
+    mean = 0.5 * (near + values[at + 4 * step])
+    return near if mean < level else mean
+
+
+@njit(cache=True, nogil=True)
+def _find_plateaus(flags, dark, light, n, sums, plateaus):
+    """Dark and light for every block of cracks, from what lies within STRETCH of it.
+
+    Near a corner the plateaus are not reached, so that the second round leaves out what is
+    lighter or darker than the first round's mean. -1 where nothing is clear.
+    """
+    blocks = (n + BLOCK - 1) // BLOCK
+    for again in range(2):
+        for j in range(blocks):
+            d = 0.0
+            darks = 0.0
+            lt = 0.0
+            lights = 0.0
+            darkest = plateaus[j, 0] + 1e-9 if again else 1e9
+            lightest = plateaus[j, 1] - 1e-9 if again else -1e9
+            for i in range(j * BLOCK, min(j * BLOCK + BLOCK, n)):
+                if flags[i] & CLEAR:
+                    if dark[i] <= darkest:
+                        d += dark[i]
+                        darks += 1.0
+                    if light[i] >= lightest:
+                        lt += light[i]
+                        lights += 1.0
+            sums[j, 0] = d
+            sums[j, 1] = darks
+            sums[j, 2] = lt
+            sums[j, 3] = lights
+        reach = STRETCH // BLOCK
+        for j in range(blocks):
+            d = 0.0
+            darks = 0.0
+            lt = 0.0
+            lights = 0.0
+            first = j - reach
+            last = j + reach
+            if 2 * reach + 1 >= blocks:
+                first = 0
+                last = blocks - 1
+            for k in range(first, last + 1):
+                m = k
+                if k < 0:
+                    m = k + blocks
+                elif k >= blocks:
+                    m = k - blocks
+                d += sums[m, 0]
+                darks += sums[m, 1]
+                lt += sums[m, 2]
+                lights += sums[m, 3]
+            plateaus[j, 0] = d / darks if darks > 0.0 and lights > 0.0 else -1.0
+            plateaus[j, 1] = lt / lights if darks > 0.0 and lights > 0.0 else -1.0
+
+
+@njit(cache=True, nogil=True)
+def _locate(
+    grey, xs, ys, directions, first, n, level, profile, flags, dark, light, plateaus,
+    totals, points, count,
+):  # fmt: skip
+    """Where the light crosses the half level at every chosen crack; returns the next count.
+
+    ``totals``: the sum and number of slopes, full steps and slanted cracks.
+    """
+    width = grey.shape[1]
+    flat_grey = grey.reshape(-1)
+    for i in range(n):
+        flag = flags[i]
+        if not flag & CHOSEN:
             continue
-        out[c] = sums[min(hi, n), c] - sums[max(lo, 0), c]
-        if lo < 0:
-            out[c] += sums[n, c] - sums[n + lo, c]
-        if hi > n:
-            out[c] += sums[hi - n, c]
+        x = np.int64(xs[first + i])
+        y = np.int64(ys[first + i])
+        nx = OUT_X[directions[first + i]]
+        ny = OUT_Y[directions[first + i]]
+        t = 0.5
+        if flag & OUTSIDE:
+            t = 0.5
+        elif not flag & CLEAR:
+            g0 = np.float64(grey[y, x])
+            g1 = np.float64(grey[y + ny, x + nx])
+            if g1 > level and g1 > g0 and g0 < level:
+                t = (level - g0) / (g1 - g0)
+        else:
+            d = plateaus[i // BLOCK, 0]
+            lt = plateaus[i // BLOCK, 1]
+            if lt < 0.0:
+                d = dark[i]
+                lt = light[i]
+            if flag & INSIDE:
+                at = y * width + x
+                t = _crossing(flat_grey, at, ny * width + nx, d, lt, flag & SLANTED, totals)
+            else:
+                _take_profile(grey, x, y, nx, ny, profile)
+                t = _crossing(profile, BEHIND, 1, d, lt, flag & SLANTED, totals)
+        points[count, 0] = x + t * nx
+        points[count, 1] = y + t * ny
+        count += 1
+    return count
 
 
 @njit(cache=True, nogil=True)
-def _smoothed(grey, x, y, nx, ny, k, width, height):
-    """The profile across the crack at k pixels from its obstacle pixel, smoothed."""
-    x += k * nx
-    y += k * ny
-    value = TAP0 * grey[_clamped(y, height), _clamped(x, width)]
-    value += TAP1 * (
-        np.float64(grey[_clamped(y - ny, height), _clamped(x - nx, width)])
-        + np.float64(grey[_clamped(y + ny, height), _clamped(x + nx, width)])
-    )
-    value += TAP2 * (
-        np.float64(grey[_clamped(y - 2 * ny, height), _clamped(x - 2 * nx, width)])
-        + np.float64(grey[_clamped(y + 2 * ny, height), _clamped(x + 2 * nx, width)])
-    )
+def _crossing(values, at, step, dark, light, slanted, totals):
+    """Where the smoothed profile crosses the half level, in pixels from the obstacle pixel."""
+    contrast = light - dark
+    if contrast <= 0.0:
+        return 0.5
+    half = 0.5 * (light + dark)
+    share = 1.0 / contrast
+    if slanted:
+        totals[3] += 1.0
+        if np.float64(values[at + step]) - values[at] >= CRISP * contrast:
+            totals[2] += 1.0
+    k = 0
+    s0 = _smoothed(values, at, step)
+    s1 = _smoothed(values, at + step, step)
+    while s0 >= half and k > -WANDER:
+        k -= 1
+        s1 = s0
+        s0 = _smoothed(values, at + k * step, step)
+    while s1 < half and k < WANDER:
+        k += 1
+        s0 = s1
+        s1 = _smoothed(values, at + (k + 1) * step, step)
+    if s0 < half <= s1:
+        p0 = _probit((s0 - half) * share)
+        p1 = _probit((s1 - half) * share)
+        if p1 - p0 > 1e-6:
+            totals[0] += (s1 - s0) * share
+            totals[1] += 1.0
+            return k - p0 / (p1 - p0)
+    return 0.5
+
+
+@njit(cache=True, nogil=True)
+def _smoothed(values, at, step):
+    """The profile across the crack, smoothed."""
+    value = TAP0 * values[at]
+    value += TAP1 * (np.float64(values[at - step]) + values[at + step])
+    value += TAP2 * (np.float64(values[at - 2 * step]) + values[at + 2 * step])
     return value
