@@ -19,28 +19,19 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Final
 
 import serial
 
 from firmware_protocol.errors import LocalError
-from firmware_protocol.framing import MAX_WIRE, ParserCounters
-from firmware_protocol.host import HostConnection, HostCounters
+from firmware_protocol.framing import MAX_WIRE
+from firmware_protocol.host import HostConnection
 from firmware_protocol.host_events import Event, LinkChanged
 from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import (
-    STOP_SENTENCES,
-    Lease,
-    LeaseFlag,
-    PoseFix,
-    RobotState,
-    Status,
-    StatusFlag,
-    StopReason,
-    Waypoint,
-)
+from firmware_protocol.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.mission import Mission
+from navigation.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.serial_port import PortError, open_port
 
 PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
@@ -49,39 +40,6 @@ REOPEN_FIRST_S: Final = 0.1
 REOPEN_LAST_S: Final = 2.0
 EVENTS_KEPT: Final = 10_000
 LATENCIES_KEPT: Final = 10_000
-
-
-@dataclass(frozen=True, slots=True)
-class LinkSnapshot:
-    """What is known of link and robot; ages are those at the time of :meth:`SerialLink.snapshot`.
-
-    ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the
-    robot's last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
-    ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
-    ``moving`` is True in RUN and until the robot has come to a stand after it.
-    ``standing_reason`` says why the robot is not running, None while it is in RUN.
-    """
-
-    state: LinkState
-    down_reason: str | None
-    heard_age_s: float
-    status: Status | None = None
-    status_age_s: float = math.inf
-    mission_id: int | None = None
-    accepted: int = 0
-    executed: int = 0
-    mission_done: bool = False
-    running: bool = False
-    moving: bool = False
-    estopped: bool = False
-    estop_pending: bool = False
-    disarmed: bool = False
-    standing_reason: str | None = None
-    boot_id: int | None = None
-    rtt_s: float | None = None
-    clock_offset_s: float | None = None
-    sent: HostCounters = field(default_factory=HostCounters)
-    received: ParserCounters = field(default_factory=ParserCounters)
 
 
 class SerialLink:
@@ -350,22 +308,9 @@ class SerialLink:
         while (event := host.next_event()) is not None:
             self._events.append(event)
         now_s = self._clock()
-        reason = host.why_down(now_s)
-        if host.state is LinkState.CLOSED and reason is not None:
-            reason = self._port_fault
-        snapshot = LinkSnapshot(
-            state=host.state,
-            down_reason=reason,
-            heard_age_s=0.0,
-            boot_id=None if host.robot is None else host.robot.boot_id,
-            rtt_s=host.rtt.smoothed_s if host.rtt.samples else None,
-            clock_offset_s=host.clock.offset_s(now_s) if host.clock.ready else None,
-            sent=replace(host.counters),
-            received=replace(host.parser.counters),
-            estop_pending=host.estop_pending or self._estop.is_set(),
+        snapshot = snapshot_of(
+            host, now_s, port_fault=self._port_fault, estop_waits=self._estop.is_set()
         )
-        if host.status is not None:
-            snapshot = _with_status(snapshot, host.status)
         self._published = (snapshot, host.heard_s, host.status_s)
 
     def _start(self, now_s: float) -> None:
@@ -382,23 +327,6 @@ class SerialLink:
         with self._wake_lock, contextlib.suppress(BlockingIOError):
             if self._thread is not None:
                 os.write(self._wake_in, b"!")
-
-
-def _with_status(snapshot: LinkSnapshot, status: Status) -> LinkSnapshot:
-    running = status.state is RobotState.RUN
-    return replace(
-        snapshot,
-        status=status,
-        mission_id=status.mission or None,
-        accepted=status.accept_next,
-        executed=status.exec_next,
-        mission_done=bool(status.flags & StatusFlag.MISSION_DONE),
-        running=running,
-        moving=running or bool(status.flags & StatusFlag.MOVING),
-        estopped=status.state is RobotState.ESTOP,
-        disarmed=status.reason is StopReason.DISARMED,
-        standing_reason=None if running else STOP_SENTENCES[status.reason],
-    )
 
 
 __all__ = ["Event", "LinkChanged", "LinkSnapshot", "PortError", "SerialLink"]

@@ -1,0 +1,95 @@
+"""What is known of the link and the robot at one moment, read off the host's end of the line.
+
+Seconds; nothing in a snapshot changes any more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+from firmware_protocol.framing import ParserCounters
+from firmware_protocol.host import HostConnection, HostCounters
+from firmware_protocol.host_state import LinkState
+from firmware_protocol.messages import (
+    STOP_SENTENCES,
+    RobotState,
+    Status,
+    StatusFlag,
+    StopReason,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class LinkSnapshot:
+    """What is known of link and robot; ages are those at the time of the snapshot.
+
+    ``down_reason`` is None while the link is up, else a plain sentence. ``status`` is the
+    robot's last report, None before the first. ``mission_id``, ``accepted``, ``executed`` and
+    ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
+    ``moving`` is True in RUN and until the robot has come to a stand after it.
+    ``standing_reason`` says why the robot is not running, None while it is in RUN.
+    """
+
+    state: LinkState
+    down_reason: str | None
+    heard_age_s: float
+    status: Status | None = None
+    status_age_s: float = math.inf
+    mission_id: int | None = None
+    accepted: int = 0
+    executed: int = 0
+    mission_done: bool = False
+    running: bool = False
+    moving: bool = False
+    estopped: bool = False
+    estop_pending: bool = False
+    disarmed: bool = False
+    standing_reason: str | None = None
+    boot_id: int | None = None
+    rtt_s: float | None = None
+    clock_offset_s: float | None = None
+    sent: HostCounters = field(default_factory=HostCounters)
+    received: ParserCounters = field(default_factory=ParserCounters)
+
+
+def snapshot_of(
+    host: HostConnection, now_s: float, *, port_fault: str, estop_waits: bool
+) -> LinkSnapshot:
+    """The present state, its ages not yet counted.
+
+    ``port_fault`` is the reason while the port is closed; ``estop_waits``: an emergency stop
+    was asked for that the host's end does not know of yet.
+    """
+    reason = host.why_down(now_s)
+    if host.state is LinkState.CLOSED and reason is not None:
+        reason = port_fault
+    snapshot = LinkSnapshot(
+        state=host.state,
+        down_reason=reason,
+        heard_age_s=0.0,
+        boot_id=None if host.robot is None else host.robot.boot_id,
+        rtt_s=host.rtt.smoothed_s if host.rtt.samples else None,
+        clock_offset_s=host.clock.offset_s(now_s) if host.clock.ready else None,
+        sent=replace(host.counters),
+        received=replace(host.parser.counters),
+        estop_pending=host.estop_pending or estop_waits,
+    )
+    return snapshot if host.status is None else _with_status(snapshot, host.status)
+
+
+def _with_status(snapshot: LinkSnapshot, status: Status) -> LinkSnapshot:
+    running = status.state is RobotState.RUN
+    return replace(
+        snapshot,
+        status=status,
+        mission_id=status.mission or None,
+        accepted=status.accept_next,
+        executed=status.exec_next,
+        mission_done=bool(status.flags & StatusFlag.MISSION_DONE),
+        running=running,
+        moving=running or bool(status.flags & StatusFlag.MOVING),
+        estopped=status.state is RobotState.ESTOP,
+        disarmed=status.reason is StopReason.DISARMED,
+        standing_reason=None if running else STOP_SENTENCES[status.reason],
+    )
