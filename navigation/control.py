@@ -66,7 +66,7 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
     try:
         match request.get("order"):
             case "go":
-                daemon.give(_stations(request.get("stations")))
+                daemon.give(read_stations(request.get("stations")))
             case "stop":
                 daemon.stop(_reason(request))
             case "pause":
@@ -89,7 +89,8 @@ def _reason(request: Mapping[str, Any]) -> str:
     return reason
 
 
-def _stations(value: Any) -> tuple[Station, ...]:
+def read_stations(value: Any) -> tuple[Station, ...]:
+    """Stations from JSON; ControlError where they are none."""
     if not isinstance(value, list) or not 1 <= len(value) <= 1000:
         raise ControlError("stations: must be a list of 1 to 1000 stations")
     return tuple(_station(number, item) for number, item in enumerate(value, 1))

@@ -51,6 +51,8 @@ class Runner:
     """Runs a configuration; ``say`` gets a line whenever there is news.
 
     ``interrupt`` set from anywhere ends the run in order: the robot is stopped first.
+    ``dashboard`` False serves none, whatever the configuration says; with ``show_token`` the
+    address that is said has the token in it.
     """
 
     def __init__(
@@ -61,6 +63,8 @@ class Runner:
         say: Callable[[str], None],
         socket: Path | None = None,
         record: Path | None = None,
+        dashboard: bool = True,
+        show_token: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.config = config
@@ -68,6 +72,8 @@ class Runner:
         self._once = once
         self._socket = socket
         self._record = record
+        self._dashboard = dashboard and config.dashboard.enabled
+        self._show_token = show_token
         self._say = say
         self._clock = clock
         self._said_state: State | None = None
@@ -99,6 +105,7 @@ class Runner:
             )
             open_things.enter_context(ControlServer(socket, daemon))
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
+            self._serve_dashboard(daemon, open_things)
             self._begin_mission(daemon, journal)
             state, reason = self._drive(daemon)
             duration_s = self._clock() - daemon.started_s
@@ -107,6 +114,18 @@ class Runner:
         if recorder is not None:
             self._say(recorder.summary())
         return RunResult(report, folder, _exit_code(state, daemon))
+
+    def _serve_dashboard(self, daemon: Daemon, open_things: ExitStack) -> None:
+        if not self._dashboard:
+            return
+        # here, not above: a run without a page need not load a web server
+        from navigation.dashboard import Dashboard, ShownDaemon
+
+        open_things.enter_context(
+            Dashboard(
+                ShownDaemon(daemon), say=self._say, clock=self._clock, show_token=self._show_token
+            )
+        )
 
     def _open_journal(self, open_things: ExitStack) -> Journal | None:
         path = self.config.recording.journal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -54,7 +55,15 @@ def command(
 
     loaded = load_checked(config)
     say = _say if not quiet else _say_nothing
-    runner = Runner(loaded, once=once, say=say, socket=socket, record=record)
+    runner = Runner(
+        loaded,
+        once=once,
+        say=say,
+        socket=socket,
+        record=record,
+        dashboard=not no_dashboard,
+        show_token=sys.stdout.isatty(),  # a log that others read must not have it
+    )
     with _interrupts(runner.interrupt):
         result = runner.run()
     if report is not None:

@@ -1,0 +1,17 @@
+"""The dashboard: a page that shows the arena live and takes orders, in a thread of its own.
+
+- `server`: the port, the thread, its life; `app`: what is at which address.
+- `access`: who may; `seat`: who holds the arena. Both open nothing and read no clock.
+- `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them.
+- `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
+- `metrics`, `palette`, `static/`: numbers for Prometheus, colours shared with the pictures, the
+  page itself (ES modules, no build step).
+
+The control loop knows nothing of all this: it replaces `Daemon.state` after each cycle, and the
+dashboard looks. Nobody who watches can make it wait.
+"""
+
+from navigation.dashboard.server import Dashboard
+from navigation.dashboard.shown import ShownDaemon
+
+__all__ = ["Dashboard", "ShownDaemon"]

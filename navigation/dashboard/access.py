@@ -1,0 +1,122 @@
+"""Who may reach the dashboard: host names, origins and tokens. Opens nothing.
+
+Rules
+- The Host must be an address or a name of this machine: a foreign page whose name was pointed
+  at this machine (DNS rebinding) is refused with 400.
+- The Origin, where a browser sends one, must be the Host itself: else 403.
+- Where a token is configured, everything but the page's own files and /healthz needs one.
+- Every refusal is counted by its kind.
+"""
+
+from __future__ import annotations
+
+import hmac
+import ipaddress
+import socket
+from collections import Counter
+from dataclasses import dataclass
+from enum import Enum
+from urllib.parse import urlsplit
+
+from navigation.config_dashboard import DashboardSection
+
+PROTOCOL = "clearway.1"
+"""The websocket's subprotocol; a token travels beside it as ``token.TOKEN``."""
+LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
+
+
+class Role(Enum):
+    """What a visitor may do at most."""
+
+    VIEWER = "viewer"
+    OPERATOR = "operator"
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why somebody is turned away: HTTP status, kind for the count, plain sentence."""
+
+    status: int
+    kind: str
+    sentence: str
+
+
+class Gate:
+    """Lets in or turns away, and counts; ``refused`` is by kind."""
+
+    def __init__(self, section: DashboardSection) -> None:
+        self._section = section
+        self._names = {name.lower() for name in section.names}
+        if not section.is_local:
+            host = socket.gethostname().lower()
+            self._names |= {host, f"{host}.local", section.host.lower()}
+        self.refused: Counter[str] = Counter()
+
+    def count(self, kind: str) -> None:
+        """Note something that was refused."""
+        self.refused[kind] += 1
+
+    def admit(self, host: str | None, origin: str | None) -> Refusal | None:
+        """None where Host and Origin are in order."""
+        if host is None or not self._knows(_name_of(host)):
+            return self._refuse(400, "host", "this name is not one of the dashboard's")
+        if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+            return self._refuse(403, "origin", "orders from other pages are not taken")
+        return None
+
+    def role(self, token: str | None) -> Role | Refusal:
+        """What the bearer of a token may do; everything where no token is configured."""
+        section = self._section
+        if section.token is None:
+            return Role.OPERATOR
+        if token is None:
+            return self._refuse(401, "no_token", "a token is needed")
+        if _same(token, section.token):
+            return Role.OPERATOR
+        if section.viewer_token is not None and _same(token, section.viewer_token):
+            return Role.VIEWER
+        return self._refuse(403, "token", "the token is wrong")
+
+    def _knows(self, name: str | None) -> bool:
+        if name is None:
+            return False
+        if name in LOCAL_NAMES or name in self._names:
+            return True
+        # an address cannot be pointed elsewhere, so it is safe where others may come at all
+        return not self._section.is_local and _is_address(name)
+
+    def _refuse(self, status: int, kind: str, sentence: str) -> Refusal:
+        self.count(kind)
+        return Refusal(status, kind, sentence)
+
+
+def token_of(subprotocols: list[str]) -> str | None:
+    """The token among a websocket's subprotocols."""
+    return next((p[6:] for p in subprotocols if p.startswith("token.")), None)
+
+
+def bearer_of(authorization: str | None) -> str | None:
+    """The token of an Authorization header."""
+    if authorization is None or not authorization.lower().startswith("bearer "):
+        return None
+    return authorization[7:].strip()
+
+
+def _same(one: str, other: str) -> bool:
+    return hmac.compare_digest(one.encode(), other.encode())
+
+
+def _name_of(host: str) -> str | None:
+    """The name in a Host header, without its port; None where there is none."""
+    try:
+        return urlsplit(f"//{host}").hostname
+    except ValueError:
+        return None
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,190 @@
+"""What is at which address: the page, its websocket, /api, /metrics and /healthz.
+
+Everything passes the gate first: Host and Origin at once, a token where one is needed. The
+page's own files hold no secrets and are open, since a browser cannot send a token for them.
+"""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from typing import Final
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from navigation.dashboard.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
+from navigation.dashboard.hub import LOOP_DEAD_S, Hub
+from navigation.dashboard.metrics import metrics_text
+from navigation.dashboard.orders import give
+from navigation.dashboard.palette import stylesheet
+from navigation.dashboard.viewer import Viewer
+
+MOST_BODY_BYTES: Final = 4096
+MOST_VIEWERS: Final = 64
+TYPES: Final = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+    ".webmanifest": "application/manifest+json",
+}
+HEADERS: Final = {
+    "content-security-policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+        "connect-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'none'; "
+        "frame-ancestors 'none'"
+    ),
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cache-control": "no-cache",
+    "cross-origin-resource-policy": "same-origin",
+}
+
+
+def make_app(hub: Hub) -> ASGIApp:
+    """The whole application around a hub."""
+    pages = _Pages(hub)
+    routes = [
+        *[Route(address, pages.show) for address in pages.files],
+        Route("/api/state", pages.state),
+        Route("/api/stop", pages.stop, methods=["POST"]),
+        Route("/metrics", pages.metrics),
+        Route("/healthz", pages.health),
+        WebSocketRoute("/live", pages.live),
+    ]
+    return _Gatekeeper(Starlette(routes=routes), hub.gate)
+
+
+class _Gatekeeper:
+    """Host and Origin before anything else, and the headers that every answer carries."""
+
+    def __init__(self, app: ASGIApp, gate: Gate) -> None:
+        self._app, self._gate = app, gate
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+        refusal = self._gate.admit(headers.get(b"host"), headers.get(b"origin"))
+        if refusal is not None and scope["type"] == "websocket":
+            await _deny(WebSocket(scope, receive, send), refusal)
+        elif refusal is not None:
+            await _refused(refusal)(scope, receive, send)
+        else:
+            await self._app(scope, receive, _with_headers(send))
+
+
+def _with_headers(send: Send) -> Send:
+    extra = [(name.encode(), value.encode()) for name, value in HEADERS.items()]
+
+    async def wrapped(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            message["headers"] = [*message.get("headers", []), *extra]
+        await send(message)
+
+    return wrapped
+
+
+class _Pages:
+    """The answers."""
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+        self.files = _page_files()
+
+    async def show(self, request: Request) -> Response:
+        """One of the page's files."""
+        body, kind = self.files[request.url.path]
+        return Response(body, media_type=kind)
+
+    async def state(self, request: Request) -> Response:
+        """The present state, as JSON."""
+        role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
+        if isinstance(role, Refusal):
+            return _refused(role)
+        state = self._hub.state_now()
+        return JSONResponse(state or {"type": "state", "mission": None})
+
+    async def stop(self, request: Request) -> Response:
+        """Emergency stop without a websocket: what the page tries when its own is lost."""
+        role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
+        if isinstance(role, Refusal):
+            return _refused(role)
+        size = 0
+        async for part in request.stream():
+            size += len(part)
+            if size > MOST_BODY_BYTES:
+                self._hub.gate.count("oversized")
+                return _refused(Refusal(413, "oversized", "the request is too long"))
+        client = request.client.host if request.client else "somebody"
+        result = give({"order": "stop"}, self._hub.daemon, self._hub.mission_state, client)
+        self._hub.note("stop", f"{client}: STOP")
+        return JSONResponse({k: result[k] for k in ("ok", "error") if k in result})
+
+    async def metrics(self, request: Request) -> Response:
+        """For Prometheus."""
+        role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
+        if isinstance(role, Refusal):
+            return _refused(role)
+        return Response(metrics_text(self._hub), media_type="text/plain; version=0.0.4")
+
+    async def health(self, _request: Request) -> Response:
+        """200 while the control loop runs, 503 when it hangs; what is wrong beside it in words."""
+        alive = self._hub.loop_age_s < LOOP_DEAD_S
+        state = self._hub.state_now()
+        body: dict[str, object] = {"status": "ok" if alive else "the control loop does not answer"}
+        if state is not None:
+            camera, link = state["camera"], state["link"]
+            body |= {
+                "mission": state["mission"]["state"],
+                "camera": camera["reason"] or camera["state"],
+                "link": link["reason"] or link["state"],
+            }
+        return JSONResponse(body, status_code=200 if alive else 503)
+
+    async def live(self, socket: WebSocket) -> None:
+        """A page's websocket."""
+        hub = self._hub
+        offered = socket.scope.get("subprotocols", [])
+        role = hub.gate.role(token_of(offered))
+        if isinstance(role, Refusal):
+            await _deny(socket, role)
+            return
+        if PROTOCOL not in offered:
+            hub.gate.count("protocol")
+            sentence = f"the subprotocol must be {PROTOCOL}: load the page again"
+            await _deny(socket, Refusal(400, "protocol", sentence))
+            return
+        if len(hub.viewers) >= MOST_VIEWERS:
+            hub.gate.count("viewers")
+            await _deny(socket, Refusal(503, "viewers", f"{MOST_VIEWERS} viewers are here already"))
+            return
+        await socket.accept(subprotocol=PROTOCOL)
+        await Viewer(hub, socket, role).serve()
+
+
+def _refused(refusal: Refusal) -> Response:
+    headers = {"www-authenticate": "Bearer"} if refusal.status == 401 else {}
+    return PlainTextResponse(refusal.sentence + "\n", refusal.status, headers=headers)
+
+
+async def _deny(socket: WebSocket, refusal: Refusal) -> None:
+    await socket.send_denial_response(_refused(refusal))
+
+
+def _page_files() -> dict[str, tuple[bytes, str]]:
+    """Every file of the page by its address, read once: nothing else can be asked for."""
+    folder = files("navigation.dashboard") / "static"
+    found = {
+        f"/{item.name}": (item.read_bytes(), TYPES["." + item.name.rsplit(".", 1)[-1]])
+        for item in folder.iterdir()
+        if "." + item.name.rsplit(".", 1)[-1] in TYPES
+    }
+    found["/"] = found["/index.html"]
+    found["/palette.css"] = (stylesheet().encode(), TYPES[".css"])
+    return found

@@ -1,0 +1,124 @@
+"""What happened lately, for those who look later: the log, the driven track, the live charts.
+
+Fed with the daemon's states as they are seen; keeps the newest of each and numbers them.
+Seconds of the run, metres; the log's times are those of the wall clock.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any, Final
+
+from navigation.daemon import DaemonState
+from navigation.dashboard.rings import Ring
+from vision.latest_frame import CameraStatus
+
+LOG_LINES: Final = 500
+TRACK_POINTS: Final = 6000
+SAMPLE_EVERY_S: Final = 0.5
+SAMPLES: Final = 240
+STEP_M: Final = 0.004
+"""The robot's track has a point about this often."""
+COLUMNS: Final = (
+    "time_s",
+    "camera_hz",
+    "wire_ms",
+    "look_ms",
+    "round_trip_ms",
+    "link_hz",
+    "roadmap_ms",
+    "plan_ms",
+    "clearance_m",
+    "speed_m_s",
+)
+_NUMBERS = re.compile(r"[\d.]+")
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """One event: wall-clock seconds, ``info``, ``order``, ``warn`` or ``stop``, the sentence."""
+
+    wall_s: float
+    level: str
+    text: str
+
+
+class Chronicle:
+    """Log, track and samples; see the module's text."""
+
+    def __init__(self) -> None:
+        self.log: Ring[LogLine] = Ring(LOG_LINES)
+        self.track: Ring[tuple[float, float]] = Ring(TRACK_POINTS)
+        self.samples: Ring[list[float | None]] = Ring(SAMPLES)
+        self._said: dict[str, str] = {}
+        self._sampled_s = -math.inf
+        self._frames_then = 0
+        self._slowest_wire_s: float | None = None
+
+    def note(self, wall_s: float, level: str, text: str) -> None:
+        """Add a line to the log."""
+        self.log.append(LogLine(wall_s, level, text))
+
+    def see(self, state: DaemonState, camera: CameraStatus, wall_s: float) -> None:
+        """Take what is new in a state."""
+        mission = state.mission
+        level = {"stopped": "stop", "failed": "warn", "holding": "warn"}.get(mission.state.value)
+        self._say("mission", wall_s, level or "info", f"{mission.state.value}: {mission.reason}")
+        if camera.reason or "camera" in self._said:
+            self._say("camera", wall_s, "warn" if camera.reason else "info", _of_camera(camera))
+        down = state.link.down_reason
+        if down is not None or "link" in self._said:
+            text = f"link: {down}" if down else "link: up"
+            self._say("link", wall_s, "warn" if down else "info", text)
+        if state.pose is not None:
+            self._drive((state.pose.x, state.pose.y))
+
+    def time_wire(self, seconds: float) -> None:
+        """A capture-to-wire time; the slowest since the last sample is shown."""
+        self._slowest_wire_s = max(seconds, self._slowest_wire_s or 0.0)
+
+    def sample(self, state: DaemonState, camera: CameraStatus) -> None:
+        """One row of the charts, every ``SAMPLE_EVERY_S``."""
+        passed_s = state.time_s - self._sampled_s
+        if passed_s < SAMPLE_EVERY_S:
+            return
+        frames = state.link.sent.frames_sent + state.link.received.frames
+        rate = (frames - self._frames_then) / passed_s if math.isfinite(passed_s) else None
+        self._sampled_s, self._frames_then = state.time_s, frames
+        pose, times = state.pose, state.times
+        row: dict[str, Any] = {
+            "time_s": round(state.time_s, 2),
+            "camera_hz": round(camera.rate_hz, 2),
+            "wire_ms": _ms(self._slowest_wire_s),
+            "look_ms": _ms(times.look_s),
+            "round_trip_ms": _ms(state.link.rtt_s),
+            "link_hz": None if rate is None else round(rate, 1),
+            "roadmap_ms": _ms(times.roadmap_s),
+            "plan_ms": _ms(times.plan_s),
+            "clearance_m": None if state.clearance_m is None else round(state.clearance_m, 4),
+            "speed_m_s": None if pose is None else round(math.hypot(pose.vx, pose.vy), 4),
+        }
+        self._slowest_wire_s = None
+        self.samples.append([row[name] for name in COLUMNS])
+
+    def _drive(self, place: tuple[float, float]) -> None:
+        last = self.track.last
+        if last is None or math.dist(last, place) >= STEP_M:
+            self.track.append((round(place[0], 4), round(place[1], 4)))
+
+    def _say(self, subject: str, wall_s: float, level: str, text: str) -> None:
+        """A line where the sentence is new; one whose figures alone have changed is not."""
+        core = _NUMBERS.sub("#", text)
+        if self._said.get(subject) != core:
+            self._said[subject] = core
+            self.note(wall_s, level, text)
+
+
+def _of_camera(camera: CameraStatus) -> str:
+    return f"camera {camera.state}: {camera.reason}" if camera.reason else f"camera {camera.state}"
+
+
+def _ms(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds * 1e3, 2)

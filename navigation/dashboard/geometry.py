@@ -1,0 +1,92 @@
+"""The scene and its diagram as arrays for the page: borders, chains, what the robot can use.
+
+Metres in the arena's frame, as float32: good to a micrometre in an arena of ten metres. Works
+on a roadmap, which never changes, so any thread may do it; costs a few milliseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navigation.dashboard.packed import pack
+from navigation.draw_layers import chain_points
+from planner.graph import without_spurs
+from planner.path import Path
+from planner.roadmap import Roadmap
+from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene
+
+
+def world_message(roadmap: Roadmap, number: int) -> bytes:
+    """What is in the arena: closed borders by object, open ones, and the diagram's chains.
+
+    Arrays: ``border`` points with ``border_first`` (where each begins, and the end),
+    ``border_object`` and ``border_closed``; ``chain`` points with ``chain_clearance``,
+    ``chain_first`` and ``chain_usable`` (1: on the roadmap of this robot).
+    """
+    scene = roadmap.scene
+    assert isinstance(scene, Scene)
+    borders, owner, closed = _borders(scene)
+    chains = roadmap.chains
+    usable = np.zeros(len(chains), dtype=np.uint8)
+    usable[without_spurs(chains, roadmap.radius)] = 1
+    arrays: dict[str, NDArray[np.generic]] = {
+        "border": _single(borders),
+        "border_first": _firsts(borders),
+        "border_object": np.array(owner, dtype=np.int32),
+        "border_closed": np.array(closed, dtype=np.uint8),
+        "chain": np.asarray(chains.points, dtype=np.float32),
+        "chain_clearance": np.asarray(chains.rho, dtype=np.float32),
+        "chain_first": np.asarray(chains.first, dtype=np.int32),
+        "chain_usable": usable,
+    }
+    fields = {"number": number, "objects": len(scene.objects), "counts": _counts(roadmap)}
+    return pack("world", fields, arrays)
+
+
+def plan_message(path: Path | None, number: int) -> bytes:
+    """The plan that is being driven; no points where there is none."""
+    if path is None:
+        return pack("plan", {"number": number}, {"points": np.empty(0, dtype=np.float32)})
+    fields = {"number": number, **path_facts(path)}
+    return pack("plan", fields, {"points": np.asarray(path.points, dtype=np.float32)})
+
+
+def path_facts(path: Path) -> dict[str, object]:
+    """Length and clearance of a path, metres."""
+    return {
+        "length_m": path.length,
+        "clearance_m": path.min_clearance,
+        "narrowest_m": list(path.min_clearance_at),
+        "radius_m": path.robot_radius,
+    }
+
+
+def _borders(scene: Scene) -> tuple[list[FloatArray], list[int], list[bool]]:
+    borders: list[FloatArray] = []
+    owner: list[int] = []
+    closed: list[bool] = []
+    for index, obj in enumerate(scene.objects):
+        for record in (*obj.records, *(r for hole in obj.holes for r in hole)):
+            borders.append(chain_points(record, scene.y_down))
+            owner.append(index)
+            closed.append(isinstance(record, PolygonRecord | CircleRecord))
+    return borders, owner, closed
+
+
+def _single(pieces: Iterable[FloatArray]) -> NDArray[np.float32]:
+    return np.concatenate([np.empty((0, 2)), *pieces]).astype(np.float32)
+
+
+def _firsts(pieces: list[FloatArray]) -> NDArray[np.int32]:
+    return np.cumsum([0, *(len(piece) for piece in pieces)]).astype(np.int32)
+
+
+def _counts(roadmap: Roadmap) -> dict[str, int]:
+    return {
+        "generators": len(roadmap.agvd.generators.sites),
+        "voronoi_vertices": len(roadmap.agvd.ordinary.vertices),
+        "chains": len(roadmap.chains),
+    }

@@ -1,0 +1,246 @@
+"""The hub: looks at the daemon's published state and makes the messages that viewers get.
+
+Rules
+- Everything runs in the dashboard's event loop; what takes long (warping and packing a picture,
+  a diagram, a preview) runs in a worker thread beside it.
+- A message is made once, whoever gets it: twenty viewers cost twenty writes, nothing more.
+- Pictures are made only when somebody looks, and all viewers together get at most
+  ``PICTURES_S`` a second.
+- The control loop is never waited for, and never waits: the hub reads what it has published.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any, Final
+
+from navigation.cycle import PlanAnswer
+from navigation.daemon import DaemonState
+from navigation.dashboard.access import Gate
+from navigation.dashboard.chronicle import COLUMNS, Chronicle
+from navigation.dashboard.geometry import path_facts, plan_message, world_message
+from navigation.dashboard.packed import pack
+from navigation.dashboard.picture import TopView
+from navigation.dashboard.seat import Seat
+from navigation.dashboard.shown import Shown
+from navigation.dashboard.state_message import greeting, no_path_facts, state_message
+from navigation.mission import State, Station
+from planner.path import NoPath, Path
+from planner.roadmap import Roadmap
+from planner.scene import Bounds
+from vision.camera import Frame
+
+if TYPE_CHECKING:
+    from navigation.dashboard.viewer import Viewer
+
+LOOK_EVERY_S: Final = 1.0 / 60.0
+IDLE_EVERY_S: Final = 0.1
+"""How often the hub looks while nobody watches it."""
+STATE_EVERY_S: Final = 0.1
+PICTURES_S: Final = 120.0
+LOOP_DEAD_S: Final = 1.0
+"""A control loop that ended no cycle for longer does not answer."""
+
+
+class Hub:
+    """The newest of every message, with its number; `run` keeps them so."""
+
+    def __init__(
+        self,
+        daemon: Shown,
+        *,
+        clock: Callable[[], float],
+        wall_clock: Callable[[], float],
+    ) -> None:
+        section = daemon.config.dashboard
+        self.daemon, self.clock, self.wall_clock = daemon, clock, wall_clock
+        self.section = section
+        self.view = TopView(
+            daemon.calibration,
+            Bounds(*daemon.config.arena.bounds_m),
+            section.picture_width_px,
+            section.jpeg_quality,
+        )
+        self.gate = Gate(section)
+        self.seat = Seat(section.hold_s)
+        self.chronicle = Chronicle()
+        self.viewers: set[Viewer] = set()
+        self.viewers_ever = 0
+        self.pictures_sent = 0
+        self.hello = {**greeting(daemon.config, self.view), "samples": list(COLUMNS)}
+        self.state_text, self.state_number = "", 0
+        self.world, self.world_number = b"", 0
+        self.plan, self.plan_number = b"", 0
+        self.picture, self.picture_number = b"", 0
+        self.closing = asyncio.Event()
+        self.workers = ThreadPoolExecutor(2, thread_name_prefix="dashboard")
+        self._state: DaemonState | None = None
+        self._seen_s = -math.inf
+        self._told_s = -math.inf
+        self._frame: Frame | None = None
+        self._roadmap: Roadmap | None = None
+        self._path: Path | None = None
+        self._wire_s: float | None = None
+        self._busy: set[str] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    # The loop.
+
+    async def run(self) -> None:
+        """Look, again and again, until the dashboard closes."""
+        while not self.closing.is_set():
+            self.look(self.clock())
+            await asyncio.sleep(LOOK_EVERY_S if self.viewers else IDLE_EVERY_S)
+
+    def look(self, now_s: float) -> None:
+        """Take what the daemon has published, and wake those for whom there is news."""
+        freed = self.seat.tick(now_s)
+        if freed is not None:
+            self.note("info", freed)
+        state = self.daemon.state
+        if state is None:
+            return
+        news = False
+        if state is not self._state:
+            self._state, self._seen_s = state, now_s
+            self._observe(state)
+            news = self._renew_plan(state)
+            self._renew_world(state)
+        self._renew_picture(state, now_s)
+        if now_s - self._told_s >= STATE_EVERY_S:
+            self._told_s = now_s
+            self.state_text = self._tell(state, now_s)
+            self.state_number += 1
+            news = True
+        if news:
+            self.wake()
+
+    def wake(self) -> None:
+        """There is something new: every viewer looks whether it is for it."""
+        for viewer in self.viewers:
+            viewer.news.set()
+
+    @property
+    def loop_age_s(self) -> float:
+        """How long ago the control loop ended a cycle; infinite before the first."""
+        return self.clock() - self._seen_s
+
+    @property
+    def mission_state(self) -> State | None:
+        """Where the mission stands at this moment; None before the first cycle."""
+        state = self.daemon.state
+        return None if state is None else state.mission.state
+
+    def note(self, level: str, text: str) -> None:
+        """A line for the log."""
+        self.chronicle.note(self.wall_clock(), level, text)
+
+    def state_now(self) -> dict[str, Any] | None:
+        """The present state as viewers get it; None before the first cycle."""
+        return None if self._state is None else self._facts(self._state, self.clock())
+
+    async def preview(self, stations: tuple[Station, ...]) -> dict[str, Any]:
+        """The plan that these stations would lead to, planned in a worker thread."""
+        loop = asyncio.get_running_loop()
+        answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations)
+        return preview_facts(answer)
+
+    # What is kept ready.
+
+    def _observe(self, state: DaemonState) -> None:
+        camera = self.daemon.camera_status()
+        wire_s = self.daemon.last_wire_s()
+        if wire_s is not None and wire_s != self._wire_s:
+            self._wire_s = wire_s
+            self.chronicle.time_wire(wire_s)
+        self.chronicle.see(state, camera, self.wall_clock())
+        self.chronicle.sample(state, camera)
+
+    def _tell(self, state: DaemonState, now_s: float) -> str:
+        return json.dumps(self._facts(state, now_s), allow_nan=False)
+
+    def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
+        return state_message(
+            state,
+            self.daemon.camera_status(),
+            self.seat,
+            driven_id=self.daemon.config.robot.marker_id,
+            now_s=now_s,
+            loop_age_s=now_s - self._seen_s,
+            viewers=len(self.viewers),
+        )
+
+    def _renew_plan(self, state: DaemonState) -> bool:
+        if state.path is self._path and self.plan:
+            return False
+        self._path = state.path
+        self.plan_number += 1
+        self.plan = plan_message(state.path, self.plan_number)
+        return True
+
+    def _renew_world(self, state: DaemonState) -> None:
+        roadmap = state.roadmap
+        if roadmap is None or roadmap is self._roadmap or "world" in self._busy:
+            return
+        self._roadmap = roadmap
+        self._start("world", self._make_world(roadmap))
+
+    async def _make_world(self, roadmap: Roadmap) -> None:
+        loop = asyncio.get_running_loop()
+        number = self.world_number + 1
+        self.world = await loop.run_in_executor(self.workers, world_message, roadmap, number)
+        self.world_number = number
+        self.wake()
+
+    def _renew_picture(self, state: DaemonState, now_s: float) -> None:
+        frame = state.frame
+        if frame is None or frame is self._frame or "picture" in self._busy:
+            return
+        if any(viewer.wants_picture(now_s) for viewer in self.viewers):
+            self._frame = frame
+            self._start("picture", self._make_picture(frame))
+
+    async def _make_picture(self, frame: Frame) -> None:
+        loop = asyncio.get_running_loop()
+        jpeg = await loop.run_in_executor(self.workers, self.view.jpeg, frame)
+        number = self.picture_number + 1
+        age_ms = round((self.clock() - frame.captured_s) * 1e3, 1)
+        self.picture = pack("picture", {"number": number, "age_ms": age_ms}, {"jpeg": jpeg})
+        self.picture_number = number
+        self.wake()
+
+    def _start(self, name: str, work: Any) -> None:
+        """Run a piece of work once at a time; an error in it is said and ends nothing else."""
+
+        async def guarded() -> None:
+            try:
+                await work
+            except Exception as error:  # noqa: BLE001 - told to people; the run must go on
+                self.note("warn", f"dashboard: {name}: {error}")
+            finally:
+                self._busy.discard(name)
+
+        self._busy.add(name)
+        task = asyncio.get_running_loop().create_task(guarded())
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    def picture_pause_s(self) -> float:
+        """The least time between two pictures for one viewer, as many as there are."""
+        watching = sum(viewer.is_watching for viewer in self.viewers)
+        return max(1.0 / self.section.picture_rate_hz, watching / PICTURES_S)
+
+
+def preview_facts(answer: PlanAnswer) -> dict[str, Any]:
+    """A preview as JSON takes it: the path with its figures, or why there is none."""
+    path = answer.path
+    if isinstance(path, NoPath):
+        return {"ok": False, **no_path_facts(path)}
+    facts: Mapping[str, Any] = path_facts(path)
+    duration_s = None if answer.trajectory is None else answer.trajectory.duration_s
+    points = [[round(float(x), 4), round(float(y), 4)] for x, y in path.points]
+    return {"ok": True, **facts, "duration_s": duration_s, "points": points}

@@ -1,0 +1,48 @@
+"""Orders from viewers: read, checked against who may, and carried out as those of the socket.
+
+Rules
+- STOP is for everybody who may look, and goes straight to the link.
+- Everything else is for the operator who holds the arena.
+- A stop is left by ``rearm`` only; ``resume`` ends a pause and nothing else, so that a page that
+  has missed the stop cannot undo it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from navigation.control import Commanded, carry_out
+from navigation.mission import State
+
+MOTIONS: Final = frozenset({"go", "pause", "resume", "rearm"})
+
+
+def refusal_of(order: object, *, may_drive: bool, holds: bool) -> str | None:
+    """Why this visitor may not give this order; None where it may."""
+    if order == "stop":
+        return None
+    if order not in MOTIONS:
+        return f"order {order!r}: must be stop, go, pause, resume or rearm"
+    if not may_drive:
+        return "this token is for looking and stopping only"
+    if not holds:
+        return "take the arena first"
+    return None
+
+
+def give(
+    request: Mapping[str, Any], daemon: Commanded, state: State | None, who: str
+) -> dict[str, Any]:
+    """Carry out an order; ``{"ok": true, ...}`` or ``{"ok": false, "error": SENTENCE}``."""
+    order = request.get("order")
+    stopped = state is State.STOPPED
+    if order == "stop":
+        return carry_out({"order": "stop", "reason": f"stopped by {who}"}, daemon)
+    if order == "rearm" and not stopped:
+        return {"ok": False, "error": "nothing to re-arm: the robot is not stopped"}
+    if order in ("resume", "go") and stopped:
+        return {"ok": False, "error": "the robot is stopped: re-arm it first"}
+    if order == "rearm":
+        return carry_out({"order": "resume"}, daemon)
+    return carry_out({k: v for k, v in request.items() if k in ("order", "stations")}, daemon)

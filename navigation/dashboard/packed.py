@@ -1,0 +1,46 @@
+"""Arrays on the wire: one binary message with a JSON head, as browsers read it without copying.
+
+A message is the head's length (uint32), the head (JSON, padded with spaces so that what follows
+is aligned to four bytes), then the arrays one after another. The head has ``type``, its own
+fields, and ``arrays``: name -> [type, first byte after the head, number of values]. Everything
+is little-endian.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_TYPES = {"float32": "f4", "int32": "i4", "uint8": "u1"}
+
+
+def pack(kind: str, fields: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """The message; arrays are float32, int32 or uint8, of any shape (row by row)."""
+    parts: list[bytes] = []
+    index: dict[str, tuple[str, int, int]] = {}
+    offset = 0
+    for name, array in arrays.items():
+        kind_of_values = array.dtype.name
+        data = np.ascontiguousarray(array, dtype="<" + _TYPES[kind_of_values]).tobytes()
+        index[name] = (kind_of_values, offset, array.size)
+        parts += [data, b"\0" * (-len(data) % 4)]
+        offset += len(data) + len(parts[-1])
+    head = json.dumps({"type": kind, **fields, "arrays": index}, allow_nan=False).encode()
+    head += b" " * (-len(head) % 4)
+    return b"".join([struct.pack("<I", len(head)), head, *parts])
+
+
+def unpack(message: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Head and arrays, flat, of a packed message."""
+    (length,) = struct.unpack_from("<I", message)
+    head: dict[str, Any] = json.loads(message[4 : 4 + length])
+    arrays = {
+        name: np.frombuffer(message, "<" + _TYPES[kind], count, 4 + length + first)
+        for name, (kind, first, count) in head.pop("arrays").items()
+    }
+    return head, arrays

@@ -1,0 +1,111 @@
+"""The pictures' colours as the page's style: one visual language, one place for its colours.
+
+`DAY` and `NIGHT` are the page's own surfaces and inks; what is drawn in the arena has the
+colours of `navigation.draw_shapes` in both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from navigation import draw_shapes as shapes
+from navigation.draw_shapes import Colour, ramp_colour
+
+ARENA: Mapping[str, Colour] = {
+    "obstacle": shapes.OBSTACLE,
+    "obstacle-edge": shapes.OBSTACLE_EDGE,
+    "floor": shapes.FLOOR,
+    "frame": shapes.FRAME,
+    "path": shapes.PATH,
+    "preview": shapes.GOAL,
+    "track": shapes.TRACK,
+    "narrowest": shapes.BOTTLENECK,
+    "start": shapes.START,
+    "goal": shapes.GOAL,
+    "halo": shapes.PAGE,
+}
+DAY: Mapping[str, Colour] = {
+    "page": (244, 245, 246),
+    "card": shapes.PAGE,
+    "line": (214, 218, 223),
+    "control-line": (128, 134, 142),
+    "ink": shapes.INK,
+    "faint": (88, 94, 102),
+    "accent": (22, 84, 160),
+    "on-accent": (255, 255, 255),
+    "good": (10, 110, 56),
+    "warn": (138, 76, 0),
+    "bad": (176, 18, 44),
+    "good-tint": (226, 243, 233),
+    "warn-tint": (252, 240, 220),
+    "bad-tint": (253, 229, 232),
+    "calm-tint": (233, 237, 243),
+    "stop": (196, 16, 34),
+    "stop-press": (150, 8, 24),
+    "on-stop": (255, 255, 255),
+}
+NIGHT: Mapping[str, Colour] = {
+    "page": (18, 20, 24),
+    "card": (29, 32, 38),
+    "line": (56, 61, 69),
+    "control-line": (128, 134, 144),
+    "ink": (234, 237, 241),
+    "faint": (168, 175, 185),
+    "accent": (130, 184, 250),
+    "on-accent": (12, 22, 36),
+    "good": (102, 208, 146),
+    "warn": (244, 184, 92),
+    "bad": (255, 140, 148),
+    "good-tint": (22, 52, 36),
+    "warn-tint": (58, 42, 14),
+    "bad-tint": (72, 22, 28),
+    "calm-tint": (38, 44, 54),
+    "stop": (214, 24, 42),
+    "stop-press": (168, 12, 28),
+    "on-stop": (255, 255, 255),
+}
+
+
+def stylesheet() -> str:
+    """The colours as CSS variables; light, or dark where the system or the page asks for it."""
+    ramp = {f"ramp-{step}": ramp_colour(step) for step in range(shapes.RAMP_STEPS)}
+    return "\n".join(
+        [
+            ":root {",
+            "  color-scheme: light;",
+            *_variables({**ARENA, **ramp, **DAY}),
+            "}",
+            "@media (prefers-color-scheme: dark) {",
+            "  :root:not([data-theme='light']) {",
+            "    color-scheme: dark;",
+            *_variables(NIGHT),
+            "  }",
+            "}",
+            ":root[data-theme='dark'] {",
+            "  color-scheme: dark;",
+            *_variables(NIGHT),
+            "}",
+            "",
+        ]
+    )
+
+
+def contrast(one: Colour, other: Colour) -> float:
+    """How well two colours can be told apart, from 1 to 21.
+
+    Source: Web Content Accessibility Guidelines 2.2, definition of contrast ratio.
+    """
+    brighter, darker = sorted((_luminance(one), _luminance(other)), reverse=True)
+    return (brighter + 0.05) / (darker + 0.05)
+
+
+def _luminance(colour: Colour) -> float:
+    linear = [
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+        for c in (value / 255.0 for value in colour)
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def _variables(colours: Mapping[str, Colour]) -> list[str]:
+    return [f"    --{name}: rgb({r} {g} {b});" for name, (r, g, b) in colours.items()]

@@ -1,0 +1,56 @@
+"""The camera's picture as viewers get it: seen straight from above, to scale, as JPEG.
+
+Rules and units
+- The picture is warped onto the arena's floor, so that metres are pixels times one number:
+  lens and perspective are gone, and what the page draws over it lies where it is. What stands
+  above the floor leans outwards, as it does for the camera.
+- ``window`` is the part of the floor that is shown: the arena with a rim. x right, y up.
+- Works in any thread, away from the control loop; a frame is never changed.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Bounds
+from vision.calibration import Calibration
+from vision.camera import Frame
+
+RIM = 0.04
+"""How much of the arena's longer side is shown around it."""
+
+
+class TopView:
+    """Warps and packs pictures of one camera; the warp is worked out once."""
+
+    def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
+        rim = RIM * max(arena.width, arena.height)
+        self.window = Bounds(
+            arena.x_min - rim, arena.y_min - rim, arena.x_max + rim, arena.y_max + rim
+        )
+        self.metres_per_pixel = self.window.width / width_px
+        self.size_px = (width_px, max(1, round(self.window.height / self.metres_per_pixel)))
+        self._camera_size = calibration.size
+        self._quality = quality
+        self._maps = self._warp(calibration)
+
+    def _warp(self, calibration: Calibration) -> tuple[NDArray[np.int16], NDArray[np.uint16]]:
+        """Where each pixel of the view comes from, in OpenCV's fixed-point form."""
+        width, height = self.size_px
+        x = self.window.x_min + (np.arange(width) + 0.5) * self.metres_per_pixel
+        y = self.window.y_max - (np.arange(height) + 0.5) * self.metres_per_pixel
+        floor = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        source = calibration.image_from_arena(floor).astype(np.float32).reshape(height, width, 2)
+        whole, part = cv2.convertMaps(source[..., 0], source[..., 1], cv2.CV_16SC2)
+        return np.asarray(whole, dtype=np.int16), np.asarray(part, dtype=np.uint16)
+
+    def jpeg(self, frame: Frame) -> NDArray[np.uint8]:
+        """The view of a frame, encoded; what the camera does not see is mid-grey."""
+        image = np.asarray(frame.image)
+        if frame.size != self._camera_size:
+            image = np.asarray(cv2.resize(image, self._camera_size), dtype=np.uint8)
+        view = cv2.remap(image, *self._maps, cv2.INTER_LINEAR, borderValue=(128, 128, 128))
+        _, encoded = cv2.imencode(".jpg", view, [cv2.IMWRITE_JPEG_QUALITY, self._quality])
+        return np.asarray(encoded, dtype=np.uint8).reshape(-1)

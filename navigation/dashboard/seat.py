@@ -1,0 +1,95 @@
+"""The seat: at most one operator holds the arena; the others watch, and may stop the robot.
+
+Rules
+- A free seat is taken by whoever asks first, and left by releasing it.
+- Whoever did nothing for ``idle_s``, or has been away for ``AWAY_S``, loses it; a page that is
+  loaded again is the same operator.
+- Time is passed in. Holders are told apart by a key that only their page knows; others see its
+  ``public`` half.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+
+AWAY_S = 20.0
+"""How long a lost connection may take to come back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """Who holds the arena: the secret key, the name that others see, and signs of life."""
+
+    key: str
+    name: str
+    active_s: float
+    away_since_s: float | None = None
+
+    @property
+    def public(self) -> str:
+        """What others may know of the key."""
+        return public_half(self.key)
+
+
+def public_half(key: str) -> str:
+    """A short digest that tells keys apart and gives none away."""
+    return hashlib.sha256(key.encode()).hexdigest()[:12]
+
+
+class Seat:
+    """The seat and its rules; see the module's text."""
+
+    def __init__(self, idle_s: float) -> None:
+        self.idle_s = idle_s
+        self.holder: Holder | None = None
+
+    def take(self, key: str, name: str, now_s: float) -> str | None:
+        """Take the seat; None where that worked, else the sentence that says why not."""
+        holder = self.holder
+        if holder is not None and holder.key != key:
+            left_s = self.free_in_s(now_s)
+            return f"{holder.name} holds the arena (free in {left_s:.0f} s without an order)"
+        self.holder = Holder(key, name, now_s)
+        return None
+
+    def release(self, key: str) -> bool:
+        """Leave the seat; whether it was held by this key."""
+        if not self.is_held_by(key):
+            return False
+        self.holder = None
+        return True
+
+    def is_held_by(self, key: str) -> bool:
+        """Whether this key holds the arena."""
+        return self.holder is not None and self.holder.key == key
+
+    def touch(self, key: str, now_s: float) -> None:
+        """The holder did something."""
+        if self.holder is not None and self.holder.key == key:
+            self.holder = replace(self.holder, active_s=now_s, away_since_s=None)
+
+    def present(self, key: str, now_s: float, *, is_here: bool) -> None:
+        """The holder's connection came or went."""
+        holder = self.holder
+        if holder is not None and holder.key == key:
+            self.holder = replace(holder, away_since_s=None if is_here else now_s)
+
+    def free_in_s(self, now_s: float) -> float:
+        """When the seat becomes free if nothing happens; 0 where it is free."""
+        holder = self.holder
+        if holder is None:
+            return 0.0
+        left_s = holder.active_s + self.idle_s - now_s
+        if holder.away_since_s is not None:
+            left_s = min(left_s, holder.away_since_s + AWAY_S - now_s)
+        return max(0.0, left_s)
+
+    def tick(self, now_s: float) -> str | None:
+        """Free the seat when it is time; the sentence that says so, else None."""
+        holder = self.holder
+        if holder is None or self.free_in_s(now_s) > 0.0:
+            return None
+        self.holder = None
+        why = "did nothing for a while" if holder.away_since_s is None else "went away"
+        return f"{holder.name} {why}: the arena is free"

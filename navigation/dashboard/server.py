@@ -1,0 +1,135 @@
+"""The dashboard's port and thread: it opens, it says where it is, it closes; the run goes on.
+
+A port that cannot be had is said, never raised: the robot does not need a page to drive. The
+thread has an event loop of its own; nobody else touches it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+import uvicorn
+
+from navigation.dashboard.app import make_app
+from navigation.dashboard.hub import Hub
+from navigation.dashboard.shown import Shown
+
+BACKLOG: Final = 128
+PING_EVERY_S, PONG_WITHIN_S = 5.0, 10.0
+MOST_MESSAGE_BYTES: Final = 1 << 20
+"""Cut off before it is read whole; what pages may send is far less (`viewer`)."""
+CLOSE_WITHIN_S: Final = 1.0
+
+
+class Dashboard:
+    """Serves the page of a running daemon; a context manager.
+
+    ``say`` gets the address, or why there is none; with ``show_token`` the address has the
+    token in its fragment, which browsers keep to themselves.
+    """
+
+    def __init__(
+        self,
+        daemon: Shown,
+        *,
+        say: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+        wall_clock: Callable[[], float] = time.time,
+        show_token: bool = False,
+    ) -> None:
+        self._daemon, self._say = daemon, say
+        self._clock, self._wall_clock = clock, wall_clock
+        self._show_token = show_token
+        self._section = daemon.config.dashboard
+        self.url: str | None = None
+        """Where it listens; None where it does not."""
+        self.hub: Hub | None = None
+        self._socket: socket.socket | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
+
+    def __enter__(self) -> Dashboard:
+        section = self._section
+        try:
+            self._socket = listen(section.host, section.port)
+        except OSError as error:
+            where = f"{section.host}:{section.port}"
+            self._say(f"no dashboard: {where}: {error.strerror or error}; the run goes on")
+            return self
+        self.url = self._address(self._socket.getsockname()[1])
+        self._thread.start()
+        self._say(f"dashboard at {self.url}")
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        if self._socket is None:
+            return
+        loop, hub = self._loop, self.hub
+        if loop is not None and hub is not None:
+            # the loop may have ended by itself
+            with contextlib.suppress(RuntimeError):
+                loop.call_soon_threadsafe(hub.closing.set)
+        self._thread.join(CLOSE_WITHIN_S + 1.0)
+        self._socket.close()
+
+    def _address(self, port: int) -> str:
+        section = self._section
+        host = socket.gethostname() if section.host in ("0.0.0.0", "::") else section.host
+        shown = f"[{host}]" if ":" in host else host
+        fragment = f"#token={section.token}" if section.token and self._show_token else ""
+        return f"http://{shown}:{port}/{fragment}"
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except Exception as error:  # noqa: BLE001 - the run goes on without its page
+            self._say(f"the dashboard has ended: {error}")
+
+    async def _serve(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self.hub = hub = Hub(self._daemon, clock=self._clock, wall_clock=self._wall_clock)
+        server = uvicorn.Server(
+            uvicorn.Config(
+                make_app(hub),
+                ws="websockets-sansio",
+                ws_max_size=MOST_MESSAGE_BYTES,
+                ws_ping_interval=PING_EVERY_S,
+                ws_ping_timeout=PONG_WITHIN_S,
+                ws_per_message_deflate=False,
+                lifespan="off",
+                log_config=None,
+                log_level="critical",
+                access_log=False,
+                server_header=False,
+                timeout_graceful_shutdown=round(CLOSE_WITHIN_S),
+            )
+        )
+        assert self._socket is not None
+        serving = asyncio.ensure_future(server.serve(sockets=[self._socket]))
+        await hub.run()
+        server.should_exit = True
+        await serving
+        hub.workers.shutdown(wait=False, cancel_futures=True)
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A listening socket; OSError where the address cannot be had."""
+    family, kind, protocol, _, address = socket.getaddrinfo(
+        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )[0]
+    one = socket.socket(family, kind, protocol)
+    try:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        one.bind(address)
+        one.listen(BACKLOG)
+        one.setblocking(False)
+    except OSError:
+        one.close()
+        raise
+    return one

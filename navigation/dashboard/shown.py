@@ -1,0 +1,92 @@
+"""What the dashboard needs of the running program, and the daemon seen that way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from navigation.config import Config
+from navigation.control import Commanded
+from navigation.cycle import PlanAnswer
+from navigation.daemon import Daemon, DaemonState
+from navigation.mission import Station
+from vision.calibration import Calibration
+from vision.latest_frame import CameraStatus
+
+
+class Shown(Commanded, Protocol):
+    """What is shown and takes orders; every method may be called from any thread."""
+
+    @property
+    def config(self) -> Config:
+        """What runs."""
+        ...
+
+    @property
+    def calibration(self) -> Calibration:
+        """Where pixels lie on the floor."""
+        ...
+
+    @property
+    def state(self) -> DaemonState | None:
+        """What the last cycle ended with; None before the first."""
+        ...
+
+    def camera_status(self) -> CameraStatus:
+        """What the camera does."""
+        ...
+
+    def last_wire_s(self) -> float | None:
+        """The newest time from capture to wire; None before the first."""
+        ...
+
+    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
+        """The plan that these stations would lead to."""
+        ...
+
+
+class ShownDaemon:
+    """A daemon as `Shown`."""
+
+    def __init__(self, daemon: Daemon) -> None:
+        self._daemon = daemon
+        self.config: Config = daemon.config
+        self.calibration: Calibration = daemon.world.calibration
+
+    @property
+    def state(self) -> DaemonState | None:
+        """What the last cycle ended with."""
+        return self._daemon.state
+
+    def camera_status(self) -> CameraStatus:
+        """What the camera does."""
+        return self._daemon.camera.status()
+
+    def last_wire_s(self) -> float | None:
+        """The newest time from capture to wire."""
+        times_s = self._daemon.link.capture_to_wire_s
+        return times_s[-1] if times_s else None
+
+    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
+        """The plan that these stations would lead to."""
+        return self._daemon.preview(stations)
+
+    def give(self, stations: tuple[Station, ...]) -> None:
+        """A new mission."""
+        self._daemon.give(stations)
+
+    def stop(self, reason: str) -> None:
+        """Emergency stop."""
+        self._daemon.stop(reason)
+
+    def pause(self) -> None:
+        """Hold."""
+        self._daemon.pause()
+
+    def resume(self) -> None:
+        """End a pause, or re-arm."""
+        self._daemon.resume()
+
+    def describe(self) -> Mapping[str, Any]:
+        """The present state."""
+        return self._daemon.describe()

@@ -1,0 +1,161 @@
+"""What viewers are told of the running program, as JSON takes it: the greeting and the state.
+
+Metres, radians, seconds; ages and latencies in milliseconds, as people read them. Nothing here
+is infinite or NaN: what was never seen is null.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from navigation.config import Config
+from navigation.daemon import DaemonState, StageTimes
+from navigation.dashboard.picture import TopView
+from navigation.dashboard.seat import Seat
+from navigation.draw_shapes import RAMP_STEPS
+from navigation.mission import Station
+from navigation.serial_link import LinkSnapshot
+from planner.path import NoPath
+from vision.latest_frame import CameraStatus
+from vision.markers import RobotPose
+
+PAUSED = "paused by the operator"
+"""The safety rules' sentence for it (`navigation.watch`)."""
+
+
+def greeting(config: Config, view: TopView) -> dict[str, Any]:
+    """What does not change during a run: the arena, the robots, how pictures lie on the floor."""
+    window = view.window
+    return {
+        "type": "hello",
+        "arena_m": list(config.arena.bounds_m),
+        "window_m": [window.x_min, window.y_min, window.x_max, window.y_max],
+        "picture_px": list(view.size_px),
+        "robot": {
+            "marker_id": config.robot.marker_id,
+            "radius_m": config.robot.radius_m,
+            "speed_m_s": config.robot.speed_m_s,
+        },
+        "others": [{"marker_id": o.marker_id, "radius_m": o.radius_m} for o in config.other_robots],
+        "margin_m": config.planning.margin_m,
+        "camera": {"source": config.camera.source, "rate_hz": config.camera.rate_hz},
+        "port": config.serial.port,
+        "hold_s": config.dashboard.hold_s,
+        "ramp_steps": RAMP_STEPS,
+    }
+
+
+def state_message(
+    state: DaemonState,
+    camera: CameraStatus,
+    seat: Seat,
+    *,
+    driven_id: int,
+    now_s: float,
+    loop_age_s: float,
+    viewers: int,
+) -> dict[str, Any]:
+    """The present state; `loop_age_s` is how long ago the control loop ended a cycle."""
+    mission = state.mission
+    return {
+        "type": "state",
+        "time_s": round(state.time_s, 2),
+        "loop_ms": _ms(loop_age_s),
+        "paused": PAUSED in state.verdict.reasons,
+        "mission": {
+            "state": mission.state.value,
+            "sentence": mission.reason,
+            "reasons": list(state.verdict.reasons),
+            "stations": [_station(station) for station in mission.stations],
+            "visited": mission.visited,
+        },
+        "pose": None if state.pose is None else _pose(state.pose, now_s),
+        "others": [_pose(p, now_s) for i, p in state.poses.items() if i != driven_id],
+        "to_go_m": state.to_go_m,
+        "clearance_m": state.clearance_m,
+        "seat": _seat(seat, now_s),
+        "viewers": viewers,
+        "camera": _camera(camera),
+        "link": _link(state.link),
+        "times": _times(state.times),
+    }
+
+
+def no_path_facts(answer: NoPath) -> dict[str, Any]:
+    """Why there is no way, and where the widest one is too narrow."""
+    gap = answer.bottleneck
+    return {
+        "reason": answer.reason,
+        "bottleneck": None if gap is None else {"x_m": gap.x, "y_m": gap.y, "width_m": gap.width},
+        "widest_radius_m": answer.widest_radius,
+    }
+
+
+def _station(station: Station) -> dict[str, float | None]:
+    return {
+        "x_m": station.x,
+        "y_m": station.y,
+        "heading_rad": station.heading_rad,
+        "dwell_s": station.dwell_s,
+    }
+
+
+def _pose(pose: RobotPose, now_s: float) -> dict[str, Any]:
+    return {
+        "id": pose.id,
+        "x_m": round(pose.x, 4),
+        "y_m": round(pose.y, 4),
+        "heading_rad": round(pose.heading_rad, 4),
+        "speed_m_s": round(math.hypot(pose.vx, pose.vy), 4),
+        "age_ms": _ms(now_s - pose.captured_s),
+    }
+
+
+def _seat(seat: Seat, now_s: float) -> dict[str, Any] | None:
+    holder = seat.holder
+    if holder is None:
+        return None
+    return {"id": holder.public, "name": holder.name, "free_in_s": round(seat.free_in_s(now_s))}
+
+
+def _camera(camera: CameraStatus) -> dict[str, Any]:
+    return {
+        "state": camera.state,
+        "reason": camera.reason,
+        "rate_hz": round(camera.rate_hz, 1),
+        "captured": camera.captured,
+        "dropped": camera.dropped,
+        "reopened": camera.reopened,
+        "age_ms": None if camera.age_s is None else _ms(camera.age_s),
+    }
+
+
+def _link(link: LinkSnapshot) -> dict[str, Any]:
+    return {
+        "state": link.state.value,
+        "reason": link.down_reason,
+        "heard_ms": _ms(link.heard_age_s),
+        "round_trip_ms": None if link.rtt_s is None else _ms(link.rtt_s),
+        "sent_frames": link.sent.frames_sent,
+        "received_frames": link.received.frames,
+        "retransmits": link.sent.retransmits,
+        "crc_errors": link.received.crc_errors,
+        "links_lost": link.sent.links_lost,
+        "moving": link.moving,
+        "estopped": link.estopped,
+        "estop_pending": link.estop_pending,
+        "robot": link.standing_reason,
+        "executed": link.executed,
+        "accepted": link.accepted,
+    }
+
+
+def _times(times: StageTimes) -> Mapping[str, float | None]:
+    parts = {"look": times.look_s, "roadmap": times.roadmap_s, "plan": times.plan_s}
+    return {f"{name}_ms": None if value is None else _ms(value) for name, value in parts.items()}
+
+
+def _ms(seconds: float) -> float | None:
+    return round(seconds * 1e3, 2) if math.isfinite(seconds) else None

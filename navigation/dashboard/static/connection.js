@@ -1,0 +1,184 @@
+// The line to the program: connects, connects again, and tells at once when it is lost.
+//
+// - What arrives is handed out by its type: connection.on("state", (message) => ...).
+// - Nothing is kept for later: an order that cannot go out now is refused now, so that a
+//   connection that comes back never fires an old order.
+// - The token travels in the websocket's subprotocol; it comes from the address's fragment.
+
+import { unpack } from "./wire.js";
+
+const PROTOCOL = "clearway.1";
+const SILENT_MS = 1500; // the program speaks ten times a second
+const FIRST_PAUSE_MS = 400;
+const LAST_PAUSE_MS = 4000;
+
+export class Connection {
+  #socket = null;
+  #listeners = new Map();
+  #heard = 0;
+  #pause = FIRST_PAUSE_MS;
+  #timer = 0;
+  #number = 0;
+  #waiting = new Map();
+  #lostSince = performance.now();
+
+  constructor() {
+    this.isUp = false;
+    this.key = kept("clearway.key", newKey);
+    this.token = readToken();
+    setInterval(() => this.#check(), 250);
+    addEventListener("online", () => this.#retryNow());
+    document.addEventListener("visibilitychange", () => {
+      if (!document.hidden) this.#retryNow();
+      this.send({ type: "watch", on: !document.hidden });
+    });
+  }
+
+  on(type, listener) {
+    if (!this.#listeners.has(type)) this.#listeners.set(type, []);
+    this.#listeners.get(type).push(listener);
+  }
+
+  emit(type, message) {
+    for (const listener of this.#listeners.get(type) ?? []) listener(message);
+  }
+
+  /** Whole seconds since the connection was lost; 0 while it is up. */
+  get lostSeconds() {
+    return this.isUp ? 0 : Math.floor((performance.now() - this.#lostSince) / 1000);
+  }
+
+  open() {
+    clearTimeout(this.#timer);
+    const protocols = this.token ? [PROTOCOL, `token.${this.token}`] : [PROTOCOL];
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/live`, protocols);
+    socket.binaryType = "arraybuffer";
+    this.#socket = socket;
+    this.#heard = performance.now();
+    socket.onopen = () => this.#greet(socket);
+    socket.onmessage = (event) => this.#hear(socket, event.data);
+    socket.onclose = () => this.#drop(socket);
+  }
+
+  /** Send a message now; false where that cannot be. */
+  send(message) {
+    if (this.#socket?.readyState !== WebSocket.OPEN) return false;
+    this.#socket.send(JSON.stringify(message));
+    return true;
+  }
+
+  /** Send a message and wait for its answer; {ok: false, error} where there is none. */
+  ask(message, patience = 4000) {
+    const id = ++this.#number;
+    return new Promise((resolve) => {
+      const fail = (error) => {
+        this.#waiting.delete(id);
+        resolve({ ok: false, error });
+      };
+      if (!this.isUp || !this.send({ ...message, id })) {
+        fail("there is no connection to the program");
+        return;
+      }
+      const timer = setTimeout(() => fail("the program does not answer"), patience);
+      this.#waiting.set(id, { resolve, fail, timer });
+    });
+  }
+
+  useToken(token) {
+    this.token = token;
+    sessionStorage.setItem("clearway.token", token);
+    this.#retryNow();
+  }
+
+  #greet(socket) {
+    if (socket !== this.#socket) return;
+    this.send({ type: "join", key: this.key, name: localStorage.getItem("clearway.name") ?? "" });
+    this.send({ type: "watch", on: !document.hidden });
+  }
+
+  #hear(socket, data) {
+    if (socket !== this.#socket) return;
+    this.#heard = performance.now();
+    const message = typeof data === "string" ? JSON.parse(data) : unpack(data);
+    if (!this.isUp && message.type === "hello") {
+      this.isUp = true;
+      this.#pause = FIRST_PAUSE_MS;
+      this.emit("up");
+    }
+    if (message.type === "answer" || message.type === "preview") this.#answer(message);
+    this.emit(message.type, message);
+  }
+
+  #answer(message) {
+    const asked = this.#waiting.get(message.id);
+    if (!asked) return;
+    clearTimeout(asked.timer);
+    this.#waiting.delete(message.id);
+    asked.resolve(message);
+  }
+
+  /** A connection that says nothing is lost, whatever the browser thinks of it. */
+  #check() {
+    const silent = performance.now() - this.#heard;
+    if (this.#socket && silent > SILENT_MS && this.isUp) this.#drop(this.#socket);
+    if (!this.isUp) this.emit("down");
+  }
+
+  #drop(socket) {
+    if (socket !== this.#socket) return;
+    this.#socket = null;
+    socket.close();
+    if (this.isUp) {
+      this.isUp = false;
+      this.#lostSince = performance.now();
+    }
+    for (const asked of this.#waiting.values()) asked.fail("the connection was lost");
+    this.emit("down");
+    this.#timer = setTimeout(() => this.open(), this.#pause);
+    this.#pause = Math.min(LAST_PAUSE_MS, this.#pause * 1.6);
+    this.#askWhy();
+  }
+
+  /** Browsers do not say why a websocket was refused; a plain request does. */
+  async #askWhy() {
+    try {
+      const answer = await fetch("/api/state", { headers: this.authorization });
+      if (answer.status === 401 || answer.status === 403) this.emit("token", answer.status);
+    } catch {
+      // the program does not run: "down" says so
+    }
+  }
+
+  get authorization() {
+    return this.token ? { Authorization: `Bearer ${this.token}` } : {};
+  }
+
+  #retryNow() {
+    if (this.#socket === null) {
+      this.#pause = FIRST_PAUSE_MS;
+      this.open();
+    }
+  }
+}
+
+/** From the fragment, which browsers do not send; then out of sight, and kept for a reload. */
+function readToken() {
+  const found = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (found) {
+    sessionStorage.setItem("clearway.token", found);
+    history.replaceState(null, "", location.pathname);
+  }
+  return found ?? sessionStorage.getItem("clearway.token");
+}
+
+function newKey() {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return Array.from(bytes, (b) => b.toString(16).padStart(2, "0")).join("");
+}
+
+function kept(name, make) {
+  const value = sessionStorage.getItem(name) ?? make();
+  sessionStorage.setItem(name, value);
+  return value;
+}

@@ -1,0 +1,263 @@
+// A new goal: click, drag for a heading, shift-click for more stations; the plan is shown with its
+// length and clearance before anything is sent. The same with the keyboard.
+
+import { stationMark } from "./layers.js";
+import { element } from "./stage.js";
+import { Clearance } from "./world.js";
+
+const DRAG_PX = 14;
+const STEP_M = 0.02;
+const FAR_M = 0.1;
+const TURN_RAD = Math.PI / 12;
+
+export class Goal {
+  #hello = null;
+  #clearance = null;
+  #stations = [];
+  #preview = null;
+  #pressed = null;
+  #cursor = null;
+  #asked = 0;
+
+  constructor(stage, connection, seat, say) {
+    Object.assign(this, { stage, connection, seat, say });
+    this.send = document.getElementById("send");
+    this.adding = document.getElementById("adding");
+    this.probe = document.getElementById("probe");
+    connection.on("hello", (hello) => {
+      this.#hello = hello;
+      this.#clearance ??= new Clearance(hello.arena_m, null);
+    });
+    connection.on("world", (world) => {
+      this.#clearance = new Clearance(this.#hello.arena_m, world);
+      if (this.#stations.length) this.#ask();
+    });
+    connection.on("down", () => this.#show());
+    connection.on("state", (state) => this.#follow(state));
+    stage.onResize.push(() => this.#draw());
+    this.#listen();
+  }
+
+  clear() {
+    this.#stations = [];
+    this.#preview = null;
+    this.#asked += 1;
+    this.#draw();
+    this.#show();
+  }
+
+  async submit() {
+    if (this.send.disabled) return;
+    this.send.disabled = true;
+    const answer = await this.connection.ask({ type: "order", order: "go", stations: this.#stations });
+    if (answer.ok) this.clear();
+    else this.#show();
+    this.say(answer.ok ? "" : answer.error);
+  }
+
+  #listen() {
+    const area = this.stage.element;
+    area.addEventListener("pointerdown", (event) => this.#press(event));
+    area.addEventListener("pointermove", (event) => this.#move(event));
+    area.addEventListener("pointerup", (event) => this.#lift(event));
+    area.addEventListener("pointercancel", () => { this.#pressed = null; this.#draw(); });
+    area.addEventListener("pointerleave", () => { if (!this.#pressed) this.#look(null); });
+    area.addEventListener("keydown", (event) => this.#key(event));
+    area.addEventListener("blur", () => this.#look(null));
+    this.send.addEventListener("click", () => this.submit());
+    document.getElementById("clear").addEventListener("click", () => this.clear());
+  }
+
+  // The pointer.
+
+  #press(event) {
+    if (event.button !== 0 || !this.#hello || !this.connection.isUp) return;
+    event.preventDefault();
+    this.stage.element.focus({ preventScroll: true });
+    this.stage.element.setPointerCapture(event.pointerId);
+    const [x, y] = this.stage.place(event);
+    const more = event.shiftKey || this.adding.checked;
+    this.#pressed = { x, y, more, from: [event.clientX, event.clientY], heading: null };
+    this.#draw();
+  }
+
+  #move(event) {
+    if (!this.#hello) return;
+    const place = this.stage.place(event);
+    const pressed = this.#pressed;
+    if (!pressed) {
+      this.#look(place);
+      return;
+    }
+    const far = Math.hypot(event.clientX - pressed.from[0], event.clientY - pressed.from[1]) > DRAG_PX;
+    pressed.heading = far ? Math.atan2(place[1] - pressed.y, place[0] - pressed.x) : null;
+    this.#draw();
+  }
+
+  #lift(event) {
+    const pressed = this.#pressed;
+    this.#pressed = null;
+    if (!pressed || event.button !== 0) return;
+    this.#set(pressed.x, pressed.y, pressed.heading, pressed.more);
+  }
+
+  // The keyboard.
+
+  #key(event) {
+    if (!this.#hello || event.ctrlKey || event.metaKey || event.altKey) return;
+    const step = event.shiftKey ? FAR_M : STEP_M;
+    const moves = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
+    const [x0, y0, x1, y1] = this.#hello.arena_m;
+    const cursor = this.#cursor ?? [(x0 + x1) / 2, (y0 + y1) / 2];
+    const last = this.#stations.at(-1);
+    if (moves[event.key]) {
+      const [dx, dy] = moves[event.key];
+      this.#look([clamp(cursor[0] + dx, x0, x1), clamp(cursor[1] + dy, y0, y1)], true);
+    } else if (event.key === "Enter" && !this.#isAtGoal(cursor)) {
+      this.#set(...cursor, null, false);
+    } else if (event.key === "a" || event.key === "A") {
+      this.#set(...cursor, null, true);
+    } else if ((event.key === "," || event.key === ".") && last) {
+      const turn = event.key === "," ? TURN_RAD : -TURN_RAD;
+      last.heading_rad = wrap((last.heading_rad ?? 0) + turn);
+      this.#ask();
+    } else {
+      return;
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  /** Enter on the goal itself sends it. */
+  #isAtGoal([x, y]) {
+    const last = this.#stations.at(-1);
+    return last && Math.hypot(last.x_m - x, last.y_m - y) < STEP_M / 2;
+  }
+
+  // The draft.
+
+  async #set(x, y, heading, more) {
+    const station = { x_m: round(x), y_m: round(y), heading_rad: heading };
+    const taken = await this.seat.takeIfFree();
+    if (!taken.ok) {
+      this.say(taken.error);
+      this.clear();
+      return;
+    }
+    this.say("");
+    this.#stations = more ? [...this.#stations, station] : [station];
+    this.#ask();
+  }
+
+  async #ask() {
+    const number = ++this.#asked;
+    this.#preview = null;
+    this.#draw();
+    this.#show();
+    const answer = await this.connection.ask({ type: "preview", stations: this.#stations }, 15000);
+    if (number !== this.#asked) return;
+    this.#preview = answer;
+    this.#draw();
+    this.#show();
+  }
+
+  #follow(state) {
+    this.stopped = state.mission.state === "stopped";
+    this.send.disabled = !this.#ready;
+  }
+
+  get #ready() {
+    return Boolean(this.#preview?.ok && this.connection.isUp && this.seat.isMine && !this.stopped);
+  }
+
+  // What is shown.
+
+  #show() {
+    const any = this.#stations.length > 0;
+    this.send.disabled = !this.#ready;
+    document.getElementById("clear").hidden = !any;
+    document.getElementById("goal-hint").hidden = any;
+    const list = document.getElementById("goal-stations");
+    list.hidden = !any;
+    list.replaceChildren(...this.#stations.map((station) => {
+      const item = document.createElement("li");
+      const turned = station.heading_rad === null ? "" : `, ${degrees(station.heading_rad)}°`;
+      item.textContent = `${station.x_m.toFixed(2)}, ${station.y_m.toFixed(2)} m${turned}`;
+      return item;
+    }));
+    const text = document.getElementById("goal-preview");
+    text.hidden = !any;
+    text.classList.toggle("bad", this.#preview?.ok === false);
+    text.textContent = any ? previewText(this.#preview) : "";
+  }
+
+  #draw() {
+    if (!this.#hello) return;
+    const shapes = [];
+    const s = this.stage;
+    if (this.#preview?.ok && this.#stations.length) {
+      const data = s.line(this.#preview.points.flat());
+      shapes.push(
+        element("path", { class: "draft-corridor", d: data, "stroke-width": 2 * this.#preview.radius_m * s.scale }),
+        element("path", { class: "halo", d: data }),
+        element("path", { class: "draft-path", d: data }),
+      );
+    }
+    const gap = this.#preview?.ok === false ? this.#preview.bottleneck : null;
+    if (gap) {
+      shapes.push(element("circle", { class: "narrowest", cx: s.x(gap.x_m), cy: s.y(gap.y_m), r: Math.max(4 * s.k, (gap.width_m / 2) * s.scale) }));
+    }
+    const radius = this.#hello.robot.radius_m;
+    const before = this.#pressed && !this.#pressed.more ? [] : this.#stations;
+    const pending = this.#pressed ? [{ x_m: this.#pressed.x, y_m: this.#pressed.y, heading_rad: this.#pressed.heading }] : [];
+    const all = [...before, ...pending];
+    all.forEach((station, index) => {
+      const name = index === all.length - 1 ? "new goal" : String(index + 1);
+      shapes.push(stationMark(s, station, name, "station draft", radius));
+    });
+    s.group("draft").replaceChildren(...shapes);
+  }
+
+  /** Clearance and radius under the cursor; `crosshair` where it is moved by keys. */
+  #look(place, crosshair = false) {
+    this.#cursor = place ?? this.#cursor;
+    const group = this.stage.group("probe");
+    if (!place || !this.#clearance) {
+      group.replaceChildren();
+      return;
+    }
+    const s = this.stage;
+    const [x, y] = place;
+    const { clearance, nearest, outside } = this.#clearance.at(x, y);
+    const radius = this.#hello.robot.radius_m;
+    const fits = clearance >= radius;
+    const [cx, cy] = [s.x(x), s.y(y)];
+    group.replaceChildren(
+      ...(clearance > 0 ? [
+        element("circle", { class: "probe-clear", cx, cy, r: clearance * s.scale }),
+        element("path", { class: "probe-ray", d: `M${cx} ${cy}L${s.x(nearest[0])} ${s.y(nearest[1])}` }),
+      ] : []),
+      element("circle", { class: `probe-body ${fits ? "fits" : "blocked"}`, cx, cy, r: radius * s.scale }),
+      ...(crosshair ? [element("path", { class: "cross", d: `M${cx - 12 * s.k} ${cy}h${24 * s.k}M${cx} ${cy - 12 * s.k}v${24 * s.k}` })] : []),
+    );
+    const where = `x ${x.toFixed(3)}  y ${y.toFixed(3)} m`;
+    const what = outside ? "outside the arena"
+      : clearance < 0 ? "inside an obstacle"
+      : `clearance ${clearance.toFixed(3)} m, ${fits ? "the robot fits" : "too tight for the robot"} (radius ${radius.toFixed(3)} m)`;
+    this.probe.textContent = `${where}: ${what}`;
+    this.probe.classList.toggle("bad", !fits);
+    this.probe.setAttribute("aria-live", crosshair ? "polite" : "off");
+  }
+}
+
+function previewText(preview) {
+  if (!preview) return "Planning…";
+  if (!preview.ok) return `No plan: ${preview.reason ?? preview.error}.`;
+  const seconds = preview.duration_s === null ? "" : `, about ${preview.duration_s.toFixed(0)} s`;
+  return `${preview.length_m.toFixed(2)} m, clearance at least ${preview.clearance_m.toFixed(3)} m${seconds}.`;
+}
+
+const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
+const round = (value) => Math.round(value * 1e4) / 1e4;
+const degrees = (radians) => Math.round((radians * 180) / Math.PI);
+const wrap = (radians) => Math.atan2(Math.sin(radians), Math.cos(radians));

@@ -1,0 +1,137 @@
+// Link, camera and planner: each a row with a word, a figure and the last two minutes as a line.
+
+const SVG = "http://www.w3.org/2000/svg";
+const [WIDE, HIGH] = [150, 34];
+const KEPT = 240;
+
+const ROWS = [
+  { id: "camera", title: "Camera", column: "camera_hz", unit: "pictures/s", judge: cameraWord, detail: cameraDetail },
+  { id: "wire", title: "Capture to wire", column: "wire_ms", unit: "ms", judge: (s) => (s.loop_ms > 1000 ? ["bad", "control loop hangs"] : ["good", "control loop runs"]), detail: (s, last) => both(last("wire_ms"), "ms at most", last("look_ms"), "ms vision") },
+  { id: "link", title: "Link to the robot", column: "round_trip_ms", unit: "ms", judge: linkWord, detail: linkDetail },
+  { id: "planner", title: "Planner", column: "plan_ms", unit: "ms", judge: plannerWord, detail: (s) => both(s.times.roadmap_ms, "ms roadmap", s.times.plan_ms, "ms plan") },
+  { id: "clearance", title: "Clearance", column: "clearance_m", unit: "m", judge: () => null, detail: (s) => figure(s.clearance_m, "m") },
+  { id: "speed", title: "Speed", column: "speed_m_s", unit: "m/s", judge: () => null, detail: (s) => figure(s.pose?.speed_m_s ?? null, "m/s") },
+];
+
+export class Health {
+  #columns = [];
+  #rows = [];
+  #parts = new Map();
+
+  constructor(connection) {
+    const box = document.getElementById("health");
+    for (const row of ROWS) box.append(this.#make(row));
+    connection.on("hello", (hello) => { this.#columns = hello.samples; this.#rows = []; });
+    connection.on("samples", (piece) => this.#add(piece));
+    connection.on("state", (state) => this.#show(state));
+  }
+
+  #make(row) {
+    const item = document.createElement("div");
+    item.className = "health-row";
+    item.id = `health-${row.id}`;
+    const title = Object.assign(document.createElement("h3"), { textContent: row.title });
+    const word = Object.assign(document.createElement("p"), { className: "word" });
+    const detail = Object.assign(document.createElement("p"), { className: "detail", textContent: "–" });
+    const chart = document.createElementNS(SVG, "svg");
+    chart.setAttribute("viewBox", `0 0 ${WIDE} ${HIGH}`);
+    chart.setAttribute("preserveAspectRatio", "none");
+    chart.setAttribute("role", "img");
+    const area = document.createElementNS(SVG, "path");
+    area.setAttribute("class", "area");
+    const line = document.createElementNS(SVG, "path");
+    line.setAttribute("class", "line");
+    chart.append(area, line);
+    const top = Object.assign(document.createElement("p"), { className: "top" });
+    item.append(title, word, detail, chart, top);
+    this.#parts.set(row.id, { word, detail, chart, line, area, top });
+    return item;
+  }
+
+  #add(piece) {
+    this.#rows.push(...piece.items);
+    if (this.#rows.length > KEPT) this.#rows = this.#rows.slice(-KEPT);
+    for (const row of ROWS) this.#draw(row);
+  }
+
+  #column(name) {
+    const index = this.#columns.indexOf(name);
+    return this.#rows.map((row) => row[index]);
+  }
+
+  #draw(row) {
+    const { chart, line, area, top } = this.#parts.get(row.id);
+    const values = this.#column(row.column);
+    const known = values.filter((value) => value !== null);
+    const high = niceAbove(Math.max(0, ...known));
+    const x = (k) => WIDE - ((values.length - 1 - k) / (KEPT - 1)) * WIDE;
+    const y = (value) => HIGH - 2 - (value / high) * (HIGH - 5);
+    let data = "";
+    let fill = "";
+    values.forEach((value, k) => {
+      if (value === null) return;
+      const begins = k === 0 || values[k - 1] === null;
+      data += `${begins ? "M" : "L"}${x(k).toFixed(1)} ${y(value).toFixed(1)}`;
+      fill += begins ? `M${x(k).toFixed(1)} ${HIGH}L${x(k).toFixed(1)} ${y(value).toFixed(1)}` : `L${x(k).toFixed(1)} ${y(value).toFixed(1)}`;
+      if (k === values.length - 1 || values[k + 1] === null) fill += `L${x(k).toFixed(1)} ${HIGH}Z`;
+    });
+    line.setAttribute("d", data);
+    area.setAttribute("d", fill);
+    top.textContent = known.length ? `${high} ${row.unit}` : "";
+    const last = known.at(-1);
+    chart.setAttribute("aria-label", known.length ? `${row.title}: now ${last} ${row.unit}, at most ${Math.max(...known)} in two minutes` : `${row.title}: nothing yet`);
+  }
+
+  #show(state) {
+    const last = (name) => this.#column(name).at(-1) ?? null;
+    for (const row of ROWS) {
+      const { word, detail } = this.#parts.get(row.id);
+      const judged = row.judge(state);
+      word.hidden = judged === null;
+      if (judged) {
+        word.dataset.level = judged[0];
+        if (word.textContent !== judged[1]) word.textContent = judged[1];
+      }
+      const text = row.detail(state, last);
+      if (detail.textContent !== text) detail.textContent = text;
+    }
+  }
+}
+
+function cameraWord({ camera }) {
+  return camera.state === "running" ? ["good", "running"] : ["bad", camera.reason || camera.state];
+}
+
+function cameraDetail({ camera }) {
+  return `${camera.rate_hz.toFixed(1)}/s, ${camera.dropped} dropped${camera.reopened ? `, opened again ${camera.reopened}×` : ""}`;
+}
+
+function linkWord({ link }) {
+  return link.reason ? ["bad", link.reason] : link.heard_ms > 400 ? ["warn", "slow"] : ["good", "up"];
+}
+
+function linkDetail({ link }) {
+  const trip = link.round_trip_ms === null ? "–" : `${link.round_trip_ms.toFixed(0)} ms`;
+  return `${trip} round trip, ${link.retransmits} sent again, ${link.crc_errors} damaged`;
+}
+
+function plannerWord({ times }) {
+  return times.roadmap_ms === null ? ["warn", "waiting for a scene"] : ["good", "ready"];
+}
+
+function both(one, first, other, second) {
+  return `${figure(one, first)}, ${figure(other, second)}`;
+}
+
+function figure(value, unit) {
+  if (value === null || value === undefined) return `– ${unit}`;
+  return `${value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2)} ${unit}`;
+}
+
+/** The next of 1, 2, 5, 10, 20, ... that is not below. */
+function niceAbove(value) {
+  if (!(value > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(value));
+  const steps = [1, 2, 5, 10].map((m) => m * power);
+  return Number(steps.find((step) => step >= value * 0.999).toPrecision(3));
+}

@@ -1,0 +1,87 @@
+// The page: what listens to what.
+
+import { Connection } from "./connection.js";
+import { Goal } from "./goal.js";
+import { Health } from "./health.js";
+import { LAYERS, Layers } from "./layers.js";
+import { Log } from "./log.js";
+import { MissionPanel } from "./mission.js";
+import { Picture } from "./picture.js";
+import { Seat } from "./seat.js";
+import { Stage } from "./stage.js";
+import { Stop } from "./stop.js";
+
+const byId = (id) => document.getElementById(id);
+const connection = new Connection();
+const stage = new Stage();
+const seat = new Seat(connection);
+const stop = new Stop(connection, seat, say);
+const picture = new Picture(stage, connection);
+const layers = new Layers(stage, picture, connection);
+const goal = new Goal(stage, connection, seat, say);
+new MissionPanel(connection, seat, say);
+new Health(connection);
+new Log(connection);
+
+// What was refused, until the next order.
+function say(text) {
+  const line = byId("refusal");
+  line.hidden = !text;
+  line.textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
+}
+
+// The connection, in the bar and across the page.
+connection.on("state", (state) => {
+  const hangs = state.loop_ms === null || state.loop_ms > 1000;
+  pill(hangs ? "bad" : "good", hangs ? "control loop hangs" : "live");
+});
+connection.on("up", () => {
+  byId("lost").hidden = true;
+  byId("token-form").hidden = true;
+  document.body.classList.remove("is-lost");
+});
+connection.on("down", () => {
+  pill("bad", "no connection");
+  document.body.classList.add("is-lost");
+  byId("lost").hidden = !byId("token-form").hidden;
+  const since = connection.lostSeconds;
+  byId("lost-text").textContent = `for ${since} s. What you see is old, and orders from here do not arrive. The robot stops by itself when the program has ended.`;
+  document.title = "No connection – Clearway";
+});
+connection.on("token", (status) => {
+  byId("lost").hidden = true;
+  byId("token-form").hidden = false;
+  if (status === 403) byId("token").setCustomValidity("");
+});
+byId("token-form").addEventListener("submit", (event) => {
+  event.preventDefault();
+  byId("token-form").hidden = true;
+  connection.useToken(byId("token").value.trim());
+});
+
+function pill(level, text) {
+  byId("pill").dataset.state = level;
+  if (byId("pill-text").textContent !== text) byId("pill-text").textContent = text;
+}
+
+// Light or dark: as the system has it, until it is chosen here.
+const theme = localStorage.getItem("clearway.theme");
+if (theme) document.documentElement.dataset.theme = theme;
+byId("theme").addEventListener("click", () => {
+  const isDark = getComputedStyle(document.documentElement).colorScheme === "dark";
+  document.documentElement.dataset.theme = isDark ? "light" : "dark";
+  localStorage.setItem("clearway.theme", document.documentElement.dataset.theme);
+});
+
+// Keys for everywhere but text fields; the space bar is stop.js's.
+addEventListener("keydown", (event) => {
+  if (event.target.matches("input:not([type=checkbox])") || event.ctrlKey || event.metaKey || event.altKey) return;
+  const layer = LAYERS[Number(event.key) - 1];
+  if (layer) layers.toggle(layer);
+  else if (event.key === "Escape") goal.clear();
+  else if (event.key === "t" || event.key === "T") seat.toggle();
+  else if (event.key === "Enter" && !event.target.matches("button, a, input")) goal.submit();
+});
+
+connection.open();
+Object.assign(globalThis, { clearway: { connection, picture, stop, stage } }); // for a look from the console

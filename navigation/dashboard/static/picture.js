@@ -1,0 +1,55 @@
+// The live picture: decoded beside the page's thread, drawn, and only then acknowledged, so that
+// a slow page gets fewer pictures and never old ones.
+
+const OLD_MS = 1000;
+
+export class Picture {
+  #context;
+  #drawn = 0;
+  #age = 0;
+  #wanted = true;
+
+  constructor(stage, connection) {
+    this.stage = stage;
+    this.connection = connection;
+    this.count = 0;
+    this.note = document.getElementById("picture-note");
+    this.#context = stage.canvas.getContext("2d", { alpha: false });
+    connection.on("picture", (message) => this.#show(message));
+    connection.on("state", (state) => this.#watch(state));
+  }
+
+  /** Whether the picture is shown at all; where not, it is not asked for. */
+  set wanted(on) {
+    this.#wanted = on;
+    this.stage.canvas.hidden = !on;
+    this.connection.send({ type: "watch", on: on && !document.hidden });
+  }
+
+  async #show(message) {
+    try {
+      const bitmap = await createImageBitmap(new Blob([message.arrays.jpeg], { type: "image/jpeg" }));
+      this.#context.drawImage(bitmap, 0, 0, this.stage.canvas.width, this.stage.canvas.height);
+      bitmap.close();
+      this.#drawn = performance.now();
+      this.#age = message.age_ms;
+      this.count += 1;
+      this.stage.canvas.dataset.number = message.number;
+    } finally {
+      this.connection.send({ type: "ack", number: message.number });
+    }
+  }
+
+  #watch(state) {
+    if (!this.#wanted) {
+      this.note.hidden = true;
+      return;
+    }
+    const since = this.#drawn ? performance.now() - this.#drawn + this.#age : Infinity;
+    const old = since > OLD_MS || state.camera.state !== "running";
+    this.note.hidden = !old;
+    if (!old) return;
+    const age = Number.isFinite(since) ? `The picture is ${(since / 1000).toFixed(1)} s old` : "No picture yet";
+    this.note.textContent = state.camera.reason ? `${age}: ${state.camera.reason}` : `${age}.`;
+  }
+}

@@ -1,0 +1,51 @@
+// Who holds the arena. A free arena is taken by the first order; it can be taken and left by hand.
+
+export class Seat {
+  #mine = "";
+  #state = null;
+
+  constructor(connection) {
+    this.connection = connection;
+    this.role = "operator";
+    this.button = document.getElementById("seat");
+    this.text = document.getElementById("seat-text");
+    this.button.addEventListener("click", () => this.toggle());
+    connection.on("hello", (hello) => { this.role = hello.role; });
+    connection.on("joined", (joined) => { this.#mine = joined.seat; });
+    connection.on("state", (state) => { this.#state = state; this.#show(); });
+    connection.on("down", () => this.#show());
+  }
+
+  get mayDrive() {
+    return this.role === "operator";
+  }
+
+  get isMine() {
+    return Boolean(this.#mine) && this.#state?.seat?.id === this.#mine;
+  }
+
+  async toggle() {
+    if (!this.mayDrive) return;
+    if (this.isMine) this.connection.send({ type: "release" });
+    else await this.takeIfFree();
+  }
+
+  /** Make sure that this page holds the arena; {ok, error}. */
+  async takeIfFree() {
+    if (this.isMine) return { ok: true };
+    return this.connection.ask({ type: "take" });
+  }
+
+  #show() {
+    const up = this.connection.isUp && this.#state !== null;
+    const holder = this.#state?.seat;
+    this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine);
+    this.button.textContent = this.isMine ? "Release" : "Take the arena";
+    if (!up) this.text.textContent = "";
+    else if (this.isMine) this.text.textContent = "You hold the arena";
+    else if (holder) this.text.textContent = `${holder.name} holds the arena`;
+    else this.text.textContent = this.mayDrive ? "" : "Looking only";
+    const others = (this.#state?.viewers ?? 1) - 1;
+    this.text.title = others > 0 ? `${others} more ${others === 1 ? "page is" : "pages are"} open` : "";
+  }
+}

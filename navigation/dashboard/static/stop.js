@@ -1,0 +1,86 @@
+// STOP: immediate, without a question, for everybody; by the button and by the space bar.
+//
+// Only a hand fires it: nothing here runs because the page was loaded or the connection came
+// back. Where the connection is lost, a plain request is tried at once, and it is said whether it
+// arrived. Leaving the stop is another button, and it waits a moment so that a second press of a
+// hurried hand does not undo the first.
+
+const REARM_AFTER_MS = 1000;
+
+export class Stop {
+  #stoppedSince = 0;
+  #pressedAt = -Infinity;
+
+  constructor(connection, seat, say) {
+    Object.assign(this, { connection, seat, say });
+    this.button = document.getElementById("stop");
+    this.rearm = document.getElementById("rearm");
+    this.banner = document.getElementById("stopped");
+    this.button.addEventListener("pointerdown", (event) => {
+      if (event.button === 0) this.fire();
+    });
+    this.button.addEventListener("click", (event) => {
+      if (event.detail === 0) this.fire(); // by Enter or a screen reader: no pointer went down
+    });
+    addEventListener("keydown", (event) => this.#key(event), { capture: true });
+    addEventListener("keyup", (event) => {
+      if (event.code === "Space") event.preventDefault(); // else it would press a focused button
+    }, { capture: true });
+    this.rearm.addEventListener("click", () => this.#leave());
+    connection.on("state", (state) => this.#follow(state));
+  }
+
+  async fire() {
+    this.#pressedAt = performance.now();
+    this.button.classList.add("fired");
+    setTimeout(() => this.button.classList.remove("fired"), 300);
+    const heard = await Promise.any([this.#byLine(), this.#byRequest()]).catch(() => null);
+    if (heard === null) {
+      this.say("STOP could not be delivered: use the switch on the robot. It stops by itself when the program does not reach it.");
+    } else if (!heard.ok) {
+      this.say(heard.error);
+    }
+  }
+
+  async #byLine() {
+    const answer = await this.connection.ask({ type: "order", order: "stop" }, 1500);
+    if (!answer.ok) throw new Error(answer.error);
+    return answer;
+  }
+
+  async #byRequest() {
+    if (this.connection.isUp) await new Promise((resolve) => setTimeout(resolve, 400));
+    const answer = await fetch("/api/stop", { method: "POST", headers: this.connection.authorization, keepalive: true });
+    return answer.json();
+  }
+
+  #key(event) {
+    if (event.code !== "Space" || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (!event.repeat) this.fire();
+  }
+
+  async #leave() {
+    const taken = await this.seat.takeIfFree();
+    const answer = taken.ok ? await this.connection.ask({ type: "order", order: "rearm" }) : taken;
+    this.say(answer.ok ? "" : answer.error);
+  }
+
+  #follow(state) {
+    const stopped = state.mission.state === "stopped";
+    if (stopped && this.banner.hidden) this.#stoppedSince = performance.now();
+    this.banner.hidden = !stopped;
+    document.body.classList.toggle("is-stopped", stopped);
+    if (!stopped) return;
+    document.getElementById("stopped-text").textContent = `${state.mission.sentence}. ${wheels(state.link)}`;
+    const since = Math.max(this.#stoppedSince, this.#pressedAt);
+    this.rearm.disabled = performance.now() - since < REARM_AFTER_MS || !this.seat.mayDrive;
+  }
+}
+
+function wheels(link) {
+  if (link.reason) return "The link to the robot is down; the robot stops by itself.";
+  if (link.estopped) return "The robot has confirmed; its wheels are off.";
+  return "Waiting for the robot to confirm.";
+}

@@ -1,0 +1,278 @@
+"""One viewer: a websocket with a task that sends what is new and one that takes what comes.
+
+Rules
+- Nothing is queued but answers: a viewer that is slow gets the newest of everything, less often.
+- Pictures are sent on credit: two are on their way at most, and each that the page has drawn
+  brings the credit back.
+- What is malformed or too long is refused and counted; whoever goes on with it is cut off.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from collections import deque
+from typing import Any, Final
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from navigation.control import ControlError, read_stations
+from navigation.dashboard.access import Role
+from navigation.dashboard.hub import Hub
+from navigation.dashboard.orders import give, refusal_of
+from navigation.dashboard.rings import Ring
+from navigation.dashboard.seat import public_half
+
+MOST_CHARACTERS: Final = 65_536
+CREDITS: Final = 2
+PATIENCE: Final = 20
+"""How many malformed messages one connection may send."""
+ANSWERS: Final = 64
+NAME_CHARACTERS: Final = 40
+POLICY, TOO_BIG, GOING_AWAY = 1008, 1009, 1001
+
+
+class MalformedError(ValueError):
+    """A message that is none of the protocol's; the text says why."""
+
+
+class Viewer:
+    """A visitor at the other end of a websocket that was let in."""
+
+    def __init__(self, hub: Hub, socket: WebSocket, role: Role) -> None:
+        self.hub, self.role = hub, role
+        hub.viewers_ever += 1
+        self.number = hub.viewers_ever
+        self.name = f"viewer {self.number}"
+        self.key = ""
+        self.is_watching = False
+        self.news = asyncio.Event()
+        self._socket = socket
+        self._credits = CREDITS
+        self._shown_s = -1e9
+        self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
+        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "picture": 0}
+        self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
+        self._bad = 0
+        self._preview: asyncio.Task[None] | None = None
+
+    async def serve(self) -> None:
+        """Until the visitor leaves, misbehaves, or the dashboard closes."""
+        self.hub.viewers.add(self)
+        tasks = [
+            asyncio.ensure_future(work)
+            for work in (self._send(), self._take(), self.hub.closing.wait())
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in (*tasks, *([self._preview] if self._preview else [])):
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            self.hub.viewers.discard(self)
+            if not any(other.key == self.key for other in self.hub.viewers):
+                self.hub.seat.present(self.key, self.hub.clock(), is_here=False)
+        if self.hub.closing.is_set():
+            await self._close(GOING_AWAY, "the program ends")
+
+    def wants_picture(self, now_s: float) -> bool:
+        """Whether a new picture could be sent now."""
+        due = now_s - self._shown_s >= self.hub.picture_pause_s() - 1e-3
+        return self.is_watching and self._credits > 0 and due
+
+    # Out.
+
+    async def _send(self) -> None:
+        await self._send_json(
+            {
+                **self.hub.hello,
+                "number": self.number,
+                "role": self.role.value,
+            }
+        )
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                await self.news.wait()
+                self.news.clear()
+                await self._send_news()
+
+    async def _send_news(self) -> None:
+        hub = self.hub
+        while self._answers:
+            await self._send_json(self._answers.popleft())
+        if self._is_new("state", hub.state_number):
+            await self._socket.send_text(hub.state_text)
+        if self._is_new("plan", hub.plan_number):
+            await self._socket.send_bytes(hub.plan)
+        if self._is_new("world", hub.world_number):
+            await self._socket.send_bytes(hub.world)
+        await self._send_ring("log", hub.chronicle.log, 200)
+        await self._send_ring("track", hub.chronicle.track, 2000)
+        await self._send_ring("samples", hub.chronicle.samples, 240)
+        now_s = hub.clock()
+        if self.wants_picture(now_s) and self._is_new("picture", hub.picture_number):
+            self._credits -= 1
+            self._shown_s = now_s
+            hub.pictures_sent += 1
+            await self._socket.send_bytes(hub.picture)
+
+    def _is_new(self, what: str, number: int) -> bool:
+        if number == self._sent[what]:
+            return False
+        self._sent[what] = number
+        return True
+
+    async def _send_ring(self, name: str, ring: Ring[Any], most: int) -> None:
+        if ring.next == self._next[name]:
+            return
+        first, items = ring.since(self._next[name], most)
+        self._next[name] = first + len(items)
+        if name == "log":
+            items = [[line.wall_s, line.level, line.text] for line in items]
+        await self._send_json({"type": name, "first": first, "items": items})
+        if self._next[name] < ring.next:
+            self.news.set()
+
+    async def _send_json(self, message: dict[str, Any]) -> None:
+        await self._socket.send_text(json.dumps(message, allow_nan=False))
+
+    def _answer(self, message: dict[str, Any]) -> None:
+        self._answers.append(message)
+        self.news.set()
+
+    async def _close(self, code: int, reason: str) -> None:
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            await self._socket.close(code, reason)
+
+    # In.
+
+    async def _take(self) -> None:
+        while True:
+            event = await self._socket.receive()
+            if event["type"] == "websocket.disconnect":
+                if event.get("code") == TOO_BIG:
+                    self.hub.gate.count("oversized")
+                return
+            text = event.get("text")
+            if text is not None and len(text) > MOST_CHARACTERS:
+                self.hub.gate.count("oversized")
+                await self._close(TOO_BIG, f"a message may have {MOST_CHARACTERS} characters")
+                return
+            try:
+                self._handle(_read(text))
+            except (MalformedError, ControlError) as error:
+                self.hub.gate.count("malformed")
+                self._bad += 1
+                if self._bad >= PATIENCE:
+                    await self._close(POLICY, "too many malformed messages")
+                    return
+                self._answer({"type": "error", "error": str(error)})
+
+    def _handle(self, message: dict[str, Any]) -> None:
+        match message.get("type"):
+            case "join":
+                self._join(message)
+            case "ack":
+                self._credits = min(CREDITS, self._credits + 1)
+            case "watch":
+                self.is_watching = message.get("on") is True
+            case "take":
+                self._sit(message)
+            case "release":
+                if self.hub.seat.release(self.key):
+                    self.hub.note("info", f"{self.name} left the arena free")
+            case "order":
+                self._order(message)
+            case "preview":
+                self._ask_preview(message)
+            case "ping":
+                self._answer({"type": "pong", "id": message.get("id")})
+            case other:
+                raise MalformedError(f"type {other!r}: is none of the protocol's")
+
+    def _join(self, message: dict[str, Any]) -> None:
+        key, name = message.get("key"), message.get("name", "")
+        if not isinstance(key, str) or not 16 <= len(key) <= 128:
+            raise MalformedError("key: must be 16 to 128 characters")
+        if not isinstance(name, str) or len(name) > NAME_CHARACTERS or not name.isprintable():
+            raise MalformedError(f"name: must be at most {NAME_CHARACTERS} printable characters")
+        self.key = key
+        self.name = name.strip() or f"viewer {self.number}"
+        self.hub.seat.present(key, self.hub.clock(), is_here=True)
+        self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
+
+    def _sit(self, message: dict[str, Any]) -> None:
+        if self.role is not Role.OPERATOR:
+            error: str | None = "this token is for looking and stopping only"
+        elif not self.key:
+            raise MalformedError("take: join first")
+        else:
+            was_mine = self.hub.seat.is_held_by(self.key)
+            error = self.hub.seat.take(self.key, self.name, self.hub.clock())
+            if error is None and not was_mine:
+                self.hub.note("info", f"{self.name} holds the arena")
+        self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+
+    def _order(self, message: dict[str, Any]) -> None:
+        order, hub = message.get("order"), self.hub
+        refusal = refusal_of(
+            order,
+            may_drive=self.role is Role.OPERATOR,
+            holds=bool(self.key) and hub.seat.is_held_by(self.key),
+        )
+        if refusal is not None:
+            hub.gate.count("order")
+            self._reply(message, {"ok": False, "error": refusal})
+            return
+        result = give(message, hub.daemon, hub.mission_state, self.name)
+        hub.seat.touch(self.key, hub.clock())
+        level = "stop" if order == "stop" else "order"
+        outcome = "" if result["ok"] else f" - refused: {result['error']}"
+        hub.note(level, f"{self.name}: {_told(message)}{outcome}")
+        self._reply(message, {k: result[k] for k in ("ok", "error") if k in result})
+
+    def _ask_preview(self, message: dict[str, Any]) -> None:
+        stations = read_stations(message.get("stations"))
+        if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.key):
+            self._reply(message, {"ok": False, "reason": "take the arena first"})
+            return
+        self.hub.seat.touch(self.key, self.hub.clock())
+        if self._preview is not None:
+            self._preview.cancel()  # the newest wins
+
+        async def work() -> None:
+            self._reply(message, await self.hub.preview(stations))
+
+        self._preview = asyncio.ensure_future(work())
+
+    def _reply(self, message: dict[str, Any], answer: dict[str, Any]) -> None:
+        kind = "preview" if message.get("type") == "preview" else "answer"
+        number = message.get("id")
+        self._answer({"type": kind, "id": number if isinstance(number, int) else None, **answer})
+
+
+def _read(text: str | None) -> dict[str, Any]:
+    if text is None:
+        raise MalformedError("a message must be text")
+    try:
+        message = json.loads(text)
+    except ValueError:
+        raise MalformedError("the message is no JSON") from None
+    except RecursionError:
+        raise MalformedError("the message is nested too deeply") from None
+    if not isinstance(message, dict):
+        raise MalformedError("a message must be one JSON object")
+    return message
+
+
+def _told(message: dict[str, Any]) -> str:
+    if message.get("order") != "go" or not isinstance(message.get("stations"), list):
+        return str(message.get("order")).upper()
+    stations = message["stations"]
+    last = stations[-1] if stations and isinstance(stations[-1], dict) else {}
+    x, y = last.get("x_m"), last.get("y_m")
+    if not (isinstance(x, int | float) and isinstance(y, int | float)):
+        return "GO"
+    more = f" by {len(stations) - 1} more" if len(stations) > 1 else ""
+    return f"GO to ({x:.3f}, {y:.3f}) m{more}"
