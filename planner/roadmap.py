@@ -30,9 +30,10 @@ from planner.generators import (
     gather_borders,
     place_generators,
 )
-from planner.path import Bottleneck, NoPath, Path
+from planner.no_way import Blocked, explain, walled_in
+from planner.path import NoPath, Path
 from planner.request import Request
-from planner.route import plan_request, widest_way
+from planner.route import plan_request
 from planner.scene import FloatArray, Scene, Vec
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
 
 FINER = 4.0
-"""How much denser the generators are when a plan has failed, before it is said to be so."""
+"""How much denser the generators are when the widest way is narrower than their spacing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,15 +139,12 @@ class Roadmap:
         margin. Raises ``ValueError`` on options that make no sense.
         """
         request = Request.of(start, goal, prefer, via, order, alternatives, margin)
-        answer = plan_request(self.borders, self.chains, self.radius, request)
-        if isinstance(answer, Path) or not answer.reason.startswith("no way"):
-            return answer
-        finer = self._finer()
-        again = plan_request(finer.borders, finer.chains, self.radius, request)
-        return again if isinstance(again, Path) else finer._explain(again, request)
+        units = str(getattr(self.scene, "units", ""))
+        answer = plan_request(self.borders, self.chains, self.radius, request, units)
+        return self._explain(answer, units) if isinstance(answer, Blocked) else answer
 
     def _finer(self) -> Roadmap:
-        """The same roadmap from denser generators, made when an answer hangs on narrow places.
+        """The same roadmap from denser generators, made when a refusal hangs on narrow places.
 
         With generators every delta, ways narrower than delta are not told from walls.
         """
@@ -157,15 +155,17 @@ class Roadmap:
             )
         return self._made["finer"]  # type: ignore[no-any-return]
 
-    def _explain(self, answer: NoPath, request: Request) -> NoPath:
+    def _explain(self, blocked: Blocked, units: str) -> NoPath:
         """Where the widest way is too narrow, or that there is none for any robot."""
-        found = widest_way(self.borders, self.chains, request.stations)
-        if found is None:
-            return NoPath(f"{answer.reason}: borders lie between them")
-        wide, (x, y) = found
-        radius = max(wide - request.margin, 0.0)
-        reason = f"{answer.reason}: the widest is {2 * wide:.6g} wide at ({x:.6g}, {y:.6g})"
-        return NoPath(reason, Bottleneck(x, y, 2.0 * wide), radius)
+        told = explain(self.borders, self.chains, blocked, self.radius, units)
+        if told and told.bottleneck and told.bottleneck.width >= self.spacing:
+            return told
+        try:
+            finer = self._finer()
+        except ValueError:  # more generators than there may be
+            return told or walled_in(blocked, self.spacing, units)
+        told = explain(finer.borders, finer.chains, blocked, self.radius, units)
+        return told or walled_in(blocked, finer.spacing, units)
 
 
 def build_roadmap(

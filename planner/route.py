@@ -28,9 +28,10 @@ from planner.chain_search import (
     costs_between,
     widest_gap,
 )
-from planner.finish import certain, cut_short, finish, is_clear, judge
+from planner.finish import cut_short, finish, is_clear, judge
 from planner.generators import Borders
 from planner.homotopy import Word, anchors, word
+from planner.no_way import Blocked, why_not
 from planner.path import NoPath, Path
 from planner.request import Request
 from planner.scene import FloatArray, Vec
@@ -43,6 +44,8 @@ TRIES = 8
 """Searches made for every alternative wanted: many of them find a way that is known already."""
 PENALTY = 1.4
 """How much dearer a chain becomes with every route that took it."""
+SECOND_OPINION = 4_000_000
+"""Tangents tried before it is believed that there is no way: about 0.2 s."""
 GAVE_UP = "the search for the shortest path reached its limit: there may be a shorter one"
 
 
@@ -55,14 +58,14 @@ class Ways:
 
 
 def plan_request(
-    borders: Borders, chains: Chains, radius: float, request: Request
-) -> Path | NoPath:
+    borders: Borders, chains: Chains, radius: float, request: Request, units: str = ""
+) -> Path | NoPath | Blocked:
     """Answer a request on measured chains, for a disc of ``radius``."""
     need = radius + request.margin
     vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
     names = ["the start", *vias, "the goal"]
     for name, place in zip(names, request.stations, strict=True):
-        if reason := why_not(borders, name, place, need):
+        if reason := why_not(borders, name, place, need, units):
             return NoPath(reason)
     network = Network.of(chains, need, request.preference)
     order = tuple(range(len(request.stations) - 2))
@@ -73,7 +76,7 @@ def plan_request(
     for a, b in pairwise(request.stations):
         found = plan_leg(borders, network, a, b, need, request.preference, request.alternatives)
         if not found.lines:
-            return NoPath(f"no way from {_at(a)} to {_at(b)} is {2 * need:g} wide throughout")
+            return Blocked(a, b, need, request.stations)
         legs.append(found)
     best = _as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
     best = replace(best, remarks=tuple(dict.fromkeys(r for leg in legs for r in leg.remarks)))
@@ -117,56 +120,6 @@ def _best_order(
     return tuple(i - 1 for i in tour.order)
 
 
-def widest_way(
-    borders: Borders, chains: Chains, stations: Sequence[Vec]
-) -> tuple[float, Vec] | None:
-    """The largest radius that can make the journey, and where it is narrowest, or None."""
-    narrowest: tuple[float, Vec] | None = None
-    network = Network.of(chains, 1.0, 0.0)
-    least = ROUNDING * borders.extent
-    for a, b in pairwise(stations):
-        if a == b:
-            continue
-        entries, exits = attach(borders, network, a, least), attach(borders, network, b, least)
-        gap = widest_gap(network, entries, exits)
-        if gap <= least:
-            return None
-        route = cheapest(network, entries, exits, gap * (1.0 - 1e-12))
-        if route is None:
-            return None
-        way = certain(borders, route[0], gap)
-        if way is None:
-            return None
-        wide, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, way)
-        if narrowest is None or wide < narrowest[0]:
-            narrowest = (wide, (x, y))
-    return narrowest
-
-
-def why_not(borders: Borders, name: str, place: Vec, need: float) -> str | None:
-    """Why a disc of radius ``need`` cannot stand there, or None where it can."""
-    x, y = place
-    box = borders.box
-    if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
-        return f"{name} {_at(place)} lies outside the bounds"
-    distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
-    inside = np.flatnonzero(borders.owners_around(x, y, distance))
-    if len(inside):
-        return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
-    if distance < need - ROUNDING * borders.extent:
-        owner = borders.owner[which]
-        what = "the bounds" if owner < 0 else f"obstacle {owner}"
-        return (
-            f"{name} {_at(place)} is {distance:.6g} from {what}, "
-            f"nearer than the radius and margin of {need:g}"
-        )
-    return None
-
-
-def _at(place: Vec) -> str:
-    return f"({place[0]:g}, {place[1]:g})"
-
-
 def plan_leg(
     borders: Borders,
     network: Network,
@@ -191,9 +144,13 @@ def plan_leg(
     found = _routes(borders, network, start, goal, need, preference, alternatives)
     if clear:
         found.insert(0, np.array([start, goal]))
+    if not found:
+        # the chains tell ways of this width: a second opinion of another method, and its bound
+        exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
+        return Ways(() if exact.way is None else (exact.way,))
     if preference > 0.0 or clear:
         return Ways(_distinct(borders, found, alternatives))
-    exact = shortest_way(borders, start, goal, need, _length(found[0]) if found else math.inf)
+    exact = shortest_way(borders, start, goal, need, _length(found[0]))
     if exact.way is not None:
         found.insert(0, exact.way)
     return Ways(_distinct(borders, found, alternatives), () if exact.certain else (GAVE_UP,))

@@ -42,11 +42,17 @@ class Shortest:
 
 
 def shortest_way(
-    borders: Borders, start: Vec, goal: Vec, keep: float, longest: float = math.inf
+    borders: Borders,
+    start: Vec,
+    goal: Vec,
+    keep: float,
+    longest: float = math.inf,
+    budget: int | None = None,
 ) -> Shortest:
     """The shortest way from start to goal that keeps ``keep``, if shorter than ``longest``.
 
-    Where a station stands nearer to a border by rounding, so may the way.
+    Where a station stands nearer to a border by rounding, so may the way. The work is bounded:
+    ``budget`` tangents tried, ``BUDGET`` where None.
     """
     ends = np.array([start, goal])
     standing = float(borders.distances(ends)[0].min())
@@ -63,7 +69,7 @@ def shortest_way(
         longest,
     )
     outcome, _, tangents, _ = tangent_kernels.shortest(
-        *borders.tree, discs, radius - 0.25 * spare, longest, BUDGET
+        *borders.tree, discs, radius - 0.25 * spare, longest, BUDGET if budget is None else budget
     )
     if outcome != tangent_kernels.FOUND:
         return Shortest(None, outcome == tangent_kernels.NONE)

@@ -1,0 +1,115 @@
+"""Why there is no path: who stands where it cannot, where it is too narrow, what would fit.
+
+Rules and units
+- The widest robot is that of the widest way over the chains, exact where the way is wider than
+  the generators' spacing: narrower ones are not told from walls.
+- A reason is a sentence with the scene's units in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from planner import distance_kernels
+from planner.agvd import Chains
+from planner.chain_search import ROUNDING, Network, attach, cheapest, widest_gap
+from planner.finish import certain
+from planner.generators import Borders
+from planner.path import Bottleneck, NoPath
+from planner.scene import Vec
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """No way for a disc of radius ``need`` leads from ``start`` to ``goal``.
+
+    ``stations`` are all that were asked for, in order.
+    """
+
+    start: Vec
+    goal: Vec
+    need: float
+    stations: tuple[Vec, ...]
+
+
+def explain(
+    borders: Borders, chains: Chains, blocked: Blocked, radius: float, units: str = ""
+) -> NoPath | None:
+    """Where the widest way is too narrow; None where the chains have no way for any robot."""
+    found = widest_way(borders, chains, blocked.stations)
+    if found is None:
+        return None
+    wide, (x, y) = found
+    fits = max(wide - (blocked.need - radius), 0.0)
+    reason = f"{_no_way(blocked, units)}: the widest is {_sized(2.0 * wide, units)} wide at "
+    return NoPath(reason + f"({x:.6g}, {y:.6g})", Bottleneck(x, y, 2.0 * wide), fits)
+
+
+def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
+    """No robot fits between generators ``spacing`` apart: borders lie between the stations."""
+    gaps = f"borders lie between them, with no gap wider than {_sized(spacing, units)}"
+    return NoPath(f"{_no_way(blocked, units)}: {gaps}")
+
+
+def _no_way(blocked: Blocked, units: str) -> str:
+    width = _sized(2.0 * blocked.need, units)
+    return f"no way from {_at(blocked.start)} to {_at(blocked.goal)} is {width} wide throughout"
+
+
+def widest_way(
+    borders: Borders, chains: Chains, stations: Sequence[Vec]
+) -> tuple[float, Vec] | None:
+    """The largest radius that can make the journey, and where it is narrowest, or None."""
+    narrowest: tuple[float, Vec] | None = None
+    network = Network.of(chains, 1.0, 0.0)
+    least = ROUNDING * borders.extent
+    for a, b in pairwise(stations):
+        if a == b:
+            continue
+        entries, exits = attach(borders, network, a, least), attach(borders, network, b, least)
+        gap = widest_gap(network, entries, exits)
+        if gap <= least:
+            return None
+        route = cheapest(network, entries, exits, gap * (1.0 - 1e-12))
+        if route is None:
+            return None
+        way = certain(borders, route[0], gap)
+        line = route[0].points if way is None else way
+        wide, x, y, _, _ = distance_kernels.polyline_clearance(
+            *borders.tree, np.ascontiguousarray(line)
+        )
+        if narrowest is None or wide < narrowest[0]:
+            narrowest = (wide, (x, y))
+    return narrowest
+
+
+def why_not(borders: Borders, name: str, place: Vec, need: float, units: str = "") -> str | None:
+    """Why a disc of radius ``need`` cannot stand there, or None where it can."""
+    x, y = place
+    box = borders.box
+    if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
+        return f"{name} {_at(place)} lies outside the bounds"
+    distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
+    inside = np.flatnonzero(borders.owners_around(x, y, distance))
+    if len(inside):
+        return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
+    if distance < need - ROUNDING * borders.extent:
+        owner = borders.owner[which]
+        what = "the bounds" if owner < 0 else f"obstacle {owner}"
+        return (
+            f"{name} {_at(place)} is {_sized(distance, units)} from {what}, "
+            f"nearer than the radius and margin of {_sized(need, units)}"
+        )
+    return None
+
+
+def _at(place: Vec) -> str:
+    return f"({place[0]:g}, {place[1]:g})"
+
+
+def _sized(length: float, units: str) -> str:
+    return f"{length:.6g} {units}".rstrip()

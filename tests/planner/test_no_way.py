@@ -1,0 +1,107 @@
+"""Refusals: the widest robot against a slow search, the place, the units, the time."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import planner
+from planner.path import NoPath, Path
+from planner.roadmap import FINER
+from planner.scene import Bounds, Scene
+from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
+from tests.support.visibility_oracle import shortest_length
+
+NEAR = 2e-3
+
+
+def _refusals(seed: int) -> tuple[Scene, float, tuple, tuple, NoPath] | None:
+    """A random scene, and two places a big robot can stand but not travel between."""
+    rng = np.random.default_rng(seed)
+    scene, radius = random_scene(rng), float(rng.uniform(4.0, 14.0))
+    b = scene.bounds
+    places = rng.uniform([b.x_min, b.y_min], [b.x_max, b.y_max], (300, 2))
+    places = places[slow_distance(scene, places) >= radius][:12]
+    roadmap = planner.build_roadmap(scene, radius)
+    for i in range(0, len(places) - 1, 2):
+        start, goal = tuple(places[i].tolist()), tuple(places[i + 1].tolist())
+        answer = roadmap.plan(start, goal)
+        if isinstance(answer, NoPath) and "inside" not in answer.reason:
+            return scene, radius, start, goal, answer
+    return None
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_widest_robot_fits_and_a_wider_one_does_not_by_a_slow_search(seed: int) -> None:
+    found = _refusals(seed + 4000)
+    if found is None:
+        return
+    scene, radius, start, goal, answer = found
+    assert shortest_length(scene, radius, start, goal) == math.inf
+    if answer.widest_radius is None:
+        least = 0.5 * radius / FINER
+        assert shortest_length(scene, 1.01 * least, start, goal) == math.inf
+        return
+    widest = answer.widest_radius
+    assert shortest_length(scene, widest * (1.0 - NEAR), start, goal) < math.inf
+    assert shortest_length(scene, widest * (1.0 + NEAR), start, goal) == math.inf
+    at = np.array([[answer.bottleneck.x, answer.bottleneck.y]])
+    assert slow_distance(scene, at)[0] == pytest.approx(0.5 * answer.bottleneck.width, rel=NEAR)
+    assert answer.bottleneck.width == pytest.approx(2.0 * widest)
+
+
+def test_a_gap_far_narrower_than_the_spacing_is_found_all_the_same() -> None:
+    scene = scene_of(box(60, -20, 70, 50), box(60, 55, 70, 140))
+    answer = planner.build_roadmap(scene, 9.0).plan((30, 52), (100, 52))
+    assert answer.widest_radius == pytest.approx(2.5, rel=NEAR)
+
+
+def test_a_margin_counts_against_the_widest_robot() -> None:
+    answer = planner.build_roadmap(hand_made()["wall with a door"], 8.0).plan(
+        (20, 60), (140, 60), margin=2.0
+    )
+    assert answer.bottleneck.width == pytest.approx(18.0, rel=1e-6)
+    assert answer.widest_radius == pytest.approx(7.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("units", ["px", "m", "cells"])
+def test_every_length_of_a_reason_has_its_units(units: str) -> None:
+    door = replace(hand_made()["wall with a door"], units=units)
+    narrow = planner.build_roadmap(door, 12.0).plan((20, 60), (140, 60))
+    assert f"is 24 {units} wide throughout" in narrow.reason
+    assert f"the widest is 18 {units} wide at (80, 59)" in narrow.reason
+    near = planner.build_roadmap(door, 12.0).plan((75, 60), (140, 60))
+    assert f" {units} from obstacle" in near.reason
+    assert near.reason.endswith(f"12 {units}")
+    wall = replace(hand_made()["wall to wall"], units=units)
+    walled = planner.build_roadmap(wall, 12.0).plan((20, 60), (140, 60))
+    assert walled.reason.endswith(f"no gap wider than 3 {units}")
+
+
+def test_of_several_legs_the_one_that_cannot_be_is_named() -> None:
+    answer = planner.build_roadmap(hand_made()["wall with a door"], 12.0).plan(
+        (20, 60), (20, 100), via=[(30, 20), (140, 20)]
+    )
+    assert answer.reason.startswith("no way from (30, 20) to (140, 20)")
+
+
+def test_a_refusal_takes_no_longer_than_a_denser_roadmap() -> None:
+    rng = np.random.default_rng(1)
+    bounds = Bounds(0.0, 0.0, 2000.0, 1000.0)
+    boxes = [box(x, y, x + 20, y + 20) for x, y in rng.uniform(30, 950, (150, 2))]
+    scene = scene_of(*boxes, box(990, -10, 1010, 500), box(990, 501, 1010, 1010), bounds=bounds)
+    roadmap = planner.build_roadmap(scene, 9.0)
+    assert isinstance(roadmap.plan((15, 500), (15, 510)), Path)
+    began_s = time.process_time()
+    planner.build_roadmap(scene, 9.0, spacing=9.0 / FINER)
+    build_s = time.process_time() - began_s
+    began_s = time.process_time()
+    answer = roadmap.plan((15, 500), (1500, 500))
+    took_s = time.process_time() - began_s
+    assert isinstance(answer, NoPath)
+    # the second opinion is bounded by a count that takes about 0.2 s
+    assert took_s <= 2.0 * build_s + 1.0
