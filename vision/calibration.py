@@ -23,8 +23,6 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
-_NEWTON_STEPS = 20
-_NEWTON_TOLERANCE = 1e-12
 _MIN_STRETCH = 1e-3
 """The lens model counts as folded where its Jacobian's determinant falls below this."""
 
@@ -161,19 +159,12 @@ class Calibration:
         raw = _points(points_px)
         if not self.distortion.any():
             return raw.copy()
-        target = self._normalised(raw)
-        found = target.copy()
-        for _ in range(_NEWTON_STEPS):
-            value, jacobian = _lens(found, self.distortion)
-            error = value - target
-            if np.abs(error).max(initial=0.0) < _NEWTON_TOLERANCE:
-                break
-            a, b, d = jacobian
-            determinant = a * d - b * b
-            determinant = np.where(np.abs(determinant) < _MIN_STRETCH, 1.0, determinant)
-            found[:, 0] -= (d * error[:, 0] - b * error[:, 1]) / determinant
-            found[:, 1] -= (a * error[:, 1] - b * error[:, 0]) / determinant
-        return self._pixels(found)
+        # Imported late: a plan to scale has no lens and needs no compiled code.
+        from vision.calibration_kernels import undistort_all
+
+        k = self.camera_matrix
+        camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
+        return undistort_all(np.array(raw, order="C"), camera, self.distortion)
 
     def distort_points(self, points_px: ArrayLike) -> FloatArray:
         """Undistorted pixels (n, 2) to raw ones."""

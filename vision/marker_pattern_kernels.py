@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from vision.marker_kernels import undistort
+from vision.calibration_kernels import undistort
 
 UNKNOWNS = 13
 """u = p0 a + p1 b + p2, v = p3 a + p4 b + p5; the blur; three numbers for the dark, three for
