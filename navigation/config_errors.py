@@ -46,6 +46,11 @@ class ConfigError(ValueError):
             told.insert(0, f"{file}: {len(told)} errors")
         super().__init__("\n".join(told))
 
+    def with_advice(self, advice: str) -> ConfigError:
+        """The same with a hint at the end of its text."""
+        self.args = (f"{self}\n{advice}",)
+        return self
+
 
 def key_name(where: Location) -> str:
     """``("stations", 0, "x_m")`` as ``stations[0].x_m``."""

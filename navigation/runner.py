@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import random
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -21,9 +22,11 @@ from navigation.config_sections import SIMULATED
 from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon, DaemonState
 from navigation.journal import Journal
+from navigation.logs import EventLog, RunLog
 from navigation.mission import Mission, State
 from navigation.report import Report
 from navigation.run_summary import make_run_folder, summarise, write_run
+from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
 from navigation.warm_up import warm_up
@@ -52,7 +55,8 @@ class Runner:
 
     ``interrupt`` set from anywhere ends the run in order: the robot is stopped first.
     ``dashboard`` False serves none, whatever the configuration says; with ``show_token`` the
-    address that is said has the token in it.
+    address that is said has the token in it. ``log`` gets every event, and ``notifier`` tells
+    systemd that the run is ready, stopping and, every ``watchdog_s`` at least, well.
     """
 
     def __init__(
@@ -65,6 +69,9 @@ class Runner:
         record: Path | None = None,
         dashboard: bool = True,
         show_token: bool = False,
+        log: EventLog | None = None,
+        notifier: Notifier | None = None,
+        watchdog_s: float | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.config = config
@@ -74,6 +81,10 @@ class Runner:
         self._record = record
         self._dashboard = dashboard and config.dashboard.enabled
         self._show_token = show_token
+        self._log = RunLog(log or EventLog(sys.stderr, None, now=datetime.now))
+        self._notifier = notifier or Notifier(None)
+        self._watchdog_s = watchdog_s
+        self.interrupt_reason = "interrupted"
         self._say = say
         self._clock = clock
         self._said_state: State | None = None
@@ -97,7 +108,6 @@ class Runner:
                 Daemon(
                     self.config,
                     world,
-                    clock=self._clock,
                     first_mission_id=first_id,
                     journal=journal,
                     recorder=recorder,
@@ -107,13 +117,19 @@ class Runner:
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             self._serve_dashboard(daemon, open_things)
             self._begin_mission(daemon, journal)
+            self._notifier.send("READY=1")
+            self._log.log.write("info", "ready", camera=self.config.camera.source, port=world.port)
+            open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive(daemon)
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
         write_run(folder, daemon, report)
         if recorder is not None:
             self._say(recorder.summary())
-        return RunResult(report, folder, _exit_code(state, daemon))
+        self._log.log.write(
+            "info", "finished", state=report.state, reason=reason, duration_s=duration_s
+        )
+        return RunResult(report, folder, self._exit_code(state, daemon))
 
     def _serve_dashboard(self, daemon: Daemon, open_things: ExitStack) -> None:
         if not self._dashboard:
@@ -174,15 +190,30 @@ class Runner:
 
     def _drive(self, daemon: Daemon) -> tuple[State, str]:
         limit_s = self._time_limit_s()
+        watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
+        hanging: tuple[str, ...] = ()
         while True:
             now = daemon.cycle()
             self._tell(now)
+            self._log.cycle(now, daemon.camera.status())
+            watchdog.tick(self._clock())
+            if watchdog.hanging != hanging:
+                hanging = watchdog.hanging
+                self._log.log.write("error", "watchdog", stages=", ".join(hanging) or "none")
             if self.interrupt.is_set():
-                return State.STOPPED, "interrupted"
+                return State.STOPPED, self.interrupt_reason
             if now.time_s > limit_s:
                 return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
             if self._once and (now.mission.is_over or not now.mission.stations):
                 return now.mission.state, now.sentence
+
+    def _exit_code(self, state: State, daemon: Daemon) -> int:
+        interrupted = self.interrupt.is_set()
+        if state is State.DONE or (interrupted and not self._once):
+            return DONE  # nothing but an interrupt ends a run that goes on after its mission
+        if daemon.pilot.no_path:
+            return NO_PATH
+        return DONE if interrupted and not daemon.pilot.mission.stations else FAILED
 
     def _time_limit_s(self) -> float:
         simulation = self.config.simulation
@@ -197,6 +228,8 @@ class Runner:
             return
         self._said_state, self._said_sentence = now.mission.state, now.sentence
         self._said_s = now.time_s
+        if news:
+            self._notifier.send(f"STATUS={now.mission.state.value}: {now.sentence}")
         self._say(progress_line(now, news))
 
 
@@ -214,11 +247,3 @@ def progress_line(now: DaemonState, with_sentence: bool) -> str:
             parts.append(f"clearance {now.clearance_m:.3f} m")
         parts.append(f"station {now.mission.visited}/{len(now.mission.stations)}")
     return "  ".join(parts)
-
-
-def _exit_code(state: State, daemon: Daemon) -> int:
-    if state is State.DONE:
-        return DONE
-    if daemon.pilot.no_path:
-        return NO_PATH
-    return DONE if state is State.STOPPED and not daemon.pilot.mission.stations else FAILED

@@ -54,6 +54,9 @@ COMMANDS: dict[str, Listed] = {
     "marker": Listed("navigation.cli.marker:command", "A robot marker or a board to print."),
     "devices": Listed("navigation.cli.devices:command", "The serial ports and cameras here."),
     "replay": Listed("navigation.cli.replay:command", "Vision and planner again on a recording."),
+    "install-service": Listed(
+        "navigation.cli.install_service:command", "A systemd unit and a udev rule for a run."
+    ),
     "init": Listed("navigation.cli.init_config:command", "Write a commented configuration."),
     "schema": Listed("navigation.cli.schema:command", "The configuration's JSON Schema."),
 }

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import datetime
+from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from navigation.cli.options import OUTPUT
 
 if TYPE_CHECKING:
+    from navigation.config import Config
+    from navigation.logs import EventLog, Level
     from navigation.report import Report
+    from navigation.runner import Runner
 
 PROGRESS_EVERY_S = 1.0
 
@@ -35,6 +41,17 @@ PROGRESS_EVERY_S = 1.0
     "--socket", type=click.Path(path_type=Path), help="Where to take orders; default: per user."
 )
 @click.option("--quiet", is_flag=True, help="Print the report only.")
+@click.option("--last-good", is_flag=True, help="Where CONFIG is broken, run the last good one.")
+@click.option(
+    "--log-format", type=click.Choice(["text", "json"]), help="Log events, a line each, to stderr."
+)
+@click.option(
+    "--log-level",
+    type=click.Choice(["debug", "info", "warning", "error"]),
+    default="info",
+    show_default=True,
+    help="The least of what is logged.",
+)
 def command(
     config: Path,
     once: bool,
@@ -43,33 +60,106 @@ def command(
     no_dashboard: bool,
     socket: Path | None,
     quiet: bool,
+    last_good: bool,
+    log_format: Literal["json", "text"] | None,
+    log_level: Level,
 ) -> int:
     """Run the configuration CONFIG: see the arena, plan, and drive the robot.
 
     Without --once the program goes on after the mission until it is interrupted. A folder in
     recording.runs_dir keeps the report and a picture of what happened. Exits 0 when the
-    mission was done, 3 when there was no path, 1 when it failed or was stopped.
+    mission was done, 3 when there was no path, 1 when it failed or was stopped. SIGHUP reads
+    CONFIG again: a good one is run from then on, of a bad one every error is told.
     """
-    from navigation.cli.check import load_checked
+    from navigation.logs import EventLog
     from navigation.runner import Runner
+    from navigation.sd_notify import Notifier, watchdog_period_s
 
-    loaded = load_checked(config)
     say = _say if not quiet else _say_nothing
-    runner = Runner(
-        loaded,
-        once=once,
-        say=say,
-        socket=socket,
-        record=record,
-        dashboard=not no_dashboard,
-        show_token=sys.stdout.isatty(),  # a log that others read must not have it
+    log = EventLog(
+        sys.stderr,
+        log_format,
+        now=datetime.now,
+        level=log_level,
+        priorities="JOURNAL_STREAM" in os.environ,
     )
-    with _interrupts(runner.interrupt):
-        result = runner.run()
+    loaded: Config | None = load_or_go_back(config, last_good, log)
+    log.write("info", "started", config=str(config), version=version("clearway"))
+    notifier = Notifier.from_environment(os.environ)
+    while loaded is not None:
+        runner = Runner(
+            loaded,
+            once=once,
+            say=say,
+            socket=socket,
+            record=record,
+            dashboard=not no_dashboard,
+            show_token=sys.stdout.isatty(),  # a log that others read must not have it
+            log=log,
+            notifier=notifier,
+            watchdog_s=watchdog_period_s(os.environ),
+        )
+        reload = _Reload(config, loaded, runner, log)
+        with _signals(runner.interrupt, reload):
+            result = runner.run()
+        loaded = reload.fresh
     if report is not None:
         result.report.write(report)
     _show(result.report, result.folder)
     return result.exit_code
+
+
+def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
+    """The configuration; with ``last_good`` the kept one where the file is broken, which is said.
+
+    A good one is kept for the next time. ``ConfigError`` says how to go back.
+    """
+    from navigation.cli.check import load_checked
+    from navigation.config_errors import ConfigError
+    from navigation.last_good import LastGood, state_folder
+
+    kept = LastGood(file, state_folder(os.environ))
+    try:
+        config = load_checked(file)
+    except ConfigError as error:
+        advice = kept.advice()
+        if advice is None:
+            raise
+        if not last_good:
+            raise error.with_advice(advice) from None
+        click.echo(f"clearway: {error}\n{advice}\nclearway: running {kept.kept}", err=True)
+        log.write("error", "configuration", file=str(file), running=str(kept.kept))
+        return kept.load(os.environ)
+    problem = kept.keep(file.read_text(encoding="utf-8"))
+    if problem is not None:
+        log.write("warning", "configuration", reason=f"no copy could be kept: {problem}")
+    return config
+
+
+class _Reload:
+    """What SIGHUP does: read the file, and end the run in order where it says something new."""
+
+    def __init__(self, file: Path, present: Config, runner: Runner, log: EventLog) -> None:
+        from navigation.reload import Reloader
+
+        self.fresh: Config | None = None
+        self._runner, self._log = runner, log
+        self.reloader = Reloader(
+            file,
+            present,
+            load=lambda path: load_or_go_back(path, False, log),
+            say=self._say,
+            good=self._restart,
+        )
+
+    def _say(self, level: Level, sentence: str) -> None:
+        click.echo(f"clearway: {sentence}", err=True)
+        self._log.write(level, "configuration", reason=sentence)
+
+    def _restart(self, config: Config) -> None:
+        self.fresh = config
+        self._runner.interrupt_reason = "the configuration has changed"
+        self._runner.interrupt.set()
 
 
 def _say(line: str) -> None:
@@ -89,15 +179,20 @@ def _show(report: Report, folder: Path) -> None:
 
 
 @contextmanager
-def _interrupts(interrupt: threading.Event) -> Iterator[None]:
-    """Ctrl-C and SIGTERM end the run in order; a second one ends it at once."""
+def _signals(interrupt: threading.Event, reload: _Reload) -> Iterator[None]:
+    """Ctrl-C and SIGTERM end the run in order, a second one at once; SIGHUP reads CONFIG again."""
 
     def ask(number: int, _frame: object) -> None:
-        if interrupt.is_set():
+        if interrupt.is_set() and reload.fresh is None:
             raise KeyboardInterrupt
+        reload.fresh = None
         interrupt.set()
 
+    def read_again(_number: int, _frame: object) -> None:
+        reload.reloader.ask()
+
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    before[signal.SIGHUP] = signal.signal(signal.SIGHUP, read_again)
     try:
         yield
     finally:

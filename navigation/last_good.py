@@ -1,0 +1,81 @@
+"""The last good configuration: kept beside the program's state whenever one was good enough to run.
+
+Rules
+- It is never used silently: a broken file is an error (exit code 78) that says where the last
+  good one is, and `clearway run --last-good` is the explicit way to run it.
+- What is kept is the file's text; the files that it names stay where they are.
+- A state folder that cannot be written to costs the roll-back, not the run.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from navigation.config import Config, parse_config
+
+FOLDER: Final = "last_good"
+MOST_LINES: Final = 12
+"""So many changed lines are shown; a longer change is best looked at in an editor."""
+
+
+def state_folder(environment: Mapping[str, str]) -> Path:
+    """Where the program keeps what outlives a run: systemd's folder, XDG's, or the home's."""
+    if service := environment.get("STATE_DIRECTORY"):
+        return Path(service.split(":")[0])
+    if xdg := environment.get("XDG_STATE_HOME"):
+        return Path(xdg) / "clearway"
+    return Path(environment.get("HOME") or "/") / ".local" / "state" / "clearway"
+
+
+class LastGood:
+    """The kept copy of one configuration file."""
+
+    def __init__(self, file: Path, state: Path) -> None:
+        self.file = file.absolute()
+        number = hashlib.sha256(str(self.file).encode()).hexdigest()[:8]
+        self.kept = state / FOLDER / f"{self.file.stem}-{number}.yaml"
+
+    def keep(self, text: str) -> str | None:
+        """Keep a good text; why that was impossible, or None."""
+        try:
+            if self.kept.exists() and self.kept.read_text(encoding="utf-8") == text:
+                return None
+            self.kept.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            fresh = self.kept.with_suffix(".new")
+            fresh.write_text(text, encoding="utf-8")
+            fresh.replace(self.kept)  # whole or not at all, whenever the power fails
+        except OSError as error:
+            return f"{self.kept}: {error.strerror or error}"
+        return None
+
+    def load(self, environment: Mapping[str, str]) -> Config:
+        """The kept configuration; ``ConfigError`` where it is none any more, OSError where gone."""
+        text = self.kept.read_text(encoding="utf-8")
+        return parse_config(text, str(self.kept), self.file.parent, environment)
+
+    def changes(self) -> list[str]:
+        """What differs between the kept text and the file now, as a unified diff's lines."""
+        try:
+            old = self.kept.read_text(encoding="utf-8").splitlines()
+            new = self.file.read_text(encoding="utf-8").splitlines()
+        except (OSError, UnicodeDecodeError):
+            return []
+        lines = list(difflib.unified_diff(old, new, "last good", str(self.file), lineterm="", n=0))
+        if len(lines) > MOST_LINES:
+            lines = [*lines[:MOST_LINES], f"... and {len(lines) - MOST_LINES} lines more"]
+        return lines
+
+    def advice(self) -> str | None:
+        """How to go back, for the end of an error's text; None where nothing was kept."""
+        if not self.kept.exists():
+            return None
+        lines = [
+            f"the last good configuration is kept in {self.kept};",
+            f"clearway run --last-good {self.file} runs it. Since then:",
+            *(f"    {line}" for line in self.changes()),
+        ]
+        return "\n".join(lines)

@@ -1,0 +1,78 @@
+"""Reading the configuration again while a run goes on: a broken file changes nothing.
+
+SIGHUP asks for it (`systemctl reload clearway`). The file is read in a thread of its own, so
+that the control loop goes on; a good one is handed over, of a bad one every error is told.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+from navigation.config import Config
+from navigation.config_errors import ConfigError
+from navigation.logs import Level
+
+
+class Reloader:
+    """Reads ``file`` when asked; ``good`` is called with a new, different, sound configuration.
+
+    ``load`` reads and checks, raising ``ConfigError``; ``say`` tells what came of it. Both
+    ``say`` and ``good`` are called in the reloader's thread.
+    """
+
+    def __init__(
+        self,
+        file: Path,
+        present: Config,
+        *,
+        load: Callable[[Path], Config],
+        say: Callable[[Level, str], None],
+        good: Callable[[Config], None],
+    ) -> None:
+        self._file, self._present = file, present
+        self._load, self._say, self._good = load, say, good
+        self._asked = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._lock = threading.Lock()
+
+    def ask(self) -> None:
+        """Read the file soon; for a signal's handler, which must not wait."""
+        self._asked.set()
+        if self._lock.acquire(blocking=False):
+            self._thread = threading.Thread(target=self._run, name="reload", daemon=True)
+            self._thread.start()
+
+    def join(self, timeout_s: float) -> None:
+        """Wait for a reading that goes on."""
+        if self._thread is not None:
+            self._thread.join(timeout_s)
+
+    def _run(self) -> None:
+        try:
+            while self._asked.is_set():
+                self._asked.clear()
+                self._read_once()
+        finally:
+            self._lock.release()
+        if self._asked.is_set():  # asked for after the last look and before the release
+            self.ask()
+
+    def _read_once(self) -> None:
+        try:
+            config = self._load(self._file)
+        except ConfigError as error:
+            self._say("error", f"the run goes on with the last good configuration:\n{error}")
+            return
+        if config == self._present:
+            self._say("info", f"{self._file} was read again: nothing has changed")
+            return
+        names = [
+            name
+            for name in Config.model_fields
+            if getattr(config, name) != getattr(self._present, name)
+        ]
+        self._present = config
+        self._say("info", f"{self._file} was read again: {', '.join(names)} changed")
+        self._good(config)
