@@ -11,7 +11,7 @@ Rules and units
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -174,26 +174,33 @@ def build_roadmap(
     *,
     spacing: float | None = None,
     mode: Mode = "exact",
+    lap: Callable[[str], None] | None = None,
 ) -> Roadmap:
     """Build the roadmap of a scene for a disc-like robot.
 
     ``radius`` > 0 and ``spacing`` < 2 radius (one radius where None) are in the scene's units;
     ``ValueError`` otherwise. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
-    edges between generators of one object are omitted. O(n) on average for n generators.
+    edges between generators of one object are omitted. ``lap`` is called with the name of each
+    stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
     """
+    done = lap or (lambda stage: None)
     size = check_radius(radius)
     delta = choose_spacing(size, spacing)
     if mode not in ("exact", "paper"):
         raise ValueError(f"mode = {mode!r}: must be 'exact' or 'paper'")
     borders = gather_borders(scene, mode)
     generators = place_generators(borders, delta)
+    done("geometry")
     ordinary = diagram(generators)
     agvd = omit_invalid(ordinary, generators, mode)
+    done("voronoi")
     places = None
     if mode == "exact":
         agvd, places = solve_exactly(agvd)
     chains = join_chains(agvd, places)
-    return finish_roadmap(scene, size, mode, agvd, chains)
+    roadmap = finish_roadmap(scene, size, mode, agvd, chains)
+    done("roadmap")
+    return roadmap
 
 
 def finish_roadmap(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -140,27 +139,22 @@ def command(
 def timed_roadmap(
     scene: Scene, radius: float, spacing: float | None
 ) -> tuple[Roadmap, dict[str, float]]:
-    """The roadmap built stage by stage, with the milliseconds of every stage."""
-    from planner import agvd, generators
-    from planner.roadmap import finish_roadmap
+    """The roadmap, and the milliseconds that every stage took."""
+    from planner.roadmap import build_roadmap
 
-    times = [time.perf_counter()]
+    timings_ms = dict(scene.timings_ms)
+    last_s = time.perf_counter()
+
+    def lap(stage: str) -> None:
+        nonlocal last_s
+        now_s = time.perf_counter()
+        timings_ms[stage] = timings_ms.get(stage, 0.0) + 1e3 * (now_s - last_s)
+        last_s = now_s
+
     try:
-        delta = generators.choose_spacing(generators.check_radius(radius), spacing)
-        borders = generators.gather_borders(scene)
-        sites = generators.place_generators(borders, delta)
+        return build_roadmap(scene, radius, spacing=spacing, lap=lap), timings_ms
     except ValueError as error:
         raise PlanError(str(error)) from error
-    times.append(time.perf_counter())
-    half_edges = agvd.diagram(sites)
-    times.append(time.perf_counter())
-    valid = agvd.omit_invalid(half_edges, sites, "exact")
-    roadmap = finish_roadmap(scene, radius, "exact", valid, agvd.join_chains(valid))
-    times.append(time.perf_counter())
-    geometry, voronoi, chains = (1e3 * (b - a) for a, b in pairwise(times))
-    timings_ms = dict(scene.timings_ms)
-    timings_ms["geometry"] = timings_ms.get("geometry", 0.0) + geometry
-    return roadmap, timings_ms | {"voronoi": voronoi, "roadmap": chains}
 
 
 def _smoothed(
