@@ -109,6 +109,8 @@ def read_document(text: str) -> Document:
         mark_here = Mark(place.count("\n") + 1, len(place) - place.rfind("\n"))
         message = f"not YAML: the character {chr(error.character)!r} is not allowed"
         document.defects.append(Defect(mark_here, message))
+    except RecursionError:
+        document.defects.append(Defect(Mark(1, 1), "no configuration: nested too deeply"))
     return document
 
 

@@ -86,8 +86,13 @@ def decode_picture(data: bytes, path: Path) -> NDArray[Any]:
     """
     import cv2
 
+    from vision.picture_size import oversize
+
     if not data:
         raise SceneError(f"{path}: the file is empty: must hold a picture")
+    large = oversize(data)
+    if large:
+        raise SceneError(f"{path}: {large}")
     try:
         image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:

@@ -74,7 +74,9 @@ def parse_calibration(text: str, name: str = "calibration") -> Calibration:
         where = f"{name}:{mark.line + 1}:{mark.column + 1}" if mark else name
         raise CalibrationError(f"{where}: {error.problem or error.context}") from error
     except yaml.YAMLError as error:
-        raise CalibrationError(f"{name}: no YAML: {error}") from error
+        raise CalibrationError(f"{name}: no YAML: {str(error).splitlines()[0]}") from error
+    except RecursionError:
+        raise CalibrationError(f"{name}: no calibration: nested too deeply") from None
     if root is None:
         raise CalibrationError(f"{name}: an empty file, not a calibration")
     nodes = _entries(root, name)

@@ -16,6 +16,7 @@ import numpy as np
 
 from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
 from vision.capture import Capture
+from vision.picture_size import oversize
 
 PICTURE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"})
 """Names of files that are taken for pictures; any other file is tried as a video."""
@@ -31,6 +32,9 @@ def read_picture(path: Path) -> Image:
         raise CameraError(f"{path}: cannot be read: {error.strerror}") from error
     if raw.size == 0:
         raise CameraError(f"{path}: an empty file, not a picture")
+    large = oversize(raw[:65536].tobytes())
+    if large:
+        raise CameraError(f"{path}: {large}")
     try:
         image = cv2.imdecode(raw, cv2.IMREAD_ANYCOLOR)
     except cv2.error as error:

@@ -1,0 +1,114 @@
+"""Damaged files for every reader: one clear sentence, never a traceback, a hang or a flood.
+
+A few hundred of them; ``python -m tests.support.reader_fuzz --count 20000`` makes a campaign.
+"""
+
+from __future__ import annotations
+
+import resource
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.support.pictures import call
+from tests.support.reader_fuzz import (
+    Reader,
+    campaign,
+    chunk,
+    damaged,
+    palette_png,
+    seeds,
+    wrong_answer,
+)
+from vision.calibration import CalibrationError
+from vision.calibration_file import load_calibration
+
+READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_a_damaged_file_is_read_or_refused_in_one_sentence(reader: str, tmp_path: Path) -> None:
+    found = [f"{f.what}: {f.answer}" for f in campaign(150, 7, tmp_path, reader)]
+    assert found == []
+
+
+def test_the_files_before_the_damage_are_well(tmp_path: Path) -> None:
+    for what, (reader, data) in seeds().items():
+        assert wrong_answer(reader, data, tmp_path) == "", what
+        if "float" not in what:  # grey values that are no whole numbers are refused
+            assert reader.read(tmp_path / reader.name) is not None
+
+
+def test_the_campaign_would_see_a_traceback_and_a_sentence_over_two_lines(tmp_path: Path) -> None:
+    def stumbles(path: Path) -> object:
+        return {}[path]
+
+    def babbles(path: Path) -> object:
+        raise CalibrationError(f"{path}: bad\nand worse")
+
+    assert "KeyError" in wrong_answer(Reader(stumbles, "x"), b"", tmp_path)
+    assert "not one sentence" in wrong_answer(Reader(babbles, "x"), b"", tmp_path)
+
+
+def test_the_same_seed_makes_the_same_damage() -> None:
+    data = palette_png()
+    first, second = (damaged(data, np.random.default_rng((1, 5))) for _ in range(2))
+    assert first == second
+
+
+@pytest.mark.parametrize("kind", ["png", "txt", "yaml", "map"])
+def test_the_program_ends_with_code_2_and_one_sentence_for_what_cannot_be_read(
+    kind: str, tmp_path: Path
+) -> None:
+    name = {"png": "source colour.png", "txt": "scene text", "yaml": "ros yaml", "map": "movingai"}
+    reader, data = seeds()[name[kind]]
+    for file, content in reader.beside:
+        (tmp_path / file).write_bytes(content)
+    refused = 0
+    for number in range(25):
+        path = tmp_path / reader.name
+        path.write_bytes(damaged(data, np.random.default_rng((3, number))))
+        told = call("plan", path, "--start", "3,3", "--goal", "12,3", "--radius", "0.2")
+        assert told.code in (0, 2, 3), told
+        assert "Traceback" not in told.err
+        assert "unexpected" not in told.err, told.err
+        if told.code == 2:
+            refused += 1
+            assert told.err.startswith("clearway: error: ")
+            assert len(told.err.splitlines()) == 1, told.err
+    assert refused > 5
+
+
+# What campaigns have found.
+
+
+def test_a_control_character_in_a_calibration_is_told_on_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "c.yaml"
+    path.write_text("schema: clearway.calibration/1\nsize: [1,\x0b 2]\n")
+    with pytest.raises(CalibrationError) as caught:
+        load_calibration(path)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_brackets_thousands_deep_are_refused(tmp_path: Path) -> None:
+    calibration = tmp_path / "c.yaml"
+    calibration.write_text("[" * 3000)
+    with pytest.raises(CalibrationError, match="nested too deeply"):
+        load_calibration(calibration)
+    told = call("check", calibration)
+    assert told.code == 78
+    assert "nested too deeply" in told.err
+
+
+def test_a_picture_that_claims_gigabytes_costs_nothing(tmp_path: Path) -> None:
+    ihdr = struct.pack(">IIBBBBB", 1 << 15, 1 << 15, 16, 6, 0, 0, 0)
+    small = palette_png()
+    path = tmp_path / "bomb.png"
+    path.write_bytes(small[:8] + chunk(b"IHDR", ihdr) + small[33:])
+    before_kib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    told = call("extract", path)
+    assert told.code == 2
+    assert "32768 x 32768 pixels: must be at most" in told.err
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kib < 100_000

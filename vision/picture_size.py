@@ -1,0 +1,100 @@
+"""How large a picture says it is, from the first bytes of its file.
+
+A file of a hundred bytes can claim a picture of gigabytes: decoding it takes many seconds and
+all memory, for nothing. So the size is read, and refused, before a picture is decoded.
+Sources: the PNG, JPEG (T.81), GIF89a, BMP, TIFF 6, WebP and Netpbm specifications.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+
+MOST_PIXELS = 1 << 28
+"""A square of 16384: beyond every camera and every scanned plan."""
+
+
+def oversize(data: bytes) -> str:
+    """Why a picture file is too large to be decoded; empty where it is not, or is unknown."""
+    width, height = picture_size(data) or (0, 0)
+    if width * height <= MOST_PIXELS:
+        return ""
+    return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
+
+
+def picture_size(data: bytes) -> tuple[int, int] | None:
+    """(width, height) in pixels as the header has them; None for a file of another kind."""
+    try:
+        if data.startswith(b"\x89PNG\r\n\x1a\n"):
+            return _pair(">II", data, 16)
+        if data.startswith(b"\xff\xd8"):
+            return _jpeg(data)
+        if data.startswith(b"GIF8"):
+            return _pair("<HH", data, 6)
+        if data.startswith(b"BM"):
+            width, height = _pair("<ii", data, 18)
+            return abs(width), abs(height)
+        if data[:4] in (b"II*\x00", b"MM\x00*"):
+            return _tiff(data)
+        if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
+            return _webp(data)
+    except struct.error:
+        return None
+    # A comment may stand between the words of a Netpbm header.
+    words = re.sub(rb"#[^\n]*\n", b" ", data[:4096]).split(None, 3)
+    if len(words) >= 3 and re.fullmatch(rb"P[1-6]", words[0]):
+        sides = words[1:3]
+        if all(re.fullmatch(rb"\d{1,12}", side) for side in sides):
+            return int(sides[0]), int(sides[1])
+    return None
+
+
+def _pair(form: str, data: bytes, at: int) -> tuple[int, int]:
+    first, second = struct.unpack_from(form, data, at)
+    return int(first), int(second)
+
+
+def _jpeg(data: bytes) -> tuple[int, int] | None:
+    """The frame header is the first of the markers SOF0 to SOF15 but DHT, JPG and DAC."""
+    at = 2
+    while at + 4 <= len(data):
+        if data[at] != 0xFF:
+            return None
+        kind = data[at + 1]
+        if kind == 0xFF or kind == 0x01 or 0xD0 <= kind <= 0xD8:
+            at += 1 if kind == 0xFF else 2
+            continue
+        if 0xC0 <= kind <= 0xCF and kind not in (0xC4, 0xC8, 0xCC):
+            height, width = _pair(">HH", data, at + 5)
+            return width, height
+        at += 2 + int(struct.unpack_from(">H", data, at + 2)[0])
+    return None
+
+
+def _tiff(data: bytes) -> tuple[int, int] | None:
+    """The tags 256 and 257 of the first directory."""
+    order = "<" if data[:2] == b"II" else ">"
+    directory = int(struct.unpack_from(order + "I", data, 4)[0])
+    sides = {256: 0, 257: 0}
+    for i in range(int(struct.unpack_from(order + "H", data, directory)[0])):
+        entry = directory + 2 + 12 * i
+        tag, kind = _pair(order + "HH", data, entry)
+        if tag in sides:
+            form = "H" if kind == 3 else "I"
+            sides[tag] = int(struct.unpack_from(order + form, data, entry + 8)[0])
+    return sides[256], sides[257]
+
+
+def _webp(data: bytes) -> tuple[int, int] | None:
+    """The canvas of an extended file, or the frame of a plain one, lossy or lossless."""
+    kind = data[12:16]
+    if kind == b"VP8X":
+        width, height = (int.from_bytes(data[at : at + 3], "little") for at in (24, 27))
+        return width + 1, height + 1
+    if kind == b"VP8L":
+        bits = int(struct.unpack_from("<I", data, 21)[0])
+        return (bits & 0x3FFF) + 1, (bits >> 14 & 0x3FFF) + 1
+    if kind == b"VP8 ":
+        width, height = _pair("<HH", data, 26)
+        return width & 0x3FFF, height & 0x3FFF
+    return None
