@@ -10,10 +10,12 @@ Times in lines are UTC; fields keep their units in their names.
 
 from __future__ import annotations
 
+import io
 import json
 import math
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any, Final, Literal, TextIO, TypeAlias
 
 from navigation.mission import State
@@ -23,6 +25,7 @@ LEVELS: Final[tuple[Level, ...]] = ("debug", "info", "warning", "error")
 PRIORITY: Final[dict[Level, int]] = {"debug": 7, "info": 6, "warning": 4, "error": 3}
 """syslog's, which the journal uses too."""
 
+MOST_FILE_BYTES: Final = 10_000_000
 EVENTS: Final = {
     "started": "the program begins: version, configuration",
     "said": "a line for people",
@@ -53,7 +56,7 @@ class EventLog:
 
     def __init__(
         self,
-        stream: TextIO,
+        stream: TextIO | io.TextIOBase,
         form: Literal["json", "text"] | None,
         *,
         now: Callable[[], datetime],
@@ -64,6 +67,15 @@ class EventLog:
         self._now = now
         self._least = LEVELS.index(level)
         self._priorities = priorities
+
+    @classmethod
+    def to_file(cls, file: Path, *, now: Callable[[], datetime]) -> EventLog:
+        """A log into a file of at most ``MOST_FILE_BYTES``; its last line says that it is full."""
+        return cls(_LimitedFile(file), "json", now=now)
+
+    def close(self) -> None:
+        """Close the stream."""
+        self._stream.close()
 
     def write(self, level: Level, event: str, **fields: Any) -> None:
         """One event; None values are left out of text and null in JSON."""
@@ -84,6 +96,30 @@ class EventLog:
         self._stream.flush()
 
 
+class _LimitedFile(io.TextIOBase):
+    """A text file that takes no more lines once it is full."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file.open("a", encoding="utf-8")
+        self._left = MOST_FILE_BYTES
+
+    def write(self, line: str, /) -> int:
+        """Append a line while there is room."""
+        if self._left > 0:
+            self._left -= self._file.write(line)
+            if self._left <= 0:
+                self._file.write('{"event": "full"}\n')
+        return len(line)
+
+    def flush(self) -> None:
+        """Hand it to the operating system."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return round(value, 6) if math.isfinite(value) else None
@@ -97,18 +133,23 @@ def _word(value: Any) -> str:
 
 
 class RunLog:
-    """Turns what a run's cycles end with into events, where it is news."""
+    """Turns what a run's cycles end with into events, where it is news; into several logs."""
 
-    def __init__(self, log: EventLog) -> None:
-        self.log = log
+    def __init__(self, *logs: EventLog) -> None:
+        self.logs = list(logs)
         self._last: dict[str, Any] = {}
+
+    def write(self, level: Level, event: str, **fields: Any) -> None:
+        """One event into every log."""
+        for log in self.logs:
+            log.write(level, event, **fields)
 
     def cycle(self, now: Any, camera: Any) -> None:
         """After a cycle: ``now`` is the `DaemonState`, ``camera`` the `CameraStatus`."""
         mission = now.mission
         if self._is_news("state", (mission.state, now.sentence)):
             pose = now.pose
-            self.log.write(
+            self.write(
                 _STATE_LEVELS.get(mission.state, "info"),
                 "state",
                 state=mission.state.value,
@@ -120,20 +161,18 @@ class RunLog:
             )
         if self._is_news("station", (mission.stations, mission.visited)) and mission.visited:
             count = len(mission.stations)
-            self.log.write("info", "station", visited=mission.visited, stations=count)
+            self.write("info", "station", visited=mission.visited, stations=count)
         if self._is_news("plan", now.path) and now.path is not None:
             path = now.path
-            self.log.write("info", "plan", length_m=path.length, min_clearance_m=path.min_clearance)
+            self.write("info", "plan", length_m=path.length, min_clearance_m=path.min_clearance)
         down = now.link.down_reason
-        if self._is_news("link", (now.link.state, down)):
+        if self._is_news("link", (down,)):
             level: Level = "info" if down is None else "warning"
-            self.log.write(level, "link", state=now.link.state.value, reason=down)
+            self.write(level, "link", state="up" if down is None else "down", reason=down)
         if self._is_news("camera", (camera.state, camera.reason)):
             fine = camera.state in ("running", "starting")
             reason = camera.reason or None
-            self.log.write(
-                "info" if fine else "warning", "camera", state=camera.state, reason=reason
-            )
+            self.write("info" if fine else "warning", "camera", state=camera.state, reason=reason)
 
     def _is_news(self, name: str, value: Any) -> bool:
         if name in self._last and self._same(self._last[name], value):

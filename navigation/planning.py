@@ -21,7 +21,7 @@ from planner.roadmap import Roadmap
 from planner.scene import FloatArray, Scene, Vec
 from planner.smooth import smooth_path
 
-LONGEST_WAIT_S = 1.0
+LONGEST_WAIT_S = 0.25
 """A planner without work turns as often, so that one that hangs can be told from it."""
 
 

@@ -15,6 +15,7 @@ from navigation.cycle import PlanRequest
 from navigation.recording_events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
 from planner.path import NoPath
 from planner.scene_text import write_scene_text
+from vision.sources import without_password
 
 SCHEMA: Final = "clearway.recording/1"
 CONFIGURATION: Final = "/clearway/configuration"
@@ -35,16 +36,25 @@ def configuration_body(
     """The first message of every file: with it alone the pictures can be understood.
 
     ``anchor_s`` on the run's clock was ``anchor_ns`` since 1970, in which messages are stamped.
+    Secrets are left out, since recordings are given away: the dashboard's section, and the
+    password in a camera's address.
     """
+    plain = config.model_dump(mode="json", exclude={"dashboard"})
+    plain["camera"]["source"] = _public(config.camera.source)
     return {
         "schema": SCHEMA,
         "version": version,
         "part": part,
         "anchor_s": anchor_s,
         "anchor_ns": anchor_ns,
-        "config": config.model_dump(mode="json"),
+        "config": plain,
         "calibration": calibration,
     }
+
+
+def _public(source: int | str) -> int | str:
+    is_address = isinstance(source, str) and "://" in source
+    return without_password(str(source)) if is_address else source
 
 
 def frame_body(seen: RobotsSeen) -> dict[str, Any]:

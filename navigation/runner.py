@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 PROGRESS_EVERY_S = 1.0
+EVENTS_FILE = "events.jsonl"
+"""In a run's folder: the log of its events."""
 ROBOT_PATIENCE_S = 3.0
 """How long a restart waits for the robot to say how far it has come."""
 
@@ -101,6 +103,8 @@ class Runner:
         self._say(f"camera {self.config.camera.source}, robot on {world.port}")
         socket = self._socket or default_socket()
         with ExitStack() as open_things:
+            events = EventLog.to_file(folder / EVENTS_FILE, now=datetime.now)
+            self._log.logs.append(open_things.enter_context(closing(events)))
             journal = self._open_journal(open_things)
             recorder = self._open_recorder(open_things, world)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
@@ -118,17 +122,17 @@ class Runner:
             self._serve_dashboard(daemon, open_things)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
-            self._log.log.write("info", "ready", camera=self.config.camera.source, port=world.port)
+            self._log.write("info", "ready", camera=self.config.camera.source, port=world.port)
             open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive(daemon)
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
+            self._log.write(
+                "info", "finished", state=report.state, reason=reason, duration_s=duration_s
+            )
         write_run(folder, daemon, report)
         if recorder is not None:
             self._say(recorder.summary())
-        self._log.log.write(
-            "info", "finished", state=report.state, reason=reason, duration_s=duration_s
-        )
         return RunResult(report, folder, self._exit_code(state, daemon))
 
     def _serve_dashboard(self, daemon: Daemon, open_things: ExitStack) -> None:
@@ -199,7 +203,7 @@ class Runner:
             watchdog.tick(self._clock())
             if watchdog.hanging != hanging:
                 hanging = watchdog.hanging
-                self._log.log.write("error", "watchdog", stages=", ".join(hanging) or "none")
+                self._log.write("error", "watchdog", stages=", ".join(hanging) or "none")
             if self.interrupt.is_set():
                 return State.STOPPED, self.interrupt_reason
             if now.time_s > limit_s:

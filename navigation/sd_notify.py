@@ -19,6 +19,8 @@ from typing import Final
 
 KEEPALIVES_A_PERIOD: Final = 4
 """systemd advises at least two; four leave room for one stage that is slow once."""
+SAID_AFTER: Final = 0.5
+"""A stage that has not turned for this part of the period is named."""
 
 
 class Notifier:
@@ -71,30 +73,27 @@ class Watchdog:
         self._period_s = period_s
         self._turns = turns
         self._last = dict(turns())
-        self._due_s: float | None = None
+        self._sent_s: float | None = None
         self.hanging: tuple[str, ...] = ()
-        """The stages that have not turned since the last message."""
+        """The stages that have not turned for more than half the period."""
 
     def tick(self, now_s: float) -> None:
         """Call often: sends when it is time, and every stage has turned."""
         if self._period_s is None:
             return
-        every_s = self._period_s / KEEPALIVES_A_PERIOD
-        if self._due_s is None:
-            self._due_s = now_s + every_s
-        if now_s < self._due_s:
+        if self._sent_s is None:
+            self._sent_s = now_s
+        if now_s < self._sent_s + self._period_s / KEEPALIVES_A_PERIOD:
             return
-        self._due_s = now_s + every_s
         turns = dict(self._turns())
         hanging = tuple(name for name, count in turns.items() if count == self._last.get(name))
-        if hanging:
-            if hanging != self.hanging:
-                self._notifier.send(f"STATUS=does not get on: {', '.join(hanging)}")
+        if not hanging:
+            self.hanging = ()
+            self._last, self._sent_s = turns, now_s
+            self._notifier.send("WATCHDOG=1")
+        elif now_s > self._sent_s + self._period_s * SAID_AFTER and hanging != self.hanging:
             self.hanging = hanging
-            return
-        self.hanging = ()
-        self._last = turns
-        self._notifier.send("WATCHDOG=1")
+            self._notifier.send(f"STATUS=does not get on: {', '.join(hanging)}")
 
 
 def watchdog_period_s(environment: Mapping[str, str], own_pid: int | None = None) -> float | None:

@@ -53,6 +53,7 @@ COMMANDS: dict[str, Listed] = {
     "calibrate": Listed("navigation.cli.calibrate:command", "Calibrate a camera from pictures."),
     "marker": Listed("navigation.cli.marker:command", "A robot marker or a board to print."),
     "devices": Listed("navigation.cli.devices:command", "The serial ports and cameras here."),
+    "doctor": Listed("navigation.cli.doctor:command", "Whether this machine can do the run."),
     "replay": Listed("navigation.cli.replay:command", "Vision and planner again on a recording."),
     "install-service": Listed(
         "navigation.cli.install_service:command", "A systemd unit and a udev rule for a run."

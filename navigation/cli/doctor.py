@@ -1,0 +1,211 @@
+"""`clearway doctor`: whether this machine can do the run, and a bundle for a report of a fault."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
+from dataclasses import asdict
+from datetime import datetime
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from navigation.config import Config
+    from navigation.doctor import Finding
+
+WELL, ILL = 0, 1
+FIRST_PICTURE_S = 5.0
+COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
+
+
+@click.command(short_help="Whether this machine can do the run.")
+@click.argument("config", type=click.Path(path_type=Path), required=False)
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True
+)
+@click.option(
+    "--bundle",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="FILE.zip",
+    help="Pack findings, versions, configuration, last report and recording for a bug report.",
+)
+def command(config: Path | None, form: str, bundle: Path | None) -> int:
+    """Look at permissions, camera, serial port, cache, kernels, clock, disk and packages.
+
+    With a configuration CONFIG its camera, port and folders are looked at, else what is plugged
+    in. Each line says ok, warn or fail, and how to mend it. Exits 1 where something fails.
+    """
+    from navigation.doctor import worst
+
+    configured, loaded = configuration_findings(config)
+    findings = [*machine_findings(), *configured]
+    if form == "json":
+        body = {"schema": "clearway.doctor/1", "findings": [asdict(f) for f in findings]}
+        click.echo(json.dumps(body, indent=2))
+    else:
+        for finding in findings:
+            _show(finding)
+    if bundle is not None:
+        from navigation.bundle import write_bundle
+
+        names = write_bundle(bundle, config, loaded, findings, os.environ, datetime.now())
+        click.echo(f"wrote {bundle}: {', '.join(names)}; look through it before you send it")
+    return ILL if worst(findings) == "fail" else WELL
+
+
+def _show(finding: Finding) -> None:
+    status = click.style(f"{finding.status:<4}", fg=COLOURS[finding.status])
+    click.echo(f"{status}  {finding.name:<14}{finding.sentence}")
+    if finding.cure:
+        click.echo(f"{'':<20}-> {finding.cure}")
+
+
+def machine_findings() -> Iterator[Finding]:
+    """What holds for every configuration."""
+    import planner  # chooses the kernels' folder
+    from navigation import doctor
+    from navigation.control import default_socket
+    from navigation.last_good import state_folder
+    from navigation.warm_up import kernels_are_cold
+
+    yield doctor.check_python()
+    yield from doctor.check_packages(metadata.requires("clearway") or [])
+    twice = doctor.check_opencv_twice(d.name for d in metadata.distributions())
+    if twice is not None:
+        yield twice
+    yield doctor.check_cores(os.cpu_count())
+    yield doctor.check_clock(datetime.now(), _is_synchronised())
+    folder = Path(planner.__file__).parent / "__pycache__"
+    yield doctor.check_kernels(kernels_are_cold(), folder, os.environ)
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    yield doctor.check_writable("kernel folder", Path(chosen) if chosen else folder)
+    yield doctor.check_writable("state folder", state_folder(os.environ))
+    yield doctor.check_writable("order socket", default_socket().parent)
+
+
+def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | None]:
+    """What holds for this configuration, or for what is plugged in where there is none."""
+    from navigation import doctor
+    from navigation.cli.check import load_checked
+    from navigation.config_errors import ConfigError
+
+    if file is None:
+        found = [doctor.check_disk(Path(), _free_bytes)]
+        return [*found, *_plugged_in()], None
+    try:
+        config = load_checked(file)
+    except ConfigError as error:
+        cure = f"clearway check {file} tells the same; docs/configuration.md lists every key"
+        return [doctor.Finding("fail", "configuration", str(error), cure)], None
+    recording = config.recording
+    fullest = recording.folder if recording.record else recording.runs_dir
+    findings = [
+        doctor.Finding("ok", "configuration", str(file)),
+        doctor.check_writable("runs", recording.runs_dir),
+        doctor.check_disk(fullest, _free_bytes),
+    ]
+    if recording.record:
+        findings.append(doctor.check_writable("recordings", recording.folder))
+    return [*findings, *_camera(config), *_port(config)], config
+
+
+def _plugged_in() -> Iterator[Finding]:
+    from navigation.cli.devices import cameras_here, serial_ports
+    from navigation.doctor import Finding
+
+    for name, found in (("cameras", cameras_here()), ("serial ports", serial_ports())):
+        paths = ", ".join(device["path"] for device in found)
+        if found:
+            yield Finding("ok", name, paths)
+        else:
+            cure = "plug one in; a simulated run (`clearway init`) needs none"
+            yield Finding("warn", name, "none", cure)
+
+
+def _camera(config: Config) -> Iterator[Finding]:
+    """Its device, and a first picture."""
+    from navigation import doctor
+    from navigation.config_sections import SIMULATED
+
+    source = config.camera.source
+    if source == SIMULATED:
+        yield doctor.Finding("ok", "camera", "simulated")
+        return
+    device = f"/dev/video{source}" if isinstance(source, int) else source
+    if device.startswith("/dev/"):
+        finding = doctor.check_device("camera", Path(device), "video", doctor.own_groups())
+        yield finding
+        if finding.status == "fail":
+            return
+    yield _first_picture(config)
+
+
+def _first_picture(config: Config) -> Finding:
+    import time
+
+    from navigation.doctor import Finding
+    from vision.camera import CameraError
+    from vision.sources import camera_for
+
+    wanted = config.camera
+    try:
+        camera = camera_for(
+            wanted.source, clock=time.monotonic, rate_hz=wanted.rate_hz, size=wanted.size_px
+        )
+        camera.open()
+        try:
+            frame = camera.read(FIRST_PICTURE_S)
+        finally:
+            camera.close()
+    except CameraError as error:
+        cure = "choose a name from `clearway devices`; close other programs that use it"
+        return Finding("fail", "camera", str(error), cure)
+    if frame is None:
+        cure = "try another cable or port; look at `dmesg`"
+        return Finding("fail", "camera", f"no picture within {FIRST_PICTURE_S:g} s", cure)
+    (width, height), (w, h) = frame.size, wanted.size_px
+    if frame.size != wanted.size_px:
+        cure = "set camera.size_px to what the camera gives, and calibrate again"
+        sentence = f"gives {width}x{height}, camera.size_px asks for {w}x{h}"
+        return Finding("fail", "camera", sentence, cure)
+    return Finding("ok", "camera", f"a picture of {width}x{height}")
+
+
+def _port(config: Config) -> Iterator[Finding]:
+    """Its device; it is not opened, since that resets some robots."""
+    from navigation import doctor
+    from navigation.config_sections import SIMULATED
+
+    port = config.serial.port
+    if port == SIMULATED:
+        yield doctor.Finding("ok", "serial port", "simulated")
+        return
+    yield doctor.check_device("serial port", Path(port), "dialout", doctor.own_groups())
+    modem = doctor.check_modem_manager(doctor.running_programs())
+    if modem is not None:
+        yield modem
+
+
+def _free_bytes(folder: Path) -> int:
+    return shutil.disk_usage(folder).free
+
+
+def _is_synchronised() -> bool | None:
+    """Whether the clock follows a time server; None where nobody here knows."""
+    program = shutil.which("timedatectl")
+    if program is None:
+        return None
+    try:
+        told = subprocess.run(
+            [program, "show", "-p", "NTPSynchronized", "--value"],
+            capture_output=True, text=True, timeout=5, check=False,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return {"yes": True, "no": False}.get(told.stdout.strip())
