@@ -166,6 +166,7 @@ class Hub:
     def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
         return state_message(
             state,
+            self.view,
             self.daemon.camera_status(),
             self.seat,
             driven_id=self.daemon.config.robot.marker_id,

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from planner.scene import Bounds
 from vision.calibration import Calibration
 from vision.camera import Frame
+from vision.markers import RobotPose
 
 RIM = 0.04
 """How much of the arena's longer side is shown around it."""
@@ -32,7 +33,7 @@ class TopView:
         )
         self.metres_per_pixel = self.window.width / width_px
         self.size_px = (width_px, max(1, round(self.window.height / self.metres_per_pixel)))
-        self._camera_size = calibration.size
+        self._calibration = calibration
         self._quality = quality
         self._maps = self._warp(calibration)
 
@@ -46,11 +47,17 @@ class TopView:
         whole, part = cv2.convertMaps(source[..., 0], source[..., 1], cv2.CV_16SC2)
         return np.asarray(whole, dtype=np.int16), np.asarray(part, dtype=np.uint16)
 
+    def seen_m(self, pose: RobotPose) -> tuple[float, float]:
+        """Where the view shows a robot's marker: it leans outwards as all that has a height."""
+        corner_mean = pose.corners_px.mean(axis=0, keepdims=True)
+        ((x, y),) = self._calibration.arena_from_image(corner_mean).tolist()
+        return x, y
+
     def jpeg(self, frame: Frame) -> NDArray[np.uint8]:
         """The view of a frame, encoded; what the camera does not see is mid-grey."""
         image = np.asarray(frame.image)
-        if frame.size != self._camera_size:
-            image = np.asarray(cv2.resize(image, self._camera_size), dtype=np.uint8)
+        if frame.size != self._calibration.size:
+            image = np.asarray(cv2.resize(image, self._calibration.size), dtype=np.uint8)
         view = cv2.remap(image, *self._maps, cv2.INTER_LINEAR, borderValue=(128, 128, 128))
         _, encoded = cv2.imencode(".jpg", view, [cv2.IMWRITE_JPEG_QUALITY, self._quality])
         return np.asarray(encoded, dtype=np.uint8).reshape(-1)

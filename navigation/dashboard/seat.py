@@ -2,8 +2,8 @@
 
 Rules
 - A free seat is taken by whoever asks first, and left by releasing it.
-- Whoever did nothing for ``idle_s``, or has been away for ``AWAY_S``, loses it; a page that is
-  loaded again is the same operator.
+- Whoever did nothing for ``idle_s`` loses it, and whoever is away for longer than a page takes
+  to be loaded again (``LEFT_S``) or a lost connection to come back (``AWAY_S``).
 - Time is passed in. Holders are told apart by a key that only their page knows; others see its
   ``public`` half.
 """
@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 
 AWAY_S = 20.0
 """How long a lost connection may take to come back."""
+LEFT_S = 4.0
+"""How long a page that was left may take to be loaded again: the same operator."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +26,8 @@ class Holder:
     key: str
     name: str
     active_s: float
-    away_since_s: float | None = None
+    back_until_s: float | None = None
+    """While away: until when to come back."""
 
     @property
     def public(self) -> str:
@@ -67,13 +70,18 @@ class Seat:
     def touch(self, key: str, now_s: float) -> None:
         """The holder did something."""
         if self.holder is not None and self.holder.key == key:
-            self.holder = replace(self.holder, active_s=now_s, away_since_s=None)
+            self.holder = replace(self.holder, active_s=now_s, back_until_s=None)
 
-    def present(self, key: str, now_s: float, *, is_here: bool) -> None:
-        """The holder's connection came or went."""
-        holder = self.holder
-        if holder is not None and holder.key == key:
-            self.holder = replace(holder, away_since_s=None if is_here else now_s)
+    def come(self, key: str) -> None:
+        """The holder's connection is here (again)."""
+        if self.holder is not None and self.holder.key == key:
+            self.holder = replace(self.holder, back_until_s=None)
+
+    def go(self, key: str, now_s: float, *, left: bool) -> None:
+        """The holder's connection has ended; ``left``: in order, as a page does that is closed."""
+        if self.holder is not None and self.holder.key == key:
+            until_s = now_s + (LEFT_S if left else AWAY_S)
+            self.holder = replace(self.holder, back_until_s=until_s)
 
     def free_in_s(self, now_s: float) -> float:
         """When the seat becomes free if nothing happens; 0 where it is free."""
@@ -81,8 +89,8 @@ class Seat:
         if holder is None:
             return 0.0
         left_s = holder.active_s + self.idle_s - now_s
-        if holder.away_since_s is not None:
-            left_s = min(left_s, holder.away_since_s + AWAY_S - now_s)
+        if holder.back_until_s is not None:
+            left_s = min(left_s, holder.back_until_s - now_s)
         return max(0.0, left_s)
 
     def tick(self, now_s: float) -> str | None:
@@ -91,5 +99,5 @@ class Seat:
         if holder is None or self.free_in_s(now_s) > 0.0:
             return None
         self.holder = None
-        why = "did nothing for a while" if holder.away_since_s is None else "went away"
+        why = "did nothing for a while" if holder.back_until_s is None else "went away"
         return f"{holder.name} {why}: the arena is free"

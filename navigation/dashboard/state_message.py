@@ -49,6 +49,7 @@ def greeting(config: Config, view: TopView) -> dict[str, Any]:
 
 def state_message(
     state: DaemonState,
+    view: TopView,
     camera: CameraStatus,
     seat: Seat,
     *,
@@ -71,8 +72,8 @@ def state_message(
             "stations": [_station(station) for station in mission.stations],
             "visited": mission.visited,
         },
-        "pose": None if state.pose is None else _pose(state.pose, now_s),
-        "others": [_pose(p, now_s) for i, p in state.poses.items() if i != driven_id],
+        "pose": None if state.pose is None else _pose(state.pose, view, now_s),
+        "others": [_pose(p, view, now_s) for i, p in state.poses.items() if i != driven_id],
         "to_go_m": state.to_go_m,
         "clearance_m": state.clearance_m,
         "seat": _seat(seat, now_s),
@@ -102,11 +103,13 @@ def _station(station: Station) -> dict[str, float | None]:
     }
 
 
-def _pose(pose: RobotPose, now_s: float) -> dict[str, Any]:
+def _pose(pose: RobotPose, view: TopView, now_s: float) -> dict[str, Any]:
+    seen_x, seen_y = view.seen_m(pose)
     return {
         "id": pose.id,
         "x_m": round(pose.x, 4),
         "y_m": round(pose.y, 4),
+        "seen_m": [round(seen_x, 4), round(seen_y, 4)],
         "heading_rad": round(pose.heading_rad, 4),
         "speed_m_s": round(math.hypot(pose.vx, pose.vy), 4),
         "age_ms": _ms(now_s - pose.captured_s),

@@ -55,6 +55,7 @@ class Viewer:
         self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "picture": 0}
         self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
         self._bad = 0
+        self._left = False
         self._preview: asyncio.Task[None] | None = None
 
     async def serve(self) -> None:
@@ -72,7 +73,7 @@ class Viewer:
             await asyncio.gather(*tasks, return_exceptions=True)
             self.hub.viewers.discard(self)
             if not any(other.key == self.key for other in self.hub.viewers):
-                self.hub.seat.present(self.key, self.hub.clock(), is_here=False)
+                self.hub.seat.go(self.key, self.hub.clock(), left=self._left)
         if self.hub.closing.is_set():
             await self._close(GOING_AWAY, "the program ends")
 
@@ -153,6 +154,7 @@ class Viewer:
             if event["type"] == "websocket.disconnect":
                 if event.get("code") == TOO_BIG:
                     self.hub.gate.count("oversized")
+                self._left = event.get("code") == GOING_AWAY
                 return
             text = event.get("text")
             if text is not None and len(text) > MOST_CHARACTERS:
@@ -199,7 +201,7 @@ class Viewer:
             raise MalformedError(f"name: must be at most {NAME_CHARACTERS} printable characters")
         self.key = key
         self.name = name.strip() or f"viewer {self.number}"
-        self.hub.seat.present(key, self.hub.clock(), is_here=True)
+        self.hub.seat.come(key)
         self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
 
     def _sit(self, message: dict[str, Any]) -> None:

@@ -173,6 +173,8 @@ export class Layers {
     if (!state || !this.#hello) return;
     this.state = state;
     this.#drawMission(state.mission);
+    const over = !["driving", "planning", "holding"].includes(state.mission.state);
+    for (const name of ["plan", "corridor", "narrowest"]) this.stage.group(name).classList.toggle("over", over);
     const seen = new Set();
     const { robot, others } = this.#hello;
     if (state.pose) this.#drawRobot(seen, state.pose, robot.radius_m, "robot");
@@ -196,6 +198,7 @@ export class Layers {
       group = element("g", { class: kind });
       const r = radius * s.scale;
       group.append(
+        element("path", { class: "lean" }),
         element("circle", { class: "body-halo", r }),
         element("circle", { class: "body", r }),
         element("path", { class: "nose", d: `M${0.92 * r} 0L${0.2 * r} ${-0.5 * r}L${0.38 * r} 0L${0.2 * r} ${0.5 * r}Z` }),
@@ -209,6 +212,7 @@ export class Layers {
     group.setAttribute("transform", `translate(${s.x(pose.x_m).toFixed(1)} ${s.y(pose.y_m).toFixed(1)})`);
     const degrees = (-pose.heading_rad * 180) / Math.PI;
     group.querySelector(".nose").setAttribute("transform", `rotate(${degrees.toFixed(1)})`);
+    group.querySelector(".lean").setAttribute("d", lean(s, pose));
     const label = group.querySelector(".label");
     label.setAttribute("y", (radius * s.scale + 15 * s.k).toFixed(1));
     const age = pose.age_ms === null ? "not seen" : `seen ${(pose.age_ms / 1000).toFixed(1)} s ago`;
@@ -227,6 +231,13 @@ export class Layers {
     this.missionKey = key;
     this.stage.group("mission").replaceChildren(...marks);
   }
+}
+
+/** From where the robot stands to where the camera sees its marker, which is above the floor. */
+function lean(stage, pose) {
+  const [x, y] = [stage.x(pose.seen_m[0]) - stage.x(pose.x_m), stage.y(pose.seen_m[1]) - stage.y(pose.y_m)];
+  const r = 5 * stage.k;
+  return Math.hypot(x, y) < 2 * r ? "" : `M0 0L${x} ${y}M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
 }
 
 /** A station's mark: a ring of the robot's size, its heading and its name. */

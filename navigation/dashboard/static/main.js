@@ -25,10 +25,10 @@ new Log(connection);
 
 // What was refused, until the next order.
 function say(text) {
-  const line = byId("refusal");
-  line.hidden = !text;
-  line.textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
+  byId("refusal").hidden = !text;
+  byId("refusal-text").textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
 }
+byId("refusal-close").addEventListener("click", () => say(""));
 
 // The connection, in the bar and across the page.
 connection.on("state", (state) => {

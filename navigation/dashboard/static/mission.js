@@ -37,7 +37,7 @@ export class MissionPanel {
     put("sentence", sentence(state));
     const list = document.getElementById("reasons");
     const more = mission.reasons.filter((reason) => !mission.sentence.includes(reason));
-    list.hidden = more.length === 0 || mission.state === "driving";
+    list.hidden = more.length === 0 || ["driving", "stopped"].includes(mission.state);
     if (!list.hidden && list.textContent !== more.join("")) {
       list.replaceChildren(...more.map((reason) => Object.assign(document.createElement("li"), { textContent: reason })));
     }

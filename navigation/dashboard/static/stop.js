@@ -6,6 +6,8 @@
 // hurried hand does not undo the first.
 
 const REARM_AFTER_MS = 1000;
+const LINE_MS = 400;
+const REQUEST_MS = 1500;
 
 export class Stop {
   #stoppedSince = 0;
@@ -34,24 +36,31 @@ export class Stop {
     this.#pressedAt = performance.now();
     this.button.classList.add("fired");
     setTimeout(() => this.button.classList.remove("fired"), 300);
-    const heard = await Promise.any([this.#byLine(), this.#byRequest()]).catch(() => null);
-    if (heard === null) {
-      this.say("STOP could not be delivered: use the switch on the robot. It stops by itself when the program does not reach it.");
-    } else if (!heard.ok) {
-      this.say(heard.error);
+    const answer = (await this.#byLine()) ?? (await this.#byRequest());
+    if (answer === null) {
+      this.say("STOP could not be delivered: use the switch on the robot. It stops by itself when the program does not reach it");
+    } else if (!answer.ok) {
+      this.say(answer.error);
     }
   }
 
+  /** The answer over the websocket; null where none came in time. */
   async #byLine() {
-    const answer = await this.connection.ask({ type: "order", order: "stop" }, 1500);
-    if (!answer.ok) throw new Error(answer.error);
-    return answer;
+    const answer = await this.connection.ask({ type: "order", order: "stop" }, LINE_MS);
+    return answer.ok ? answer : null;
   }
 
   async #byRequest() {
-    if (this.connection.isUp) await new Promise((resolve) => setTimeout(resolve, 400));
-    const answer = await fetch("/api/stop", { method: "POST", headers: this.connection.authorization, keepalive: true });
-    return answer.json();
+    try {
+      const answer = await fetch("/api/stop", {
+        method: "POST",
+        headers: this.connection.authorization,
+        signal: AbortSignal.timeout(REQUEST_MS), // an old STOP must not arrive later
+      });
+      return answer.ok ? await answer.json() : null;
+    } catch {
+      return null;
+    }
   }
 
   #key(event) {

@@ -1,0 +1,50 @@
+"""What a person does on the page, in the arena's metres."""
+
+from typing import Any
+
+from playwright.sync_api import Page, expect
+
+
+def wait_for_picture(page: Page, count: int = 3) -> None:
+    """Until so many pictures were drawn, and the diagram is there."""
+    page.wait_for_function("n => globalThis.clearway?.picture.count >= n", arg=count)
+    expect(page.locator("[data-layer=roadmap] path").first).to_be_attached()
+    expect(page.locator("[data-layer=robots] .robot")).to_be_attached()
+
+
+def on_screen(page: Page, x_m: float, y_m: float) -> tuple[float, float]:
+    """Where a place of the arena is on the screen."""
+    box: Any = page.evaluate(
+        """([x, y]) => {
+          const { stage } = globalThis.clearway, box = stage.svg.getBoundingClientRect();
+          return [box.left + stage.x(x) / stage.width * box.width,
+                  box.top + stage.y(y) / stage.height * box.height];
+        }""",
+        [x_m, y_m],
+    )
+    return float(box[0]), float(box[1])
+
+
+def click_at(page: Page, x_m: float, y_m: float, *, shift: bool = False) -> None:
+    """Click at a place of the arena."""
+    if shift:
+        page.keyboard.down("Shift")
+    page.mouse.click(*on_screen(page, x_m, y_m))
+    if shift:
+        page.keyboard.up("Shift")
+
+
+def drag(page: Page, start_m: tuple[float, float], end_m: tuple[float, float]) -> None:
+    """Press at one place, let go at another."""
+    page.mouse.move(*on_screen(page, *start_m))
+    page.mouse.down()
+    page.mouse.move(*on_screen(page, *end_m), steps=4)
+    page.mouse.up()
+
+
+def send_to(page: Page, x_m: float, y_m: float) -> None:
+    """Set a goal, see its preview, send it."""
+    click_at(page, x_m, y_m)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    page.locator("#send").click()
+    expect(page.locator("#goal-hint")).to_be_visible()

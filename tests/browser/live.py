@@ -1,0 +1,134 @@
+"""A running program with its dashboard, inside the test's process, so that the truth is at hand."""
+
+from __future__ import annotations
+
+import math
+import re
+import threading
+import time
+from pathlib import Path
+from types import TracebackType
+
+from navigation.config import Config, parse_config
+from navigation.daemon import Daemon
+from navigation.dashboard import Dashboard, ShownDaemon
+from navigation.mission import State
+from navigation.warm_up import warm_up
+from navigation.world import World
+from tests.support.waiting import wait_until
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+STILL_M = 0.0005
+"""Less than this in a tenth of a second is no movement."""
+
+
+def live_config(**dashboard: object) -> Config:
+    """The shipped simulation without a mission of its own, its page at any free port."""
+    text = (CONFIGS / "simulation.yaml").read_text()
+    text = re.sub(r"^mission:\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
+    text = text.replace("rate_hz: 30", "rate_hz: 20")
+    lines = {"port": 0, **dashboard}
+    text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
+    return parse_config(text, "live.yaml", CONFIGS, {})
+
+
+class Live:
+    """Daemon, control loop and dashboard, which can be taken away and brought back alone."""
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.world = World(config)
+        self.daemon = Daemon(config, self.world, first_mission_id=7)
+        self.said: list[str] = []
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._cycle, name="control loop")
+        self._dashboard: Dashboard | None = None
+        self._port = config.dashboard.port
+
+    def __enter__(self) -> Live:
+        warm_up(self.config, self.said.append)
+        self.daemon.__enter__()
+        self._thread.start()
+        self.bring_back()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.take_away()
+        self._stopping.set()
+        self._thread.join()
+        self.daemon.__exit__(kind, error, trace)
+
+    def _cycle(self) -> None:
+        while not self._stopping.is_set():
+            self.daemon.cycle()
+
+    # The dashboard.
+
+    def bring_back(self) -> None:
+        """Serve the page, at the same port as before."""
+        section = self.config.dashboard.model_copy(update={"port": self._port})
+        shown = ShownDaemon(self.daemon)
+        shown.config = self.config.model_copy(update={"dashboard": section})
+        self._dashboard = Dashboard(shown, say=self.said.append).__enter__()
+        assert self._dashboard.url is not None, self.said
+        self._port = int(self._dashboard.url.split(":")[2].split("/")[0])
+        # the thread needs a moment to make its event loop
+        assert wait_until(lambda: self._dashboard is not None and self._dashboard.hub is not None)
+
+    def take_away(self) -> None:
+        """End the page's server; the program goes on."""
+        if self._dashboard is not None:
+            self._dashboard.__exit__()
+            self._dashboard = None
+
+    @property
+    def url(self) -> str:
+        """Where the page is."""
+        return f"http://127.0.0.1:{self._port}/"
+
+    # The truth.
+
+    @property
+    def state(self) -> State:
+        """The mission's state."""
+        return self.daemon.pilot.mission.state
+
+    def place(self) -> tuple[float, float, float]:
+        """Where the robot really is."""
+        assert self.world.truth is not None
+        x, y, heading = self.world.truth.robot.pose()
+        return x, y, heading
+
+    def is_moving(self) -> bool:
+        """Whether the robot really moves."""
+        x, y, heading = self.place()
+        time.sleep(0.1)  # movement is a difference over time
+        there = self.place()
+        turned = abs(math.remainder(there[2] - heading, math.tau))
+        return math.dist((x, y), there[:2]) > STILL_M or turned > 0.01
+
+    def stands_within(self, seconds: float) -> bool:
+        """Whether it comes to a stand in so many seconds, and stays there."""
+        return wait_until(lambda: not self.is_moving(), seconds) and not self.is_moving()
+
+    def calm_down(self) -> None:
+        """Leave no stop, pause, mission or operator behind for the next test."""
+        assert self._dashboard is not None
+        assert self._dashboard.hub is not None
+        self._dashboard.hub.seat.holder = None
+        if self.state is State.STOPPED:
+            assert wait_until(lambda: self.daemon.link.snapshot().estopped)
+        self.daemon.resume()
+        if self.state in (State.PLANNING, State.DRIVING, State.HOLDING):
+            self.daemon.stop("the test is over")
+            assert wait_until(lambda: self.state is State.STOPPED)
+            assert wait_until(lambda: self.daemon.link.snapshot().estopped)
+            self.daemon.resume()
+        quiet = (State.IDLE, State.DONE, State.FAILED)
+        assert wait_until(lambda: self.state in quiet), self.state
+        assert wait_until(lambda: not self.daemon.link.snapshot().estopped)

@@ -1,0 +1,339 @@
+"""The dashboard in a real browser, in front of a real run with a simulated robot."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from playwright.sync_api import Browser, Page, expect
+
+from navigation.mission import State
+from tests.browser.acting import click_at, drag, on_screen, send_to, wait_for_picture
+from tests.browser.live import Live, live_config
+from tests.support.waiting import wait_until
+
+OpenPage = Callable[..., Page]
+Keep = Callable[[Page, str], Path]
+HERE, THERE = (0.25, 0.75), (0.30, 1.50)
+"""Two places not far from where the robot starts."""
+
+
+def drive(live: Live, page: Page) -> None:
+    """Send the robot to whichever of two places is farther, and wait until it moves."""
+    x, y, _ = live.place()
+    goal = max(HERE, THERE, key=lambda place: math.dist(place, (x, y)))
+    send_to(page, *goal)
+    assert wait_until(lambda: live.state is State.DRIVING and live.is_moving(), 20.0)
+
+
+def test_the_page_shows_the_arena_and_the_picture_moves(
+    open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    first = page.evaluate("document.getElementById('picture').toDataURL()")
+    wait_for_picture(page, page.evaluate("clearway.picture.count") + 3)
+    assert page.evaluate("document.getElementById('picture').toDataURL()") != first
+    assert len(page.locator("[data-layer=obstacles] .obstacle").get_attribute("d") or "") > 200
+    expect(page.locator("#pill-text")).to_have_text("live")
+    expect(page.locator("#health-camera .word")).to_have_text("running")
+    expect(page.locator("#health-link .word")).to_have_text("up")
+    expect(page.locator("#log li")).not_to_have_count(0)
+    assert page.locator("#health-camera path.line").get_attribute("d")
+    keep(page, "first_look")
+
+
+def test_what_is_drawn_lies_where_the_camera_sees_it(open_page: OpenPage, live: Live) -> None:
+    page = open_page()
+    wait_for_picture(page)
+
+    def grey(x_m: float, y_m: float) -> float:
+        return float(
+            page.evaluate(
+                """([x, y]) => {
+                  const { stage } = globalThis.clearway;
+                  const at = [Math.round(stage.x(x)), Math.round(stage.y(y))];
+                  return stage.canvas.getContext("2d").getImageData(...at, 1, 1).data[0];
+                }""",
+                [x_m, y_m],
+            )
+        )
+
+    # the bucket of configs/arenas/laboratory.txt: C (0.42,1.16) 0.13
+    for turn in range(8):
+        c, s = math.cos(turn * math.tau / 8), math.sin(turn * math.tau / 8)
+        assert grey(0.42 + 0.120 * c, 1.16 + 0.120 * s) < 90
+        assert grey(0.42 + 0.140 * c, 1.16 + 0.140 * s) > 130
+
+
+def test_the_cursor_tells_clearance_and_whether_the_robot_fits(
+    open_page: OpenPage, live: Live
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.mouse.move(*on_screen(page, 0.20, 0.90))
+    probe = page.locator("#probe")
+    expect(probe).to_contain_text("the robot fits")
+    told = float((probe.text_content() or "").split("clearance ")[1].split(" m")[0])
+    assert told == pytest.approx(min(0.20, math.dist((0.20, 0.90), (0.42, 1.16)) - 0.13), abs=0.004)
+    page.mouse.move(*on_screen(page, 0.42, 1.16))
+    expect(probe).to_contain_text("inside an obstacle")
+    page.mouse.move(*on_screen(page, 0.05, 0.90))
+    expect(probe).to_contain_text("too tight for the robot")
+
+
+def test_a_clicked_goal_is_previewed_then_sent_and_the_robot_arrives(
+    open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    x, y, _ = live.place()
+    goal = max(HERE, THERE, key=lambda place: math.dist(place, (x, y)))
+    click_at(page, *goal)
+    preview = page.locator("#goal-preview")
+    expect(preview).to_contain_text("clearance at least")
+    assert live.state is not State.DRIVING, "nothing is sent before it is said so"
+    length_m = float((preview.text_content() or "").split(" m")[0])
+    assert length_m >= math.dist((x, y), goal) - 0.02
+    expect(page.locator(".draft-path")).to_be_attached()
+    keep(page, "preview")
+    page.locator("#send").click()
+    expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
+    assert wait_until(live.is_moving, 20.0)
+    keep(page, "driving")
+    expect(page.locator("#mission-state")).to_have_text("Arrived", timeout=60_000)
+    assert math.dist(live.place()[:2], goal) < 0.03
+    keep(page, "arrived")
+
+
+def test_a_drag_sets_the_heading_and_shift_adds_stations(
+    open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    click_at(page, 0.20, 0.90)
+    page.keyboard.down("Shift")
+    drag(page, (0.30, 1.55), (0.60, 1.55))
+    page.keyboard.up("Shift")
+    expect(page.locator("#goal-stations li")).to_have_count(2)
+    expect(page.locator("#goal-stations li").nth(1)).to_contain_text("0°")
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    keep(page, "stations")
+    page.keyboard.press("Escape")
+    expect(page.locator("#goal-stations")).to_be_hidden()
+
+
+def test_where_no_way_leads_the_page_says_why(open_page: OpenPage, live: Live) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    click_at(page, 0.42, 1.16)
+    expect(page.locator("#goal-preview")).to_contain_text("No plan:")
+    expect(page.locator("#send")).to_be_disabled()
+
+
+def test_the_whole_way_goes_by_keyboard(open_page: OpenPage, live: Live) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.locator("#stage").focus()
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Shift+ArrowUp")
+    expect(page.locator("#probe")).to_contain_text("x 1.180  y 1.000 m")
+    page.keyboard.press("Enter")
+    page.keyboard.press(",")
+    expect(page.locator("#goal-stations li")).to_have_text("1.18, 1.00 m, 15°")
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    page.keyboard.press("Enter")
+    expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
+    stations = live.daemon.pilot.mission.stations
+    assert (stations[-1].x, stations[-1].y) == (1.18, 1.0)
+    assert stations[-1].heading_rad == pytest.approx(math.radians(15))
+
+
+@pytest.mark.parametrize("by", ["click", "key", "key on a focused button", "finger"])
+def test_stop_stops_the_wheels_at_once_and_is_latched(
+    by: str, open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    page = open_page(has_touch=by == "finger")
+    wait_for_picture(page)
+    drive(live, page)
+    if by == "click":
+        page.locator("#stop").click()
+    elif by == "finger":
+        page.locator("#stop").tap()
+    else:
+        page.locator("#stage" if by == "key" else "#pause").focus()
+        page.keyboard.press("Space")
+    assert wait_until(lambda: live.state is State.STOPPED, 1.0)
+    assert live.stands_within(1.5), "0.3 m/s and 0.5 m/s2 are 0.6 s of braking at most"
+    expect(page.locator("#stopped")).to_be_visible()
+    expect(page.locator("#stopped-text")).to_contain_text("its wheels are off")
+    expect(page.locator("#mission-state")).to_have_text("Stopped")
+    keep(page, f"stopped_by_{by.replace(' ', '_')}")
+
+    page.reload()
+    wait_for_picture(page)
+    expect(page.locator("#stopped")).to_be_visible()
+    assert live.state is State.STOPPED, "loading the page again does not leave the stop"
+    assert not live.is_moving()
+
+    expect(page.locator("#rearm")).to_be_enabled()
+    page.locator("#rearm").click()
+    expect(page.locator("#stopped")).to_be_hidden()
+    assert wait_until(lambda: not live.daemon.link.snapshot().estopped)
+    assert not live.is_moving(), "re-arming moves nothing"
+
+
+def test_neither_loading_nor_coming_back_fires_the_stop(open_page: OpenPage, live: Live) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    drive(live, page)
+    page.reload()
+    wait_for_picture(page)
+    assert live.state is not State.STOPPED
+    live.take_away()
+    expect(page.locator("#lost")).to_be_visible()
+    live.bring_back()
+    wait_for_picture(page)
+    expect(page.locator("#lost")).to_be_hidden()
+    assert live.state is not State.STOPPED
+
+
+def test_a_lost_connection_is_unmistakable_and_comes_back(
+    open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    page = open_page(allowed="ERR_CONNECTION_REFUSED")
+    wait_for_picture(page)
+    live.take_away()
+    expect(page.locator("#lost")).to_be_visible(timeout=3000)
+    expect(page.locator("#pill-text")).to_have_text("no connection")
+    expect(page).to_have_title("No connection – Clearway")
+    expect(page.locator("#send")).to_be_disabled()
+    page.keyboard.press("Space")
+    expect(page.locator("#refusal")).to_contain_text("STOP could not be delivered")
+    keep(page, "lost")
+    live.bring_back()
+    expect(page.locator("#lost")).to_be_hidden()
+    count = page.evaluate("clearway.picture.count")
+    wait_for_picture(page, count + 2)
+    assert live.state is not State.STOPPED, "the old STOP is not fired when the line is back"
+
+
+def test_one_operator_holds_the_arena_and_everybody_may_stop(
+    open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    first, second = open_page(), open_page()
+    wait_for_picture(first)
+    wait_for_picture(second)
+    first.locator("#seat").click()
+    expect(first.locator("#seat-text")).to_have_text("You hold the arena")
+    expect(second.locator("#seat-text")).to_contain_text("holds the arena")
+    click_at(second, *HERE)
+    expect(second.locator("#refusal")).to_contain_text("holds the arena")
+    expect(second.locator("#goal-preview")).to_be_hidden()
+    keep(second, "somebody_else_holds_the_arena")
+    drive(live, first)
+    second.keyboard.press("Space")
+    assert live.stands_within(2.0)
+    expect(first.locator("#stopped")).to_be_visible()
+    first.locator("#seat").click()
+    expect(second.locator("#seat")).to_have_text("Take the arena")
+
+
+def test_pause_holds_and_go_on_goes_on(open_page: OpenPage, live: Live) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    drive(live, page)
+    page.locator("#pause").click()
+    expect(page.locator("#mission-state")).to_have_text("Paused")
+    assert live.stands_within(3.0)
+    page.locator("#pause").click()
+    expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
+    assert wait_until(live.is_moving, 20.0)
+
+
+def test_layers_can_be_switched_off_and_stay_so(open_page: OpenPage, live: Live) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    road = page.locator("[data-layer=roadmap]")
+    expect(road).to_be_visible()
+    page.get_by_label("Roadmap").uncheck()
+    expect(road).to_be_hidden()
+    page.keyboard.press("3")
+    expect(page.locator("[data-layer=diagram]")).to_be_visible()
+    page.reload()
+    wait_for_picture(page)
+    expect(road).to_be_hidden()
+
+
+def test_it_works_on_a_phone(open_page: OpenPage, live: Live, keep: Keep) -> None:
+    page = open_page(
+        viewport={"width": 390, "height": 844},
+        has_touch=True,
+        is_mobile=True,
+        device_scale_factor=2,
+    )
+    wait_for_picture(page)
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    box = page.locator("#stop").bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] <= 844, "STOP is on the screen"
+    assert box["width"] > 300
+    assert box["height"] > 60
+    page.touchscreen.tap(*on_screen(page, *HERE))
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    keep(page, "phone")
+    page.locator("#health").scroll_into_view_if_needed()
+    after = page.locator("#stop").bounding_box()
+    assert after is not None
+    assert after["y"] == pytest.approx(box["y"], abs=2), "STOP stays where it is"
+    keep(page, "phone_health")
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_every_text_has_contrast_enough(
+    theme: str, open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    page = open_page(color_scheme=theme)
+    wait_for_picture(page)
+    click_at(page, *HERE)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    keep(page, f"{theme}_preview")
+    poor = page.evaluate((Path(__file__).parent / "contrast.js").read_text())
+    assert poor == []
+    page.keyboard.press("Space")
+    expect(page.locator("#stopped")).to_be_visible()
+    expect(page.locator("#rearm")).to_be_enabled()
+    assert page.evaluate((Path(__file__).parent / "contrast.js").read_text()) == []
+    keep(page, f"{theme}_stopped")
+
+
+def test_a_token_opens_the_page_and_leaves_the_address(
+    browser: Browser, open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    token = "a-token-of-some-length"
+    shown_port, refused = live.url, r"Authentication|status of 40[13]|response code: 403|REFUSED"
+    live.take_away()
+    open_config = live.config
+    live.config = live_config(token=token)
+    live.bring_back()
+    try:
+        page = open_page(live.url, allowed=refused)
+        expect(page.locator("#token-form")).to_be_visible()
+        keep(page, "token")
+        page.locator("#token").fill("a-wrong-token-of-length")
+        page.locator("#token-form button").click()
+        expect(page.locator("#token-form")).to_be_visible()
+        page.locator("#token").fill(token)
+        page.locator("#token-form button").click()
+        wait_for_picture(page)
+        page = open_page(f"{live.url}#token={token}", allowed="ERR_CONNECTION_REFUSED")
+        wait_for_picture(page)
+        assert page.url == shown_port, "the token does not stay in the address"
+        page.reload()
+        wait_for_picture(page)
+    finally:
+        live.take_away()
+        live.config = open_config
+        live.bring_back()
