@@ -27,16 +27,16 @@ Wait = Callable[[float], object]
 def read_picture(path: Path) -> Image:
     """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none."""
     try:
-        raw = np.fromfile(path, dtype=np.uint8)
+        data = path.read_bytes()
     except OSError as error:
         raise CameraError(f"{path}: cannot be read: {error.strerror}") from error
-    if raw.size == 0:
+    if not data:
         raise CameraError(f"{path}: an empty file, not a picture")
-    large = oversize(raw[:65536].tobytes())
+    large = oversize(data)
     if large:
         raise CameraError(f"{path}: {large}")
     try:
-        image = cv2.imdecode(raw, cv2.IMREAD_ANYCOLOR)
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_ANYCOLOR)
     except cv2.error as error:
         raise CameraError(f"{path}: not a picture that OpenCV can decode") from error
     if image is None:

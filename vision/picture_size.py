@@ -10,22 +10,27 @@ from __future__ import annotations
 import re
 import struct
 
+_PNG = b"\x89PNG\r\n\x1a\n"
+
 MOST_PIXELS = 1 << 28
 """A square of 16384: beyond every camera and every scanned plan."""
 
 
 def oversize(data: bytes) -> str:
-    """Why a picture file is too large to be decoded; empty where it is not, or is unknown."""
+    """Why a picture file claims too much to be decoded; empty where it does not, or is unknown."""
     width, height = picture_size(data) or (0, 0)
-    if width * height <= MOST_PIXELS:
-        return ""
-    return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
+    if width * height > MOST_PIXELS:
+        return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
+    longest = _longest_chunk(data) if data.startswith(_PNG) else 0
+    if longest > len(data):
+        return f"a damaged picture: a part of {longest} bytes in a file of {len(data)}"
+    return ""
 
 
 def picture_size(data: bytes) -> tuple[int, int] | None:
     """(width, height) in pixels as the header has them; None for a file of another kind."""
     try:
-        if data.startswith(b"\x89PNG\r\n\x1a\n"):
+        if data.startswith(_PNG):
             return _pair(">II", data, 16)
         if data.startswith(b"\xff\xd8"):
             return _jpeg(data)
@@ -47,6 +52,16 @@ def picture_size(data: bytes) -> tuple[int, int] | None:
         if all(re.fullmatch(rb"\d{1,12}", side) for side in sides):
             return int(sides[0]), int(sides[1])
     return None
+
+
+def _longest_chunk(data: bytes) -> int:
+    """The greatest length that a chunk of a PNG claims: the decoder makes room for it unseen."""
+    longest, at = 0, len(_PNG)
+    while at + 8 <= len(data):
+        size = int(struct.unpack_from(">I", data, at)[0])
+        longest = max(longest, size)
+        at += 12 + size
+    return longest
 
 
 def _pair(form: str, data: bytes, at: int) -> tuple[int, int]:

@@ -62,6 +62,13 @@ def test_a_small_file_that_claims_a_huge_picture_is_refused_before_it_is_decoded
         read_picture(path)
 
 
+def test_a_part_longer_than_its_file_is_refused_before_room_is_made_for_it() -> None:
+    small = palette_png()
+    harmed = small[:33] + b"\xff\xff\x00\x8b" + small[37:]
+    assert "a part of 4294901899 bytes in a file of" in oversize(harmed)
+    assert oversize(small[:-5]) == ""
+
+
 @given(
     st.sampled_from([data for _, data in pictures()]), st.binary(max_size=40), st.integers(0, 60)
 )

@@ -1,0 +1,91 @@
+"""A network camera served by the test itself: its frames, and each way in which it can fail."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from tests.support.mjpeg_server import RATE_HZ, MjpegServer, mjpeg_server
+from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits
+from vision.sources import camera_for
+
+QUICK = WatchLimits(stalled_s=0.4, frozen_s=0.4, hung_s=2.0, first_pause_s=0.1, longest_pause_s=0.4)
+
+
+@pytest.fixture
+def server() -> Iterator[MjpegServer]:
+    with mjpeg_server() as running:
+        yield running
+
+
+def reader_of(server: MjpegServer) -> LatestFrame:
+    return LatestFrame(lambda: camera_for(server.url, clock=time.monotonic), time.monotonic, QUICK)
+
+
+def wait_for(
+    reader: LatestFrame, wanted: Callable[[CameraStatus], bool], timeout_s: float = 20.0
+) -> CameraStatus:
+    """The status as soon as it is what was wanted; frames are taken meanwhile."""
+    end_s = time.monotonic() + timeout_s
+    while time.monotonic() < end_s:
+        reader.take(0.02)
+        status = reader.status()
+        if wanted(status):
+            return status
+    pytest.fail(f"still {reader.status()}")
+
+
+def test_frames_come_in_order_at_the_rate_served(server: MjpegServer) -> None:
+    camera = camera_for(server.url, clock=time.monotonic)
+    camera.open()
+    frames = [camera.read(1.0) for _ in range(30)]
+    camera.close()
+    greys = [int(f.image[40, 50].mean()) for f in frames if f is not None]
+    assert len(greys) == 30
+    steps = [(b - a) % 200 for a, b in pairwise(greys)]
+    assert all(3 <= step <= 7 for step in steps), greys
+    assert [f.sequence for f in frames if f is not None] == list(range(30))
+    # FFmpeg's first frames come in a burst, and a busy machine is late.
+    assert 0.4 * RATE_HZ < camera.rate_hz < 2.5 * RATE_HZ
+
+
+def test_a_stream_that_falls_silent_is_noticed_at_once_and_taken_up_again(
+    server: MjpegServer,
+) -> None:
+    with reader_of(server) as reader:
+        wait_for(reader, lambda s: s.state == "running" and s.captured > 3)
+        server.mode = "stalled"
+        begin_s = time.monotonic()
+        status = wait_for(reader, lambda s: s.state == "stalled")
+        assert time.monotonic() - begin_s < 3.0
+        assert "no picture for" in status.reason
+        server.mode = "live"
+        wait_for(reader, lambda s: s.state == "running" and s.age_s is not None and s.age_s < 0.3)
+
+
+def test_a_frozen_stream_is_noticed_and_opened_again(server: MjpegServer) -> None:
+    with reader_of(server) as reader:
+        wait_for(reader, lambda s: s.state == "running" and s.captured > 3)
+        server.mode = "frozen"
+        status = wait_for(reader, lambda s: s.state == "frozen")
+        assert "the camera is frozen; trying again in" in status.reason
+        server.mode = "live"
+        status = wait_for(reader, lambda s: s.state == "running")
+        assert status.reopened >= 1
+
+
+def test_a_lost_stream_is_tried_again_with_growing_pauses_until_it_is_back(
+    server: MjpegServer,
+) -> None:
+    with reader_of(server) as reader:
+        wait_for(reader, lambda s: s.state == "running" and s.captured > 3)
+        server.mode = "lost"
+        wait_for(reader, lambda s: s.state == "lost" and s.reopened >= 3)
+        assert "trying again in 0.4 s" in wait_for(reader, lambda s: "0.4" in s.reason).reason
+        before = server.connections
+        server.mode = "live"
+        wait_for(reader, lambda s: s.state == "running")
+        assert server.connections > before
