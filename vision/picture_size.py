@@ -23,7 +23,9 @@ def oversize(data: bytes) -> str:
         return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
     longest = _longest_chunk(data) if data.startswith(_PNG) else 0
     if longest > len(data):
-        return f"a damaged picture: a part of {longest} bytes in a file of {len(data)}"
+        return (
+            f"not a picture that can be decoded: a part of {longest} bytes in a file of {len(data)}"
+        )
     return ""
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from itertools import pairwise
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 
 import pytest
 
