@@ -156,6 +156,16 @@ def _simulation_has_one_arena(simulation: Any) -> _Found:
         yield ("simulation", "arena_text"), "must not be given beside an arena file"
 
 
+def _simulated_robots_are_known(other_robots: Any, simulation: Any) -> _Found:
+    known = {other.marker_id for other in other_robots}
+    for index, one in enumerate(() if simulation is None else simulation.other_robots):
+        if one.marker_id not in known:
+            yield (
+                ("simulation", "other_robots", index, "marker_id"),
+                f"{one.marker_id} is none of other_robots: {sorted(known) or 'there are none'}",
+            )
+
+
 def _lease_outlives_the_pose(safety: Any) -> _Found:
     if safety.lease_s < safety.pose_stale_s:
         yield (
@@ -189,6 +199,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
+    (("other_robots", "simulation"), _simulated_robots_are_known),
     (("safety",), _lease_outlives_the_pose),
     (("dashboard",), _strangers_need_a_token),
 )

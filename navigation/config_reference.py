@@ -134,6 +134,9 @@ def _starter_field(
             yield from _starter_field(key, part, value or {}, indent + "  ")
     else:
         yield from _commented(f"# {indent}{name}:", field)
+        if "tuple" in str(field.annotation):
+            for number, (key, part) in enumerate(model.model_fields.items()):
+                yield from _commented(f"# {indent}  {' ' if number else '-'} {key}:", part)
 
 
 def _starter_value(name: str, field: FieldInfo, value: Any, indent: str) -> Iterator[str]:

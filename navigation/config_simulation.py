@@ -5,7 +5,7 @@ Units as in `config_sections`: SI in the names, angles in degrees, pictures in p
 
 from __future__ import annotations
 
-from pydantic import Field
+from pydantic import Field, StrictBool
 
 from navigation.config_values import (
     Count,
@@ -13,6 +13,7 @@ from navigation.config_values import (
     NeighbourFile,
     NotNegative,
     Number,
+    Place,
     Pose,
     Positive,
     RelativeError,
@@ -74,6 +75,30 @@ class SimulatedRobotSection(Section):
     )
 
 
+class SimulatedTrackSection(Section):
+    """Where one of ``other_robots`` drives by itself, standing to turn at each place."""
+
+    marker_id: Count = Field(description="which of other_robots it is")
+    track: tuple[Place, ...] = Field(
+        min_length=1, description="the places it drives through; one alone: it stands there"
+    )
+    speed_m_s: Positive = Field(default=0.2, description="how fast it drives")
+    start_s: NotNegative = Field(default=0.0, description="when it sets off, after the beginning")
+    back_and_forth: StrictBool = Field(
+        default=False, description="whether it drives back at the end, and so on for ever"
+    )
+
+
+class SimulatedObstacleSection(Section):
+    """An obstacle that is not always there; moving one: two that follow each other."""
+
+    record: Text = Field(
+        description="one record of the scene text, metres: 'C (1.2,0.9) 0.08' or 'L 3 (..) ..'"
+    )
+    from_s: NotNegative = Field(default=0.0, description="when it appears, after the beginning")
+    until_s: Positive | None = Field(default=None, description="when it vanishes; empty: never")
+
+
 class SimulationSection(Section):
     """The simulated world; ignored where camera and port are real."""
 
@@ -89,4 +114,10 @@ class SimulationSection(Section):
     )
     robot: SimulatedRobotSection = Field(
         default=SimulatedRobotSection(), description="the simulated robot's errors"
+    )
+    other_robots: tuple[SimulatedTrackSection, ...] = Field(
+        default=(), description="how the other robots drive; one without a track is not there"
+    )
+    obstacles: tuple[SimulatedObstacleSection, ...] = Field(
+        default=(), description="obstacles that come and go"
     )

@@ -6,7 +6,7 @@ is: newest frame -> eye -> pilot -> orders to the planner and the link. It runs 
 and at least every ``LONGEST_CYCLE_S`` without one, so that a lost camera stops the robot too.
 The lease that lets the robot move is given by this loop only: should it hang, the robot stops.
 
-The clock is passed in; only the running program (runner, warm-up, command line) reads it.
+The clock is the world's: real, or virtual in a simulation that runs as fast as it can.
 Units: metres, radians, seconds.
 """
 
@@ -14,9 +14,8 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final
@@ -27,20 +26,20 @@ from navigation.config import Config
 from navigation.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
 from navigation.eye import Eye, Glimpse
 from navigation.journal import Journal, SentPlan
+from navigation.link_snapshot import LinkSnapshot
 from navigation.mission import Mission, State, Station
+from navigation.parts import Surroundings
 from navigation.pilot import Pilot
-from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
+from navigation.planning import ArenaPlanner, SceneCheck
 from navigation.recording_events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
-from navigation.serial_link import LinkSnapshot, SerialLink
 from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
 from navigation.targets import to_wire
+from navigation.track import Track
 from navigation.watch import Verdict
-from navigation.world import World
 from planner.path import NoPath, Path, Trajectory
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera import Frame
-from vision.latest_frame import LatestFrame
 from vision.markers import MarkerTracker, RobotPose
 
 if TYPE_CHECKING:
@@ -48,6 +47,7 @@ if TYPE_CHECKING:
 
 LONGEST_CYCLE_S: Final = 0.05
 LEASE_EVERY_S: Final = 0.08
+PLANS_KEPT: Final = 200
 STOP_GRACE_S: Final = 0.35
 """On top of the time that braking takes, for the last words on the wire."""
 
@@ -110,33 +110,32 @@ class Daemon:
     def __init__(
         self,
         config: Config,
-        world: World,
+        world: Surroundings,
         *,
-        clock: Callable[[], float] = time.monotonic,
         first_mission_id: int,
         journal: Journal | None = None,
         recorder: Recorder | None = None,
     ) -> None:
         self.config, self.world = config, world
-        self._clock = clock
+        self._clock = world.clock
         self._bounds = Bounds(*config.arena.bounds_m)
         self.pilot = Pilot(pilot_settings(config), first_mission_id)
-        self.link = SerialLink(world.port, config.serial.baud, clock=clock)
-        self.camera = LatestFrame(world.open_camera, clock)
+        self.link = world.make_link()
+        self.camera = world.make_frames()
         self._eye = Eye(
             world.calibration,
             MarkerTracker(world.calibration, marked_robots(config), config.robot.dictionary),
             eye_settings(config),
         )
         self._arena_planner = ArenaPlanner(plan_settings(config))
-        self._planner = PlannerThread(self._arena_planner, self._on_scene, self._on_answer)
+        self._planner = world.make_planner(self._arena_planner, self._on_scene, self._on_answer)
         self._lock = threading.Lock()
         self._answers: deque[PlanAnswer] = deque(maxlen=1)
         self._checks: deque[SceneCheck] = deque()
         self.scene: Scene | None = None
         self.pose: RobotPose | None = None
-        self.plans: list[DrivenPlan] = []
-        self.sightings: list[tuple[float, float, float, float]] = []
+        self.plans: deque[DrivenPlan] = deque(maxlen=PLANS_KEPT)
+        self.sightings = Track()
         self.processed = 0
         self.state: DaemonState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
@@ -144,7 +143,7 @@ class Daemon:
         self._poses: Mapping[int, RobotPose] = {}
         self._times = StageTimes()
         self._scene_s = self._asked_s = 0.0
-        self.started_s = clock()
+        self.started_s = self._clock()
         self._revision = 0
         self._known_revision = 0
         self._frame_s = -math.inf
@@ -158,7 +157,7 @@ class Daemon:
     # Life.
 
     def __enter__(self) -> Daemon:
-        self.world.__enter__()
+        self.world.start()
         try:
             self.link.open()
             self.camera.start()
@@ -179,7 +178,7 @@ class Daemon:
         self.camera.stop()
         self._planner.stop()
         self.link.close()
-        self.world.__exit__(kind, error, trace)
+        self.world.stop()
 
     def _let_the_robot_stop(self) -> None:
         """Withdraw the lease and wait until the robot says that it stands, or should by now."""
@@ -189,7 +188,7 @@ class Daemon:
         braking_s = self.config.robot.speed_m_s / self.config.robot.acceleration_m_s2
         until_s = self._clock() + braking_s + STOP_GRACE_S
         while self._clock() < until_s and self.link.snapshot().moving:
-            threading.Event().wait(0.01)
+            self.world.wait(0.01)
 
     # Orders from people.
 
@@ -301,7 +300,7 @@ class Daemon:
         if pose is not None:
             self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
             self.pose = pose
-            self.sightings.append((pose.captured_s, pose.x, pose.y, pose.heading_rad))
+            self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene

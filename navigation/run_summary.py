@@ -64,7 +64,7 @@ def driven_track(daemon: Daemon) -> FloatArray:
     """(n, 4) of seconds, x_m, y_m, heading_rad: the truth where simulated, else the sightings."""
     if daemon.world.truth is not None:
         return daemon.world.truth.track()
-    return np.array(daemon.sightings, dtype=np.float64).reshape(-1, 4)
+    return daemon.sightings.rows()
 
 
 def make_run_folder(runs_dir: Path, now: datetime) -> Path:
@@ -107,15 +107,16 @@ def _least_clearance_m(daemon: Daemon, track: FloatArray) -> float | None:
     if not len(track):
         return None
     if daemon.world.truth is not None:
-        return daemon.world.truth.arena.track_clearance(track[:, 1:3])[0]
+        return daemon.world.truth.track_clearance(track)
     return None if daemon.roadmap is None else daemon.roadmap.path_clearance(track[:, 1:3]).distance
 
 
 def _tracking(daemon: Daemon, track: FloatArray) -> FloatArray:
     """Each position's distance from the plan that was driven at its time."""
     errors = []
-    ends = [*(plan.since_s for plan in daemon.plans[1:]), math.inf]
-    for plan, end_s in zip(daemon.plans, ends, strict=False):
+    plans = list(daemon.plans)
+    ends = [*(plan.since_s for plan in plans[1:]), math.inf]
+    for plan, end_s in zip(plans, ends, strict=False):
         rows = track[(track[:, 0] >= plan.since_s) & (track[:, 0] < end_s)]
         errors.append(tracking_error(rows[:, 1:3], plan.path.points))
     return np.concatenate(errors) if errors else np.empty(0)

@@ -9,17 +9,19 @@ from __future__ import annotations
 import random
 import shlex
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from types import TracebackType
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from navigation.config import Config
 from navigation.config_sections import SIMULATED
+from navigation.cycle import PlanAnswer
+from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
+from navigation.serial_link import SerialLink
 from navigation.simulator.arena import SimulatedArena, load_arena
-from navigation.simulator.camera import make_camera
+from navigation.simulator.camera import SimulatedCamera, make_camera
 from navigation.simulator.emulated_robot import EmulatedRobot
+from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
 from navigation.simulator.pinhole import pinhole_of
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.settings import (
@@ -28,29 +30,18 @@ from navigation.simulator.settings import (
     faults_of,
     true_start_of,
 )
-from planner.scene import FloatArray
+from navigation.truth import Truth
 from vision.calibration import Calibration
 from vision.calibration_file import load_calibration
 from vision.camera import Camera
+from vision.latest_frame import LatestFrame
 from vision.sources import camera_for
 
 Clock = Callable[[], float]
 
 
-@dataclass(frozen=True, slots=True)
-class Truth:
-    """What only a simulation can know."""
-
-    arena: SimulatedArena
-    robot: SimulatedRobot | EmulatedRobot
-
-    def track(self) -> FloatArray:
-        """Where the robot really was: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
-        return self.robot.track()
-
-
 class World:
-    """Opens what the configuration names; a context manager that switches the robot on and off."""
+    """Makes what the configuration names, in real time; `start` switches the robot on."""
 
     def __init__(self, config: Config, clock: Clock = time.monotonic) -> None:
         self.config = config
@@ -58,13 +49,17 @@ class World:
         self.truth: Truth | None = None
         simulated_port = config.serial.port == SIMULATED
         simulated_camera = config.camera.source == SIMULATED
+        self._robot: SimulatedRobot | EmulatedRobot | None = None
+        self._arenas: list[tuple[float, SimulatedArena]] = []
+        self._tracks = tracks_of(config)
+        if simulated_port or simulated_camera:
+            self._arenas = arenas_over_time(config, load_arena(config))
         if simulated_port:
-            self.truth = Truth(load_arena(config), self._make_robot())
-        self._arena = self.truth.arena if self.truth else None
-        if simulated_camera and self._arena is None:
-            self._arena = load_arena(config)
-        self.port = self.truth.robot.port if self.truth else config.serial.port
-        self.calibration = self._calibrate()
+            self._robot = self._make_robot()
+            self.truth = Truth(self._arenas, self._robot, others_of(config, self._tracks))
+        self._began_s = clock()
+        self.port = config.serial.port if self._robot is None else self._robot.port
+        self.calibration = calibration_of(config)
 
     def _make_robot(self) -> SimulatedRobot | EmulatedRobot:
         simulation = self.config.simulation
@@ -89,20 +84,38 @@ class World:
             clock=self._clock,
         )
 
-    def _calibrate(self) -> Calibration:
-        camera = self.config.camera
-        if camera.calibration is not None:
-            return load_calibration(camera.calibration)
-        if camera.metres_per_pixel is not None:
-            return Calibration.from_scale(camera.metres_per_pixel, camera.size_px)
-        return pinhole_of(self.config).calibration()
+    def clock(self) -> float:
+        """Monotonic seconds."""
+        return self._clock()
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        time.sleep(seconds)
+
+    def make_frames(self) -> LatestFrame:
+        """The camera in a thread of its own."""
+        return LatestFrame(self.open_camera, self._clock)
+
+    def make_link(self) -> SerialLink:
+        """The serial link in a thread of its own."""
+        return SerialLink(self.port, self.config.serial.baud, clock=self._clock)
+
+    def make_planner(
+        self,
+        arena_planner: ArenaPlanner,
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[PlanAnswer], None],
+    ) -> PlannerThread:
+        """The planner in a thread of its own."""
+        return PlannerThread(arena_planner, on_scene, on_answer)
 
     def open_camera(self) -> Camera:
         """A new camera, closed; the same source each time."""
         camera = self.config.camera
         if camera.source == SIMULATED:
-            assert self._arena is not None
-            return make_camera(self.config, self._arena, self._pose_now, self._clock)
+            return camera_over(
+                self.config, self._arenas, self._tracks, self._pose_now, self._clock, self._began_s
+            )
         return camera_for(
             camera.source,
             clock=self._clock,
@@ -112,20 +125,70 @@ class World:
         )
 
     def _pose_now(self) -> tuple[float, float, float]:
-        if self.truth is not None:
-            return self.truth.robot.pose()
+        if self._robot is not None:
+            return self._robot.pose()
         return true_start_of(self.config)
 
-    def __enter__(self) -> World:
+    def start(self) -> None:
+        """Switch the simulated robot on; what happens in the arena counts from here."""
+        self._began_s = self._clock()
         if self.truth is not None:
-            self.truth.robot.start()
-        return self
+            self.truth.began_s = self._began_s
+        if self._robot is not None:
+            self._robot.start()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if self.truth is not None:
-            self.truth.robot.stop()
+    def stop(self) -> None:
+        """Switch it off."""
+        if self._robot is not None:
+            self._robot.stop()
+
+
+def others_of(
+    config: Config, tracks: Mapping[int, ScriptedTrack]
+) -> dict[int, tuple[ScriptedTrack, float]]:
+    """By marker id: the track and the body's radius of each other robot that is there."""
+    return {
+        one.marker_id: (tracks[one.marker_id], one.radius_m)
+        for one in config.other_robots
+        if one.marker_id in tracks
+    }
+
+
+def camera_over(
+    config: Config,
+    arenas: Sequence[tuple[float, SimulatedArena]],
+    tracks: Mapping[int, ScriptedTrack],
+    pose_now: Callable[[], tuple[float, float, float]],
+    clock: Clock,
+    began_s: float,
+    wait: Callable[[float], None] = time.sleep,
+) -> SimulatedCamera:
+    """The simulated camera above an arena in which things happen."""
+
+    def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:
+        return lambda: track.pose(clock() - began_s)
+
+    now_s = clock() - began_s
+    past = [arena for from_s, arena in arenas if from_s <= now_s]
+    return make_camera(
+        config,
+        past[-1],
+        pose_now,
+        clock,
+        wait,
+        [
+            follow(tracks[one.marker_id]) if one.marker_id in tracks else None
+            for one in config.other_robots
+        ],
+        [(began_s + from_s, arena.scene) for from_s, arena in arenas if from_s > now_s],
+    )
+
+
+def calibration_of(config: Config) -> Calibration:
+    """The configured calibration; a simulated camera's true values where there is none."""
+    camera = config.camera
+    if camera.calibration is not None:
+        return load_calibration(camera.calibration)
+    if camera.metres_per_pixel is not None:
+        return Calibration.from_scale(camera.metres_per_pixel, camera.size_px)
+    return pinhole_of(config).calibration()

@@ -5,9 +5,9 @@ simulated: dark obstacles lie flat on a light, unevenly lit floor; a robot is an
 cylinder with its marker on top, seen in perspective through a distorting lens; then come the
 lens's blur and the sensor's noise.
 
-How it is fast enough: floor and obstacles are drawn once; a frame adds the robots' patches
-and a window of ready-made noise. `captured_s` is the moment of the exposure, at which the
-robots' true poses are asked for.
+How it is fast enough: floor and obstacles are drawn once; a frame adds a window of ready-made
+noise while it waits for its time, and then the robots' patches. `captured_s` is the moment of
+the exposure, at which the robots' true poses are asked for.
 """
 
 from __future__ import annotations
@@ -93,6 +93,7 @@ class SimulatedCamera:
         self._next_s = 0.0
         self._sequence = 0
         self._background = self._arena_painter.picture(scene)
+        self._to_come: list[tuple[float, Image]] = []
 
     @property
     def state(self) -> SourceState:
@@ -134,12 +135,14 @@ class SimulatedCamera:
         if delay_s > timeout_s:
             self._wait(timeout_s)
             return None
+        floor = self._floor(self._rng)
+        delay_s = self._next_s - self._clock()
         if delay_s > 0.0:
             self._wait(delay_s)
         captured_s = self._clock()
         late = max(0, int((captured_s - self._next_s) / self._period_s))
         self._next_s += (late + 1) * self._period_s
-        image = self.render([body.pose_now() for body in self._bodies], self._rng)
+        image = self._with_robots(floor, [body.pose_now() for body in self._bodies])
         if self._latency_s > 0.0:
             self._wait(max(0.0, captured_s + self._latency_s - self._clock()))
         self._meter.add(captured_s)
@@ -152,22 +155,58 @@ class SimulatedCamera:
         with self._lock:
             self._background = background
 
+    def follow(self, scenes: Sequence[tuple[float, Scene]]) -> None:
+        """Show other scenes, each from its moment of the clock on; they are drawn here."""
+        drawn = [(from_s, self._arena_painter.picture(scene)) for from_s, scene in scenes]
+        with self._lock:
+            self._to_come = sorted(drawn, key=lambda item: item[0])
+
     def render(self, poses: Sequence[TruePose], rng: np.random.Generator | None) -> Image:
         """The picture (h, w) with the robots at ``poses``; without noise where ``rng`` is None."""
+        return self._with_robots(self._floor(rng), poses)
+
+    def _floor(self, rng: np.random.Generator | None) -> _Floor:
+        """The arena without robots, as far as it can be drawn before the exposure."""
+        now_s = self._next_s  # when it will be exposed
         with self._lock:
-            picture = self._background.copy()
-        for painter, pose in zip(self._robot_painters, poses, strict=True):
+            while self._to_come and self._to_come[0][0] <= now_s:
+                self._background = self._to_come.pop(0)[1]
+            background = self._background
+        if rng is None or self._look.noise_grey == 0.0:
+            return _Floor(background.copy(), background, None)
+        height, width = background.shape
+        down, right = rng.integers(0, NOISE_MARGIN_PX, 2)
+        noise = self._noise[:, down : down + height, right : right + width]
+        return _Floor(_noisy(background, noise), background, noise)
+
+    def _with_robots(self, floor: _Floor, poses: Sequence[TruePose]) -> Image:
+        picture, noise = floor.picture, floor.noise
+        painted = list(zip(self._robot_painters, poses, strict=True))
+        boxes = [painter.box(pose, picture.shape) for painter, pose in painted]
+        parts = [np.s_[box[1] : box[3], box[0] : box[2]] for box in boxes if box is not None]
+        for part in parts:
+            picture[part] = floor.background[part]
+        for painter, pose in painted:
             painter.paint(picture, pose)
-        if rng is not None and self._look.noise_grey > 0.0:
-            self._add_noise(picture, rng)
+        if noise is not None:
+            clean = [picture[part].copy() for part in parts]  # two robots' boxes may overlap
+            for part, pixels in zip(parts, clean, strict=True):
+                picture[part] = _noisy(pixels, noise[:, *part])
         return picture
 
-    def _add_noise(self, picture: Image, rng: np.random.Generator) -> None:
-        height, width = picture.shape
-        down, right = rng.integers(0, NOISE_MARGIN_PX, 2)
-        brighter, darker = self._noise[:, down : down + height, right : right + width]
-        cv2.add(picture, brighter, dst=picture)
-        cv2.subtract(picture, darker, dst=picture)
+
+@dataclass(frozen=True, slots=True)
+class _Floor:
+    """A picture without robots: with noise, without it, and the noise itself (2, h, w)."""
+
+    picture: Image
+    background: Image
+    noise: NDArray[np.uint8] | None
+
+
+def _noisy(picture: Image, noise: NDArray[np.uint8]) -> Image:
+    brighter = cv2.add(picture, noise[0])
+    return np.asarray(cv2.subtract(brighter, noise[1], dst=brighter), dtype=np.uint8)
 
 
 def _noise_bank(
@@ -193,11 +232,13 @@ def make_camera(
     pose_now: PoseNow,
     clock: Clock,
     wait: Wait = time.sleep,
-    others: Sequence[PoseNow] = (),
+    others: Sequence[PoseNow | None] = (),
+    scenes: Sequence[tuple[float, Scene]] = (),
 ) -> SimulatedCamera:
     """The simulated camera of a configuration.
 
-    ``others`` say where each of ``config.other_robots`` is; without them none is drawn.
+    ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
+    is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
     Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config)
@@ -207,7 +248,9 @@ def make_camera(
     turn_rad = float(np.deg2rad(robot.marker_turn_deg))
     seen: list[tuple[MarkerSection, PoseNow, float]] = [(robot, pose_now, turn_rad)]
     seen += [
-        (other, pose, 0.0) for other, pose in zip(config.other_robots, others, strict=bool(others))
+        (other, pose, 0.0)
+        for other, pose in zip(config.other_robots, others, strict=bool(others))
+        if pose is not None
     ]
     bodies = [
         SimulatedBody(
@@ -217,7 +260,9 @@ def make_camera(
         for one, pose, turn in seen
     ]  # fmt: skip
     look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
-    return SimulatedCamera(
+    camera = SimulatedCamera(
         pinhole, arena.scene, bodies, look, clock, wait,
         config.camera.rate_hz, settings.latency_s, config.simulation.seed,
     )  # fmt: skip
+    camera.follow(scenes)
+    return camera

@@ -140,12 +140,22 @@ class RobotPainter:
             ]
         )
 
+    def box(
+        self, pose: tuple[float, float, float], shape: tuple[int, ...]
+    ) -> tuple[int, int, int, int] | None:
+        """The pixels that the robot may touch: x0, y0, x1, y1; None where it is out of sight."""
+        return box_around(self._rims_seen(pose), shape)
+
+    def _rims_seen(self, pose: tuple[float, float, float]) -> FloatArray:
+        """Pixels (256, 2) of the lower and the upper rim."""
+        x, y, _ = pose
+        return self._pinhole.image_from_arena(self._rims + np.array([x, y, 0.0]))
+
     def paint(self, picture: Image, pose: tuple[float, float, float]) -> None:
         """Draw the robot at (x, y, heading) into ``picture``, in place."""
-        x, y, _ = pose
-        rims = self._pinhole.image_from_arena(self._rims + np.array([x, y, 0.0]))
+        rims = self._rims_seen(pose)
         hull = cv2.convexHull(rims.astype(np.float32)).reshape(-1, 2).astype(np.float64)
-        box = box_around(hull, picture.shape)
+        box = box_around(rims, picture.shape)
         if box is None:
             return
         x0, y0, x1, y1 = box

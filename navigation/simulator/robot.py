@@ -31,6 +31,7 @@ from navigation.serial_port import open_port
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.virtual_loop import PacedLine
+from navigation.track import Track
 
 PHYSICS_S = 0.002
 CONTROL_EVERY = 5
@@ -87,8 +88,7 @@ class SimulatedRobot:
         self._unsent = b""
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
-        self._lock = threading.Lock()
-        self._track: list[tuple[float, float, float, float]] = []
+        self._track = Track()
         self._serial: serial.Serial | None = None
         self._slave = -1
         if port is None:
@@ -156,8 +156,7 @@ class SimulatedRobot:
 
     def track(self) -> NDArray[np.float64]:
         """Where it has been: (n, 4) of time, x_m, y_m, heading_rad, every 20 ms."""
-        with self._lock:
-            return np.array(self._track, dtype=np.float64).reshape(-1, 4)
+        return self._track.rows()
 
     def press_estop(self) -> None:
         """Press the emergency stop on the robot itself."""
@@ -231,8 +230,7 @@ class SimulatedRobot:
             self._wheels = self._robot.controller.wheels
         self._drive.step(PHYSICS_S, self._wheels)
         if self._steps % (2 * CONTROL_EVERY) == 0:
-            with self._lock:
-                self._track.append((now_s, *self._drive.pose))
+            self._track.add(now_s, *self._drive.pose)
 
     def _look(self) -> RobotView:
         control = self._robot.controller

@@ -1,0 +1,166 @@
+"""What the control loop needs of camera, planner, link and world: each runs in two kinds of time.
+
+In real time they are threads (`vision.latest_frame`, `planning.PlannerThread`,
+`serial_link.SerialLink`); in virtual time (`simulator.virtual_world`) the same code without
+threads, so that a run takes a fraction of its time and is the same every time. Seconds of the
+world's clock, metres, radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Protocol
+
+from firmware_protocol.messages import Waypoint
+from navigation.config import Config
+from navigation.cycle import PlanAnswer, PlanRequest
+from navigation.link_snapshot import LinkSnapshot
+from navigation.planning import ArenaPlanner, SceneCheck
+from planner.scene import FloatArray, Scene
+from vision.calibration import Calibration
+from vision.camera import Frame
+from vision.latest_frame import CameraStatus
+
+if TYPE_CHECKING:
+    from navigation.truth import Truth
+
+
+class Frames(Protocol):
+    """The newest frame of a camera that is opened again when it fails."""
+
+    @property
+    def turns(self) -> int:
+        """Grows while it works, or waits for work as it should."""
+        ...
+
+    def start(self) -> None:
+        """Begin to read the camera."""
+
+    def stop(self) -> None:
+        """Close it."""
+
+    def take(self, timeout_s: float) -> Frame | None:
+        """The newest frame that was not yet taken, waiting for it."""
+
+    def status(self) -> CameraStatus:
+        """What the camera is doing now."""
+        ...
+
+
+class Link(Protocol):
+    """The link to the robot; `SerialLink` says what its members mean."""
+
+    @property
+    def turns(self) -> int:
+        """Grows while it works, or waits for work as it should."""
+        ...
+
+    @property
+    def capture_to_wire_s(self) -> Sequence[float]:
+        """How old pose fixes were when they were sent."""
+        ...
+
+    def open(self) -> None:
+        """Open the port."""
+
+    def close(self) -> None:
+        """Close it."""
+
+    def upload(self, mission: int, waypoints: Sequence[Waypoint]) -> object:
+        """Replace the robot's mission and drive it."""
+
+    def pause(self) -> None:
+        """Stop under control and keep the mission."""
+
+    def clear(self) -> None:
+        """Stop under control and drop the mission."""
+
+    def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
+        """The control loop lives, and the robot may drive."""
+
+    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
+        """Where the camera saw the robot."""
+
+    def estop(self) -> None:
+        """Emergency stop."""
+
+    def reset_estop(self) -> None:
+        """Leave the emergency stop."""
+
+    def snapshot(self) -> LinkSnapshot:
+        """The present state."""
+        ...
+
+
+class PlannerPart(Protocol):
+    """Something that builds roadmaps and answers requests beside the control loop."""
+
+    @property
+    def turns(self) -> int:
+        """Grows while it works, or waits for work as it should."""
+        ...
+
+    def start(self) -> None:
+        """Begin."""
+
+    def stop(self) -> None:
+        """End."""
+
+    def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
+        """Hand over a new scene, and the path that the robot is on."""
+
+    def ask(self, request: PlanRequest) -> None:
+        """Hand over a request."""
+
+    def check(self) -> None:
+        """Raise the error that ended it, if one did."""
+
+
+class Surroundings(Protocol):
+    """What a run is connected to; opens and closes the simulated robot."""
+
+    @property
+    def config(self) -> Config:
+        """What was asked for."""
+        ...
+
+    @property
+    def truth(self) -> Truth | None:
+        """What only a simulation can know."""
+        ...
+
+    @property
+    def calibration(self) -> Calibration:
+        """Where pixels lie on the floor."""
+        ...
+
+    def clock(self) -> float:
+        """Monotonic seconds."""
+        ...
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+
+    def make_frames(self) -> Frames:
+        """The camera."""
+        ...
+
+    def make_link(self) -> Link:
+        """The link to the robot."""
+        ...
+
+    def make_planner(
+        self,
+        arena_planner: ArenaPlanner,
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[PlanAnswer], None],
+    ) -> PlannerPart:
+        """The planner."""
+        ...
+
+    def start(self) -> None:
+        """Switch a simulated robot on."""
+
+    def stop(self) -> None:
+        """Switch it off."""

@@ -1,0 +1,38 @@
+"""A whole run in virtual time: as fast as the machine goes, and the same every time."""
+
+from __future__ import annotations
+
+from navigation.config import Config
+from navigation.daemon import Daemon
+from navigation.mission import State
+from navigation.report import Report
+from navigation.run_summary import summarise
+from navigation.simulator.virtual_world import VirtualTimes, VirtualWorld
+from navigation.stages import stations_of
+
+FIRST_MISSION_ID = 1
+
+
+def run_virtually(config: Config, times: VirtualTimes | None = None) -> Report:
+    """Drive the configured mission until it is over or its time limit; the report of the run.
+
+    Everything random comes from ``simulation.seed``. Raises ValueError without a section
+    ``simulation``.
+    """
+    if config.simulation is None:
+        raise ValueError("a run in virtual time needs a section 'simulation'")
+    world = VirtualWorld(config, times)
+    with Daemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
+        stations = stations_of(config)
+        if stations:
+            daemon.give(stations, any_order=config.mission.order == "best")
+        while True:
+            now = daemon.cycle()
+            if now.mission.is_over or not stations:
+                state, reason = now.mission.state, now.sentence
+                break
+            if now.time_s > config.simulation.time_limit_s:
+                limit_s = config.simulation.time_limit_s
+                state, reason = State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
+                break
+        return summarise(daemon, state, reason, world.clock() - daemon.started_s)

@@ -1,0 +1,397 @@
+"""The running program's world in virtual time: the same parts without threads or waiting.
+
+Time passes only where the control loop waits for a frame: then bytes travel, the robot drives,
+and the simulated camera gives its pictures, through the same `LatestFrame`, host's end, robot's
+end and drive model as in real time. What computing takes is given in `VirtualTimes`, so that a
+run is the same on every machine and every time. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+from firmware_protocol.messages import ResetCause, StopReason, Waypoint
+from firmware_protocol.mission import Mission
+from navigation.config import Config
+from navigation.cycle import PlanAnswer, PlanRequest
+from navigation.link_snapshot import LinkSnapshot, snapshot_of
+from navigation.planning import ArenaPlanner, SceneCheck
+from navigation.simulator.arena import load_arena
+from navigation.simulator.drive_model import TruePose
+from navigation.simulator.happenings import arenas_over_time, tracks_of
+from navigation.simulator.settings import (
+    drive_model_of,
+    drive_settings_of,
+    faults_of,
+    true_start_of,
+)
+from navigation.simulator.virtual_loop import VirtualLoop
+from navigation.track import Track
+from navigation.truth import Truth
+from navigation.world import calibration_of, camera_over, others_of
+from planner.scene import FloatArray, Scene
+from vision.camera import Camera, CameraError, Frame, SourceState
+from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits
+
+LATENCIES_KEPT = 10_000
+WATCH_EVERY_S = 0.005
+"""How long a read of the camera may keep the control loop waiting."""
+ROBOT_EVERY = 2
+"""Every second of the loop's 10 ms is kept in the robot's track."""
+
+
+@dataclass(frozen=True, slots=True)
+class VirtualTimes:
+    """What the parts take in virtual time: a picture's vision, a new scene, a plan."""
+
+    look_s: float = 0.008
+    scene_s: float = 0.03
+    plan_s: float = 0.03
+
+
+@dataclass(slots=True)
+class Troubles:
+    """What a test may switch while a run goes on; everything is well in the beginning."""
+
+    camera_lost: bool = False
+    """Reading fails, and so does opening it again."""
+    camera_silent: bool = False
+    """It gives no picture any more, without an error."""
+    marker_hidden: bool = False
+    port_broken: bool = False
+    """The port is gone: nothing passes, and it cannot be opened."""
+    cable_out: bool = False
+    """Nothing passes in either direction, without an error."""
+    carried_to: tuple[float, float, float] | None = None
+    """Somebody takes the robot and puts it there, once."""
+
+
+class VirtualWorld:
+    """`parts.Surroundings` in virtual time.
+
+    The robot and the line stay when a daemon ends: another may come, as after a restart.
+    """
+
+    def __init__(self, config: Config, times: VirtualTimes | None = None) -> None:
+        assert config.simulation is not None
+        self.config = config
+        self.times = times or VirtualTimes()
+        self.troubles = Troubles()
+        self.loop = VirtualLoop(
+            seed=config.simulation.seed,
+            faults=faults_of(config),
+            model=drive_model_of(config),
+            settings=drive_settings_of(config),
+            start=true_start_of(config),
+            baud=config.serial.baud,
+        )
+        self.loop.knobs.camera = self.loop.knobs.lease = False
+        self._arenas = arenas_over_time(config, load_arena(config))
+        self._tracks = tracks_of(config)
+        self.calibration = calibration_of(config)
+        self.robot = VirtualRobot(self.loop)
+        self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
+        self.port = "virtual"
+        self._due: list[tuple[float, Callable[[], None]]] = []
+        self._faults_to_come = faults_of(config)
+
+    # Time.
+
+    def clock(self) -> float:
+        """Virtual seconds."""
+        return self.loop.now_s
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass: bytes travel, the robot drives, and what is due is done."""
+        end_s = self.loop.now_s + seconds
+        while self.loop.now_s < end_s - 1e-9:
+            self._meet_troubles()
+            self.loop.tick()
+            for item in [item for item in self._due if item[0] <= self.loop.now_s]:
+                self._due.remove(item)
+                item[1]()
+        self.robot.keep_track()
+        self.loop.events.clear()
+
+    def after(self, seconds: float, call: Callable[[], None]) -> None:
+        """Have something done when so much time has passed."""
+        self._due.append((self.loop.now_s + seconds, call))
+
+    def _meet_troubles(self) -> None:
+        loop, troubles, faults = self.loop, self.troubles, self._faults_to_come
+        loop.knobs.cable = not (troubles.cable_out or troubles.port_broken)
+        since_s = loop.now_s - self.truth.began_s
+        loop.knobs.frozen = 0.0 <= since_s - faults.freeze_at_s < faults.freeze_s
+        if since_s >= faults.reset_at_s:
+            self._faults_to_come = replace(faults, reset_at_s=math.inf)
+            loop.boot(ResetCause.EXTERNAL)
+        if troubles.carried_to is not None:
+            loop.drive.pose = TruePose(*troubles.carried_to)
+            troubles.carried_to = None
+
+    # The parts.
+
+    def make_frames(self) -> VirtualFrames:
+        """The camera."""
+        return VirtualFrames(self)
+
+    def make_link(self) -> VirtualLink:
+        """The link to the robot."""
+        return VirtualLink(self)
+
+    def make_planner(
+        self,
+        arena_planner: ArenaPlanner,
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[PlanAnswer], None],
+    ) -> VirtualPlanner:
+        """The planner."""
+        return VirtualPlanner(self, arena_planner, on_scene, on_answer)
+
+    def open_camera(self) -> Camera:
+        """A new camera over what the arena is by now."""
+        if self.troubles.camera_lost:
+            raise CameraError("simulated camera: is unplugged")
+        return _TroubledCamera(
+            camera_over(
+                self.config,
+                self._arenas,
+                self._tracks,
+                self._pose_seen,
+                self.clock,
+                self.truth.began_s,
+                self.wait,
+            ),
+            self,
+        )
+
+    def _pose_seen(self) -> tuple[float, float, float]:
+        return (-9.0, -9.0, 0.0) if self.troubles.marker_hidden else self.robot.pose()
+
+    def start(self) -> None:
+        """What happens in the arena counts from the first start."""
+        if self.truth.began_s == 0.0:
+            self.truth.began_s = self.loop.now_s
+
+    def stop(self) -> None:
+        """The robot stays switched on."""
+
+
+class VirtualRobot:
+    """The robot of a virtual loop as the truth knows it."""
+
+    def __init__(self, loop: VirtualLoop) -> None:
+        self._loop = loop
+        self._track = Track()
+        self._rows = 0
+
+    def pose(self) -> TruePose:
+        """Where it is now."""
+        return self._loop.drive.pose
+
+    def track(self) -> FloatArray:
+        """Where it has been, every 20 ms."""
+        return self._track.rows()
+
+    def press_estop(self) -> None:
+        """Press the emergency stop on the robot itself."""
+        self._loop.robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
+
+    def switch_off_and_on(self) -> None:
+        """A power cycle: nothing of before is left in its processor."""
+        self._loop.boot(ResetCause.POWER_ON)
+
+    def keep_track(self) -> None:
+        """Take over what the loop has noted since the last time."""
+        for row in self._loop.track:
+            if self._rows % ROBOT_EVERY == 0:
+                self._track.add(*row)
+            self._rows += 1
+        self._loop.track.clear()
+
+
+class _TroubledCamera:
+    """The simulated camera, while nobody unplugs it."""
+
+    may_repeat = False
+
+    def __init__(self, camera: Camera, world: VirtualWorld) -> None:
+        self._camera, self._world = camera, world
+        self.name = camera.name
+
+    @property
+    def state(self) -> SourceState:
+        return self._camera.state
+
+    @property
+    def reason(self) -> str:
+        return self._camera.reason
+
+    @property
+    def rate_hz(self) -> float:
+        return self._camera.rate_hz
+
+    def open(self) -> None:
+        self._camera.open()
+
+    def close(self) -> None:
+        self._camera.close()
+
+    def read(self, timeout_s: float) -> Frame | None:
+        if self._world.troubles.camera_lost:
+            raise CameraError(f"{self.name}: is unplugged")
+        if self._world.troubles.camera_silent:
+            self._world.wait(timeout_s)
+            return None
+        return self._camera.read(timeout_s)
+
+
+class VirtualFrames:
+    """`LatestFrame` without its thread: its loop turns while the control loop waits."""
+
+    def __init__(self, world: VirtualWorld) -> None:
+        limits = WatchLimits(read_timeout_s=WATCH_EVERY_S)
+        self._world = world
+        self._latest = LatestFrame(world.open_camera, world.clock, limits)
+        self.turns = 0
+
+    def start(self) -> None:
+        """Nothing to do: the first `take` opens the camera."""
+
+    def stop(self) -> None:
+        """Close the camera."""
+        self._latest.stop()
+
+    def take(self, timeout_s: float) -> Frame | None:
+        """The next frame, after the time that vision takes for it; None where none comes."""
+        self.turns += 1
+        end_s = self._world.clock() + timeout_s
+        while self._world.clock() < end_s:
+            frame = self._latest.take(0.0)
+            if frame is not None:
+                self._world.wait(self._world.times.look_s)
+                return frame
+            pause_s = self._latest.step()
+            if pause_s > 0.0:
+                left_s = max(0.001, end_s - self._world.clock())
+                self._world.wait(min(pause_s, left_s))
+        return None
+
+    def status(self) -> CameraStatus:
+        """What the camera is doing now."""
+        return self._latest.status()
+
+
+class VirtualPlanner:
+    """Plans at once, and tells it when a planner's thread would have."""
+
+    def __init__(
+        self,
+        world: VirtualWorld,
+        arena_planner: ArenaPlanner,
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[PlanAnswer], None],
+    ) -> None:
+        self._world, self.planner = world, arena_planner
+        self._on_scene, self._on_answer = on_scene, on_answer
+        self.turns = 0
+
+    def start(self) -> None:
+        """Nothing to do."""
+
+    def stop(self) -> None:
+        """Nothing to do."""
+
+    def check(self) -> None:
+        """Its errors reach the control loop by themselves."""
+
+    def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
+        """Build the roadmap; it is there after ``scene_s``."""
+
+        def built() -> None:
+            self.turns += 1
+            self.planner.see(scene, revision)
+            clearance = None
+            if path_points is not None:
+                clearance = self.planner.path_clearance_m(path_points)
+            self._on_scene(SceneCheck(revision, clearance))
+
+        self._world.after(self._world.times.scene_s, built)
+
+    def ask(self, request: PlanRequest) -> None:
+        """Plan; the answer comes after ``plan_s``."""
+
+        def planned() -> None:
+            self.turns += 1
+            self._on_answer(self.planner.answer(request))
+
+        self._world.after(self._world.times.plan_s, planned)
+
+
+@dataclass(slots=True)
+class VirtualLink:
+    """`SerialLink` without its thread and its port, on the virtual loop's line."""
+
+    world: VirtualWorld
+    capture_to_wire_s: deque[float] = field(default_factory=lambda: deque(maxlen=LATENCIES_KEPT))
+    turns: int = 0
+
+    def open(self) -> None:
+        """A new session, as a program that has just been started opens one."""
+        host = self.world.loop.host
+        host.close("another program opens the port")
+        host.open(self.world.clock())
+
+    def close(self) -> None:
+        """The program is gone; the robot stops when its lease runs out."""
+        self.world.loop.host.close()
+
+    def upload(self, mission: int, waypoints: Sequence[Waypoint]) -> Mission:
+        """Replace the robot's mission and drive it."""
+        whole = Mission(mission, waypoints)
+        self.world.loop.host.upload(whole, self.world.clock(), True)
+        return whole
+
+    def pause(self) -> None:
+        """Stop under control and keep the mission."""
+        self.world.loop.host.pause()
+
+    def clear(self) -> None:
+        """Stop under control and drop the mission."""
+        self.world.loop.host.clear()
+
+    def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
+        """The control loop lives, and the robot may drive."""
+        self.turns += 1
+        self.world.loop.host.lease(self.world.clock(), ttl_s, permit, pose_age_s)
+
+    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
+        """Where the camera saw the robot."""
+        self.world.loop.host.pose_fix(x_m, y_m, heading_rad, captured_s)
+        self.capture_to_wire_s.append(self.world.clock() - captured_s)
+
+    def estop(self) -> None:
+        """Emergency stop."""
+        self.world.loop.host.estop()
+
+    def reset_estop(self) -> None:
+        """Leave the emergency stop."""
+        self.world.loop.host.reset_estop(self.world.clock())
+
+    def snapshot(self) -> LinkSnapshot:
+        """The present state."""
+        loop, now_s = self.world.loop, self.world.clock()
+        broken = self.world.troubles.port_broken
+        snapshot = snapshot_of(
+            loop.host, now_s, port_fault="the port is not open", estop_waits=False
+        )
+        reason = "the port virtual broke" if broken else snapshot.down_reason
+        return replace(
+            snapshot,
+            down_reason=reason,
+            heard_age_s=now_s - loop.host.heard_s,
+            status_age_s=now_s - loop.host.status_s,
+        )

@@ -1,0 +1,92 @@
+"""A whole run in virtual time: the real eye, pilot, planner, host's end and robot's end."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from navigation.daemon import Daemon
+from navigation.mission import State
+from navigation.simulator.virtual_run import run_virtually
+from navigation.simulator.virtual_world import VirtualWorld
+from navigation.stages import stations_of
+from tests.support.virtual import cycle_until, is_driving, short_config
+
+NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}]
+
+
+def test_a_run_in_virtual_time_reaches_its_goal_as_one_in_real_time_does() -> None:
+    report = run_virtually(short_config(NEAR))
+    assert (report.state, report.stations_visited) == ("done", 2)
+    assert report.goal_error_m is not None
+    assert report.goal_error_m < 0.005
+    assert report.goal_error_deg is not None
+    assert report.goal_error_deg < 1.0
+    assert report.min_clearance_m is not None
+    assert report.min_clearance_m >= 0.09
+    assert report.tracking_error_m.rms is not None
+    assert report.tracking_error_m.rms < 0.01
+    assert report.waypoints_executed == report.waypoints_sent > 4
+    assert report.frames.dropped == 0
+
+
+def test_a_run_in_virtual_time_is_the_same_every_time() -> None:
+    config = short_config(NEAR[:1])
+    assert run_virtually(config).to_json() == run_virtually(config).to_json()
+
+
+def test_another_seed_is_another_run_with_the_same_end() -> None:
+    one, two = (run_virtually(short_config(NEAR[:1], simulation={"seed": n})) for n in (4, 5))
+    assert one.state == two.state == "done"
+    assert one.to_json() != two.to_json()
+
+
+def test_without_a_simulation_there_is_no_virtual_run() -> None:
+    config = short_config(NEAR).model_copy(update={"simulation": None})
+    with pytest.raises(ValueError, match="section 'simulation'"):
+        run_virtually(config)
+
+
+def test_time_stands_still_while_nobody_waits() -> None:
+    world = VirtualWorld(short_config(NEAR))
+    begun_s = world.clock()
+    with Daemon(world.config, world, first_mission_id=7) as daemon:
+        assert world.clock() == begun_s
+        daemon.cycle()
+        assert 0.0 < world.clock() - begun_s < 0.1
+
+
+def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
+    """The way between wall and bucket is closed by another while the robot is on it."""
+    bucket = {"record": "C (0.10,1.16) 0.08", "from_s": 3.0}
+    config = short_config(
+        [{"x_m": 0.20, "y_m": 1.60}],
+        simulation={
+            "obstacles": (bucket,),
+        },
+    )
+    world = VirtualWorld(config)
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.give(stations_of(config))
+        cycle_until(daemon, is_driving)
+        before = len(daemon.scene.objects) if daemon.scene else 0
+        ended = cycle_until(daemon, lambda now: now.mission.is_over)
+        assert ended.mission.state is State.DONE, ended.sentence
+        assert daemon.scene is not None
+        assert len(daemon.scene.objects) == before + 1
+        assert daemon.pilot.replans >= 1
+    track = world.truth.track()
+    assert world.truth.track_clearance(track) >= 0.09
+    assert math.dist(track[-1, 1:3], (0.20, 1.60)) < 0.02
+
+
+def test_a_vanished_obstacle_leaves_the_scene() -> None:
+    bucket = {"record": "C (1.30,1.00) 0.10", "until_s": 2.0}
+    config = short_config(NEAR, simulation={"obstacles": (bucket,)})
+    world = VirtualWorld(config)
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        cycle_until(daemon, lambda now: daemon.scene is not None)
+        assert daemon.scene is not None
+        assert len(daemon.scene.objects) == 8
+        cycle_until(daemon, lambda now: daemon.scene is not None and len(daemon.scene.objects) == 7)
