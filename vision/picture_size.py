@@ -33,7 +33,7 @@ def picture_size(data: bytes) -> tuple[int, int] | None:
     """(width, height) in pixels as the header has them; None for a file of another kind."""
     try:
         if data.startswith(_PNG):
-            return _pair(">II", data, 16)
+            return _pair(">II", data, 16) if data[12:16] == b"IHDR" else None
         if data.startswith(b"\xff\xd8"):
             return _jpeg(data)
         if data.startswith(b"GIF8"):
