@@ -133,6 +133,7 @@ def fit_arena(
     plane = Calibration(size, camera, distortion, _ANY_FLOOR)
     ideal = plane.undistort_points(survey.pixels)
     homography, used = _robust_homography(ideal, survey.places_m)
+    _refuse_mirrored(homography, ideal[used])
     residuals = _left_out_residuals(ideal, survey.places_m, used)
     remarks = list(lens.remarks) if lens is not None else []
     remarks += _say_left_out(survey, residuals, used)
@@ -243,6 +244,26 @@ def _robust_homography(
             break
         used = agreeing
     return best, used
+
+
+def _refuse_mirrored(homography: FloatArray, pixels: FloatArray) -> None:
+    """Points that a camera above the arena cannot see so: mirrored, or crossed.
+
+    Pixels have y down and the arena y up, so the map turns the sense of rotation: its Jacobian's
+    determinant, det H / w^3, is negative at every point.
+    """
+    w = pixels @ homography[2, :2] + homography[2, 2]
+    senses = np.sign(np.linalg.det(homography) * w)
+    if np.all(senses > 0.0):
+        raise CalibrationError(
+            "the surveyed points are mirrored: seen from above, x must point right where y points "
+            "up; one axis has the wrong sign, x and y are exchanged, or the points were given in "
+            "the opposite order"
+        )
+    if not np.all(senses < 0.0):
+        raise CalibrationError(
+            "the surveyed points are crossed: pixels and places of two of them are exchanged"
+        )
 
 
 def _minimal_sets(n: int) -> list[tuple[int, ...]]:

@@ -377,6 +377,37 @@ def test_without_a_lens_the_given_height_is_used() -> None:
     assert center[2] == 2.2
 
 
+@pytest.mark.parametrize("n", [4, 5, 8, 15])
+@pytest.mark.parametrize("how", ["x", "y", "swapped", "order"])
+def test_mirrored_points_are_said_to_be_mirrored(n: int, how: str) -> None:
+    good = survey(n, 2, 0.2) if how != "order" else corners_of_the_arena()
+    places = {
+        "x": good.places_m * (-1.0, 1.0),
+        "y": good.places_m * (1.0, -1.0),
+        "swapped": good.places_m[:, ::-1],
+        "order": good.places_m[::-1],
+    }[how].copy()
+    if n >= 8 and how != "order":
+        places[3] += 0.5  # a bad point besides must not hide it
+    with pytest.raises(CalibrationError, match="the surveyed points are mirrored"):
+        fit_arena(Survey(good.pixels, places, good.names), SIZE, TRUE_LENS)
+
+
+def corners_of_the_arena() -> Survey:
+    """Four corners, clockwise in the picture."""
+    seen = np.array([(100.0, 90.0), (540.0, 95.0), (530.0, 400.0), (110.0, 390.0)])
+    return Survey(seen, overhead().arena_from_image(seen), ("a", "b", "c", "d"))
+
+
+@pytest.mark.parametrize("pair", [(0, 1), (1, 2), (2, 3), (3, 0)])
+def test_two_exchanged_corners_of_four_are_said_to_be_crossed(pair: tuple[int, int]) -> None:
+    good = corners_of_the_arena()
+    places = good.places_m.copy()
+    places[list(pair)] = places[list(pair[::-1])]
+    with pytest.raises(CalibrationError, match="crossed"):
+        fit_arena(Survey(good.pixels, places, good.names), SIZE, TRUE_LENS)
+
+
 def test_useless_surveys_are_refused() -> None:
     good = survey(8)
     line = np.stack([np.arange(8.0), 2.0 * np.arange(8.0)], axis=1)
@@ -384,7 +415,7 @@ def test_useless_surveys_are_refused() -> None:
         (survey(3), "3 surveyed points"),
         (Survey(line, good.places_m, good.names), "pixels lie in one line"),
         (Survey(good.pixels, line, good.names), "places lie in one line"),
-        (Survey(good.pixels, good.places_m * (1.0, -1.0), good.names), "mirrors"),
+        (Survey(good.pixels, good.places_m * (1.0, -1.0), good.names), "mirrored"),
         (Survey(good.pixels, good.places_m * np.nan, good.names), "finite"),
     ]
     for bad, message in cases:
