@@ -31,6 +31,15 @@ SUFFIXES = (".graphml", ".geojson", ".json")
     help="Of a picture: whether the obstacles are dark or light.",
 )
 @click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
+@click.option(
+    "--map",
+    "map_file",
+    type=OutputType(".yaml", ".yml"),
+    help="Write the obstacles as a ROS map too: FILE.yaml, and FILE.pgm beside it.",
+)
+@click.option(
+    "--resolution", type=POSITIVE, default=0.05, show_default=True, help="Of that map, in metres."
+)
 @click.option("--render", type=DRAWING, help="Draw the roadmap: FILE.svg or FILE.png.")
 def command(
     source: Path,
@@ -39,6 +48,8 @@ def command(
     spacing: float | None,
     polarity: Literal["dark", "light", "auto"],
     frame: str,
+    map_file: Path | None,
+    resolution: float,
     render: Path | None,
 ) -> None:
     """Build the roadmap of SOURCE and write it; the suffix of the output says the format."""
@@ -61,6 +72,10 @@ def command(
         case _:
             text = exchange.to_node_link(roadmap)
     output.write_text(text, encoding="utf-8")
+    if map_file is not None:
+        from planner.map_writer import write_map
+
+        write_map(scene, map_file, resolution)
     if render is not None:
         from navigation.draw import save_picture
 

@@ -63,3 +63,24 @@ def test_wrong_usage_is_exit_code_2_and_one_sentence(
     captured = capsys.readouterr()
     assert what in captured.err
     assert captured.err.count("\n") == 1
+
+
+def test_the_obstacles_can_be_written_as_a_ros_map_that_plans_alike(arena, tmp_path, capsys):
+    file = tmp_path / "map.yaml"
+    out = ("-o", tmp_path / "r.json")
+    assert roadmap(arena, "--radius", 0.3, *out, "--map", file, "--resolution", 0.02) == 0
+    ends = ["--start", "1,4", "--goal", "9,4", "--radius", "0.3", "--prefer", "length"]
+    capsys.readouterr()
+    lengths = []
+    for source in (arena, file):
+        assert run(["plan", str(source), *ends, "--format", "json"]) == 0
+        lengths.append(json.loads(capsys.readouterr().out)["length"])
+    assert lengths[0] <= lengths[1] <= lengths[0] + 0.05
+
+
+def test_a_ros_map_of_a_picture_is_refused_in_one_sentence(tmp_path, capsys):
+    scene = tmp_path / "px.txt"
+    scene.write_text("C (50,40) 15\n")
+    out = ("-o", tmp_path / "r.json", "--map", tmp_path / "map.yaml")
+    assert roadmap(scene, "--radius", 3, *out) == 2
+    assert "metres" in capsys.readouterr().err

@@ -12,6 +12,7 @@ import pytest
 from planner.exchange import ExchangeError, to_geojson, to_graphml, to_node_link
 from planner.roadmap import Roadmap, build_roadmap
 from planner.scene_io import read_scene_text
+from tests.support.nav2_graph import NoValidGraphError, load_graph
 
 SCENE = (
     "#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 10 8\n"
@@ -91,6 +92,58 @@ def test_every_straight_piece_for_nav2_keeps_the_robots_radius(roadmap):
             along = min(max(((x - 4) * 4 + (y - 6) * 0.5) / 16.25, 0), 1)
             bar = math.hypot(x - 4 - 4 * along, y - 6 - 0.5 * along)
             assert min(box, disc, bar, x, y, 10 - x, 8 - y) >= 0.3 - 1e-9
+
+
+def test_route_server_finds_ways_over_the_graph_and_back(roadmap):
+    nodes = load_graph(to_geojson(roadmap, frame="arena"))
+    assert {node.frame for node in nodes.values()} == {"arena"}
+    graph = nx.DiGraph()
+    for node in nodes.values():
+        assert node.metadata["clearance"] >= 0.3
+        for edge in node.leaving:
+            graph.add_edge(node.number, edge.end.number, weight=edge.cost)
+            assert edge.cost == pytest.approx(math.dist((node.x, node.y), (edge.end.x, edge.end.y)))
+            assert edge.metadata["clearance"] >= 0.3
+            assert edge.overridable
+    here, there = (
+        min(nodes.values(), key=lambda n, p=p: math.dist((n.x, n.y), p)).number
+        for p in ((1.0, 1.0), (9.0, 7.0))
+    )
+    forth = nx.dijkstra_path_length(graph, here, there)
+    assert forth == pytest.approx(nx.dijkstra_path_length(graph, there, here))
+    assert 10.0 <= forth < 14.0
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [('"startid": ', '"startid": 99'), ('"id": ', '"id": -'), ('"Point"', '"Polygon"')],
+)
+def test_reader_for_route_graphs_refuses_what_the_server_would(roadmap, old, new):
+    text = to_geojson(roadmap)
+    assert load_graph(text)
+    with pytest.raises(NoValidGraphError):
+        load_graph(text.replace(old, new))
+
+
+@pytest.mark.parametrize("form", ["graphml", "node-link"])
+def test_nothing_is_lost_on_the_way_through_a_file(roadmap, form):
+    if form == "graphml":
+        graph = nx.parse_graphml(to_graphml(roadmap), node_type=int)
+        owners = lambda text: tuple(int(o) for o in text.split())  # noqa: E731
+        line = lambda text: [[float(v) for v in p.split(",")] for p in text.split()]  # noqa: E731
+    else:
+        graph = nx.node_link_graph(strict(to_node_link(roadmap)), edges="edges")
+        owners, line = tuple, list
+    assert set(graph.nodes) == set(roadmap.graph.nodes)
+    for n, data in roadmap.graph.nodes(data=True):
+        node = graph.nodes[n]
+        assert ((node["x"], node["y"]), node["clearance"]) == (data["pos"], data["clearance"])
+        assert owners(node["owners"]) == data["owners"]
+    for u, v, data in roadmap.graph.edges(data=True):
+        edge = graph[u][v]
+        assert (edge["length"], edge["clearance"]) == (data["length"], data["clearance"])
+        assert owners(edge["owners"]) == data["owners"]
+        np.testing.assert_array_equal(line(edge["polyline"]), data["polyline"])
 
 
 def test_geojson_connects_what_the_roadmap_connects(roadmap):
