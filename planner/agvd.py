@@ -10,39 +10,67 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from planner import agvd_kernels as kernels
-from planner import bisector_kernels
+from planner import chain_kernels
 from planner.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
+from planner.mesh import Mesh, generators_of, ordinary, solve
 from planner.scene import FloatArray, IntArray
 from planner.voronoi_diagram import DiagramArrays, voronoi_arrays
 
 
 @dataclass(frozen=True, slots=True)
 class Agvd:
-    """The diagram of the generators and which of its edges are valid (m,)."""
+    """The generators, their diagram, and which of its edges are valid.
 
-    generators: Generators
-    ordinary: DiagramArrays
-    valid: BoolArray
-
-
-@dataclass(frozen=True, slots=True)
-class Places:
-    """Where the vertices of valid edges are: ``xy`` (v, 2), exact clearance ``rho`` (v,).
-
-    ``state`` (v,) is UNUSED, EXACT (equidistant to its pieces, and its circle is empty), KEPT
-    (near-parallel pieces: as sampled) or INTRUDED (the topology is not yet right there), see
-    :mod:`planner.bisector_kernels`.
+    The exact diagram has a ``mesh`` that the rest is made from when it is first asked for.
     """
 
-    xy: FloatArray
-    rho: FloatArray
-    state: NDArray[np.int8]
+    borders: Borders
+    spacing: float
+    mesh: Mesh | None
+    _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def generators(self) -> Generators:
+        """All generators, those that refining added included."""
+        if "generators" not in self._made:
+            if self.mesh is None:
+                return Generators(
+                    np.empty((0, 2)), np.empty(0, np.int32), self.spacing, self.borders
+                )
+            self._made["generators"] = generators_of(self.mesh, self.borders, self.spacing)
+        return self._made["generators"]  # type: ignore[no-any-return]
+
+    @property
+    def ordinary(self) -> DiagramArrays:
+        """The generators' ordinary Voronoi diagram."""
+        return self._diagram()[0]
+
+    @property
+    def valid(self) -> BoolArray:
+        """(m,) which edges of the ordinary diagram belong to the generalized one's free part."""
+        return self._diagram()[1]
+
+    def _diagram(self) -> tuple[DiagramArrays, BoolArray]:
+        if "diagram" not in self._made:
+            if self.mesh is None:
+                sites = diagram(self.generators)
+                self._made["diagram"] = sites, np.zeros(len(sites.edges), np.bool_)
+            else:
+                self._made["diagram"] = ordinary(self.mesh)
+        return self._made["diagram"]  # type: ignore[no-any-return]
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """How many generators and Voronoi vertices there are."""
+        if self.mesh is None:
+            return len(self.generators.sites), len(self.ordinary.vertices)
+        return self.mesh.used, int(np.isfinite(self.mesh.at[:, 0]).sum())
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,12 +108,12 @@ def diagram(generators: Generators) -> DiagramArrays:
     return voronoi_arrays(generators.sites)
 
 
-def omit_invalid(ordinary: DiagramArrays, generators: Generators, mode: Mode) -> Agvd:
+def omit_invalid(sites: DiagramArrays, generators: Generators, mode: Mode) -> Agvd:
     """Mark the edges that belong to the generalized diagram's free part. O(m)."""
     borders = generators.borders
     valid = kernels.valid_edges(
-        ordinary.edges,
-        ordinary.vertices,
+        sites.edges,
+        sites.vertices,
         generators.sites,
         generators.label,
         borders.kind,
@@ -94,54 +122,92 @@ def omit_invalid(ordinary: DiagramArrays, generators: Generators, mode: Mode) ->
         borders.solid,
         borders.before,
         borders.after,
+        borders.object_boxes,
+        borders.span,
         borders.box,
         generators.spacing,
         SAME_PLACE * borders.extent,
         mode == "paper",
     )
-    return Agvd(generators, ordinary, valid)
+    made = {"generators": generators, "diagram": (sites, valid)}
+    return Agvd(borders, generators.spacing, None, made)
 
 
-def join_chains(agvd: Agvd, places: Places | None = None) -> Chains:
-    """Join the valid edges into chains and measure them against the borders. O(m log k).
-
-    Without ``places`` the chains follow the generators' diagram; with them, the bisectors.
-    """
-    edges, label = agvd.ordinary.edges, agvd.generators.label
-    borders = agvd.generators.borders
-    xy = agvd.ordinary.vertices if places is None else places.xy
+def join_chains(agvd: Agvd) -> Chains:
+    """Join the valid edges into chains of straight links and measure them. O(m log k)."""
+    edges, label, borders = agvd.ordinary.edges, agvd.generators.label, agvd.borders
+    xy = agvd.ordinary.vertices
     node_vertex, ends, first, link, along = kernels.trace_chains(edges, agvd.valid, len(xy))
-    points, pieces, first, at = kernels.chain_points(edges, xy, label, first, link, along)
-    if places is not None:
-        points, pieces, rho, first, proved = bisector_kernels.bend_chains(
-            *borders.tree,
-            points,
-            pieces,
-            first,
-            at,
-            places.rho,
-            places.state,
-            agvd.ordinary.vertex_sites,
-            label,
-            agvd.generators.spacing,
-            SAME_PLACE * borders.extent,
-        )
+    points, pieces, first, _ = kernels.chain_points(edges, xy, label, first, link, along)
     lonely = _centres_alone(borders, points)
-    alone = np.arange(len(lonely), dtype=np.int32)
-    ends = np.concatenate([ends, len(node_vertex) + alone[:, None].repeat(2, 1)])
-    first = np.concatenate([first, first[-1] + 1 + alone])
-    points = np.concatenate([points, lonely])
-    pieces = np.concatenate([pieces, np.full((len(lonely), 2), -1, np.int32)])
-    if places is None:
-        rho, gap, step, length, clearance = kernels.measure_chains(*borders.tree, points, first)
-        proved = np.zeros(len(points), np.bool_)
-    else:
-        rho = np.concatenate([rho, borders.distances(lonely)[0]])
-        proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
-        gap, step, length, clearance = bisector_kernels.measure_bisectors(
-            *borders.tree, points, rho, proved, first
-        )
+    points, pieces = _with_lonely(points, pieces, lonely)
+    ends, first = _with_own_chains(ends, first, len(node_vertex), len(lonely))
+    rho, gap, step, length, clearance = kernels.measure_chains(*borders.tree, points, first)
+    proved = np.zeros(len(points), np.bool_)
     node_xy = np.concatenate([xy[node_vertex], lonely])
+    measured = rho, gap, step, length, clearance
+    return _as_chains(points, first, pieces, ends, node_xy, proved, measured)
+
+
+def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chains]:
+    """The exact diagram of the generators' borders, and its chains along the bisectors.
+
+    ``mesh`` is the generators' and becomes the diagram's.
+    """
+    if mesh is None:
+        agvd = omit_invalid(diagram(generators), generators, "exact")
+        return agvd, join_chains(agvd)
+    agvd = Agvd(generators.borders, generators.spacing, mesh)
+    return agvd, mesh_chains(mesh, generators.borders, generators.spacing)
+
+
+def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
+    """Solve a mesh, refining it where it must be, and measure its chains."""
+    node, ends, points, pieces, first, proved = solve(mesh, borders, spacing)
+    lonely = _centres_alone(borders, points)
+    node_xy = mesh.place[node]
+    if len(lonely):
+        alone = np.c_[lonely, borders.distances(lonely)[0]]
+        points, pieces = _with_lonely(points, pieces, alone)
+        ends, first = _with_own_chains(ends, first, len(node), len(lonely))
+        proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
+        node_xy = np.concatenate([node_xy, lonely])
+    gap, step, length, clearance = chain_kernels.measure_chains(
+        *borders.tree, points, proved, first
+    )
+    xy, rho = np.ascontiguousarray(points[:, :2]), np.ascontiguousarray(points[:, 2])
+    measured = rho, gap, step, length, clearance
+    return _as_chains(xy, first, pieces, ends, node_xy, proved, measured)
+
+
+def _with_lonely(
+    points: FloatArray, pieces: IntArray, lonely: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """The points of the chains, and then the lonely centres between no pieces."""
+    none = np.full((len(lonely), 2), -1, np.int32)
+    return np.concatenate([points, lonely]), np.concatenate([pieces, none])
+
+
+def _with_own_chains(
+    ends: IntArray, first: IntArray, nodes: int, lonely: int
+) -> tuple[IntArray, IntArray]:
+    """Ends and offsets of the chains, and then of one chain for every lonely centre."""
+    alone = np.arange(lonely, dtype=np.int32)
+    ends = np.concatenate([ends, nodes + alone[:, None].repeat(2, 1)])
+    return ends, np.concatenate([first, first[-1] + 1 + alone])
+
+
+def _as_chains(
+    points: FloatArray,
+    first: IntArray,
+    pieces: IntArray,
+    ends: IntArray,
+    node_xy: FloatArray,
+    proved: BoolArray,
+    measured: tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray],
+) -> Chains:
+    """``measured`` are rho, gap, step, length and clearance."""
+    rho, gap, step, length, clearance = measured
     node_rho = np.empty(len(node_xy))
     node_rho[ends[:, 0]] = rho[first[:-1]]
     node_rho[ends[:, 1]] = rho[first[1:] - 1]

@@ -265,7 +265,9 @@ def _root(parent, i):
 
 
 @njit(cache=True, nogil=True)
-def free_vertices(edges, vertices, sites, kind, data, owner, solid, box, spacing):
+def free_vertices(
+    edges, vertices, sites, kind, data, owner, solid, object_boxes, span, box, spacing
+):  # fmt: skip
     """Which vertices lie in free space: inside the bounds, and in no object by even-odd.
 
     A Voronoi edge that stays further than half the spacing from its generators crosses no
@@ -310,8 +312,9 @@ def free_vertices(edges, vertices, sites, kind, data, owner, solid, box, spacing
         w = widest[r]
         if w >= 0:
             free[r] = not in_object(
-                kind, data, owner, solid, vertices[w, 0], vertices[w, 1], math.sqrt(room[w])
-            )
+                kind, data, owner, solid, object_boxes, span,
+                vertices[w, 0], vertices[w, 1], math.sqrt(room[w])
+            )  # fmt: skip
     out = np.zeros(v, np.bool_)
     for w in range(v):
         x, y = vertices[w, 0], vertices[w, 1]
@@ -327,26 +330,34 @@ def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, toler
         return owner[label_a] != owner[label_b]
     if label_a == label_b:
         return False
-    for swap in range(2):
-        p, q = (label_a, label_b) if swap == 0 else (label_b, label_a)
-        if p >= k and (before[p - k] == q or after[p - k] == q):
-            return False
-        if (p >= k or kind[p] == POINT) and (
-            distance(kind, data, q, data[p, 0], data[p, 1]) <= tolerance
-        ):
-            return False
-    return True
+    return not (
+        _is_end(kind, data, label_a, label_b, k, before, after, tolerance)
+        or _is_end(kind, data, label_b, label_a, k, before, after, tolerance)
+    )
+
+
+@njit(cache=True, nogil=True)
+def _is_end(kind, data, p, q, k, before, after, tolerance):
+    """Whether p is a point that lies on piece q, as a corner point on its sides."""
+    if p >= k:
+        if before[p - k] == q or after[p - k] == q:
+            return True
+    elif kind[p] != POINT:
+        return False
+    return distance(kind, data, q, data[p, 0], data[p, 1]) <= tolerance
 
 
 @njit(cache=True, nogil=True)
 def valid_edges(
-    edges, vertices, sites, label, kind, data, owner, solid, before, after, box, spacing,
-    tolerance, paper
+    edges, vertices, sites, label, kind, data, owner, solid, before, after, object_boxes, span,
+    box, spacing, tolerance, paper
 ):  # fmt: skip
     """The valid edges between two free vertices: ``keep`` (m,) bool."""
     m, k = len(edges), len(solid)
     keep = np.zeros(m, np.bool_)
-    free = free_vertices(edges, vertices, sites, kind, data, owner, solid, box, spacing)
+    free = free_vertices(
+        edges, vertices, sites, kind, data, owner, solid, object_boxes, span, box, spacing
+    )
     for e in range(m):
         u, w = edges[e, 2], edges[e, 3]
         if u >= 0 and w >= 0 and free[u] and free[w]:

@@ -357,28 +357,33 @@ def polyline_clearance(kind, data, order, large, boxes, points):
 
 
 @njit(cache=True, nogil=True)
+def _crosses(kind, data, i, x, y):
+    """Whether a rightward ray from (x, y) crosses primitive i an odd number of times.
+
+    A ray through a shared end counts once because a piece holds its lower end only (half-open
+    in y). Arcs are cut where their tangent is level, so that each part is monotone in y.
+    """
+    k = kind[i]
+    if k == SEGMENT:
+        y0, y1 = data[i, 1], data[i, 3]
+        if (y0 <= y) == (y1 <= y):
+            return False
+        side = (data[i, 2] - data[i, 0]) * (y - y0) - (x - data[i, 0]) * (y1 - y0)
+        return (side > 0.0) == (y1 > y0)
+    if k == CIRCLE:
+        return (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2
+    return k == ARC and _arc_crossings(data, i, x, y) % 2 == 1
+
+
+@njit(cache=True, nogil=True)
 def crossings(kind, data, owner, solid, x, y, inside):
     """Toggle ``inside[owner]`` once for every crossing of a rightward ray from (x, y).
 
-    Even-odd over the closed borders, those with a ``solid`` side; a ray through a shared end
-    counts once because a piece holds its lower end only (half-open in y). Arcs are cut where
-    their tangent is level, so that each part is monotone in y.
+    Even-odd over the closed borders, those with a ``solid`` side.
     """
     for i in range(len(solid)):
         o = owner[i]
-        if o < 0 or solid[i] == 0:
-            continue
-        k = kind[i]
-        if k == SEGMENT:
-            y0, y1 = data[i, 1], data[i, 3]
-            if (y0 <= y) != (y1 <= y):
-                side = (data[i, 2] - data[i, 0]) * (y - y0) - (x - data[i, 0]) * (y1 - y0)
-                if (side > 0.0) == (y1 > y0):
-                    inside[o] = not inside[o]
-        elif k == CIRCLE:
-            if (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2:
-                inside[o] = not inside[o]
-        elif k == ARC and _arc_crossings(data, i, x, y) % 2 == 1:
+        if o >= 0 and solid[i] != 0 and _crosses(kind, data, i, x, y):
             inside[o] = not inside[o]
 
 
@@ -406,20 +411,54 @@ def _arc_crossings(data, i, x, y):
 
 
 @njit(cache=True, nogil=True)
-def in_object(kind, data, owner, solid, x, y, reach):
+def object_spans(kind, data, owner, count):
+    """The objects' boxes (o, 4) and their primitives' range (o, 2), first and last + 1."""
+    most = -1
+    for i in range(count):
+        most = max(most, owner[i])
+    boxes = np.empty((most + 1, 4))
+    boxes[:, :2], boxes[:, 2:] = np.inf, -np.inf
+    span = np.zeros((most + 1, 2), np.int32)
+    span[:, 0] = count
+    own = np.empty(4)
+    for i in range(count):
+        o = owner[i]
+        if o < 0:
+            continue
+        _box_of(kind, data, i, own)
+        span[o, 0] = min(span[o, 0], i)
+        span[o, 1] = i + 1
+        for c in range(2):
+            boxes[o, c] = min(boxes[o, c], own[c])
+            boxes[o, c + 2] = max(boxes[o, c + 2], own[c + 2])
+    return boxes, span
+
+
+@njit(cache=True, nogil=True)
+def _ray_is_inside(kind, data, owner, solid, boxes, span, x, y):
+    """Whether (x, y) lies in any object, by one ray."""
+    for o in range(len(boxes)):
+        if not (boxes[o, 0] <= x <= boxes[o, 2] and boxes[o, 1] <= y <= boxes[o, 3]):
+            continue
+        odd = False
+        for i in range(span[o, 0], span[o, 1]):
+            if owner[i] == o and solid[i] != 0 and _crosses(kind, data, i, x, y):
+                odd = not odd
+        if odd:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def in_object(kind, data, owner, solid, boxes, span, x, y, reach):
     """Whether (x, y), ``reach`` away from every border, lies in an object, by even-odd.
 
-    Asked at three heights within reach, so that a ray that grazes a joint is outvoted.
+    ``boxes`` and ``span`` as from :func:`object_spans`. Asked at three heights within reach,
+    so that a ray that grazes a joint is outvoted.
     """
-    most = -1
-    for i in range(len(solid)):
-        most = max(most, owner[i])
-    inside = np.zeros(most + 1, np.bool_)
     votes = 0
     for j in range(3):
-        inside[:] = False
-        crossings(kind, data, owner, solid, x, y + RAYS[j] * reach, inside)
-        if inside.any():
+        if _ray_is_inside(kind, data, owner, solid, boxes, span, x, y + RAYS[j] * reach):
             votes += 1
         if votes == 2 or (j == 1 and votes == 0):
             break

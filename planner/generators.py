@@ -50,7 +50,8 @@ class Borders:
     (k + c, 9), ``owner`` (k + c,). ``following``, ``preceding`` (k,) are the neighbours along
     a border or -1; ``solid`` (k,) is +1 where the solid lies to the left of travel, -1 to the
     right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
-    meet in a corner point. ``box`` is x_min, y_min, x_max, y_max of the free space, and
+    meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
+    and range of primitives. ``box`` is x_min, y_min, x_max, y_max of the free space, and
     ``extent`` its larger side.
     """
 
@@ -66,6 +67,8 @@ class Borders:
     order: IntArray
     large: int
     boxes: FloatArray
+    object_boxes: FloatArray
+    span: IntArray
     box: FloatArray
     extent: float
 
@@ -150,6 +153,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
         kind, data, flat.reversed, following, preceding, solid, mode == "paper"
     )
     order, large, boxes = distance_kernels.build_tree(kind, data)
+    object_boxes, span = distance_kernels.object_spans(kind, data, owner, len(kind))
     corners = np.zeros((len(at), data.shape[1]))
     corners[:, :2] = at
     joint = np.maximum(before, after)
@@ -166,6 +170,8 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
         order=order,
         large=large,
         boxes=boxes,
+        object_boxes=object_boxes,
+        span=span,
         box=box,
         extent=extent,
     )

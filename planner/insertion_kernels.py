@@ -3,7 +3,7 @@
 The method. Sites go in one at a time; a new site removes the Voronoi vertices whose empty circle
 it enters and takes their place with a cell of its own. Topology comes first (Sugihara and Iri
 1992): the removed vertices must form a non-empty tree, and each touched cell must meet that tree
-in one connected piece. `_insert` enforces this with one rule, see there; whatever the numbers
+in one connected piece. `insert` enforces this with one rule, see there; whatever the numbers
 say, the result is a sphere's triangulation. Numbers only choose among the legal moves, and they
 choose rightly: every doubtful sign is computed exactly.
 
@@ -50,7 +50,7 @@ TINY = 2.0**-215
 UNIT = 2.0**-53
 """Half an ulp of 1: the relative error of one rounded operation."""
 CIRCLE_SLACK = 32.0 * UNIT
-"""Twice the first-order error bound of a circle's centre, see `_insert`."""
+"""Twice the first-order error bound of a circle's centre, see `insert`."""
 ORIENT_SLACK = (3.0 + 16.0 * UNIT) * UNIT
 IN_CIRCLE_SLACK = (10.0 + 96.0 * UNIT) * UNIT
 """Error bounds of the plain determinants (Shewchuk 1997, ccwerrboundA and iccerrboundA)."""
@@ -576,7 +576,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _first_triangle(w, xy, n, tri, circ):
+def _first_triangle(w, xy, n, ghost, tri, circ):
     """Lay the first triangle and its ghosts; returns its three sites, -1 where there is none."""
     second = 1
     while second < n and xy[2 * second] == xy[0] and xy[2 * second + 1] == xy[1]:
@@ -607,7 +607,7 @@ def _first_triangle(w, xy, n, tri, circ):
         g = slot[k + 1]
         tri[g] = corner[(k + 2) % 3]
         tri[g + 1] = corner[(k + 1) % 3]
-        tri[g + 2] = n
+        tri[g + 2] = ghost
         tri[g + 4] = slot[1 + (k + 2) % 3] + 1
         tri[g + 5] = slot[1 + (k + 1) % 3]
         tri[g + 6] = k
@@ -621,11 +621,32 @@ def _first_triangle(w, xy, n, tri, circ):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _insert(w, xy, n, tri, circ, stamp, alias, rim, rim_site, gone, stack):
-    """Insert all sites into tri and circ; see the file's head for the arrays.
+def _coarse_to_fine(n, first, second, third):
+    """The sites in the order of their insertion, without the three that are in already."""
+    todo = np.empty(max(n - 3, 0), np.int32)
+    stride = 1
+    while stride * COARSENING < n:
+        stride *= COARSENING
+    coarser = 0
+    m = 0
+    while stride > 0:
+        for p in range(0, n, stride):
+            if (coarser > 0 and p % coarser == 0) or p in (first, second, third):
+                continue
+            todo[m] = p
+            m += 1
+        coarser = stride
+        stride //= COARSENING
+    return todo
 
-    alias[i] becomes the site that i coincides with. Returns the first triangle's third site
-    (-1: all on one line or fewer than three), and how often a site lay exactly on a circle.
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def insert(w, xy, ghost, tri, circ, alias, todo, start):
+    """Insert the sites ``todo`` into tri and circ; see the file's head for the arrays.
+
+    alias[i] becomes the site that i coincides with. The search for ``todo[j]`` begins at
+    triangle ``start[j]`` where that is given, and where the last one ended otherwise. Returns
+    how often a site lay exactly on a circle.
 
     Topology first: a triangle joins the removed tree only through an edge, and only if its far
     corner is not yet on the tree's rim. So the removed part stays a disc with every corner
@@ -638,141 +659,139 @@ def _insert(w, xy, n, tri, circ, stamp, alias, rim, rim_site, gone, stack):
     (r - 2 E)^2 and outside above (r + 2 E)^2; 32 u for each coefficient leaves a factor of two
     for the rounding of r^2, of the distance, and of this bound.
     """
-    a0, second, third = _first_triangle(w, xy, n, tri, circ)
-    if third < 0:
-        return third, 0
-    ghost = n
+    n = ghost
+    size = 2 * n + 8
+    stamp = np.full(n + 1, -1, np.int32)
+    rim, rim_site = np.empty(size, np.uint32), np.empty(size, np.uint32)
+    gone, stack = np.empty(size, np.uint32), np.empty(size, np.uint32)
     ties = 0
-    last = np.int64(0)
+    given = start.shape[0]
     limit = 64 + 4 * np.int64(math.sqrt(n))
-    stride = 1
-    while stride * COARSENING < n:
-        stride *= COARSENING
-    coarser = 0
-    while stride > 0:
-        for p in range(0, n, stride):
-            if (coarser > 0 and p % coarser == 0) or p in (a0, second, third):
-                continue
-            px, py = xy[2 * p], xy[2 * p + 1]
-            t = np.int64(last)
-            found = False
-            for _ in range(limit):
-                dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
-                if dx * dx + dy * dy < circ[(t >> 1) + 2]:
-                    found = True
-                    break
-                a, b, c = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
-                ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
-                bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
-                cx, cy = xy[2 * c] - px, xy[2 * c + 1] - py
-                least = 0.0
-                over = -1
-                side = bx * cy - by * cx
-                if side < least:
-                    least, over = side, 0
-                side = cx * ay - cy * ax
-                if side < least:
-                    least, over = side, 1
-                side = ax * by - ay * bx
-                if side < least:
-                    least, over = side, 2
-                if over < 0:
-                    break
-                t = (np.int64(tri[t + 4 + over]) >> 3) << 3
-            if not found:
-                t = _locate(w, xy, ghost, tri, t, px, py)
-                if t < 0:
-                    alias[p] = -1 - t
-                    tri[16 * p] = DEAD
-                    tri[16 * p + 8] = DEAD
-                    continue
-            # the removed tree, from triangle t outwards, its rim counter-clockwise
-            n_gone, n_rim, depth = 1, 0, 2
-            gone[0] = t
-            stamp[tri[t]] = p
-            stamp[tri[t + 1]] = p
-            stamp[tri[t + 2]] = p
-            stack[0], stack[1] = t + 2, t + 1
-            e = t
-            while True:
-                o = np.int64(tri[e + 4])
-                t = (o >> 3) << 3
-                dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
-                square = dx * dx + dy * dy
-                k = o & 3
-                if square > circ[(t >> 1) + 3]:
-                    hit = False
-                elif square < circ[(t >> 1) + 2]:
-                    hit = stamp[tri[o]] != p
-                else:
-                    sign = _conflict(w, xy, ghost, tri, t, px, py)
-                    ties += sign == 0
-                    hit = sign > 0 and stamp[tri[o]] != p
-                if hit:
-                    stamp[tri[o]] = p
-                    gone[n_gone] = t
-                    n_gone += 1
-                    stack[depth] = t + ((18 >> (2 * k)) & 3)
-                    depth += 1
-                    e = t + ((9 >> (2 * k)) & 3)
-                    continue
-                # the rim's site is where the kept side's half-edge ends
-                rim_site[n_rim] = tri[t + ((18 >> (2 * k)) & 3)]
-                rim[n_rim] = o
-                n_rim += 1
-                if depth == 0:
-                    break
-                depth -= 1
-                e = np.int64(stack[depth])
-            # the new cell: a fan of triangles around p
-            gone[n_gone] = 16 * p
-            gone[n_gone + 1] = 16 * p + 8
-            before = np.int64(gone[n_rim - 1])
-            here = np.int64(gone[0])
-            a = np.int64(rim_site[0])
-            rim_site[n_rim] = a
-            gone[n_rim] = here
+    last = np.int64(0)
+    while np.int64(tri[last]) == DEAD:
+        last += 8
+    for j_todo in range(todo.shape[0]):
+        p = np.int64(todo[j_todo])
+        px, py = xy[2 * p], xy[2 * p + 1]
+        t = np.int64(last)
+        if j_todo < given and start[j_todo] >= 0:
+            t = np.int64(start[j_todo])
+        found = False
+        for _ in range(limit):
+            dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
+            if dx * dx + dy * dy < circ[(t >> 1) + 2]:
+                found = True
+                break
+            a, b, c = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
             ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
-            a_square = ax * ax + ay * ay
-            a_sum = abs(ax) + abs(ay)
-            for j in range(n_rim):
-                b = np.int64(rim_site[j + 1])
-                after = np.int64(gone[j + 1])
-                o = np.int64(rim[j])
-                tri[here] = p
-                tri[here + 1] = a
-                tri[here + 2] = b
-                tri[here + 4] = o
-                tri[here + 5] = after + 2
-                tri[here + 6] = before + 1
-                tri[o + 4] = here
-                bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
-                b_square = bx * bx + by * by
-                b_sum = abs(bx) + abs(by)
-                half = 0.5 / (ax * by - ay * bx)
-                cx = (a_square * by - b_square * ay) * half
-                cy = (b_square * ax - a_square * bx) * half
-                spread = abs(half) * a_sum * b_sum
-                reach = abs(cx) + abs(cy)
-                error = CIRCLE_SLACK * (
-                    abs(half) * (a_square * b_sum + b_square * a_sum) + spread * reach + reach + 1.0
-                )
-                if spread * CIRCLE_SLACK > 0.25:
-                    error = np.inf
-                x, y = px + cx, py + cy
-                dx, dy = px - x, py - y
-                square = dx * dx + dy * dy
-                band = 4.0 * error * (reach + error)
-                circ[here >> 1] = x
-                circ[(here >> 1) + 1] = y
-                circ[(here >> 1) + 2] = square - band
-                circ[(here >> 1) + 3] = square + band
-                a, ax, ay, a_square, a_sum = b, bx, by, b_square, b_sum
-                before, here = here, after
-            last = before
-        coarser = stride
-        stride //= COARSENING
-    return third, ties
+            bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
+            cx, cy = xy[2 * c] - px, xy[2 * c + 1] - py
+            least = 0.0
+            over = -1
+            side = bx * cy - by * cx
+            if side < least:
+                least, over = side, 0
+            side = cx * ay - cy * ax
+            if side < least:
+                least, over = side, 1
+            side = ax * by - ay * bx
+            if side < least:
+                least, over = side, 2
+            if over < 0:
+                break
+            t = (np.int64(tri[t + 4 + over]) >> 3) << 3
+        if not found:
+            t = _locate(w, xy, ghost, tri, t, px, py)
+            if t < 0:
+                alias[p] = -1 - t
+                tri[16 * p] = DEAD
+                tri[16 * p + 8] = DEAD
+                continue
+        # the removed tree, from triangle t outwards, its rim counter-clockwise
+        n_gone, n_rim, depth = 1, 0, 2
+        gone[0] = t
+        stamp[tri[t]] = p
+        stamp[tri[t + 1]] = p
+        stamp[tri[t + 2]] = p
+        stack[0], stack[1] = t + 2, t + 1
+        e = t
+        while True:
+            o = np.int64(tri[e + 4])
+            t = (o >> 3) << 3
+            dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
+            square = dx * dx + dy * dy
+            k = o & 3
+            if square > circ[(t >> 1) + 3]:
+                hit = False
+            elif square < circ[(t >> 1) + 2]:
+                hit = stamp[tri[o]] != p
+            else:
+                sign = _conflict(w, xy, ghost, tri, t, px, py)
+                ties += sign == 0
+                hit = sign > 0 and stamp[tri[o]] != p
+            if hit:
+                stamp[tri[o]] = p
+                gone[n_gone] = t
+                n_gone += 1
+                stack[depth] = t + ((18 >> (2 * k)) & 3)
+                depth += 1
+                e = t + ((9 >> (2 * k)) & 3)
+                continue
+            # the rim's site is where the kept side's half-edge ends
+            rim_site[n_rim] = tri[t + ((18 >> (2 * k)) & 3)]
+            rim[n_rim] = o
+            n_rim += 1
+            if depth == 0:
+                break
+            depth -= 1
+            e = np.int64(stack[depth])
+        # the new cell: a fan of triangles around p
+        gone[n_gone] = 16 * p
+        gone[n_gone + 1] = 16 * p + 8
+        before = np.int64(gone[n_rim - 1])
+        here = np.int64(gone[0])
+        a = np.int64(rim_site[0])
+        rim_site[n_rim] = a
+        gone[n_rim] = here
+        ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
+        a_square = ax * ax + ay * ay
+        a_sum = abs(ax) + abs(ay)
+        for j in range(n_rim):
+            b = np.int64(rim_site[j + 1])
+            after = np.int64(gone[j + 1])
+            o = np.int64(rim[j])
+            tri[here] = p
+            tri[here + 1] = a
+            tri[here + 2] = b
+            tri[here + 4] = o
+            tri[here + 5] = after + 2
+            tri[here + 6] = before + 1
+            tri[o + 4] = here
+            bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
+            b_square = bx * bx + by * by
+            b_sum = abs(bx) + abs(by)
+            half = 0.5 / (ax * by - ay * bx)
+            cx = (a_square * by - b_square * ay) * half
+            cy = (b_square * ax - a_square * bx) * half
+            spread = abs(half) * a_sum * b_sum
+            reach = abs(cx) + abs(cy)
+            error = CIRCLE_SLACK * (
+                abs(half) * (a_square * b_sum + b_square * a_sum) + spread * reach + reach + 1.0
+            )
+            if spread * CIRCLE_SLACK > 0.25:
+                error = np.inf
+            x, y = px + cx, py + cy
+            dx, dy = px - x, py - y
+            square = dx * dx + dy * dy
+            band = 4.0 * error * (reach + error)
+            circ[here >> 1] = x
+            circ[(here >> 1) + 1] = y
+            circ[(here >> 1) + 2] = square - band
+            circ[(here >> 1) + 3] = square + band
+            a, ax, ay, a_square, a_sum = b, bx, by, b_square, b_sum
+            before, here = here, after
+        last = before
+    return ties
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -791,22 +810,22 @@ def _label(order, alias):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _vertices(w, xy, n, exponent, tri, circ, label):
+def _vertices(w, xy, ghost, exponent, tri, circ, label):
     """The finite triangles' centres (m, 2) and sites (m, 3); each triangle's spare gets its row.
 
     A centre whose error bound is above VERTEX_TOLERANCE of the scene or its circle is computed
     again by expansions.
     """
-    vertices = np.empty((2 * n, 2))
-    vertex_sites = np.empty((2 * n, 3), np.int32)
+    vertices = np.empty((2 * ghost, 2))
+    vertex_sites = np.empty((2 * ghost, 3), np.int32)
     half = exponent // 2
     up_1, up_2 = math.ldexp(1.0, half), math.ldexp(1.0, exponent - half)
     m = 0
-    for t in range(0, 16 * n, 8):
+    for t in range(0, 16 * ghost, 8):
         a, b, c = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
         if a == DEAD:
             continue
-        if a == n or b == n or c == n:
+        if a == ghost or b == ghost or c == ghost:
             tri[t + 3] = DEAD
             continue
         x, y = circ[t >> 1], circ[(t >> 1) + 1]
@@ -829,17 +848,17 @@ def _vertices(w, xy, n, exponent, tri, circ, label):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _edges(w, xy, n, tri, circ, label, ties):
+def _edges(w, xy, ghost, tri, circ, label, ties):
     """(k, 4) int32 edges and (k,) flags of those without length; half-edge ids by triangle.
 
     An edge: the site on its left, the site on its right, the vertex it comes from, the vertex
     it goes to; -1 is at infinity. Where no site ever lay on a circle no edge has length zero.
     """
-    edges = np.empty((3 * n, 4), np.int32)
-    flat = np.zeros(3 * n, np.bool_)
-    ids = np.full(8 * n, -1, np.int32)
+    edges = np.empty((3 * ghost, 4), np.int32)
+    flat = np.zeros(3 * ghost, np.bool_)
+    ids = np.full(8 * ghost, -1, np.int32)
     j = 0
-    for t in range(0, 16 * n, 8):
+    for t in range(0, 16 * ghost, 8):
         if np.int64(tri[t]) == DEAD:
             continue
         for k in range(3):
@@ -849,7 +868,7 @@ def _edges(w, xy, n, tri, circ, label, ties):
                 continue
             a = np.int64(tri[t + ((9 >> (2 * k)) & 3)])
             b = np.int64(tri[t + ((18 >> (2 * k)) & 3)])
-            if a == n or b == n:
+            if a == ghost or b == ghost:
                 continue
             back = (o >> 3) << 3
             edges[j, 0] = label[a]
@@ -859,12 +878,12 @@ def _edges(w, xy, n, tri, circ, label, ties):
             ids[4 * (t >> 3) + k] = 2 * j
             ids[4 * (back >> 3) + (o & 3)] = 2 * j + 1
             v = np.int64(tri[t + k])
-            if ties > 0 and v != n and np.int64(tri[o]) != n:
+            if ties > 0 and v != ghost and np.int64(tri[o]) != ghost:
                 px, py = xy[2 * v], xy[2 * v + 1]
                 q = back >> 1
                 square = (px - circ[q]) * (px - circ[q]) + (py - circ[q + 1]) * (py - circ[q + 1])
                 if not (square < circ[q + 2] or square > circ[q + 3]):
-                    flat[j] = _conflict(w, xy, n, tri, back, px, py) == 0
+                    flat[j] = _conflict(w, xy, ghost, tri, back, px, py) == 0
             j += 1
     return edges[:j], flat[:j], ids
 
@@ -892,6 +911,33 @@ def _links(n, tri, ids, n_half_edges):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def triangulate(sites, room):
+    """The triangulation of (n, 2) finite float64 sites, with room for ``room`` more of them.
+
+    Returns status (0: done, 1: no three sites off one line, nothing else is set), order (n,),
+    the row of every site, xy, tri, circ and alias (see the file's head; the ghost is site
+    n + room), the exponent that scales xy back, and how often a site lay on a circle.
+    """
+    n = sites.shape[0]
+    ghost = n + room
+    order = spatial_order(sites)
+    xy = np.empty(2 * ghost + 2)
+    exponent = _load(sites, order, xy)
+    xy[2 * ghost], xy[2 * ghost + 1] = np.nan, np.nan
+    tri = np.empty(16 * ghost, np.uint32)
+    tri[::8] = DEAD
+    circ = np.empty(8 * ghost)
+    alias = np.arange(ghost)
+    w = np.empty(SCRATCH)
+    first, second, third = _first_triangle(w, xy, n, ghost, tri, circ)
+    ties = 0
+    if third >= 0:
+        todo = _coarse_to_fine(n, first, second, third)
+        ties = insert(w, xy, ghost, tri, circ, alias, todo, np.empty(0, np.int64))
+    return 0 if third >= 0 else 1, order, xy, tri, circ, alias, exponent, ties
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def diagram(sites, linked):
     """The diagram of (n, 2) finite float64 sites.
 
@@ -900,25 +946,14 @@ def diagram(sites, linked):
     (2 k,), which are empty unless `linked`. Linear time on average after sorting.
     """
     n = sites.shape[0]
-    order = spatial_order(sites)
-    xy = np.empty(2 * n + 2)
-    exponent = _load(sites, order, xy)
-    tri = np.empty(16 * n, np.uint32)
-    tri[::8] = DEAD
-    circ = np.empty(8 * n)
-    alias = np.arange(n)
-    w = np.empty(SCRATCH)
-    third, ties = _insert(
-        w, xy, n, tri, circ, np.full(n + 1, -1, np.int32), alias,
-        np.empty(2 * n + 8, np.uint32), np.empty(2 * n + 8, np.uint32),
-        np.empty(2 * n + 8, np.uint32), np.empty(2 * n + 8, np.uint32),
-    )  # fmt: skip
+    status, order, xy, tri, circ, alias, exponent, ties = triangulate(sites, 0)
     none = np.empty(0, np.int32)
-    if third < 0:
+    if status != 0:
         return (
             1, np.empty((0, 2)), np.empty((0, 3), np.int32), np.empty((0, 4), np.int32),
             np.empty(0, np.bool_), none, none, none,
         )  # fmt: skip
+    w = np.empty(SCRATCH)
     label = _label(order, alias)
     representative = np.empty(n, np.int32)
     for i in range(n):

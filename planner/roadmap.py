@@ -5,8 +5,8 @@ Rules and units
   border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
 - A roadmap is built for a robot of one radius: its graph holds what that robot can use.
 - The stages are functions of their own, so that a caller with a clock can time them:
-  ``gather_borders``, ``place_generators``, ``diagram``, ``omit_invalid``,
-  ``solve_exactly``, ``join_chains``.
+  ``gather_borders``, ``place_generators``, then ``make_mesh``, ``solve_chains``, or in the
+  paper's mode ``diagram``, ``omit_invalid``, ``join_chains``.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner import distance_kernels
-from planner.agvd import Agvd, Chains, diagram, join_chains, omit_invalid
-from planner.bisectors import solve_exactly
+from planner.agvd import Agvd, Chains, diagram, join_chains, omit_invalid, solve_chains
 from planner.generators import (
     Borders,
     HasPrimitives,
@@ -30,6 +29,7 @@ from planner.generators import (
     gather_borders,
     place_generators,
 )
+from planner.mesh import make_mesh
 from planner.no_way import Blocked, explain, walled_in
 from planner.path import NoPath, Path
 from planner.request import Request
@@ -73,14 +73,15 @@ class Roadmap:
     @property
     def borders(self) -> Borders:
         """The scene's borders, indexed for distance queries."""
-        return self.agvd.generators.borders
+        return self.agvd.borders
 
     @property
     def counts(self) -> Mapping[str, int]:
         """generators, voronoi_vertices, roadmap_nodes, roadmap_edges."""
+        generators, vertices = self.agvd.counts
         return {
-            "generators": len(self.agvd.generators.sites),
-            "voronoi_vertices": len(self.agvd.ordinary.vertices),
+            "generators": generators,
+            "voronoi_vertices": vertices,
             "roadmap_nodes": self.graph.number_of_nodes(),
             "roadmap_edges": self.graph.number_of_edges(),
         }
@@ -191,13 +192,14 @@ def build_roadmap(
     borders = gather_borders(scene, mode)
     generators = place_generators(borders, delta)
     done("geometry")
-    ordinary = diagram(generators)
-    agvd = omit_invalid(ordinary, generators, mode)
-    done("voronoi")
-    places = None
     if mode == "exact":
-        agvd, places = solve_exactly(agvd)
-    chains = join_chains(agvd, places)
+        mesh = make_mesh(generators)
+        done("voronoi")
+        agvd, chains = solve_chains(mesh, generators)
+    else:
+        agvd = omit_invalid(diagram(generators), generators, mode)
+        done("voronoi")
+        chains = join_chains(agvd)
     roadmap = finish_roadmap(scene, size, mode, agvd, chains)
     done("roadmap")
     return roadmap
@@ -210,4 +212,4 @@ def finish_roadmap(
     remarks: tuple[str, ...] = ()
     if isinstance(scene, Scene) and not scene.objects:
         remarks = ("the scene has no objects: the roadmap is that of the empty bounds",)
-    return Roadmap(radius, agvd.generators.spacing, mode, scene, agvd, chains, remarks)
+    return Roadmap(radius, agvd.spacing, mode, scene, agvd, chains, remarks)

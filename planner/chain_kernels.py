@@ -1,0 +1,400 @@
+"""From valid edges to chains: who follows whom, and where the chains run exactly.
+
+Rules and units
+- A chain runs from node to node; nodes are vertices with one, three or no two valid edges. Its
+  stations are its nodes and turning points, which are solved; between two stations it follows
+  the bisector of one pair of pieces, the run's.
+- Places within a run are put in where the straight line would bulge or be too long. They are
+  slid onto the bisector from the sampled vertices that the run passes, and each proves itself
+  by its own empty circle.
+- Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.bisector_kernels import heading, narrowest, slide_between
+from planner.distance_kernels import POINT, SEGMENT, distance, foot, segment_clearance
+from planner.mesh_kernels import nearest_piece
+from planner.vertex_kernels import EXACT, INTRUDED, KEPT, UNUSED
+
+BULGE = 0.1
+"""How far a link may leave its bisector, in half spacings (5 % of the spacing)."""
+LONG = 1.0
+"""A link's length in parts of the clearance at its start, where that is more than a spacing."""
+HALVINGS = 30
+"""How often a run is halved at most."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def trace_chains(tri, mask):
+    """Runs of valid edges through vertices with two of them.
+
+    Returns ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node numbers, and
+    offsets ``first`` (c + 1,) into ``link`` (l,) int64, the half-edges crossed from inside, in
+    order. A closed run without a node gets one at its first vertex.
+    """
+    n = len(mask)
+    number = np.full(n, -1, np.int32)
+    node = np.empty(n, np.int32)
+    nodes, total = 0, 0
+    for i in range(n):
+        m = mask[i]
+        degree = (m & 1) + ((m >> 1) & 1) + (m >> 2)
+        total += degree
+        if degree == 1 or degree == 3:
+            number[i], node[nodes] = nodes, i
+            nodes += 1
+    total //= 2
+    used = np.zeros(n, np.uint8)
+    ends = np.empty((total, 2), np.int32)
+    first = np.zeros(total + 1, np.int32)
+    link = np.empty(total, np.int64)
+    chains, links = 0, 0
+    for sweep in range(2):
+        for i0 in range(n):
+            if mask[i0] == used[i0] or (sweep == 0 and number[i0] < 0):
+                continue
+            if number[i0] < 0:
+                number[i0], node[nodes] = nodes, i0
+                nodes += 1
+            for j0 in range(3):
+                if not (mask[i0] & ~used[i0]) >> j0 & 1:
+                    continue
+                here, way = np.int64(i0), np.int64(j0)
+                ends[chains, 0] = number[here]
+                while True:
+                    link[links] = 8 * here + way
+                    links += 1
+                    used[here] |= np.uint8(1 << way)
+                    o = np.int64(tri[8 * here + way + 4])
+                    here, way = o >> 3, o & 3
+                    used[here] |= np.uint8(1 << way)
+                    if number[here] >= 0:
+                        break
+                    rest = mask[here] & ~(1 << way)
+                    way = np.int64(0 if rest & 1 else (1 if rest & 2 else 2))
+                ends[chains, 1] = number[here]
+                chains += 1
+                first[chains] = links
+    return node[:nodes], ends[:chains], first[: chains + 1], link[:links]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_rings(mesh, node, at, kind, data, before, after, half, tolerance, xy, rho, state):
+    """Slide the nodes of closed runs onto their bisectors: they were passages until now."""
+    tri, label = mesh[1], mesh[2]
+    for i in node:
+        if state[i] != UNUSED:
+            continue
+        a, b = label[np.int64(tri[8 * i])], label[np.int64(tri[8 * i + 1])]
+        if a == b:
+            b = label[np.int64(tri[8 * i + 2])]
+        x, y, found = slide_between(kind, data, a, b, at[i, 0], at[i, 1], tolerance)
+        if not found or (x - at[i, 0]) ** 2 + (y - at[i, 1]) ** 2 > 16.0 * half * half:
+            x, y, found = at[i, 0], at[i, 1], False
+        r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
+        d, which = nearest_piece(
+            mesh, kind, data, before, after, 8 * i, x, y, r - 4.0 * tolerance, half
+        )
+        xy[i, 0], xy[i, 1], rho[i] = x, y, r if which < 0 else d
+        state[i] = INTRUDED if which >= 0 else (EXACT if found else KEPT)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _order_turns(kind, data, place, pair, run, last):
+    """Swap turning points of the two sides that sampling put in the wrong order.
+
+    Where the left border turned from A to its corner P and then the right one from its corner
+    Q to B, with P Q between, but the places are the other way round, A B is between.
+    """
+    for i in range(1, last - 1):
+        left, right = pair[i, 0], pair[i, 1]
+        mid_left, mid_right = pair[i - 1, 0], pair[i + 1, 1]
+        if left == mid_left:
+            mid_left, mid_right = pair[i + 1, 0], pair[i - 1, 1]
+        one_each = (pair[i - 1, 0] == left) != (pair[i - 1, 1] == right)
+        other = (pair[i + 1, 0] == left) == (pair[i - 1, 1] == right)
+        tx, ty, _ = heading(kind, data, left, right, place[i, 0], place[i, 1])
+        dx, dy = place[i + 1, 0] - place[i, 0], place[i + 1, 1] - place[i, 1]
+        if one_each and other and dx * tx + dy * ty < 0.0:
+            for c in range(4):
+                place[i, c], place[i + 1, c] = place[i + 1, c], place[i, c]
+            pair[i, 0], pair[i, 1] = mid_left, mid_right
+            run[i, 1] = run[i, 0]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _grown(out, pair, sure, ahead):
+    """The same arrays with twice the room."""
+    n = len(out)
+    new_out, new_pair = np.empty((2 * n, 3)), np.empty((2 * n, 2), np.int32)
+    new_sure, new_ahead = np.empty(2 * n, np.bool_), np.empty(2 * n, np.bool_)
+    new_out[:n], new_pair[:n], new_sure[:n], new_ahead[:n] = out, pair, sure, ahead
+    return new_out, new_pair, new_sure, new_ahead
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _more(extra, extra_label, where):
+    """The same arrays with twice the room."""
+    n = len(where)
+    new, new_label, new_where = (
+        np.empty((2 * n, 2)),
+        np.empty(2 * n, np.int32),
+        np.empty(2 * n, np.int64),
+    )
+    new[:n], new_label[:n], new_where[:n] = extra, extra_label, where
+    return new, new_label, new_where
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _is_between(kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance):
+    """Whether m lies ahead of a, where u is ahead, and before b, where they are near."""
+    near = 16.0 * half * half
+    dx, dy = mx - ax, my - ay
+    if dx * dx + dy * dy <= near and dx * ux + dy * uy <= tolerance:
+        return False
+    dx, dy = bx - mx, by - my
+    if dx * dx + dy * dy <= near:
+        tx, ty, _ = heading(kind, data, left, right, mx, my)
+        return dx * tx + dy * ty > tolerance
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _across(kind, data, left, right, x, y):
+    """A place and a direction of the line that the two pieces are nearest along, as seen there.
+
+    Through the centres of two round pieces or points, or through one and square to a segment;
+    no direction between two segments, whose bisector is nowhere narrower than at its ends.
+    """
+    if kind[left] == SEGMENT and kind[right] == SEGMENT:
+        return x, y, 0.0, 0.0
+    if kind[left] == SEGMENT:
+        left, right = right, left
+    px, py = data[left, 0], data[left, 1]
+    if kind[right] == SEGMENT:
+        return px, py, data[right, 1] - data[right, 3], data[right, 2] - data[right, 0]
+    return px, py, data[right, 0] - px, data[right, 1] - py
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
+    """The narrowest place of the bisector between a and b, if inside: x, y, found.
+
+    There the feet lie opposite each other: on the line across both pieces, halfway.
+    """
+    mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+    reach = (bx - ax) ** 2 + (by - ay) ** 2
+    px, py, ux, uy = _across(kind, data, left, right, mx, my)
+    square = ux * ux + uy * uy
+    if square > 0.0:
+        along = ((mx - px) * ux + (my - py) * uy) / square
+        qx, qy = px + along * ux, py + along * uy
+        lx, ly = foot(kind, data, left, qx, qy)
+        rx, ry = foot(kind, data, right, qx, qy)
+        x, y = 0.5 * (lx + rx), 0.5 * (ly + ry)
+        if (x - mx) ** 2 + (y - my) ** 2 <= reach:
+            gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
+            _, _, slope = heading(kind, data, left, right, x, y)
+            if abs(gap) <= tolerance and abs(slope) < 1e-9:
+                return x, y, True
+    x, y, found = narrowest(kind, data, left, right, ax, ay, bx, by, tolerance)
+    return x, y, found and (x - mx) ** 2 + (y - my) ** 2 <= reach
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _is_on_bisector(kind, data, pair, a, b, tolerance):
+    """Whether both ends are as near to both pieces as to anything."""
+    for side in range(2):
+        if abs(distance(kind, data, pair[side], a[0], a[1]) - a[2]) > 4.0 * tolerance:
+            return False
+        if abs(distance(kind, data, pair[side], b[0], b[1]) - b[2]) > 4.0 * tolerance:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def bend_chains(
+    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state
+):  # fmt: skip
+    """The chains' points on their bisectors, with the narrowest place of every run.
+
+    Returns ``out`` (p, 3), x, y and exact clearance, ``pair`` (p, 2) the pieces left and right
+    of the link that follows (-1 at a chain's last point), offsets ``start`` (c + 1,), ``proved``
+    (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
+    are missing as in :func:`planner.vertex_kernels.solve_vertices`.
+    """
+    tri, label = mesh[1], mesh[2]
+    k = len(kind) - len(before)
+    chains = len(first) - 1
+    room = 2 * (len(link) + chains) + 64
+    out, pair = np.empty((room, 3)), np.empty((room, 2), np.int32)
+    sure, ahead = np.empty(room, np.bool_), np.empty(room, np.bool_)
+    start = np.zeros(chains + 1, np.int32)
+    extra, extra_label = np.empty((64, 2)), np.empty(64, np.int32)
+    where = np.empty(64, np.int64)
+    missing = 0
+    most = 1
+    for c in range(chains):
+        most = max(most, first[c + 1] - first[c])
+    place, sides = np.empty((most + 1, 4)), np.empty((most + 1, 2), np.int32)
+    run = np.empty((most + 1, 2), np.int64)
+    stack = np.empty((HALVINGS + 2, 2))
+    stack_q = np.empty(HALVINGS + 2, np.int64)
+    n = 0
+    for c in range(chains):
+        # the stations, and the run of links after each
+        lo, hi = first[c], first[c + 1]
+        m = 0
+        for q in range(lo, hi + 1):
+            h = link[q] if q < hi else np.int64(tri[link[hi - 1] + 4])
+            i = h >> 3
+            if lo < q < hi:
+                s0, s1 = label[np.int64(tri[8 * i])], label[np.int64(tri[8 * i + 1])]
+                s2 = label[np.int64(tri[8 * i + 2])]
+                if s0 == s1 or s1 == s2 or s2 == s0:
+                    run[m - 1, 1] = q + 1
+                    continue
+            place[m, 0], place[m, 1] = xy[i, 0], xy[i, 1]
+            place[m, 2], place[m, 3] = rho[i], state[i]
+            if q < hi:
+                j = h - 8 * i
+                sides[m, 0] = label[np.int64(tri[8 * i + ((18 >> (2 * j)) & 3)])]
+                sides[m, 1] = label[np.int64(tri[8 * i + ((9 >> (2 * j)) & 3)])]
+                run[m, 0], run[m, 1] = q, q + 1
+            m += 1
+        last = m - 1
+        _order_turns(kind, data, place, sides, run, last)
+        for s in range(last + 1):
+            if n + 2 >= len(out):
+                out, pair, sure, ahead = _grown(out, pair, sure, ahead)
+            out[n, 0], out[n, 1], out[n, 2] = place[s, 0], place[s, 1], place[s, 2]
+            sure[n], ahead[n] = place[s, 3] == EXACT, True
+            pair[n, 0], pair[n, 1] = -1, -1
+            n += 1
+            if s == last:
+                break
+            left, right = sides[s, 0], sides[s, 1]
+            straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
+            # halve the run where the line bulges or is long
+            q_a = run[s, 0]
+            stack[0, 0], stack[0, 1] = place[s + 1, 0], place[s + 1, 1]
+            stack_q[0] = run[s, 1]
+            top = 1
+            ax, ay = place[s, 0], place[s, 1]
+            ux, uy, falls = heading(kind, data, left, right, ax, ay)
+            while top > 0:
+                bx, by, q_b = stack[top - 1, 0], stack[top - 1, 1], stack_q[top - 1]
+                dx, dy = bx - ax, by - ay
+                span = math.sqrt(dx * dx + dy * dy)
+                is_long = span > max(2.0 * half, LONG * out[n - 1, 2])
+                q_m = q_a
+                mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+                split = top <= HALVINGS and (q_b - q_a >= 2 or span > half)
+                if split and (is_long or not straight):
+                    if q_b - q_a >= 2:
+                        q_m = (q_a + q_b) // 2
+                        i = link[q_m] >> 3
+                        mx, my = at[i, 0], at[i, 1]
+                    mx, my, split = slide_between(kind, data, left, right, mx, my, tolerance)
+                    if split and not is_long:
+                        bulge = abs((mx - ax) * dy - (my - ay) * dx)
+                        split = bulge > BULGE * half * span
+                    if split:
+                        split = _is_between(
+                            kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance
+                        )
+                    if split:
+                        stack[top, 0], stack[top, 1], stack_q[top] = mx, my, q_m
+                        top += 1
+                        continue
+                # the link from a to b is short and straight enough
+                top -= 1
+                near = link[q_a] & ~7
+                pair[n - 1, 0], pair[n - 1, 1] = left, right
+                if n + 2 >= len(out):
+                    out, pair, sure, ahead = _grown(out, pair, sure, ahead)
+                vx, vy, grows = heading(kind, data, left, right, bx, by)
+                ahead[n - 1] = dx * ux + dy * uy >= -tolerance
+                for turn in range(2):
+                    x, y = bx, by
+                    if turn == 0:
+                        if falls >= -1e-9 or grows <= 1e-9:
+                            continue
+                        x, y, found = _narrowest_between(
+                            kind, data, left, right, ax, ay, bx, by, tolerance
+                        )
+                        if not found:
+                            continue
+                    elif top == 0:
+                        break
+                    r = distance(kind, data, left, x, y)
+                    d, which = nearest_piece(
+                        mesh, kind, data, before, after, near, x, y, r - 4.0 * tolerance, half
+                    )
+                    if which >= 0 and d >= relevant:
+                        if missing + 3 >= len(extra):
+                            extra, extra_label, where = _more(extra, extra_label, where)
+                        for side in range(3):
+                            lab = which if side == 2 else np.int64(sides[s, side])
+                            if lab < k:
+                                fx, fy = foot(kind, data, lab, x, y)
+                                extra[missing, 0], extra[missing, 1] = fx, fy
+                                extra_label[missing], where[missing] = lab, near
+                                missing += 1
+                    out[n, 0], out[n, 1], out[n, 2] = x, y, d if which >= 0 else r
+                    sure[n], ahead[n] = which < 0, True
+                    pair[n, 0], pair[n, 1] = left, right
+                    n += 1
+                ax, ay, q_a = bx, by, q_b
+                ux, uy, falls = vx, vy, grows
+        start[c + 1] = n
+    proved = np.zeros(n, np.bool_)
+    for i in range(n):
+        if pair[i, 0] >= 0 and ahead[i] and sure[i] and sure[i + 1]:
+            proved[i] = _is_on_bisector(kind, data, pair[i], out[i], out[i + 1], tolerance)
+    return (
+        out[:n],
+        pair[:n],
+        start,
+        proved,
+        extra[:missing],
+        extra_label[:missing],
+        where[:missing],
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def measure_chains(kind, data, order, large, boxes, points, proved, first):
+    """Lengths and clearances of chains whose narrowest places are points of theirs.
+
+    A proved link is as wide as its narrower end; any other is measured as a straight line
+    against the borders. Returns ``gap``, ``step`` per point and ``length``, ``clearance`` per
+    chain.
+    """
+    p, c = len(points), len(first) - 1
+    gap = np.full(p, np.inf)
+    step = np.zeros(p)
+    length = np.zeros(c)
+    clearance = np.full(c, np.inf)
+    for j in range(c):
+        clearance[j] = points[first[j], 2]
+        for i in range(first[j], first[j + 1] - 1):
+            ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
+            step[i] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+            gap[i] = min(points[i, 2], points[i + 1, 2])
+            if not proved[i]:
+                gap[i], _, _ = segment_clearance(
+                    kind, data, order, large, boxes, ax, ay, bx, by, gap[i]
+                )
+            length[j] += step[i]
+            clearance[j] = min(clearance[j], gap[i])
+    return gap, step, length, clearance

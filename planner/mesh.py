@@ -1,0 +1,214 @@
+"""The exact generalized diagram: a triangulation of generators, solved and refined in place.
+
+Rules and units
+- The sampled topology is a proposal. Its vertices are solved on their pieces, and each must
+  prove itself by an empty circle; where one cannot, generators are added at the feet around
+  it. At an exact vertex the added generators have the same empty circle, so the proposal
+  becomes right where it was wrong. What they do not touch is not solved again.
+- Clearances below half the spacing are not refined: no robot of the radius gets there.
+- A mesh belongs to whoever made it until it is handed on; from then on nobody changes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner import chain_kernels, insertion_kernels, mesh_kernels, vertex_kernels
+from planner.generators import SAME_PLACE, BoolArray, Borders, Generators
+from planner.scene import FloatArray, IntArray
+from planner.voronoi_diagram import DiagramArrays
+
+ROUNDS = 6
+"""How often generators are added at most; one or two rounds were enough on random scenes."""
+EQUAL = 1e-12
+"""Distances are equal within this share of the scene's extent."""
+ROOM = 0.125
+"""Room for generators to add, as a share of those there are."""
+
+
+@dataclass(slots=True)
+class Mesh:
+    """A triangulation of generators with room for more, and its solved vertices.
+
+    ``xy``, ``tri``, ``circ``, ``alias`` as in :mod:`planner.insertion_kernels`, ``label`` and
+    ``also`` as in :mod:`planner.mesh_kernels`; ``used`` of the sites are taken. Per triangle
+    its centre ``at`` and the sites ``seen`` that it was computed for, and ``place``, ``rho``,
+    ``state`` as in :mod:`planner.vertex_kernels`; ``side``, whether it is free, and ``mask``,
+    its valid edges.
+    """
+
+    xy: FloatArray
+    tri: NDArray[np.uint32]
+    circ: FloatArray
+    alias: NDArray[np.int64]
+    label: IntArray
+    also: IntArray
+    used: int
+    exponent: int
+    seen: NDArray[np.uint32]
+    at: FloatArray
+    place: FloatArray
+    rho: FloatArray
+    state: NDArray[np.int8]
+    side: NDArray[np.int8]
+    mask: NDArray[np.uint8]
+
+    @property
+    def ghost(self) -> int:
+        """The site at infinity, which is also how many sites there is room for."""
+        return len(self.alias)
+
+    @property
+    def up(self) -> float:
+        """What scaled coordinates are multiplied by."""
+        return 2.0**self.exponent
+
+
+def make_mesh(generators: Generators) -> Mesh | None:
+    """Triangulate the generators; None where all of them are on one line."""
+    n = len(generators.sites)
+    room = 64 + int(ROOM * n)
+    if n < 3:
+        return None
+    status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
+        generators.sites, room
+    )
+    if status:
+        return None
+    ghost = n + room
+    label = np.zeros(ghost, np.int32)
+    label[:n] = generators.label[order]
+    return Mesh(
+        xy=xy,
+        tri=tri,
+        circ=circ,
+        alias=alias,
+        label=label,
+        also=mesh_kernels.link_coincident(alias, ghost),
+        used=n,
+        exponent=exponent,
+        seen=np.full((2 * ghost, 3), insertion_kernels.DEAD, np.uint32),
+        at=np.full((2 * ghost, 2), np.nan),
+        place=np.empty((2 * ghost, 2)),
+        rho=np.zeros(2 * ghost),
+        state=np.zeros(2 * ghost, np.int8),
+        side=np.zeros(2 * ghost, np.int8),
+        mask=np.zeros(2 * ghost, np.uint8),
+    )
+
+
+def solve(mesh: Mesh, borders: Borders, spacing: float) -> tuple[Any, ...]:
+    """Solve the vertices, refine where their circles are not empty, and bend the chains.
+
+    Changes the mesh. Returns node, ends and what
+    :func:`planner.chain_kernels.bend_chains` returns up to ``proved``.
+    """
+    half, tolerance = 0.5 * spacing, EQUAL * borders.extent
+    pieces = borders.kind, borders.data, borders.before, borders.after
+    sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
+    flat = _flat(mesh, sag)
+    for turn in range(ROUNDS + 1):
+        mark_valid(mesh, borders, spacing)
+        missing = vertex_kernels.solve_vertices(
+            flat, mesh.mask, mesh.at, *pieces, borders.owner, half, half, tolerance,
+            mesh.place, mesh.rho, mesh.state,
+        )  # fmt: skip
+        if len(missing[0]) and turn < ROUNDS:
+            add_sites(mesh, *missing)
+            flat = _flat(mesh, sag)
+            continue
+        node, ends, first, link = chain_kernels.trace_chains(mesh.tri, mesh.mask)
+        chain_kernels.solve_rings(
+            flat, node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
+        )  # fmt: skip
+        *bent, places, labels, where = chain_kernels.bend_chains(
+            flat, mesh.at, first, link, *pieces, half, half, tolerance,
+            mesh.place, mesh.rho, mesh.state,
+        )  # fmt: skip
+        if not len(places) or turn == ROUNDS:
+            break
+        add_sites(mesh, places, labels, where)
+        flat = _flat(mesh, sag)
+    return node, ends, *bent
+
+
+def _flat(mesh: Mesh, sag: float) -> tuple[Any, ...]:
+    """What :func:`planner.mesh_kernels.nearest_piece` takes."""
+    stamp, queue = np.zeros(mesh.ghost + 2, np.int32), np.empty(mesh.ghost, np.int64)
+    return mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag
+
+
+def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> None:
+    """Bring centres, sides and valid edges of triangles that changed up to date."""
+    changed = mesh_kernels.centres(
+        mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.seen, mesh.at, mesh.state,
+        mesh.side,
+    )  # fmt: skip
+    mesh_kernels.mark_sides(
+        mesh.xy, mesh.up, mesh.tri, mesh.at, changed, borders.kind, borders.data,
+        borders.owner, borders.solid, borders.object_boxes, borders.span, borders.box, spacing,
+        mesh.side,
+    )  # fmt: skip
+    vertex_kernels.mark_valid(
+        mesh.tri, mesh.label, mesh.side, changed, borders.kind, borders.data, borders.before,
+        borders.after, borders.owner, SAME_PLACE * borders.extent, mesh.mask,
+    )  # fmt: skip
+
+
+def add_sites(mesh: Mesh, places: FloatArray, labels: IntArray, where: NDArray[np.int64]) -> None:
+    """Insert sites, each searched for from triangle ``where``."""
+    if mesh.used + len(places) > mesh.ghost:
+        grow(mesh, len(places) + mesh.ghost // 2)
+    todo = vertex_kernels.add_sites(
+        mesh.xy, 1.0 / mesh.up, mesh.tri, mesh.label, mesh.also, mesh.used, places, labels
+    )
+    mesh.used += len(todo)
+    w = np.empty(insertion_kernels.SCRATCH)
+    insertion_kernels.insert(w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, todo, where)
+    vertex_kernels.link_aliases(mesh.alias, mesh.also, todo)
+
+
+def grow(mesh: Mesh, more: int) -> None:
+    """Make room for ``more`` sites."""
+    ghost, room = mesh.ghost, mesh.ghost + more
+
+    def longer(array: NDArray[Any], length: int, fill: float) -> NDArray[Any]:
+        out = np.full((length, *array.shape[1:]), fill, array.dtype)
+        out[: len(array)] = array
+        return out
+
+    dead = insertion_kernels.DEAD
+    for name, array in (("tri", mesh.tri), ("seen", mesh.seen)):
+        moved = array.reshape(-1, 8)[:, :3] if name == "tri" else array
+        moved[moved == ghost] = room
+    mesh.xy = longer(mesh.xy[:-2], 2 * room + 2, np.nan)
+    mesh.tri = longer(mesh.tri, 16 * room, dead)
+    mesh.circ = longer(mesh.circ, 8 * room, np.nan)
+    mesh.alias = np.concatenate([mesh.alias, np.arange(ghost, room)])
+    mesh.label = longer(mesh.label, room, 0)
+    mesh.also = longer(mesh.also, room, -1)
+    mesh.seen = longer(mesh.seen, 2 * room, dead)
+    mesh.at = longer(mesh.at, 2 * room, np.nan)
+    mesh.place = longer(mesh.place, 2 * room, 0.0)
+    mesh.rho = longer(mesh.rho, 2 * room, 0.0)
+    mesh.state = longer(mesh.state, 2 * room, 0)
+    mesh.side = longer(mesh.side, 2 * room, 0)
+    mesh.mask = longer(mesh.mask, 2 * room, 0)
+
+
+def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:
+    """The mesh's sites, those that were added included, in its own order."""
+    sites = mesh.xy[: 2 * mesh.used].reshape(-1, 2) * mesh.up
+    return Generators(sites, mesh.label[: mesh.used], spacing, borders)
+
+
+def ordinary(mesh: Mesh) -> tuple[DiagramArrays, BoolArray]:
+    """The generators' own diagram and which of its edges are valid; sites as in the mesh."""
+    *arrays, valid = mesh_kernels.ordinary(
+        mesh.xy, mesh.ghost, mesh.exponent, mesh.tri, mesh.circ, mesh.alias, mesh.used, mesh.mask
+    )
+    return DiagramArrays(*arrays), valid

@@ -1,0 +1,218 @@
+"""The diagram's vertices on the borders themselves: which edges are valid, and where they meet.
+
+Rules and units
+- A triangle's vertex is where its three sites' pieces are equally far. Its ``mask`` holds bit
+  k where the Voronoi edge opposite its site k is valid.
+- A vertex with two valid edges between the same two pieces is a passage: nothing is decided
+  there, and it is not solved. All other vertices with a valid edge are.
+- Nothing is believed that its empty circle does not prove; where a border lies inside, the
+  sampling got the topology wrong and has to be refined at the feet around that circle.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.agvd_kernels import is_valid
+from planner.bisector_kernels import meet_three, slide_between, turn_at
+from planner.distance_kernels import ARC, distance, foot
+from planner.insertion_kernels import DEAD
+from planner.mesh_kernels import FREE, nearest_piece
+
+TURN_TRIES = 4
+"""Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
+UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
+"""What is known of a vertex: nothing; that it is equidistant to its pieces and its circle is
+empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tolerance, mask):
+    """Set in ``mask`` (t,) bit k where the edge opposite site k of a free triangle is valid.
+
+    Only the edges of the ``changed`` triangles are looked at; they may change the masks of
+    their neighbours.
+    """
+    k = len(kind) - len(before)
+    for i in changed:
+        mask[i] = 0
+    for i in changed:
+        if np.int64(tri[8 * i]) == DEAD:
+            continue
+        for j in range(3):
+            e = 8 * i + j
+            o = np.int64(tri[e + 4])
+            n = o >> 3
+            valid = False
+            if side[i] == FREE and side[n] == FREE:
+                a = label[np.int64(tri[8 * i + ((9 >> (2 * j)) & 3)])]
+                b = label[np.int64(tri[8 * i + ((18 >> (2 * j)) & 3)])]
+                valid = a != b and is_valid(
+                    kind, data, a, b, k, before, after, owner, False, tolerance
+                )
+            if valid:
+                mask[i] |= np.uint8(1 << j)
+                mask[n] |= np.uint8(1 << (o & 3))
+            else:
+                mask[i] &= np.uint8(7 ^ (1 << j))
+                mask[n] &= np.uint8(7 ^ (1 << (o & 3)))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def is_passage(mask, a, b, c):
+    """Whether a vertex with labels a, b, c only passes from one edge to the next."""
+    return (mask == 3 or mask == 5 or mask == 6) and (a == b or b == c or c == a)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_one(
+    mesh, kind, data, before, after, owner, t, a, b, c, x, y, half, tolerance
+):  # fmt: skip
+    """The exact place of the sampled vertex (x, y) of labels a, b, c: x, y, state."""
+    k = len(kind) - len(before)
+    if a in (b, c) or b == c:
+        if a == b:
+            b = c
+        if a == b:
+            return x, y, KEPT
+        qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
+        return qx, qy, EXACT if found else KEPT
+    ab = is_valid(kind, data, a, b, k, before, after, owner, False, tolerance)
+    bc = is_valid(kind, data, b, c, k, before, after, owner, False, tolerance)
+    ca = is_valid(kind, data, c, a, k, before, after, owner, False, tolerance)
+    if ab and bc and ca:
+        reach = 4.0 * half + distance(kind, data, a, x, y)
+        qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
+        if found:
+            return qx, qy, EXACT
+    elif ab + bc + ca == 2:
+        if not bc:
+            a, b, c = b, c, a
+        elif not ca:
+            a, b, c = c, a, b
+        corner, side = (a, b) if a >= k else (b, a)
+        if corner >= k and (before[corner - k] == side or after[corner - k] == side):
+            qx, qy, found = turn_at(kind, data, corner, side, c, x, y, tolerance)
+            for _ in range(TURN_TRIES):
+                if not found:
+                    break
+                s = math.sqrt((qx - data[corner, 0]) ** 2 + (qy - data[corner, 1]) ** 2)
+                _, i = nearest_piece(
+                    mesh, kind, data, before, after, t, qx, qy, s - 4.0 * tolerance, half
+                )
+                if i < 0:
+                    break
+                qx, qy, found = turn_at(kind, data, corner, side, i, qx, qy, tolerance)
+            if found:
+                return qx, qy, EXACT
+    elif ab + bc + ca == 1:
+        for i in (a, b, c):
+            if i < k and kind[i] == ARC:
+                gone = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2
+                if gone < (1e-3 * data[i, 2]) ** 2:
+                    return data[i, 0], data[i, 1], EXACT
+        if bc:
+            a, b = b, c
+        elif ca:
+            a, b = c, a
+        qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
+        return qx, qy, EXACT if found else KEPT
+    return x, y, KEPT
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_vertices(
+    mesh, mask, at, kind, data, before, after, owner, half, relevant, tolerance, xy, rho, state
+):  # fmt: skip
+    """Exact places of the vertices that valid edges meet, passages left out.
+
+    Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
+    that is UNUSED; the others are as they were. Returns sites that are missing
+    around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
+    labels (e,) and a triangle near each (e,).
+    """
+    tri, label = mesh[1], mesh[2]
+    k = len(kind) - len(before)
+    n = len(mask)
+    bad = np.empty((n, 2), np.int32)
+    count = 0
+    for i in range(n):
+        if mask[i] == 0 or state[i] != UNUSED:
+            continue
+        t = 8 * i
+        a, b, c = label[np.int64(tri[t])], label[np.int64(tri[t + 1])], label[np.int64(tri[t + 2])]
+        if is_passage(mask[i], a, b, c):
+            continue
+        px, py = at[i, 0], at[i, 1]
+        x, y, got = solve_one(
+            mesh, kind, data, before, after, owner, t, a, b, c, px, py, half, tolerance
+        )  # fmt: skip
+        if (x - px) ** 2 + (y - py) ** 2 > 16.0 * half * half:
+            x, y, got = px, py, KEPT
+        r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
+        r = min(r, distance(kind, data, c, x, y))
+        near, which = nearest_piece(
+            mesh, kind, data, before, after, t, x, y, r - 4.0 * tolerance, half
+        )
+        if which >= 0:
+            r = near
+            got = INTRUDED
+            overshot = (a in (b, c) or b == c) and not (
+                is_valid(kind, data, which, a, k, before, after, owner, False, tolerance)
+                and is_valid(kind, data, which, b, k, before, after, owner, False, tolerance)
+                and is_valid(kind, data, which, c, k, before, after, owner, False, tolerance)
+            )
+            if r >= relevant and not overshot:
+                bad[count, 0], bad[count, 1] = i, which
+                count += 1
+        xy[i, 0], xy[i, 1], rho[i], state[i] = x, y, r, got
+    extra = np.empty((4 * count, 2))
+    extra_label = np.empty(4 * count, np.int32)
+    where = np.empty(4 * count, np.int64)
+    n = 0
+    for j in range(count):
+        i = bad[j, 0]
+        for m in range(4):
+            lab = bad[j, 1] if m == 3 else label[np.int64(tri[8 * i + m])]
+            if lab >= k:
+                continue
+            fx, fy = foot(kind, data, lab, xy[i, 0], xy[i, 1])
+            extra[n, 0], extra[n, 1], extra_label[n], where[n] = fx, fy, lab, 8 * i
+            n += 1
+        xy[i, 0], xy[i, 1] = at[i, 0], at[i, 1]
+        rho[i], _ = nearest_piece(
+            mesh, kind, data, before, after, 8 * i, at[i, 0], at[i, 1], np.inf, half
+        )
+    return extra[:n], extra_label[:n], where[:n]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def add_sites(xy, down, tri, label, also, used, extra, extra_label):
+    """Put sites after the ``used`` ones into xy and label; their numbers, as far as room is."""
+    room = len(tri) // 16 - used
+    m = min(len(extra), room)
+    todo = np.empty(m, np.int32)
+    for j in range(m):
+        p = used + j
+        xy[2 * p], xy[2 * p + 1] = extra[j, 0] * down, extra[j, 1] * down
+        label[p] = extra_label[j]
+        also[p] = -1
+        tri[16 * p], tri[16 * p + 8] = DEAD, DEAD
+        todo[j] = p
+    return todo
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def link_aliases(alias, also, todo):
+    """Append sites that turned out to coincide with others to those sites' lists."""
+    for p in todo:
+        v = alias[p]
+        if v != p:
+            also[p] = also[v]
+            also[v] = p
