@@ -185,7 +185,8 @@ def parse_movingai(text: str, name: str) -> Scene:
 def _map_side(fields: dict[str, str], key: str, name: str) -> int:
     word = fields.get(key, "nothing")
     if re.fullmatch(r"[0-9]{1,6}", word) is None or int(word) == 0:
-        raise SceneError(f"{name}: {key} = {word[:24]}: must be a whole number in 1..999999")
+        shown = ascii(word[:24])[1:-1]
+        raise SceneError(f"{name}: {key} = {shown}: must be a whole number in 1..999999")
     return int(word)
 
 

@@ -121,9 +121,9 @@ def _entries(root: yaml.Node, name: str) -> dict[str, yaml.Node]:
     for key, value in root.value:
         word = str(key.value)
         if word in entries:
-            raise CalibrationError(f"{_where(name, key)}: '{word}' is given twice")
+            raise CalibrationError(f"{_where(name, key)}: {word[:40]!r} is given twice")
         if word not in _REQUIRED and word not in _OPTIONAL:
-            raise CalibrationError(f"{_where(name, key)}: unknown key '{word}'")
+            raise CalibrationError(f"{_where(name, key)}: unknown key {word[:40]!r}")
         entries[word] = value
     return entries
 
