@@ -1,0 +1,155 @@
+"""The log of events: one line each, machine-readable, and only what is news."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from navigation import logs
+from navigation.logs import EventLog, RunLog
+from navigation.mission import Mission, State, Station
+from navigation.serial_link import LinkSnapshot, LinkState
+from vision.latest_frame import CameraStatus
+
+NOW = datetime(2026, 3, 4, 5, 6, 7, 891000, tzinfo=timezone(timedelta(hours=2)))
+
+
+def log(form: Any, **options: Any) -> tuple[EventLog, io.StringIO]:
+    stream = io.StringIO()
+    return EventLog(stream, form, now=lambda: NOW, **options), stream
+
+
+def test_an_event_is_one_line_of_json_with_its_time_in_utc() -> None:
+    events, stream = log("json")
+    events.write("warning", "state", reason="two\nlines", x_m=1.23456789, pose=None)
+    assert stream.getvalue().count("\n") == 1
+    assert json.loads(stream.getvalue()) == {
+        "time": "2026-03-04T03:06:07.891Z",
+        "level": "warning",
+        "event": "state",
+        "reason": "two\nlines",
+        "x_m": 1.234568,
+        "pose": None,
+    }
+
+
+def test_numbers_that_json_has_no_word_for_are_null() -> None:
+    events, stream = log("json")
+    events.write("info", "plan", length_m=float("inf"))
+    assert json.loads(stream.getvalue())["length_m"] is None
+
+
+def test_a_line_of_text_quotes_what_needs_it_and_leaves_out_what_is_not_there() -> None:
+    events, stream = log("text")
+    events.write("info", "state", reason='a "word"', state="driving", x_m=None, text="a\nb")
+    expected = r'2026-03-04T03:06:07.891Z info    state reason="a \"word\"" state=driving'
+    assert stream.getvalue() == expected + ' text="a\\nb"\n'
+
+
+def test_the_journal_gets_syslog_s_priorities() -> None:
+    events, stream = log("text", priorities=True)
+    events.write("error", "watchdog")
+    events.write("info", "ready")
+    assert [line[:3] for line in stream.getvalue().splitlines()] == ["<3>", "<6>"]
+
+
+@pytest.mark.parametrize(("level", "count"), [("debug", 4), ("info", 3), ("error", 1)])
+def test_what_is_below_the_level_is_not_written(level: Any, count: int) -> None:
+    events, stream = log("json", level=level)
+    for each in logs.LEVELS:
+        events.write(each, "said")
+    assert stream.getvalue().count("\n") == count
+
+
+def test_without_a_form_nothing_is_written() -> None:
+    events, stream = log(None)
+    events.write("error", "said")
+    assert stream.getvalue() == ""
+
+
+def test_a_file_that_is_full_says_so_and_takes_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logs, "MOST_FILE_BYTES", 1000)
+    events = EventLog.to_file(tmp_path / "events.jsonl", now=lambda: datetime.now(UTC))
+    for _ in range(100):
+        events.write("info", "said", line="x" * 50)
+    events.close()
+    lines = (tmp_path / "events.jsonl").read_text().splitlines()
+    assert json.loads(lines[-1]) == {"event": "full"}
+    assert 1000 <= sum(map(len, lines)) < 1300
+
+
+# News.
+
+
+@dataclass(frozen=True)
+class Now:
+    """What `RunLog.cycle` looks at of a daemon's state."""
+
+    mission: Mission
+    sentence: str
+    link: LinkSnapshot
+    pose: None = None
+    path: None = None
+    clearance_m: float | None = None
+
+
+STATIONS = (Station(1.0, 1.0), Station(2.0, 1.0))
+DRIVING = Now(
+    Mission(STATIONS, state=State.DRIVING, reason="driving"),
+    "driving",
+    LinkSnapshot(LinkState.STREAM, None, 0.0),
+)
+FINE = CameraStatus("running", "", 30.0, 1, 0, 0, 0.0)
+
+
+def run_log() -> tuple[RunLog, io.StringIO]:
+    events, stream = log("json")
+    return RunLog(events), stream
+
+
+def events_of(stream: io.StringIO) -> list[tuple[str, str]]:
+    """(level, event) of each line since the last time."""
+    lines = [json.loads(line) for line in stream.getvalue().splitlines()]
+    stream.seek(0)
+    stream.truncate()
+    return [(line["level"], line["event"]) for line in lines]
+
+
+def test_a_cycle_without_news_writes_nothing() -> None:
+    run, stream = run_log()
+    run.cycle(DRIVING, FINE)
+    assert events_of(stream) == [("info", "state"), ("info", "link"), ("info", "camera")]
+    for _ in range(100):
+        run.cycle(DRIVING, FINE)
+    assert events_of(stream) == []
+
+
+def test_a_hold_a_station_a_lost_link_and_a_lost_camera_are_news() -> None:
+    run, stream = run_log()
+    run.cycle(DRIVING, FINE)
+    events_of(stream)
+    held = replace(DRIVING.mission, state=State.HOLDING, visited=1)
+    down = replace(DRIVING.link, down_reason="the port broke")
+    now = replace(DRIVING, mission=held, sentence="the link is down", link=down)
+    run.cycle(now, replace(FINE, state="lost", reason="unplugged"))
+    assert events_of(stream) == [
+        ("warning", "state"),
+        ("info", "station"),
+        ("warning", "link"),
+        ("warning", "camera"),
+    ]
+
+
+def test_every_log_of_a_run_gets_every_event() -> None:
+    (one, first), (other, second) = log("json"), log("text")
+    RunLog(one, other).write("info", "ready")
+    assert "ready" in first.getvalue()
+    assert "ready" in second.getvalue()
