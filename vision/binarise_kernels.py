@@ -17,6 +17,7 @@ SAMPLE = 65536
 """Pixels looked at, about."""
 BINS = 4096
 """Second differences are counted by quarters of a grey level."""
+FIRST, LAST = np.int64(0), np.int64(256)
 REFINEMENTS = 3
 """Times that the level moves half-way between the middles of what it splits."""
 
@@ -43,7 +44,10 @@ def sampled_histogram(grey):
         while x < width:
             counters[0, int(grey[y, x] + 0.5)] += 1
             x += columns
-    return counters.sum(axis=0)
+    histogram = np.empty(256, np.int64)
+    for v in range(256):
+        histogram[v] = counters[0, v] + counters[1, v] + counters[2, v] + counters[3, v]
+    return histogram
 
 
 @njit(cache=True, nogil=True)
@@ -66,16 +70,16 @@ def noise_sigma(grey):
             pairs[which, min(int(d * 4.0 + 0.5), BINS - 1)] += 1
             which = 1 - which
             total += 1
-    bins = pairs[0] + pairs[1]
     seen = 0
     for i in range(BINS):
-        if seen + bins[i] >= 0.5 * total:
-            inside = (0.5 * total - seen) / bins[i]
+        here = pairs[0, i] + pairs[1, i]
+        if seen + here >= 0.5 * total:
+            inside = (0.5 * total - seen) / here
             low = 0.0 if i == 0 else i - 0.5
             return (
                 (low + inside * (i + 0.5 - low)) / 4.0 / (0.6744898 * 2.4494897) if i > 0 else 0.0
             )
-        seen += bins[i]
+        seen += here
     return 0.0
 
 
@@ -123,18 +127,18 @@ def split_histogram(histogram, noise, least):
             split = v
     if split < 0:
         return False, 0.0, 0.0, 0.0, 0.0
-    dark = _quantile(histogram, 0, split + 1, 0.5)
-    light = _quantile(histogram, split + 1, 256, 0.5)
+    dark = _quantile(histogram, FIRST, split + 1, 0.5)
+    light = _quantile(histogram, split + 1, LAST, 0.5)
     for _ in range(REFINEMENTS):
         # half-way between the middles, whatever tail the split has cut off
         above = int(0.5 * (dark + light)) + 1
-        dark = _quantile(histogram, 0, above, 0.5)
-        light = _quantile(histogram, above, 256, 0.5)
+        dark = _quantile(histogram, FIRST, above, 0.5)
+        light = _quantile(histogram, above, LAST, 0.5)
     if light - dark < least:
         return False, 0.0, 0.0, 0.0, 0.0
     level = 0.5 * (dark + light)
     above = int(level) + 1
-    spread = _quantile(histogram, above, 256, 0.75) - _quantile(histogram, above, 256, 0.25)
+    spread = _quantile(histogram, above, LAST, 0.75) - _quantile(histogram, above, LAST, 0.25)
     below = 0.0
     for v in range(256):
         if v < level:

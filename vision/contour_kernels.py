@@ -49,7 +49,7 @@ def follow_borders(mask):
     xs = np.empty(room, np.int32)
     ys = np.empty(room, np.int32)
     directions = np.empty(room, np.int8)
-    count = 0
+    count = np.int64(0)
     border_room = 64
     starts = np.empty(border_room + 1, np.int64)
     areas = np.empty(border_room, np.int64)

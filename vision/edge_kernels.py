@@ -28,8 +28,9 @@ WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""
 CRISP = 0.95
 """Share of the contrast in one step from which an edge counts as drawn without grey."""
-BEHIND, SAMPLES = 4, 10
-"""A profile's samples, and where in it the obstacle pixel lies."""
+BEHIND, SAMPLES, ONE = np.int64(4), 10, np.int64(1)
+"""Where in a profile the obstacle pixel lies, its samples, and the step between them; typed, so
+that kernels are compiled for numbers and not once more for these."""
 CHOSEN, SLANTED, CLEAR, INSIDE, OUTSIDE = 1, 2, 4, 8, 16
 """A crack gives a point; the border runs aslant; both plateaus are there; the profile lies in
 the picture; the free pixel does not."""
@@ -74,7 +75,7 @@ def edge_points(grey, mask, level, xs, ys, directions, starts):
     plateaus = np.empty((blocks, 2), np.float64)
     profile = np.empty(SAMPLES, grey.dtype)
     totals = np.zeros(4)
-    count = 0
+    count = np.int64(0)
     for b in range(borders):
         first = starts[b]
         n = starts[b + 1] - first
@@ -139,8 +140,8 @@ def _look_beside(grey, mask, level, xs, ys, directions, first, n, profile, flags
             if _is_clear(mask, x, y, nx, ny, width, height):
                 flag |= CLEAR
                 _take_profile(grey, x, y, nx, ny, profile)
-                dark[i] = _dark(profile, BEHIND, 1, level)
-                light[i] = _light(profile, BEHIND, 1, level)
+                dark[i] = _dark(profile, BEHIND, ONE, level)
+                light[i] = _light(profile, BEHIND, ONE, level)
         flags[i] = flag
 
 
@@ -282,7 +283,7 @@ def _locate(
                 t = _crossing(flat_grey, at, ny * width + nx, d, lt, flag & SLANTED, totals)
             else:
                 _take_profile(grey, x, y, nx, ny, profile)
-                t = _crossing(profile, BEHIND, 1, d, lt, flag & SLANTED, totals)
+                t = _crossing(profile, BEHIND, ONE, d, lt, flag & SLANTED, totals)
         points[count, 0] = x + t * nx
         points[count, 1] = y + t * ny
         count += 1

@@ -1,0 +1,341 @@
+"""Finished edges, and whether they cover their border: what does not, falls to chords.
+
+Rules and units
+- ``px``, ``py`` as in ``vision.shape_kernels``: one border's n points, twice over.
+- A finished edge is a row x, y of its first point, cx, cy, r of an arc, and the rms deviation;
+  it ends where the next one begins.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from vision.joint_kernels import edge_end, onto
+from vision.shape_kernels import HUGE
+
+LINE, ARC_CW, ARC_CCW = 0, 1, 2
+"""Kinds of an edge; the turn as seen on the screen."""
+CHECKS = 6
+"""Times that the finished edges are compared with the border."""
+LOST_AXIS_PX = 0.55
+"""Along a pixel's axis, how far from the middle between two pixels' centres an edge may run
+before a pixel counts as lost: a straight edge may pass a staircase so closely."""
+TIP_PX = 2.5
+"""Within this distance of a corner pixels are too coarse to tell where its sides run."""
+RAGGED_SHARE = 0.15
+"""Area lost per point from which a stretch counts as ragged, where its border loses too much."""
+FLATTEST_PX = 1e-3
+"""An arc that rises less above its chord is a line."""
+TURNS = 8
+"""Steps in which an arc's points are looked at for its turning sense."""
+TAU = 2.0 * math.pi
+
+
+@njit(cache=True, nogil=True)
+def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
+    """The circle through both ends that keeps the fitted arc's middle; cx, cy, r.
+
+    The middle lies where the fitted circle meets the chord's bisector on the arc's side.
+    """
+    cx = shape[e, 0]
+    cy = shape[e, 1]
+    r = shape[e, 2]
+    mx = 0.5 * (x0 + x1)
+    my = 0.5 * (y0 + y1)
+    dx = x1 - x0
+    dy = y1 - y0
+    chord = math.sqrt(dx * dx + dy * dy)
+    if chord < 1e-9:
+        circle[0] = cx
+        circle[1] = cy
+        circle[2] = math.sqrt((x0 - cx) ** 2 + (y0 - cy) ** 2)
+        return
+    # clockwise on the screen (y down): the arc bulges to the left of its chord, which is
+    # the direction (dy, -dx)
+    side = -1.0 if ccw else 1.0
+    nx = side * dy / chord
+    ny = -side * dx / chord
+    # signed distance of the centre from the chord towards the bulge
+    c = (cx - mx) * nx + (cy - my) * ny
+    sag = c + r
+    if sag < 1e-9:
+        sag = 1e-9
+    half = 0.5 * chord
+    new_r = (half * half + sag * sag) / (2.0 * sag)
+    circle[0] = mx + nx * (sag - new_r)
+    circle[1] = my + ny * (sag - new_r)
+    circle[2] = new_r
+
+
+@njit(cache=True, nogil=True)
+def _is_ccw(px, py, lo, hi, cx, cy):
+    """Whether the border runs counter-clockwise as seen on the screen about (cx, cy)."""
+    total = 0.0
+    p = lo
+    for t in range(1, TURNS + 1):
+        q = lo + (hi - lo) * t // TURNS
+        total += (px[p] - cx) * (py[q] - cy) - (py[p] - cy) * (px[q] - cx)
+        p = q
+    return total < 0.0
+
+
+@njit(cache=True, nogil=True)
+def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
+    """Write edge e between its joints into ``rows``; returns its kind."""
+    x0 = joints[e, 0]
+    y0 = joints[e, 1]
+    rows[e, 0] = x0
+    rows[e, 1] = y0
+    rows[e, 2] = 0.0
+    rows[e, 3] = 0.0
+    rows[e, 4] = 0.0
+    rows[e, 5] = shape[e, 4]
+    if not bent:
+        return LINE
+    x1 = joints[after, 0]
+    y1 = joints[after, 1]
+    ccw = _is_ccw(px, py, lo, hi, shape[e, 0], shape[e, 1])
+    _through_ends(shape, e, x0, y0, x1, y1, ccw, circle)
+    chord = math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+    if chord < FLATTEST_PX or circle[2] * FLATTEST_PX > 0.125 * chord * chord:
+        return LINE
+    rows[e, 2] = circle[0]
+    rows[e, 3] = circle[1]
+    rows[e, 4] = circle[2]
+    return ARC_CCW if ccw else ARC_CW
+
+
+@njit(cache=True, nogil=True)
+def _distance_to_edge(kinds, rows, e, after, x, y):
+    """Distance from (x, y) to finished edge e, and its foot: ``(distance, x, y)``."""
+    x0 = rows[e, 0]
+    y0 = rows[e, 1]
+    x1 = rows[after, 0]
+    y1 = rows[after, 1]
+    if kinds[e] != LINE:
+        cx = rows[e, 2]
+        cy = rows[e, 3]
+        dx = x - cx
+        dy = y - cy
+        d = math.sqrt(dx * dx + dy * dy)
+        # y down: the angle grows along an arc that is clockwise on the screen
+        ax = x0 - cx
+        ay = y0 - cy
+        bx = x1 - cx
+        by = y1 - cy
+        if kinds[e] == ARC_CCW:
+            ax, ay, bx, by = bx, by, ax, ay
+        after_a = ax * dy - ay * dx >= 0.0
+        before_b = dx * by - dy * bx >= 0.0
+        within = after_a and before_b if ax * by - ay * bx >= 0.0 else after_a or before_b
+        if within and d > 0.0:
+            share = rows[e, 4] / d
+            return abs(d - rows[e, 4]), cx + dx * share, cy + dy * share
+        near0 = math.sqrt((x - x0) ** 2 + (y - y0) ** 2)
+        near1 = math.sqrt((x - x1) ** 2 + (y - y1) ** 2)
+        if near0 < near1:
+            return near0, x0, y0
+        return near1, x1, y1
+    dx = x1 - x0
+    dy = y1 - y0
+    square = dx * dx + dy * dy
+    t = 0.0
+    if square > 0.0:
+        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
+    fx = x0 + t * dx
+    fy = y0 + t * dy
+    return math.sqrt((x - fx) ** 2 + (y - fy) ** 2), fx, fy
+
+
+@njit(cache=True, nogil=True)
+def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
+    """What a finished edge misses of its stretch: ``(worst deviation, area lost)``.
+
+    A point may lie at a neighbouring edge, which the joint may have lengthened; what blur
+    rounds within ``guard`` of a joint does not count. In a picture without grey a deviation
+    below ``LOST_AXIS_PX`` along the axis loses nothing, beyond it a pixel; otherwise what exceeds
+    ``free`` is lost.
+    """
+    next_ = e + 1 if e + 1 < edges else 0
+    before = e - 1 if e > 0 else edges - 1
+    behind = next_ + 1 if next_ + 1 < edges else 0
+    near = max(guard, TIP_PX) ** 2
+    worst = 0.0
+    lost = 0.0
+    for k in range(lo, hi + 1):
+        x = px[k]
+        y = py[k]
+        if (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near or (x - rows[next_, 0]) ** 2 + (
+            y - rows[next_, 1]
+        ) ** 2 < near:
+            continue
+        best, fx, fy = _distance_to_edge(kinds, rows, e, next_, x, y)
+        if best >= 0.5:
+            d, ex, ey = _distance_to_edge(kinds, rows, before, e, x, y)
+            if d < best:
+                best = d
+                fx = ex
+                fy = ey
+            d, ex, ey = _distance_to_edge(kinds, rows, next_, behind, x, y)
+            if d < best:
+                best = d
+                fx = ex
+                fy = ey
+        worst = max(worst, best)
+        if crisp:
+            if max(abs(x - fx), abs(y - fy)) > LOST_AXIS_PX * best and best > LOST_AXIS_PX * max(
+                abs(x - fx), abs(y - fy)
+            ) / max(best, 1e-9):
+                lost += 1.0
+        elif best > free:
+            lost += best - free
+    return worst, lost
+
+
+@njit(cache=True, nogil=True)
+def _arc_length(kinds, rows, e, after):
+    begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
+    end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
+    sweep = (end - begin) % TAU if kinds[e] == ARC_CW else (begin - end) % TAU
+    return sweep * rows[e, 4]
+
+
+@njit(cache=True, nogil=True)
+def check_edges(
+    px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard, budget,
+    ragged, losses, stale, kinds, rows, circle,
+):  # fmt: skip
+    """Finish the edges, and mark as ragged what would not cover the border well enough.
+
+    A ragged edge ends at border points; that moves its neighbours' ends, so the check is
+    repeated until nothing changes. ``stale`` (edges,) is room to work in.
+    """
+    for e in range(edges):
+        ragged[e] = False
+        stale[e] = True
+        losses[e] = 0.0
+    for _ in range(CHECKS):
+        _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
+        changed = False
+        total = 0.0
+        for e in range(edges):
+            if ragged[e]:
+                losses[e] = 0.0
+                continue
+            after = e + 1 if e + 1 < edges else 0
+            before = e - 1 if e > 0 else edges - 1
+            if stale[before] or stale[e] or stale[after]:
+                lo = breaks[e]
+                hi = edge_end(breaks, edges, n, e)
+                farthest, losses[e] = _loss(
+                    px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard
+                )
+                bad = farthest > allowed
+                if kinds[e] != LINE:
+                    longest = 2.0 * (hi - lo) + 4.0
+                    bad = bad or _arc_length(kinds, rows, e, after) > longest
+                if bad:
+                    ragged[e] = True
+                    changed = True
+            total += losses[e]
+        while total > budget:
+            worst = 0
+            densest = 0.0
+            for e in range(edges):
+                length = edge_end(breaks, edges, n, e) - breaks[e]
+                density = losses[e] / max(length, 4)
+                if density > densest:
+                    densest = density
+                    worst = e
+            if densest < RAGGED_SHARE:
+                break
+            changed = True
+            total -= losses[worst]
+            losses[worst] = 0.0
+            ragged[worst] = True
+        if not changed:
+            return
+        for e in range(edges):
+            stale[e] = False
+        for e in range(edges):
+            if ragged[e]:
+                _end_at_points(px, py, breaks, is_arc, edges, shape, joints, ragged, stale, e)
+    _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
+
+
+@njit(cache=True, nogil=True)
+def _end_at_points(px, py, breaks, is_arc, edges, shape, joints, ragged, stale, e):
+    """Move both joints of a ragged edge to the border, on their neighbours where these fit."""
+    stale[e] = True
+    for side in range(2):
+        end = e if side == 0 else (e + 1 if e + 1 < edges else 0)
+        x = px[breaks[end]]
+        y = py[breaks[end]]
+        other = (e - 1 if e > 0 else edges - 1) if side == 0 else end
+        stale[other] = True
+        if not ragged[other]:
+            # the neighbour stays where its fit is
+            fx, fy = onto(shape, other, is_arc[other], x, y)
+            if (fx - x) ** 2 + (fy - y) ** 2 < 1.0:
+                x = fx
+                y = fy
+        joints[end, 0] = x
+        joints[end, 1] = y
+
+
+@njit(cache=True, nogil=True)
+def _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle):
+    for e in range(edges):
+        if stale[e]:
+            hi = edge_end(breaks, edges, n, e)
+            kinds[e] = finish_edge(
+                px, py, breaks[e], hi, is_arc[e], shape, e, joints,
+                e + 1 if e + 1 < edges else 0, rows, circle,
+            )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def chords(px, py, lo, hi, tolerance, is_seed, found):
+    """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
+    count = hi - lo
+    for k in range(count + 1):
+        is_seed[k] = False
+    found[0] = lo
+    m = 1
+    stack = np.empty((count + 2, 2), np.int64)
+    stack[0, 0] = lo
+    stack[0, 1] = hi
+    top = 1
+    while top > 0:
+        top -= 1
+        a = stack[top, 0]
+        b = stack[top, 1]
+        dx = px[b] - px[a]
+        dy = py[b] - py[a]
+        length = math.sqrt(dx * dx + dy * dy)
+        far = -HUGE
+        where = a
+        for k in range(a + 1, b):
+            x = px[k] - px[a]
+            y = py[k] - py[a]
+            d = math.sqrt(x * x + y * y) if length < 1e-9 else abs(x * dy - y * dx) / length
+            if d > far:
+                far = d
+                where = k
+        if far > tolerance:
+            is_seed[where - lo] = True
+            stack[top, 0] = where
+            stack[top, 1] = b
+            stack[top + 1, 0] = a
+            stack[top + 1, 1] = where
+            top += 2
+    for k in range(1, count):
+        if is_seed[k]:
+            found[m] = lo + k
+            m += 1
+    return m

@@ -1,0 +1,381 @@
+"""Where a border breaks into edges: seeds, and the cheapest partition that breaks at some.
+
+Rules and units
+- ``px``, ``py`` as in ``vision.shape_kernels``: one border's n points, twice over.
+- A partition's cost is the cost of its lines and arcs plus their prices: a minimum
+  description length, which the best partition minimises.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from vision.shape_kernels import (
+    HUGE,
+    circle_cost,
+    fit_circle,
+    fit_line,
+    line_cost,
+    separate_circle,
+)
+
+LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 16.0, 22.0, 20.0
+"""What an edge costs, in units of sigma squared: more than noise gains by one more break."""
+SAMPLES = 24
+"""At most about so many points shape a stretch in the search; all of them judge it."""
+CRISP_SAMPLES = 192
+"""The same in a picture without grey, whose points are off by up to half a pixel."""
+NEAR_MISS = 1.6
+"""Share of the worst deviation up to which an arc is worth turning between the pixels."""
+SPAN = 160
+"""At most so many seeds in one stretch."""
+CORNER, CRISP_CORNER = 0.6, 1.2
+"""Turn in radians from which a seed is surely a corner; a staircase turns sharply by itself."""
+SNAP = 4
+"""Points by which a seed moves to the middle of its corner."""
+FAILURES = 3
+"""A stretch that has failed so often with one end is not extended further."""
+NO_LINE, NO_CIRCLE = 2.0, 3.0
+"""In worst deviations: how far a seed may lie from the chord, or from the circle through both
+ends and the middle, of a stretch that might be a line or an arc."""
+
+
+@njit(cache=True, nogil=True)
+def seed_breaks(px, py, n, tolerance, is_seed):
+    """Mark generous breaks: split at the farthest point until chords lie within tolerance."""
+    mx = 0.0
+    my = 0.0
+    for k in range(n):
+        is_seed[k] = False
+        mx += px[k]
+        my += py[k]
+    mx /= n
+    my /= n
+    best = -1.0
+    start = 0
+    for k in range(n):
+        d = (px[k] - mx) ** 2 + (py[k] - my) ** 2
+        if d > best:
+            best = d
+            start = k
+    best = -1.0
+    other = 0
+    for k in range(n):
+        d = (px[k] - px[start]) ** 2 + (py[k] - py[start]) ** 2
+        if d > best:
+            best = d
+            other = k
+    is_seed[start] = True
+    is_seed[other] = True
+    if other < start:
+        start, other = other, start
+    stack = np.empty((128, 2), np.int64)
+    stack[0, 0] = start
+    stack[0, 1] = other
+    stack[1, 0] = other
+    stack[1, 1] = start + n
+    top = 2
+    while top > 0:
+        top -= 1
+        lo = stack[top, 0]
+        hi = stack[top, 1]
+        if hi - lo < 2:
+            continue
+        where, far = _farthest(px, py, lo, hi)
+        if far <= tolerance:
+            continue
+        is_seed[where - n if where >= n else where] = True
+        if top + 2 > stack.shape[0]:
+            bigger = np.empty((2 * stack.shape[0], 2), np.int64)
+            bigger[:top] = stack[:top]
+            stack = bigger
+        stack[top, 0] = lo
+        stack[top, 1] = where
+        stack[top + 1, 0] = where
+        stack[top + 1, 1] = hi
+        top += 2
+
+
+@njit(cache=True, nogil=True)
+def _farthest(px, py, lo, hi):
+    """The point between lo and hi farthest from their chord: ``(where, distance)``."""
+    x0 = px[lo]
+    y0 = py[lo]
+    dx = px[hi] - x0
+    dy = py[hi] - y0
+    length = math.sqrt(dx * dx + dy * dy)
+    far = -1.0
+    where = lo
+    if length < 1e-9:
+        for k in range(lo + 1, hi):
+            d = (px[k] - x0) ** 2 + (py[k] - y0) ** 2
+            if d > far:
+                far = d
+                where = k
+        return where, math.sqrt(max(far, 0.0))
+    for k in range(lo + 1, hi):
+        d = abs((px[k] - x0) * dy - (py[k] - y0) * dx)
+        if d > far:
+            far = d
+            where = k
+    return where, far / length
+
+
+@njit(cache=True, nogil=True)
+def _around(k, n):
+    if k < 0:
+        return k + n
+    return k - n if k >= n else k
+
+
+@njit(cache=True, nogil=True)
+def _bulge(px, py, n, k, reach):
+    """How far point k lies from the chord of its neighbours ``reach`` points away."""
+    p = _around(k - reach, n)
+    q = _around(k + reach, n)
+    dx = px[q] - px[p]
+    dy = py[q] - py[p]
+    length = math.sqrt(dx * dx + dy * dy)
+    if length < 1e-9:
+        return 0.0
+    return abs((px[k] - px[p]) * dy - (py[k] - py[p]) * dx) / length
+
+
+@njit(cache=True, nogil=True)
+def _snap_seeds(px, py, n, seeds, m, reach):
+    """Move every seed to where the border bulges most nearby, short of the next seeds."""
+    reach = min(reach, n // 4)
+    if reach < 2:
+        return
+    last = -1
+    for s in range(m):
+        after = seeds[s + 1] if s + 1 < m else seeds[0] + n
+        before = last if s > 0 else seeds[m - 1] - n
+        lo = max(seeds[s] - SNAP, before + 1, (seeds[s] + before) // 2, 0)
+        hi = min(seeds[s] + SNAP, (seeds[s] + after) // 2, n - 1)
+        best = -1.0
+        where = seeds[s]
+        for k in range(lo, hi + 1):
+            bulge = _bulge(px, py, n, k, reach)
+            if bulge > best:
+                best = bulge
+                where = k
+        last = where
+        seeds[s] = where
+
+
+@njit(cache=True, nogil=True)
+def _turn_at(px, py, n, k, reach):
+    """How sharply the border turns at point k, in radians."""
+    reach = min(reach, n // 4)
+    p = _around(k - reach, n)
+    q = _around(k + reach, n)
+    ax = px[k] - px[p]
+    ay = py[k] - py[p]
+    bx = px[q] - px[k]
+    by = py[q] - py[k]
+    return abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by))
+
+
+@njit(cache=True, nogil=True)
+def _trim(length, guard):
+    """How many points to leave out at each end of a stretch."""
+    if length >= 3 * guard + 4:
+        return guard
+    if length >= 6:
+        return min(guard, (length - 3) // 3)
+    return 0
+
+
+@njit(cache=True, nogil=True)
+def _hopeless(px, py, a, b, position, i, j, shift, worst):
+    """Whether the seeds i + 1 .. j - 1 alone tell that points a .. b are no line and no arc."""
+    x0 = px[a]
+    y0 = py[a]
+    dx = px[b] - x0
+    dy = py[b] - y0
+    chord = math.sqrt(dx * dx + dy * dy)
+    far = 0.0
+    for s in range(i + 1, j):
+        k = position[s] - shift
+        if a < k < b:
+            far = max(far, abs((px[k] - x0) * dy - (py[k] - y0) * dx))
+    if far <= NO_LINE * worst * chord:
+        return False
+    # the circle through both ends and the middle
+    c = (a + b) // 2
+    cx = px[c] - x0
+    cy = py[c] - y0
+    det = 2.0 * (cx * dy - cy * dx)
+    if abs(det) < 1e-9:
+        return False
+    cc = cx * cx + cy * cy
+    dd = dx * dx + dy * dy
+    mx = (dy * cc - cy * dd) / det
+    my = (cx * dd - dx * cc) / det
+    r = math.sqrt(mx * mx + my * my)
+    if chord < r:
+        # too little is known of a circle from points so near to each other
+        return False
+    for s in range(i, j):
+        # the seeds, and half-way between them
+        k = (position[s] + position[s + 1]) // 2 - shift
+        if a < k < b:
+            d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
+            if abs(d) > NO_CIRCLE * worst:
+                return True
+        k = position[s] - shift
+        if a < k < b:
+            d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
+            if abs(d) > NO_CIRCLE * worst:
+                return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _stretch(px, py, a, b, crisp, dead_zone, sigma, worst, bound, line, circle, active):
+    """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc)."""
+    count = b - a
+    step = max(1, count // (CRISP_SAMPLES if crisp else SAMPLES))
+    fit_line(px, py, a, b, step, line)
+    straight = LINE_PRICE + line_cost(
+        px, py, a, b, line, crisp, dead_zone, sigma, worst, bound - LINE_PRICE
+    )
+    if count < 6 or straight < ARC_PRICE or bound <= ARC_PRICE:
+        return straight, False
+    bent = HUGE
+    if fit_circle(px, py, a, b, step, circle):
+        bound -= ARC_PRICE
+        for again in range(2):
+            limit = NEAR_MISS * worst if crisp and again == 0 else worst
+            bent = ARC_PRICE + circle_cost(
+                px, py, a, b, circle, crisp, dead_zone, sigma, limit,
+                HUGE if crisp and again == 0 else bound,
+            )  # fmt: skip
+            if not crisp or again == 1 or not ARC_PRICE < bent < HUGE:
+                break
+            # the staircase alone may have turned the fit: let it pass between the pixels
+            separate_circle(px, py, a, b, circle, active)
+    if bent < straight:
+        return bent, True
+    return straight, False
+
+
+@njit(cache=True, nogil=True)
+def best_partition(
+    px, py, n, seeds, m, start, guard, crisp, dead_zone, sigma, worst, limit, breaks, is_arc, active
+):
+    """The cheapest partition of a closed border into lines and arcs that break at seeds.
+
+    ``seeds`` holds m ascending indices; the first break is seed number ``start``. Fills
+    ``breaks`` (in order along the border, starting there) and ``is_arc``; returns the number
+    of edges and the cost. Dynamic programming; stretches that fail are not extended far, and
+    what costs more than ``limit`` is not followed up.
+    """
+    best = np.full(m + 1, HUGE * 4.0)
+    came = np.zeros(m + 1, np.int64)
+    arc = np.zeros(m + 1, np.bool_)
+    line = np.empty(4, np.float64)
+    circle = np.empty(3, np.float64)
+    position = np.empty(m + 1, np.int64)
+    for t in range(m + 1):
+        s = start + t
+        position[t] = seeds[s] if s < m else seeds[s - m] + n
+    best[0] = 0.0
+    for i in range(m):
+        if best[i] >= limit:
+            # dearer than what is known: only the next seed is joined, so that all are reached
+            if best[i] + 4.0 * LINE_PRICE < best[i + 1]:
+                best[i + 1] = best[i] + 4.0 * LINE_PRICE
+                came[i + 1] = i
+                arc[i + 1] = False
+            continue
+        failed = 0
+        shift = n if position[i] >= n else 0
+        for j in range(i + 1, min(m, i + SPAN) + 1):
+            if i == 0 and j == m:
+                break
+            bound = best[j] - best[i]
+            if bound <= LINE_PRICE:
+                continue
+            lo = position[i] - shift
+            hi = position[j] - shift
+            trim = _trim(hi - lo, guard)
+            a = lo + trim
+            b = hi - trim
+            cost = HUGE
+            bent = False
+            if j == i + 1 or not _hopeless(px, py, a, b, position, i, j, shift, worst):
+                cost, bent = _stretch(
+                    px, py, a, b + 1, crisp, dead_zone, sigma, worst, bound, line, circle, active
+                )
+            if cost >= HUGE:
+                if j == i + 1:
+                    cost = 4.0 * LINE_PRICE
+                    bent = False
+                else:
+                    failed += 1
+                    if failed >= FAILURES:
+                        break
+                    continue
+            if best[i] + cost < best[j]:
+                best[j] = best[i] + cost
+                came[j] = i
+                arc[j] = bent
+    edges = 0
+    j = m
+    while j > 0:
+        edges += 1
+        j = came[j]
+    j = m
+    e = edges
+    while j > 0:
+        e -= 1
+        is_arc[e] = arc[j]
+        j = came[j]
+        breaks[e] = position[j] - n if position[j] >= n else position[j]
+    return edges, best[m]
+
+
+@njit(cache=True, nogil=True)
+def partition(
+    px, py, n, skip, crisp, dead_zone, sigma, worst, tolerance, limit,
+    is_seed, seeds, breaks, is_arc, active,
+):  # fmt: skip
+    """Seeds, then the cheapest partition that breaks at some of them: (edges, cost)."""
+    seed_breaks(px, py, n, tolerance, is_seed)
+    m = 0
+    for k in range(n):
+        if is_seed[k]:
+            seeds[m] = k
+            m += 1
+    _snap_seeds(px, py, n, seeds, m, skip + 4)
+    sharpest = -1.0
+    start = 0
+    for t in range(m):
+        turn = _turn_at(px, py, n, seeds[t], 6)
+        if turn > sharpest:
+            sharpest = turn
+            start = t
+    edges = 0
+    cost = HUGE
+    sharp = CRISP_CORNER if crisp else CORNER
+    for _ in range(2):
+        edges, cost = best_partition(
+            px, py, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst, limit,
+            breaks, is_arc, active,
+        )  # fmt: skip
+        if sharpest >= sharp or edges < 2 or cost >= limit:
+            break
+        # no corner to begin at: begin again at a break that the search found
+        sharpest = sharp
+        again = breaks[edges // 2]
+        for t in range(m):
+            if seeds[t] == again:
+                start = t
+    return edges, cost

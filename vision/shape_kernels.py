@@ -1,0 +1,442 @@
+"""Lines and circles through stretches of a border: the fits, and what they cost.
+
+Rules and units
+- ``px``, ``py``: one border's points in pixels, about the border's own origin, twice over, so
+  that a stretch lo .. hi may run past the border's end once; y down.
+- A cost is the sum of ((|deviation| - dead_zone) / sigma)^2 over a stretch's points; in a
+  picture without grey the deviation is taken along the pixels' axis (see ``separate_line``).
+- Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
+  (N. Chernov, Circular and Linear Regression, 2010).
+- The sums may be added in any order (``FAST``): no point is ever NaN.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+FAST = {"reassoc", "contract", "nsz", "nnan", "arcp"}
+HUGE = 1e18
+"""The cost of what may not be."""
+BEATEN = 1e12
+"""The cost of what is dearer than the best known."""
+CHUNK = 32
+"""Points after which a cost is compared with its bound."""
+HALF = 0.5
+"""Along a pixel's axis, how far an edge may leave the middle between two pixels' centres."""
+SEPARATION_STEPS = 12
+SEPARATION_MARGIN = 0.03
+"""How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
+ACTIVE_PX = 0.3
+"""Points so near to their limit take part when an edge is turned between the pixels."""
+FLATTEST_RADIUS_PX = 1e6
+"""A circle of a larger radius is a line."""
+SETTLED_PX = 1e-6
+"""A circle that moves less has converged."""
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def fit_line(px, py, lo, hi, step, out):
+    """Total least squares through points lo, lo + step, .. < hi: out = x, y, ux, uy."""
+    ox = px[lo]
+    oy = py[lo]
+    sx = 0.0
+    sy = 0.0
+    sxx = 0.0
+    sxy = 0.0
+    syy = 0.0
+    count = (hi - lo + step - 1) // step
+    if step == 1:
+        for k in range(lo, hi):
+            x = px[k] - ox
+            y = py[k] - oy
+            sx += x
+            sy += y
+            sxx += x * x
+            sxy += x * y
+            syy += y * y
+    else:
+        for k in range(lo, hi, step):
+            x = px[k] - ox
+            y = py[k] - oy
+            sx += x
+            sy += y
+            sxx += x * x
+            sxy += x * y
+            syy += y * y
+    mx = sx / count
+    my = sy / count
+    b = sxy / count - mx * my
+    half = 0.5 * ((sxx / count - mx * mx) - (syy / count - my * my))
+    # the eigenvector of the larger eigenvalue
+    root = math.sqrt(half * half + b * b)
+    ux = half + root if half >= 0.0 else b
+    uy = b if half >= 0.0 else root - half
+    length = math.sqrt(ux * ux + uy * uy)
+    if length > 0.0:
+        ux /= length
+        uy /= length
+    else:
+        ux = 1.0
+        uy = 0.0
+    if (px[hi - 1] - ox) * ux + (py[hi - 1] - oy) * uy < 0.0:
+        ux = -ux
+        uy = -uy
+    out[0] = ox + mx
+    out[1] = oy + my
+    out[2] = ux
+    out[3] = uy
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def fit_circle(px, py, lo, hi, step, out):
+    """Taubin's circle through points lo, lo + step, .. < hi: out = cx, cy, r.
+
+    False where the points lie on a line.
+    """
+    count = (hi - lo + step - 1) // step
+    mx = 0.0
+    my = 0.0
+    xx = 0.0
+    xy = 0.0
+    yy = 0.0
+    xz = 0.0
+    yz = 0.0
+    zz = 0.0
+    if step == 1:
+        for k in range(lo, hi):
+            mx += px[k]
+            my += py[k]
+        mx /= count
+        my /= count
+        for k in range(lo, hi):
+            x = px[k] - mx
+            y = py[k] - my
+            z = x * x + y * y
+            xx += x * x
+            xy += x * y
+            yy += y * y
+            xz += x * z
+            yz += y * z
+            zz += z * z
+    else:
+        for k in range(lo, hi, step):
+            mx += px[k]
+            my += py[k]
+        mx /= count
+        my /= count
+        for k in range(lo, hi, step):
+            x = px[k] - mx
+            y = py[k] - my
+            z = x * x + y * y
+            xx += x * x
+            xy += x * y
+            yy += y * y
+            xz += x * z
+            yz += y * z
+            zz += z * z
+    xx /= count
+    xy /= count
+    yy /= count
+    xz /= count
+    yz /= count
+    zz /= count
+    mz = xx + yy
+    cov = xx * yy - xy * xy
+    var = zz - mz * mz
+    a3 = 4.0 * mz
+    a2 = -3.0 * mz * mz - zz
+    a1 = var * mz + 4.0 * cov * mz - xz * xz - yz * yz
+    a0 = xz * (xz * yy - yz * xy) + yz * (yz * xx - xz * xy) - var * cov
+    eta = 0.0
+    value = a0
+    for _ in range(30):
+        slope = a1 + eta * (2.0 * a2 + 3.0 * a3 * eta)
+        if slope == 0.0:
+            break
+        new = eta - value / slope
+        new_value = a0 + new * (a1 + new * (a2 + new * a3))
+        if not abs(new_value) < abs(value):
+            break
+        near = abs(new - eta) <= 1e-12 * abs(new)
+        eta = new
+        value = new_value
+        if near:
+            break
+    det = eta * eta - eta * mz + cov
+    if abs(det) < 1e-12 * (mz * mz + 1e-300):
+        return False
+    cx = (xz * (yy - eta) - yz * xy) / det / 2.0
+    cy = (yz * (xx - eta) - xz * xy) / det / 2.0
+    square = cx * cx + cy * cy + mz
+    if not square < FLATTEST_RADIUS_PX * FLATTEST_RADIUS_PX:
+        return False
+    out[0] = mx + cx
+    out[1] = my + cy
+    out[2] = math.sqrt(square)
+    return out[2] > 0.0
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def refine_circle(px, py, lo, hi, rounds, circle):
+    """Gauss-Newton on the distances of points lo .. hi - 1 from a circle, at most so often."""
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    inv = 1.0 / (hi - lo)
+    for _ in range(rounds):
+        # normal equations of the distances sqrt((x - cx)^2 + (y - cy)^2) - r
+        suu = 0.0
+        suv = 0.0
+        svv = 0.0
+        su = 0.0
+        sv = 0.0
+        sud = 0.0
+        svd = 0.0
+        sd = 0.0
+        for k in range(lo, hi):
+            x = px[k] - cx
+            y = py[k] - cy
+            d = math.sqrt(x * x + y * y) + 1e-30
+            u = x / d
+            v = y / d
+            d -= r
+            suu += u * u
+            suv += u * v
+            svv += v * v
+            su += u
+            sv += v
+            sud += u * d
+            svd += v * d
+            sd += d
+        auu = suu - su * su * inv
+        auv = suv - su * sv * inv
+        avv = svv - sv * sv * inv
+        bu = sud - su * sd * inv
+        bv = svd - sv * sd * inv
+        det = auu * avv - auv * auv
+        if det <= 1e-12 * (auu + avv) * (auu + avv):
+            break
+        dx = (bu * avv - bv * auv) / det
+        dy = (bv * auu - bu * auv) / det
+        dr = (sd - su * dx - sv * dy) * inv
+        if not (abs(dx) + abs(dy) < 0.5 * r and r + dr > 0.0):
+            break
+        cx += dx
+        cy += dy
+        r += dr
+        if abs(dx) + abs(dy) + abs(dr) < SETTLED_PX:
+            break
+    circle[0] = cx
+    circle[1] = cy
+    circle[2] = r
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
+    """The cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
+    scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
+    a = line[3] * scale
+    b = -line[2] * scale
+    c = -(line[0] * a + line[1] * b)
+    bound *= sigma * sigma
+    cost = 0.0
+    for first in range(lo, hi, CHUNK):
+        far = 0.0
+        for k in range(first, min(first + CHUNK, hi)):
+            d = abs(px[k] * a + py[k] * b + c)
+            far = max(far, d)
+            over = max(d - dead_zone, 0.0)
+            cost += over * over
+        if far > worst:
+            return HUGE
+        if cost > bound:
+            return BEATEN
+    return cost / (sigma * sigma)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
+    """The same for a circle."""
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    bound *= sigma * sigma
+    cost = 0.0
+    for first in range(lo, hi, CHUNK):
+        far = 0.0
+        last = min(first + CHUNK, hi)
+        if crisp:
+            for k in range(first, last):
+                x = abs(px[k] - cx)
+                y = abs(py[k] - cy)
+                away = math.sqrt(x * x + y * y)
+                d = abs(away - r) * away / (max(x, y) + 1e-9)
+                far = max(far, d)
+                over = max(d - dead_zone, 0.0)
+                cost += over * over
+        else:
+            for k in range(first, last):
+                x = px[k] - cx
+                y = py[k] - cy
+                d = abs(math.sqrt(x * x + y * y) - r)
+                far = max(far, d)
+                over = max(d - dead_zone, 0.0)
+                cost += over * over
+        if far > worst:
+            return HUGE
+        if cost > bound:
+            return BEATEN
+    return cost / (sigma * sigma)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def line_rms(px, py, lo, hi, line):
+    """The rms deviation of points lo .. hi - 1 from a line."""
+    total = 0.0
+    for k in range(lo, hi):
+        d = (px[k] - line[0]) * line[3] - (py[k] - line[1]) * line[2]
+        total += d * d
+    return math.sqrt(total / (hi - lo))
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def circle_rms(px, py, lo, hi, circle):
+    """The rms deviation of points lo .. hi - 1 from a circle."""
+    total = 0.0
+    for k in range(lo, hi):
+        x = px[k] - circle[0]
+        y = py[k] - circle[1]
+        d = math.sqrt(x * x + y * y) - circle[2]
+        total += d * d
+    return math.sqrt(total / (hi - lo))
+
+
+@njit(cache=True, nogil=True)
+def separate_line(px, py, lo, hi, line, active):
+    """Turn and shift a line until it passes between the pixels on its two sides.
+
+    In a picture without grey every point is the middle between an obstacle pixel and a free
+    one: a line that leaves it by less than half a pixel along the axis keeps both on their
+    sides. Least squares on what exceeds that, a few steps from the total-least-squares line;
+    ``active`` is room for the points that may matter.
+    """
+    limit = (HALF - SEPARATION_MARGIN) * max(abs(line[2]), abs(line[3]))
+    count = 0
+    beyond = False
+    for k in range(lo, hi):
+        d = abs((py[k] - line[1]) * line[2] - (px[k] - line[0]) * line[3])
+        active[count] = k
+        count += d > limit - ACTIVE_PX
+        beyond |= d > limit
+    if not beyond:
+        return
+    half = 0.5 * (hi - lo)
+    for _ in range(SEPARATION_STEPS):
+        limit = (HALF - SEPARATION_MARGIN) * max(abs(line[2]), abs(line[3]))
+        w = 0.0
+        wt = 0.0
+        wtt = 0.0
+        b0 = 0.0
+        b1 = 0.0
+        for i in range(count):
+            k = active[i]
+            dx = px[k] - line[0]
+            dy = py[k] - line[1]
+            d = dy * line[2] - dx * line[3]
+            excess = abs(d) - limit
+            if excess <= 0.0:
+                continue
+            t = dx * line[2] + dy * line[3]
+            if d < 0.0:
+                excess = -excess
+            w += 1.0
+            wt += t
+            wtt += t * t
+            b0 += excess
+            b1 += excess * t
+        if w == 0.0:
+            return
+        # damped: one point alone must not turn the line
+        a00 = w + 0.5
+        a11 = wtt + 0.15 * half * half
+        det = a00 * a11 - wt * wt
+        shift = (b0 * a11 - b1 * wt) / det
+        turn = (b1 * a00 - b0 * wt) / det
+        line[0] -= shift * line[3]
+        line[1] += shift * line[2]
+        ux = line[2] - turn * line[3]
+        uy = line[3] + turn * line[2]
+        length = math.sqrt(ux * ux + uy * uy)
+        line[2] = ux / length
+        line[3] = uy / length
+
+
+@njit(cache=True, nogil=True)
+def separate_circle(px, py, lo, hi, circle, active):
+    """The same for a circle: move and grow it until it passes between the pixels."""
+    count = 0
+    beyond = False
+    for k in range(lo, hi):
+        x = abs(px[k] - circle[0])
+        y = abs(py[k] - circle[1])
+        far = math.sqrt(x * x + y * y)
+        excess = abs(far - circle[2]) - (HALF - SEPARATION_MARGIN) * max(x, y) / max(far, 1e-9)
+        active[count] = k
+        count += excess > -ACTIVE_PX
+        beyond |= excess > 0.0
+    if not beyond:
+        return
+    for _ in range(SEPARATION_STEPS):
+        suu = 0.0
+        suv = 0.0
+        svv = 0.0
+        su = 0.0
+        sv = 0.0
+        s1 = 0.0
+        bu = 0.0
+        bv = 0.0
+        b1 = 0.0
+        for i in range(count):
+            k = active[i]
+            dx = px[k] - circle[0]
+            dy = py[k] - circle[1]
+            far = math.sqrt(dx * dx + dy * dy)
+            if far < 1e-9:
+                return
+            ux = dx / far
+            uy = dy / far
+            d = far - circle[2]
+            excess = abs(d) - (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
+            if excess <= 0.0:
+                continue
+            if d < 0.0:
+                excess = -excess
+            suu += ux * ux
+            suv += ux * uy
+            svv += uy * uy
+            su += ux
+            sv += uy
+            s1 += 1.0
+            bu += ux * excess
+            bv += uy * excess
+            b1 += excess
+        if s1 == 0.0:
+            return
+        suu += 0.5
+        svv += 0.5
+        s1 += 0.5
+        # by cofactors: numba's linear algebra would need scipy on the user's machine
+        c0 = svv * s1 - sv * sv
+        c1 = su * sv - suv * s1
+        c2 = suv * sv - su * svv
+        c3 = suu * s1 - su * su
+        c4 = suv * su - suu * sv
+        c5 = suu * svv - suv * suv
+        det = suu * c0 + suv * c1 + su * c2
+        circle[0] += (c0 * bu + c1 * bv + c2 * b1) / det
+        circle[1] += (c1 * bu + c3 * bv + c4 * b1) / det
+        circle[2] += (c2 * bu + c4 * bv + c5 * b1) / det
