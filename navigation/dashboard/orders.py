@@ -22,7 +22,7 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool) -> str | None:
     """Why this visitor may not give this order; None where it may."""
     if order == "stop":
         return None
-    if order not in MOTIONS:
+    if not isinstance(order, str) or order not in MOTIONS:
         return f"order {order!r}: must be stop, go, pause, resume or rearm"
     if not may_drive:
         return "this token is for looking and stopping only"

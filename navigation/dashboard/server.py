@@ -52,6 +52,7 @@ class Dashboard:
         self.hub: Hub | None = None
         self._socket: socket.socket | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
     def __enter__(self) -> Dashboard:
@@ -70,6 +71,7 @@ class Dashboard:
     def __exit__(self, *_exc: object) -> None:
         if self._socket is None:
             return
+        self._closing.set()
         loop, hub = self._loop, self.hub
         if loop is not None and hub is not None:
             # the loop may have ended by itself
@@ -111,6 +113,8 @@ class Dashboard:
             )
         )
         assert self._socket is not None
+        if self._closing.is_set():  # a run that ended before its page was ready
+            return
         serving = asyncio.ensure_future(server.serve(sockets=[self._socket]))
         await hub.run()
         server.should_exit = True

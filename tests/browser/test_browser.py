@@ -238,7 +238,7 @@ def test_one_operator_holds_the_arena_and_everybody_may_stop(
     assert live.stands_within(2.0)
     expect(first.locator("#stopped")).to_be_visible()
     first.locator("#seat").click()
-    expect(second.locator("#seat")).to_have_text("Take the arena")
+    expect(second.locator("#seat")).to_have_text("Take arena")
 
 
 def test_pause_holds_and_go_on_goes_on(open_page: OpenPage, live: Live) -> None:
@@ -260,6 +260,8 @@ def test_layers_can_be_switched_off_and_stay_so(open_page: OpenPage, live: Live)
     expect(road).to_be_visible()
     page.get_by_label("Roadmap").uncheck()
     expect(road).to_be_hidden()
+    page.keyboard.press("3")
+    expect(page.locator("[data-layer=diagram]")).to_be_hidden()
     page.keyboard.press("3")
     expect(page.locator("[data-layer=diagram]")).to_be_visible()
     page.reload()
@@ -284,6 +286,9 @@ def test_it_works_on_a_phone(open_page: OpenPage, live: Live, keep: Keep) -> Non
     page.touchscreen.tap(*on_screen(page, *HERE))
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
     keep(page, "phone")
+    send = page.locator("#send").bounding_box()
+    assert send is not None
+    assert send["y"] + send["height"] < box["y"], "what sends it is in sight"
     page.locator("#health").scroll_into_view_if_needed()
     after = page.locator("#stop").bounding_box()
     assert after is not None

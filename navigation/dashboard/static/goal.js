@@ -176,6 +176,7 @@ export class Goal {
     const any = this.#stations.length > 0;
     this.send.disabled = !this.#ready;
     document.getElementById("clear").hidden = !any;
+    document.querySelector(".goal").classList.toggle("has-draft", any);
     document.getElementById("goal-hint").hidden = any;
     const list = document.getElementById("goal-stations");
     list.hidden = !any;

@@ -3,14 +3,15 @@
 const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [150, 34];
 const KEPT = 240;
+const SHOWN_LEAST = 60; // half a minute, until there is more
 
 const ROWS = [
-  { id: "camera", title: "Camera", column: "camera_hz", unit: "pictures/s", judge: cameraWord, detail: cameraDetail },
-  { id: "wire", title: "Capture to wire", column: "wire_ms", unit: "ms", judge: (s) => (s.loop_ms > 1000 ? ["bad", "control loop hangs"] : ["good", "control loop runs"]), detail: (s, last) => both(last("wire_ms"), "ms at most", last("look_ms"), "ms vision") },
-  { id: "link", title: "Link to the robot", column: "round_trip_ms", unit: "ms", judge: linkWord, detail: linkDetail },
-  { id: "planner", title: "Planner", column: "plan_ms", unit: "ms", judge: plannerWord, detail: (s) => both(s.times.roadmap_ms, "ms roadmap", s.times.plan_ms, "ms plan") },
-  { id: "clearance", title: "Clearance", column: "clearance_m", unit: "m", judge: () => null, detail: (s) => figure(s.clearance_m, "m") },
-  { id: "speed", title: "Speed", column: "speed_m_s", unit: "m/s", judge: () => null, detail: (s) => figure(s.pose?.speed_m_s ?? null, "m/s") },
+  { id: "camera", title: "Camera", column: "camera_hz", least: 30, unit: "pictures/s", judge: cameraWord, detail: cameraDetail },
+  { id: "wire", title: "Capture to wire", column: "wire_ms", least: 20, unit: "ms", judge: (s) => (s.loop_ms > 1000 ? ["bad", "control loop hangs"] : ["good", "control loop runs"]), detail: (s, last) => both(last("wire_ms"), "ms at most", last("look_ms"), "ms vision") },
+  { id: "link", title: "Link to the robot", column: "round_trip_ms", least: 20, unit: "ms", judge: linkWord, detail: linkDetail },
+  { id: "planner", title: "Planner", column: "plan_ms", least: 50, unit: "ms", judge: plannerWord, detail: (s) => both(s.times.roadmap_ms, "ms roadmap", s.times.plan_ms, "ms plan") },
+  { id: "clearance", title: "Clearance", column: "clearance_m", least: 0.5, unit: "m", judge: () => null, detail: (s) => figure(s.clearance_m, "m") },
+  { id: "speed", title: "Speed", column: "speed_m_s", least: 0.2, unit: "m/s", judge: () => null, detail: (s) => figure(s.pose?.speed_m_s ?? null, "m/s") },
 ];
 
 export class Health {
@@ -63,8 +64,9 @@ export class Health {
     const { chart, line, area, top } = this.#parts.get(row.id);
     const values = this.#column(row.column);
     const known = values.filter((value) => value !== null);
-    const high = niceAbove(Math.max(0, ...known));
-    const x = (k) => WIDE - ((values.length - 1 - k) / (KEPT - 1)) * WIDE;
+    const high = Math.max(row.least, niceAbove(Math.max(0, ...known)));
+    const count = Math.max(SHOWN_LEAST, values.length);
+    const x = (k) => WIDE - ((values.length - 1 - k) / (count - 1)) * WIDE;
     const y = (value) => HIGH - 2 - (value / high) * (HIGH - 5);
     let data = "";
     let fill = "";
@@ -128,10 +130,10 @@ function figure(value, unit) {
   return `${value >= 100 ? value.toFixed(0) : value >= 10 ? value.toFixed(1) : value.toFixed(2)} ${unit}`;
 }
 
-/** The next of 1, 2, 5, 10, 20, ... that is not below. */
+/** The next round number that is not below. */
 function niceAbove(value) {
   if (!(value > 0)) return 1;
   const power = 10 ** Math.floor(Math.log10(value));
-  const steps = [1, 2, 5, 10].map((m) => m * power);
+  const steps = [1, 1.5, 2, 3, 5, 7.5, 10].map((m) => m * power);
   return Number(steps.find((step) => step >= value * 0.999).toPrecision(3));
 }

@@ -9,7 +9,6 @@ const TITLES = {
   picture: "Picture", obstacles: "Obstacles", diagram: "Diagram", roadmap: "Roadmap",
   plan: "Plan", track: "Track", robots: "Robots",
 };
-const OFF_AT_FIRST = new Set(["diagram"]);
 const STALE_MS = 200;
 const TRACK_MOST = 6000;
 
@@ -23,7 +22,7 @@ export class Layers {
   constructor(stage, picture, connection) {
     this.stage = stage;
     this.picture = picture;
-    this.shown = new Set(remembered() ?? LAYERS.filter((name) => !OFF_AT_FIRST.has(name)));
+    this.shown = new Set(remembered() ?? LAYERS);
     for (const name of ["floor", "obstacles", "diagram", "roadmap", "corridor", "track", "plan", "narrowest", "mission", "robots", "draft", "probe"]) {
       stage.group(name);
     }
@@ -212,7 +211,7 @@ export class Layers {
     group.setAttribute("transform", `translate(${s.x(pose.x_m).toFixed(1)} ${s.y(pose.y_m).toFixed(1)})`);
     const degrees = (-pose.heading_rad * 180) / Math.PI;
     group.querySelector(".nose").setAttribute("transform", `rotate(${degrees.toFixed(1)})`);
-    group.querySelector(".lean").setAttribute("d", lean(s, pose));
+    group.querySelector(".lean").setAttribute("d", lean(s, pose, radius * s.scale));
     const label = group.querySelector(".label");
     label.setAttribute("y", (radius * s.scale + 15 * s.k).toFixed(1));
     const age = pose.age_ms === null ? "not seen" : `seen ${(pose.age_ms / 1000).toFixed(1)} s ago`;
@@ -233,11 +232,11 @@ export class Layers {
   }
 }
 
-/** From where the robot stands to where the camera sees its marker, which is above the floor. */
-function lean(stage, pose) {
+/** From where the robot stands to where the camera sees its top, which is above the floor. */
+function lean(stage, pose, r) {
   const [x, y] = [stage.x(pose.seen_m[0]) - stage.x(pose.x_m), stage.y(pose.seen_m[1]) - stage.y(pose.y_m)];
-  const r = 5 * stage.k;
-  return Math.hypot(x, y) < 2 * r ? "" : `M0 0L${x} ${y}M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
+  if (Math.hypot(x, y) < 5 * stage.k) return "";
+  return `M0 0L${x.toFixed(1)} ${y.toFixed(1)}M${(x - r).toFixed(1)} ${y.toFixed(1)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`;
 }
 
 /** A station's mark: a ring of the robot's size, its heading and its name. */

@@ -40,7 +40,7 @@ export class Seat {
     const up = this.connection.isUp && this.#state !== null;
     const holder = this.#state?.seat;
     this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine);
-    this.button.textContent = this.isMine ? "Release" : "Take the arena";
+    this.button.textContent = this.isMine ? "Release" : "Take arena";
     if (!up) this.text.textContent = "";
     else if (this.isMine) this.text.textContent = "You hold the arena";
     else if (holder) this.text.textContent = `${holder.name} holds the arena`;

@@ -1,0 +1,294 @@
+"""What viewers are told: packed arrays, the arena's geometry, pictures, state, log, metrics."""
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from navigation.cycle import PlanAnswer
+from navigation.dashboard.chronicle import COLUMNS, Chronicle
+from navigation.dashboard.geometry import plan_message, world_message
+from navigation.dashboard.hub import preview_facts
+from navigation.dashboard.packed import pack, unpack
+from navigation.dashboard.palette import DAY, NIGHT, contrast, stylesheet
+from navigation.dashboard.picture import TopView
+from navigation.dashboard.rings import Ring
+from navigation.dashboard.seat import Seat
+from navigation.dashboard.state_message import state_message
+from navigation.draw_shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
+from navigation.mission import Mission, State, Station
+from planner.path import Bottleneck, NoPath, Path
+from planner.roadmap import Roadmap
+from planner.scene import Bounds
+from tests.support.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
+from vision.calibration import Calibration
+
+ARENA = Bounds(0.0, 0.0, 2.4, 1.8)
+
+
+@pytest.fixture(scope="module")
+def roadmap() -> Roadmap:
+    return laboratory()
+
+
+# Packed arrays.
+
+
+@given(
+    st.lists(st.integers(0, 255), max_size=9),
+    st.lists(st.floats(width=32, allow_nan=False), max_size=9),
+    st.text(max_size=9),
+)
+def test_what_is_packed_comes_out_unchanged(
+    octets: list[int], floats: list[float], words: str
+) -> None:
+    arrays = {
+        "octets": np.array(octets, dtype=np.uint8),
+        "floats": np.array(floats, dtype=np.float32),
+        "none": np.empty(0, dtype=np.int32),
+    }
+    head, found = unpack(pack("kind", {"words": words}, arrays))
+    assert head == {"type": "kind", "words": words}
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(found[name], array)
+        assert found[name].dtype == array.dtype
+
+
+def test_every_array_lies_where_a_browser_can_look_into_it_without_copying() -> None:
+    message = pack("k", {"a": "ä"}, {"one": np.zeros(3, np.uint8), "two": np.zeros(2, np.int32)})
+    length = int.from_bytes(message[:4], "little")
+    assert length % 4 == 0
+    index = json.loads(message[4 : 4 + length])["arrays"]
+    assert all(first % 4 == 0 for _, first, _ in index.values())
+
+
+# Rings.
+
+
+@given(st.integers(1, 8), st.integers(0, 30), st.integers(0, 40), st.integers(1, 9))
+def test_a_ring_gives_the_newest_items_with_their_numbers(
+    size: int, count: int, asked: int, most: int
+) -> None:
+    ring: Ring[int] = Ring(size)
+    for number in range(count):
+        ring.append(number)
+    first, items = ring.since(asked, most)
+    assert items == list(range(max(asked, count - size, 0), count))[:most]
+    assert not items or first == items[0]
+    assert ring.last == (count - 1 if count else None)
+
+
+# Geometry.
+
+
+def test_the_world_has_every_border_of_the_scene(roadmap: Roadmap) -> None:
+    head, arrays = unpack(world_message(roadmap, 3))
+    assert (head["number"], head["objects"]) == (3, 7)
+    first = arrays["border_first"]
+    assert len(first) == len(arrays["border_closed"]) + 1 == len(arrays["border_object"]) + 1
+    assert set(arrays["border_object"]) == set(range(7))
+    assert arrays["border_closed"].all()
+    points = arrays["border"].reshape(-1, 2)
+    assert first[-1] == len(points)
+    # the bucket of the arena's file: C (0.42,1.16) 0.13
+    away = np.hypot(*(points - (0.42, 1.16)).T)
+    ring = [points[a:b] for a, b in pairwise(first) if np.ptp(away[a:b]) < 1e-5]
+    assert len(ring) == 1
+    np.testing.assert_allclose(np.hypot(*(ring[0] - (0.42, 1.16)).T), 0.13, atol=1e-6)
+
+
+def test_the_diagrams_clearances_are_those_of_its_places(roadmap: Roadmap) -> None:
+    _, arrays = unpack(world_message(roadmap, 1))
+    points = arrays["chain"].reshape(-1, 2)
+    told = arrays["chain_clearance"]
+    np.testing.assert_allclose(roadmap.clearance(points), told, atol=1e-5)
+
+
+def test_what_is_told_to_be_usable_is_the_roadmap(roadmap: Roadmap) -> None:
+    _, arrays = unpack(world_message(roadmap, 1))
+    first, usable = arrays["chain_first"], arrays["chain_usable"].astype(bool)
+    for c in np.flatnonzero(usable):
+        assert (arrays["chain_clearance"][first[c] : first[c + 1]] >= RADIUS_M - 1e-6).all()
+    edges = roadmap.graph.number_of_edges()
+    assert 0 < usable.sum() <= edges <= 2 * usable.sum()
+    assert not usable.all(), "the arena has places that are too tight"
+
+
+def test_the_plan_is_told_with_its_length_and_clearance(roadmap: Roadmap) -> None:
+    path = roadmap.plan((0.2, 0.2), (2.2, 1.6))
+    assert isinstance(path, Path)
+    head, arrays = unpack(plan_message(path, 2))
+    points = arrays["points"].reshape(-1, 2)
+    np.testing.assert_allclose(points, path.points, atol=1e-6)
+    assert head["length_m"] == pytest.approx(np.hypot(*np.diff(points, axis=0).T).sum(), abs=1e-4)
+    assert head["clearance_m"] >= head["radius_m"] == RADIUS_M
+    head, arrays = unpack(plan_message(None, 3))
+    assert (head["number"], len(arrays["points"])) == (3, 0)
+
+
+def test_a_preview_says_the_way_or_why_there_is_none() -> None:
+    daemon = FakeDaemon(roadmap=laboratory())
+    told = preview_facts(daemon.preview((Station(2.2, 1.6),)))
+    assert told["ok"]
+    assert told["points"][0] == [0.2, 0.2]
+    assert told["duration_s"] > told["length_m"] / 0.3
+    told = preview_facts(daemon.preview((Station(0.42, 1.16),)))
+    assert not told["ok"]
+    assert told["reason"]
+    gap = PlanAnswer(1, 1, NoPath("too tight", Bottleneck(1.0, 2.0, 0.1), 0.05))
+    told = preview_facts(gap)
+    assert told["bottleneck"] == {"x_m": 1.0, "y_m": 2.0, "width_m": 0.1}
+    assert told["widest_radius_m"] == 0.05
+
+
+# Pictures.
+
+
+def test_the_view_from_above_shows_each_place_where_the_page_looks_for_it() -> None:
+    view = TopView(Calibration.from_scale(SCALE_M, SIZE_PX), ARENA, 480, 100)
+    picture = cv2.imdecode(view.jpeg(frame(1)), cv2.IMREAD_GRAYSCALE)
+    assert picture is not None
+    assert picture.shape[::-1] == view.size_px
+    scale = view.metres_per_pixel
+
+    def grey(x_m: float, y_m: float) -> int:
+        column = int((x_m - view.window.x_min) / scale)
+        row = int((view.window.y_max - y_m) / scale)
+        return int(picture[row, column])
+
+    assert grey(0.05, 0.05) > 230, "the bright square at the origin"
+    assert grey(0.15, 0.15) < 70
+    assert grey(2.30, 1.00) > 180
+    assert grey(view.window.x_min + scale, 1.0) == pytest.approx(128, abs=6), "beyond the picture"
+
+
+def test_a_camera_that_gives_another_size_is_scaled() -> None:
+    view = TopView(Calibration.from_scale(SCALE_M, SIZE_PX), ARENA, 240, 80)
+    small = frame(1)
+    half = replace(small, image=np.asarray(small.image[::2, ::2]))
+    assert cv2.imdecode(view.jpeg(half), cv2.IMREAD_GRAYSCALE) is not None
+
+
+# State.
+
+
+def told_state(daemon: FakeDaemon) -> dict[str, object]:
+    assert daemon.state is not None
+    return state_message(
+        daemon.state,
+        TopView(daemon.calibration, ARENA, 160, 80),
+        daemon.camera,
+        Seat(300.0),
+        driven_id=7,
+        now_s=0.05,
+        loop_age_s=0.01,
+        viewers=2,
+    )
+
+
+def test_a_state_without_anything_seen_is_still_json() -> None:
+    daemon = FakeDaemon()
+    assert daemon.state is not None
+    link = replace(daemon.state.link, heard_age_s=math.inf, status_age_s=math.inf)
+    daemon.show(pose=None, poses={}, link=link, clearance_m=None)
+    text = json.dumps(told_state(daemon), allow_nan=False)
+    assert json.loads(text)["link"]["heard_ms"] is None
+
+
+def test_the_state_says_where_the_robots_are_and_why_nothing_moves() -> None:
+    daemon = FakeDaemon()
+    assert daemon.state is not None
+    assert daemon.state.pose is not None
+    other = replace(daemon.state.pose, id=3, x=1.0)
+    mission = Mission((Station(1.0, 1.0),), 0, state=State.HOLDING, reason="because")
+    daemon.show(poses={7: daemon.state.pose, 3: other}, mission=mission)
+    told = told_state(daemon)
+    assert [one["id"] for one in told["others"]] == [3]  # type: ignore[attr-defined]
+    pose = told["pose"]
+    assert isinstance(pose, dict)
+    assert pose["seen_m"] == pytest.approx([0.2, 0.2], abs=1e-3)
+    assert pose["age_ms"] == 50.0
+    assert told["mission"]["sentence"] == "because"  # type: ignore[index]
+
+
+# The chronicle.
+
+
+def seen(*sentences: str) -> Iterator[str]:
+    daemon, chronicle = FakeDaemon(), Chronicle()
+    assert daemon.state is not None
+    for sentence in sentences:
+        mission = Mission(state=State.HOLDING, reason=sentence)
+        chronicle.see(replace(daemon.state, mission=mission), daemon.camera, 0.0)
+    return (line.text for line in chronicle.log.since(0, 99)[1])
+
+
+def test_a_sentence_whose_figures_alone_change_is_one_line_in_the_log() -> None:
+    told = list(seen("no picture for 210 ms", "no picture for 243.5 ms", "paused", "no picture"))
+    assert told == ["holding: no picture for 210 ms", "holding: paused", "holding: no picture"]
+
+
+def test_the_track_grows_with_the_robots_way_not_with_time() -> None:
+    daemon, chronicle = FakeDaemon(), Chronicle()
+    assert daemon.state is not None
+    assert daemon.state.pose is not None
+    for step in range(1000):
+        there = replace(daemon.state.pose, x=0.2 + 0.0001 * (step // 2))
+        chronicle.see(replace(daemon.state, pose=there), daemon.camera, 0.0)
+    assert 10 <= len(chronicle.track.since(0, 999)[1]) <= 14
+
+
+def test_a_sample_has_every_column_twice_a_second() -> None:
+    daemon, chronicle = FakeDaemon(), Chronicle()
+    assert daemon.state is not None
+    for cycle in range(100):
+        chronicle.time_wire(0.001 * cycle)
+        chronicle.sample(replace(daemon.state, time_s=cycle * 0.03), daemon.camera)
+    _, rows = chronicle.samples.since(0, 99)
+    assert len(rows) == 6
+    assert all(len(row) == len(COLUMNS) for row in rows)
+    wire = COLUMNS.index("wire_ms")
+    assert rows[1][wire] == pytest.approx(17.0), "the slowest of its half second"
+
+
+# Colours.
+
+
+@pytest.mark.parametrize("palette", [DAY, NIGHT], ids=["day", "night"])
+def test_every_ink_can_be_read_on_every_surface(palette: dict[str, tuple[int, int, int]]) -> None:
+    """WCAG 2.2 AA: 4.5 for text, 3 for what frames a control."""
+    for ink in ("ink", "faint"):
+        for surface in ("page", "card", "calm-tint"):
+            assert contrast(palette[ink], palette[surface]) >= 4.5, (ink, surface)
+    for level in ("good", "warn", "bad"):
+        for surface in ("card", f"{level}-tint"):
+            assert contrast(palette[level], palette[surface]) >= 4.5, (level, surface)
+    assert contrast(palette["on-stop"], palette["stop"]) >= 4.5
+    assert contrast(palette["on-stop"], palette["stop-press"]) >= 4.5
+    assert contrast(palette["on-accent"], palette["accent"]) >= 4.5
+    for surface in ("page", "card"):
+        assert contrast(palette["control-line"], palette[surface]) >= 3.0
+        assert contrast(palette["stop"], palette[surface]) >= 3.0
+        assert contrast(palette["accent"], palette[surface]) >= 3.0
+
+
+def test_contrast_is_the_standards() -> None:
+    assert contrast((0, 0, 0), (255, 255, 255)) == pytest.approx(21.0)
+    assert contrast((255, 255, 255), (255, 255, 255)) == pytest.approx(1.0)
+    # #777777 on white, the well-known near miss of AA
+    assert contrast((0x77, 0x77, 0x77), (255, 255, 255)) == pytest.approx(4.48, abs=0.005)
+
+
+def test_the_page_and_the_pictures_share_their_colours() -> None:
+    style = stylesheet()
+    for name, (r, g, b) in (("obstacle", OBSTACLE), ("path", PATH), ("halo", PAGE)):
+        assert f"--{name}: rgb({r} {g} {b});" in style
+    assert "--ramp-0: rgb({} {} {});".format(*CLEARANCE_RAMP[0]) in style
+    assert "--ramp-23: rgb({} {} {});".format(*CLEARANCE_RAMP[-1]) in style
