@@ -34,6 +34,8 @@ ReadPicture: TypeAlias = Callable[[Path], Shades]
 
 MAP_SAVER_UNKNOWN = 205
 NAV2_OCCUPIED_THRESH, NAV2_FREE_THRESH = 0.65, 0.25
+LEAST_RESOLUTION_M = 1e-6
+"""Smaller cells would vanish beside an origin of 1e9 m."""
 PASSABLE, BLOCKED = ".GS", "@OTW"
 
 
@@ -185,8 +187,7 @@ def parse_movingai(text: str, name: str) -> Scene:
 def _map_side(fields: dict[str, str], key: str, name: str) -> int:
     word = fields.get(key, "nothing")
     if re.fullmatch(r"[0-9]{1,6}", word) is None or int(word) == 0:
-        shown = ascii(word[:24])[1:-1]
-        raise SceneError(f"{name}: {key} = {shown}: must be a whole number in 1..999999")
+        raise SceneError(f"{name}: {key} = {word[:24]}: must be a whole number in 1..999999")
     return int(word)
 
 
@@ -221,6 +222,10 @@ class _HeaderReader:
         resolution = self.number("resolution", self.nodes["resolution"])
         if resolution <= 0.0:
             raise self.error("resolution", f" = {resolution:g}: must be > 0")
+        if resolution < LEAST_RESOLUTION_M:
+            raise self.error(
+                "resolution", f" = {resolution:g}: must be >= {LEAST_RESOLUTION_M:g} metres"
+            )
         occupied = self.threshold("occupied_thresh", NAV2_OCCUPIED_THRESH)
         free = self.threshold("free_thresh", NAV2_FREE_THRESH)
         if free > occupied:

@@ -34,6 +34,11 @@ POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
 class SceneError(ValueError):
     """A scene, or a file that should hold one, cannot be used; the message says why."""
 
+    def __init__(self, message: str) -> None:
+        # Words of a damaged file stand in messages: nothing of them may steer a terminal.
+        shown = (c if c.isprintable() else ascii(c)[1:-1] for c in message)
+        super().__init__("".join(shown))
+
 
 @dataclass(frozen=True, slots=True)
 class Segment:

@@ -23,9 +23,8 @@ def oversize(data: bytes) -> str:
         return f"a picture of {width} x {height} pixels: must be at most {MOST_PIXELS}"
     longest = _longest_chunk(data) if data.startswith(_PNG) else 0
     if longest > len(data):
-        return (
-            f"not a picture that can be decoded: a part of {longest} bytes in a file of {len(data)}"
-        )
+        of = f"a part of {longest} bytes in a file of {len(data)}"
+        return f"not a picture, or a damaged picture: {of}"
     return ""
 
 

@@ -112,3 +112,20 @@ def test_a_picture_that_claims_gigabytes_costs_nothing(tmp_path: Path) -> None:
     assert told.code == 2
     assert "32768 x 32768 pixels: must be at most" in told.err
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kib < 100_000
+
+
+def test_a_map_with_cells_too_small_for_its_place_is_refused(tmp_path: Path) -> None:
+    reader, data = seeds()["ros yaml"]
+    tiny = data.replace(b"resolution: 0.05", b"resolution: 1e-320")
+    assert wrong_answer(reader, tiny, tmp_path) == ""
+    told = call("extract", tmp_path / "map.yaml")
+    assert told.code == 2
+
+
+def test_what_a_file_says_cannot_steer_the_terminal(tmp_path: Path) -> None:
+    path = tmp_path / "grid.map"
+    path.write_text("type octile\nheight \x1b[2J\nwidth 3\nmap\n...\n")
+    told = call("plan", path, "--start", "0,0", "--goal", "1,0", "--radius", "0.2")
+    assert told.code == 2
+    assert "\\x1b[2J" in told.err
+    assert "\x1b" not in told.err
