@@ -55,6 +55,7 @@ COMMANDS: dict[str, Listed] = {
     "devices": Listed("navigation.cli.devices:command", "The serial ports and cameras here."),
     "doctor": Listed("navigation.cli.doctor:command", "Whether this machine can do the run."),
     "replay": Listed("navigation.cli.replay:command", "Vision and planner again on a recording."),
+    "sweep": Listed("navigation.cli.sweep:command", "A simulated run many times over."),
     "install-service": Listed(
         "navigation.cli.install_service:command", "A systemd unit and a udev rule for a run."
     ),

@@ -1,0 +1,113 @@
+"""`clearway sweep`: a simulated run many times over, with other seeds and other errors."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from navigation.cli.options import NOT_NEGATIVE, OutputType
+
+if TYPE_CHECKING:
+    from navigation.sweep_table import Summary
+
+ALL_DONE, SOME_NOT_DONE = 0, 1
+
+
+@click.command(short_help="A simulated run many times over, as fast as the machine goes.")
+@click.argument("config", type=click.Path(path_type=Path))
+@click.option("--runs", type=click.IntRange(min=1), required=True, help="How many runs.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--spread",
+    type=NOT_NEGATIVE,
+    default=1.0,
+    show_default=True,
+    help="How far errors and start vary; 0: other seeds only.",
+)
+@click.option("--workers", type=click.IntRange(min=1), help="Processes; default: one a core.")
+@click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster's scheduler, tcp://...")
+@click.option(
+    "-o",
+    "--output",
+    type=OutputType(".csv", ".parquet"),
+    default=Path("sweep.csv"),
+    show_default=True,
+    help="One row a run.",
+)
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True
+)
+def command(
+    config: Path,
+    runs: int,
+    seed: int,
+    spread: float,
+    workers: int | None,
+    scheduler: str | None,
+    output: Path,
+    form: str,
+) -> int:
+    """Run the simulated configuration CONFIG so many times in virtual time.
+
+    Each run has another seed, another start nearby, other wheels and another camera's noise;
+    the same seed gives the same rows. A worker that dies is replaced. Exits 0 when every
+    mission was done, 1 when some were not.
+    """
+    from rich.console import Console
+    from rich.progress import track
+
+    from navigation.cli.check import load_checked
+    from navigation.sweep import Sweep, variation
+    from navigation.sweep_table import SweepFile, summarise_rows
+
+    loaded = load_checked(config.absolute())
+    chosen = [variation(loaded, seed, run, spread) for run in range(runs)]
+    open_executor, count = _executors(scheduler, workers)
+    sweep = Sweep(loaded, chosen, open_executor, count)
+    begin_s = time.monotonic()
+    with SweepFile(output) as file:
+        console = Console(stderr=True)
+        silent = not console.is_terminal
+        for row in track(sweep.rows(), "runs", runs, console=console, disable=silent):
+            file.add(row)
+    took_s = time.monotonic() - begin_s
+    summary = summarise_rows(file.rows)
+    if form == "json":
+        body = {"schema": "clearway.sweep/1", "file": str(output), **asdict(summary)}
+        click.echo(json.dumps({**body, "took_s": took_s, "worker_deaths": sweep.deaths}, indent=1))
+    else:
+        _show(summary, output, took_s, sweep.deaths)
+    return ALL_DONE if summary.states == {"done": runs} else SOME_NOT_DONE
+
+
+def _executors(scheduler: str | None, workers: int | None) -> tuple[Callable[[], Executor], int]:
+    """What makes an executor, and how many workers it has."""
+    if scheduler is None:
+        from navigation.sweep_workers import local_executor
+
+        count = workers or os.cpu_count() or 1
+        return lambda: local_executor(count), count
+    from navigation.sweep_workers import Cluster
+
+    cluster = Cluster(scheduler)
+    return cluster.executor, workers or cluster.workers()
+
+
+def _show(summary: Summary, output: Path, took_s: float, deaths: int) -> None:
+    states = ", ".join(f"{count} {state}" for state, count in summary.states.items())
+    click.echo(f"{summary.runs} runs in {took_s:.1f} s: {states}")
+    if deaths:
+        click.echo(f"workers died {deaths} times and were replaced")
+    click.echo(f"{'':<18}{'least':>10}{'median':>10}{'p95':>10}{'most':>10}")
+    for name, spread in summary.measures.items():
+        values = (spread.least, spread.median, spread.p95, spread.most)
+        click.echo(f"{name:<18}" + "".join(f"{value:>10.4g}" for value in values))
+    click.echo(f"rows in {output}")

@@ -1,0 +1,131 @@
+"""The rows of a sweep as a file, and their summary.
+
+CSV, or Parquet where pyarrow is installed. Rows are appended as they come, so that a sweep that
+is cut short leaves what it had; at its end the file is written anew in the order of the runs.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final
+
+import numpy as np
+
+from navigation.sweep import COLUMNS, Row, SweepError
+
+MEASURES: Final = (
+    "duration_s",
+    "min_clearance_m",
+    "tracking_rms_m",
+    "tracking_max_m",
+    "goal_error_m",
+    "goal_error_deg",
+)
+"""What the summary tells of."""
+
+
+class SweepFile:
+    """Where rows go; a context manager. ``SweepError`` where that cannot be."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.rows: list[Row] = []
+        if path.suffix not in (".csv", ".parquet"):
+            raise SweepError(f"{path}: must end in .csv or .parquet")
+        if path.suffix == ".parquet":
+            _pyarrow()
+        # rows of a Parquet file cannot be appended: they wait in a CSV file beside it
+        self._growing = path if path.suffix == ".csv" else path.with_suffix(".part.csv")
+        try:
+            self._file = self._growing.open("w", newline="", encoding="utf-8")
+        except OSError as error:
+            raise SweepError(f"{self._growing}: {error.strerror or error}") from None
+        self._writer = csv.DictWriter(self._file, COLUMNS)
+        self._writer.writeheader()
+
+    def __enter__(self) -> SweepFile:
+        return self
+
+    def add(self, row: Row) -> None:
+        """Keep a row, at once."""
+        self.rows.append(row)
+        self._writer.writerow(asdict(row))
+        self._file.flush()
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+        if error is None:
+            self.rows.sort(key=lambda row: row.run)
+            write_rows(self.path, self.rows)
+            if self._growing != self.path:
+                self._growing.unlink()
+
+
+def write_rows(path: Path, rows: Sequence[Row]) -> None:
+    """Write all rows, whole or not at all."""
+    fresh = path.with_suffix(path.suffix + ".new")
+    if path.suffix == ".parquet":
+        arrow = _pyarrow()
+        table = arrow.Table.from_pylist([asdict(row) for row in rows])
+        import pyarrow.parquet
+
+        pyarrow.parquet.write_table(table, fresh)
+    else:
+        with fresh.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(asdict(row) for row in rows)
+    fresh.replace(path)
+
+
+def _pyarrow() -> Any:
+    try:
+        import pyarrow
+    except ImportError:
+        raise SweepError("a .parquet file needs pyarrow: pip install pyarrow") from None
+    return pyarrow
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How a measure is spread over the runs that have it."""
+
+    count: int
+    least: float
+    median: float
+    p95: float
+    most: float
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """A sweep in a few numbers: how many runs ended how, and the measures."""
+
+    runs: int
+    states: dict[str, int]
+    measures: dict[str, Spread]
+
+
+def summarise_rows(rows: Iterable[Row]) -> Summary:
+    """The summary of rows; the same whatever their order."""
+    rows = sorted(rows, key=lambda row: row.run)
+    measures = {}
+    for name in MEASURES:
+        values = np.array([v for row in rows if (v := getattr(row, name)) is not None])
+        if len(values):
+            least, median, p95, most = np.percentile(values, [0.0, 50.0, 95.0, 100.0])
+            measures[name] = Spread(
+                len(values), float(least), float(median), float(p95), float(most)
+            )
+    states = Counter(row.state for row in rows)
+    return Summary(len(rows), dict(sorted(states.items())), measures)

@@ -1,0 +1,45 @@
+"""Where a sweep's runs are done: processes of this machine, or a Dask cluster.
+
+Both are `concurrent.futures.Executor`s. Dask is the optional extra ``cluster``.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+from concurrent.futures import Executor, ProcessPoolExecutor
+from typing import Any, Final
+
+from navigation.sweep import SweepError
+
+CONNECT_S: Final = 10.0
+
+
+def local_executor(workers: int) -> ProcessPoolExecutor:
+    """Fresh processes: a fork would copy OpenCV's and the kernels' threads in mid-work."""
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+
+
+class Cluster:
+    """A Dask cluster by its scheduler's address; ``SweepError`` where it cannot be reached."""
+
+    def __init__(self, address: str) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise SweepError(
+                "a cluster needs Dask: pip install 'clearway[cluster]', on every worker too"
+            ) from None
+        try:
+            module: Any = distributed
+            self._client = module.Client(address, timeout=CONNECT_S)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise SweepError(f"scheduler {address}: {error}") from None
+
+    def executor(self) -> Executor:
+        """Its executor; the scheduler itself gives the work of a dead worker to another."""
+        executor: Executor = self._client.get_executor(pure=False)
+        return executor
+
+    def workers(self) -> int:
+        """How many runs it can do at a time."""
+        return max(1, sum(int(threads) for threads in self._client.nthreads().values()))
