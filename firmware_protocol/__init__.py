@@ -5,8 +5,8 @@
 holds the same robot in C99.
 """
 
+from firmware_protocol.drive_settings import DriveSettings
 from firmware_protocol.errors import LocalError, RemoteError
-from firmware_protocol.follower import DriveSettings
 from firmware_protocol.host import HostConnection
 from firmware_protocol.host_state import LinkState
 from firmware_protocol.messages import RobotState, Status, StopReason, Waypoint, WaypointFlag

@@ -2,7 +2,8 @@
 
 ``RobotController`` knows no bytes: ``robot_connection`` feeds it with messages and reports
 its state. Time is the robot's own clock in seconds, passed in; distances are metres, as the
-wheel encoders measure them. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
+wheel encoders measure them. Inside are whole numbers, the same as in ``firmware/robot.c``:
+microseconds, micrometres, mm/s times 1024. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from firmware_protocol.crc import crc32c
-from firmware_protocol.follower import DriveSettings, Follower, Trouble
+from firmware_protocol.drive_settings import DriveSettings
+from firmware_protocol.fixed_point import scale, wrapped
+from firmware_protocol.follower import Follower, Trouble
 from firmware_protocol.messages import (
     CommandResult,
     Lease,
@@ -21,20 +24,31 @@ from firmware_protocol.messages import (
     RobotState,
     StatusFlag,
     StopReason,
-    Waypoint,
     WaypointFlag,
     Waypoints,
 )
 from firmware_protocol.mission import mission_seed
 from firmware_protocol.pose_estimate import PoseEstimate
 from firmware_protocol.robot_state import TRANSITIONS, RobotEvent
+from firmware_protocol.waypoint_record import Target
+from firmware_protocol.wire_values import saturated
 
 QUEUE_SIZE: Final = 32
-LEASE_MAX_S: Final = 0.5
+LEASE_MAX_US: Final = 500_000
 """However long a lease the host asks for, the robot stops this long after it."""
-DISARM_S: Final = 2.0
+DISARM_US: Final = 2_000_000
 """After so long without a lease the robot leaves HOLD for IDLE."""
-POSE_STALE_S: Final = 0.5
+POSE_STALE_US: Final = 500_000
+LEAP_UM: Final = 1 << 20
+"""1 m; wheels travel no further in a cycle."""
+CYCLE_MAX_US: Final = 60_000
+"""A cycle that took longer moves the commands no further than this."""
+SMOOTHING_US: Final = 30_000
+STANDING_Q10: Final = 9 << 10
+"""One step of both encoders (250 um) reads as 8.3 mm/s: a late one is no movement."""
+Q10_PER_M: Final = 1_024_000
+"""Speeds inside are mm/s times 1024."""
+_SPEED_MAX: Final = 32_767
 
 
 class WheelSpeeds(NamedTuple):
@@ -55,7 +69,7 @@ class RobotController:
         self.settings = settings or DriveSettings()
         self.state = RobotState.BOOT
         self.reason = StopReason.BOOTED
-        self.estimate = PoseEstimate(self.settings.track_m)
+        self.estimate = PoseEstimate()
         self.follower = Follower(self.settings)
         self.mission = 0
         self.accept_next = 0
@@ -63,22 +77,22 @@ class RobotController:
         self.prefix_crc = mission_seed(0)
         self.exec_crc = mission_seed(0)
         self.done = False
-        self.speed_m_s = 0.0
-        self.turn_rad_s = 0.0
+        self._speed_q10 = 0
+        self._spin_q10 = 0
         self.wheels = _OFF
         """What the motors are to do now: as :meth:`step` said, or zero since an e-stop."""
         self._records: deque[bytes] = deque(maxlen=QUEUE_SIZE)
-        self._targets: deque[Waypoint] = deque(maxlen=QUEUE_SIZE)
+        self._targets: deque[Target] = deque(maxlen=QUEUE_SIZE)
         self._ended = False
-        self._lease_s = -math.inf
-        """When the lease runs out."""
-        self._leased_s = -math.inf
+        self._lease_end_us: int | None = None
+        """When the lease runs out; None where there is none."""
+        self._leased_us = 0
         """When the last lease came."""
         self._lease = LeaseFlag.NONE
         self._host_pose_age_s = math.inf
         self._session_after_estop = False
-        self._step_s: float | None = None
-        self._wheels_m = (0.0, 0.0)
+        self._step_us: int | None = None
+        self._wheels_um = (0, 0)
 
     # What the host asks for.
 
@@ -89,8 +103,8 @@ class RobotController:
 
     def open_session(self, now_s: float) -> None:
         """A host has opened a session: the lease of the old one is void."""
-        self._lease_s = -math.inf
-        self._leased_s = now_s
+        self._lease_end_us = None
+        self._leased_us = _us(now_s)
         self._lease = LeaseFlag.NONE
         self._session_after_estop = True
         self._change(RobotEvent.SESSION, StopReason.NEW_SESSION)
@@ -111,7 +125,7 @@ class RobotController:
             if self.credit == 0:
                 return False
             self._records.append(record)
-            self._targets.append(Waypoint.unpack(record))
+            self._targets.append(Target.of(record))
             self._ended = bool(record[-1] & WaypointFlag.END)
             self.prefix_crc = crc32c(record, self.prefix_crc)
             self.accept_next += 1
@@ -127,11 +141,11 @@ class RobotController:
             return CommandResult.WRONG_MISSION
         if exec_next != self.exec_next:
             return CommandResult.WRONG_INDEX
-        if now_s >= self._lease_s or not self._lease & LeaseFlag.PERMIT:
+        if not self._lease_runs(_us(now_s)) or not self._lease & LeaseFlag.PERMIT:
             return CommandResult.NO_LEASE
-        if not self._lease & LeaseFlag.ODOMETRY and self._pose_is_stale(now_s):
+        if not self._lease & LeaseFlag.ODOMETRY and self._pose_is_stale(_us(now_s)):
             return CommandResult.NO_POSE
-        self.follower.begin(self.estimate.pose)
+        self.follower.begin(self.estimate.now)
         self._change(RobotEvent.START, StopReason.NONE)
         return CommandResult.DONE
 
@@ -151,15 +165,15 @@ class RobotController:
 
     def lease(self, message: Lease, now_s: float) -> None:
         """The control loop lives: prolong, or withdraw, the permit to drive."""
-        self._lease_s = now_s + min(message.ttl_s, LEASE_MAX_S)
-        self._leased_s = now_s
+        self._leased_us = _us(now_s)
+        self._lease_end_us = self._leased_us + min(_us(message.ttl_s), LEASE_MAX_US)
         self._lease = message.flags
         self._host_pose_age_s = message.pose_age_s
-        self._watch(now_s)
+        self._watch(_us(now_s))
 
     def pose_fix(self, message: PoseFix, now_s: float) -> bool:
         """The camera saw the robot; False where the fix was not used."""
-        return self.estimate.correct(message, now_s)
+        return self.estimate.correct(message, _us(now_s))
 
     def emergency_stop(self, reason: StopReason = StopReason.ESTOP_HOST) -> None:
         """Wheels to zero at once, latched until :meth:`reset_estop`."""
@@ -183,45 +197,50 @@ class RobotController:
 
     def step(self, now_s: float, left_m: float, right_m: float) -> WheelSpeeds:
         """One cycle: the wheels have travelled so far since boot; how fast they should turn."""
-        dt_s = 0.0 if self._step_s is None else max(0.0, now_s - self._step_s)
-        travel = (left_m - self._wheels_m[0], right_m - self._wheels_m[1])
-        if self._step_s is None:
-            travel = (0.0, 0.0)
-        self._step_s, self._wheels_m = now_s, (left_m, right_m)
-        self.estimate.advance(now_s, *travel)
-        if dt_s > 0.0:
-            self._measure(dt_s, *travel)
-        self._watch(now_s)
+        now_us = _us(now_s)
+        left = self._travelled(0, left_m)
+        right = self._travelled(1, right_m)
+        dt_us = 0
+        if self._step_us is None:
+            left = right = 0
+        else:
+            dt_us = max(0, min(CYCLE_MAX_US, now_us - self._step_us))
+        self._step_us = now_us
+        ahead_um = (left + right) >> 1
+        turn = wrapped((right - left) * self.follower.constants.angle_per_um)
+        self.estimate.advance(ahead_um, turn, now_us)
+        if dt_us > 0:
+            self._measure(dt_us, ahead_um, (right - left) >> 1)
+        self._watch(now_us)
         if self.state is RobotState.ESTOP:
             return self.wheels
+        targets, pose = tuple(self._targets), self.estimate.now
         if self.state is RobotState.RUN:
-            step = self.follower.step(
-                dt_s, self.estimate.pose, self.speed_m_s, tuple(self._targets)
-            )
+            still = abs(self._speed_q10) < STANDING_Q10
+            step = self.follower.step(dt_us, pose, still, targets)
             self._execute(step.executed)
             if step.trouble is not None and self.state is RobotState.RUN:
                 self._change(RobotEvent.HALT, _TROUBLE[step.trouble])
         else:
-            step = self.follower.halt(dt_s, self.estimate.pose, tuple(self._targets))
+            step = self.follower.halt(dt_us, pose, targets)
             self._execute(step.executed)
-        half = step.turn_rad_s * self.settings.track_m / 2.0
-        moving = step.speed_m_s != 0.0 or step.turn_rad_s != 0.0
-        powered = moving or self.state in (RobotState.RUN, RobotState.HOLD)
-        self.wheels = WheelSpeeds(step.speed_m_s - half, step.speed_m_s + half, powered)
+        speed, spin = self.follower.speed_q10, self.follower.spin_q10
+        powered = bool(speed or spin) or self.state in (RobotState.RUN, RobotState.HOLD)
+        self.wheels = WheelSpeeds((speed - spin) / Q10_PER_M, (speed + spin) / Q10_PER_M, powered)
         return self.wheels
 
     def tick(self, now_s: float) -> None:
         """Watch the lease between two steps."""
-        self._watch(now_s)
+        self._watch(_us(now_s))
 
     # What the host is told.
 
     def status_flags(self, now_s: float) -> StatusFlag:
         """The flags of STATUS."""
         flags = StatusFlag.NONE
-        if self.speed_m_s != 0.0 or self.turn_rad_s != 0.0:
+        if self._speed_q10 or self._spin_q10:
             flags |= StatusFlag.MOVING
-        if now_s < self._lease_s:
+        if self._lease_runs(_us(now_s)):
             flags |= StatusFlag.LEASE_VALID
             if self._lease & LeaseFlag.PERMIT:
                 flags |= StatusFlag.PERMIT
@@ -233,38 +252,69 @@ class RobotController:
             flags |= StatusFlag.MISSION_DONE
         return flags
 
+    @property
+    def speed_m_s(self) -> float:
+        """Measured at the wheels, to the wire's resolution."""
+        return saturated((self._speed_q10 + 512) >> 10, _SPEED_MAX) / 1000
+
+    @property
+    def turn_rad_s(self) -> float:
+        """The same for turning."""
+        turning = scale(self._spin_q10, self.follower.constants.turning_per_spin)
+        return saturated(turning, _SPEED_MAX) / 1000
+
     def lease_left_s(self, now_s: float) -> float:
-        """How long the lease still runs."""
-        return max(0.0, self._lease_s - now_s)
+        """How long the lease still runs, in whole milliseconds."""
+        now_us = _us(now_s)
+        if self._lease_end_us is None or not self._lease_runs(now_us):
+            return 0.0
+        return (self._lease_end_us - now_us + 500) // 1000 / 1000
 
     def pose_age_s(self, now_s: float) -> float:
-        """Age of the camera pose used last."""
-        return max(0.0, now_s - self.estimate.fix_time_s)
+        """Age of the camera pose used last, in whole milliseconds."""
+        if self.estimate.fix_us is None:
+            return math.inf
+        return (self._pose_age_us(_us(now_s)) + 500) // 1000 / 1000
 
     # Inside.
 
-    def _watch(self, now_s: float) -> None:
+    def _watch(self, now_us: int) -> None:
         if self.state is RobotState.RUN:
-            if now_s >= self._lease_s:
+            if not self._lease_runs(now_us):
                 self._change(RobotEvent.HALT, StopReason.LEASE_LAPSED)
             elif not self._lease & LeaseFlag.PERMIT:
                 self._change(RobotEvent.HALT, StopReason.NO_PERMIT)
-            elif not self._lease & LeaseFlag.ODOMETRY and self._pose_is_stale(now_s):
+            elif not self._lease & LeaseFlag.ODOMETRY and self._pose_is_stale(now_us):
                 self._change(RobotEvent.HALT, StopReason.POSE_STALE)
-        if self.state is RobotState.HOLD and now_s - self._leased_s >= DISARM_S:
+        if self.state is RobotState.HOLD and now_us - self._leased_us >= DISARM_US:
             self._change(RobotEvent.DISARM, StopReason.DISARMED)
 
-    def _pose_is_stale(self, now_s: float) -> bool:
-        return max(self._host_pose_age_s, self.pose_age_s(now_s)) > POSE_STALE_S
+    def _lease_runs(self, now_us: int) -> bool:
+        return self._lease_end_us is not None and now_us < self._lease_end_us
 
-    def _measure(self, dt_s: float, left_m: float, right_m: float) -> None:
-        blend = min(1.0, dt_s / 0.03)
-        speed = (left_m + right_m) / 2.0 / dt_s
-        turn = (right_m - left_m) / self.settings.track_m / dt_s
-        self.speed_m_s += blend * (speed - self.speed_m_s)
-        self.turn_rad_s += blend * (turn - self.turn_rad_s)
-        if abs(self.speed_m_s) < 1e-4 and abs(self.turn_rad_s) < 1e-3:
-            self.speed_m_s = self.turn_rad_s = 0.0
+    def _pose_age_us(self, now_us: int) -> float:
+        fix_us = self.estimate.fix_us
+        return math.inf if fix_us is None else max(0, now_us - fix_us)
+
+    def _pose_is_stale(self, now_us: int) -> bool:
+        oldest_us = max(self._host_pose_age_s * 1e6, self._pose_age_us(now_us))
+        return oldest_us > POSE_STALE_US
+
+    def _travelled(self, side: int, total_m: float) -> int:
+        """What a wheel travelled since the last cycle; more than a leap counts as one."""
+        total_um, before = round(total_m * 1e6), list(self._wheels_um)
+        travel_um = wrapped(total_um - before[side])
+        before[side] = total_um
+        self._wheels_um = (before[0], before[1])
+        return max(-LEAP_UM, min(LEAP_UM, travel_um))
+
+    def _measure(self, dt_us: int, ahead_um: int, spin_um: int) -> None:
+        part = dt_us * 35790 >> 14 if dt_us < SMOOTHING_US else 0xFFFF
+        # 34.1 is 1.024 over 30 ms
+        self._speed_q10 += ahead_um * 34 - scale(self._speed_q10, part)
+        self._spin_q10 += spin_um * 34 - scale(self._spin_q10, part)
+        if abs(self._speed_q10) < 102 and abs(self._spin_q10) < 62:
+            self._speed_q10 = self._spin_q10 = 0
 
     def _execute(self, count: int) -> None:
         for _ in range(count):
@@ -295,3 +345,7 @@ class RobotController:
 
 
 _TROUBLE: Final = {Trouble.OFF_PATH: StopReason.OFF_PATH, Trouble.STUCK: StopReason.STUCK}
+
+
+def _us(seconds: float) -> int:
+    return round(seconds * 1e6)

@@ -1,665 +1,505 @@
 #include "follower.h"
 
-#include <math.h>
-#include <stddef.h>
+#include <string.h>
 
 #include "wire.h"
 
-#define PI 3.14159265f
-#define POSITION_GAIN 0.25f
-#define HEADING_GAIN 0.2f
-#define DRIFT_GAIN 0.5f
-#define DRIFT_MAX 0.6f
-#define HISTORY_STEP_US 40000ul
-#define JUMP_M 0.15f
-#define JUMP_RAD 0.5f
-#define JUMPS_BELIEVED 5u
-
-#define TURN_ENTER_RAD 0.8f
-#define TURN_ENTER_COS 0.69670671f
-#define TURN_STANDING_RAD 0.2f
-#define STANDING_M_S 0.02f
-#define TURN_EXIT_RAD 0.04f
-#define PASS_RADIUS_M 0.005f
-#define START_RADIUS_M 0.02f
-#define STOP_TOLERANCE_M 0.003f
-#define HEADING_TOLERANCE_RAD 0.006f
-#define SETTLE_S 0.25f
-#define STUCK_S 3.0f
+#define TURN_ENTER CW_MRAD(800)
+#define TURN_STANDING CW_MRAD(200)
+#define STANDING_Q10 20480l /* 20 mm/s */
+#define TURN_EXIT CW_MRAD(40)
+#define PASS_RADIUS_UM 5000
+#define START_RADIUS_UM 20000
+#define STOP_TOLERANCE_UM 3000
+#define TURNED_TOLERANCE_UM 4500
+#define HEADING_TOLERANCE CW_MRAD(6)
+#define SETTLE_US 250000ul
+#define STUCK_US 3000000ul
 #define DOCK_ATTEMPTS 8u
-#define CRAWL_M_S 0.01f
-#define DOCK_SPEED_M_S 0.06f
-#define APPROACH_PER_S 4.0f
+#define CRAWL_Q10 10240l
+#define DOCK_SPEED_Q10 61440l
+#define DOCK_BEARING CW_MRAD(150)
+#define SHORT_UM 1000 /* a line shorter than this has no direction */
 
-const cw_drive_settings cw_default_settings = {0.12f, 0.5f, 0.5f, 0.6f, 2.5f,
-                                               8.0f,  0.04f, 0.15f, 0.15f};
+#define FAR_UM 0x10000000l /* 268 m; a line counts as no longer */
 
-/* A waypoint's place in float; the rest is read from the record where it is needed. */
+/* Of the settings; a compiler that knows them computes these. */
+#define TRACK_HUNDREDTHS (cw_robot_settings.track_um / 100u)
+#define SPIN_OF(milliradians) ((uint32_t)(milliradians) * TRACK_HUNDREDTHS / 20000u) /* mm/s */
+#define MAX_SPIN_MM_S SPIN_OF(cw_robot_settings.max_turn_mrad_s)
+#define SPIN_BRAKE_MM_S2 ((uint16_t)SPIN_OF(cw_robot_settings.turn_acceleration_mrad_s2))
+#define BRAKE_MM_S2 ((uint16_t)((uint32_t)cw_robot_settings.acceleration_mm_s2 * 8u / 5u))
+#define PERIMETER_UM ((int32_t)(TRACK_HUNDREDTHS * 31416u / 100u)) /* of a turn on the spot */
+#define MIN_SPIN_Q10 ((int32_t)TRACK_HUNDREDTHS)                   /* 20 mrad/s */
+#define PER_CYCLE(mm_s2) ((uint16_t)((uint32_t)(mm_s2) * 4194u / 1000u))
+#define BEND_LIMIT                                                                               \
+    ((uint32_t)cw_robot_settings.lateral_mm_s2 * (cw_robot_settings.track_um / 2000u) * 1024u)
+
+/* The way to the waypoint at the queue's head, and where the robot is on it. */
 typedef struct {
-    float x;
-    float y;
-} place;
+    cw_vector leg;        /* x: its length, angle: its direction */
+    int32_t distance_um;  /* of the robot from the waypoint */
+    int32_t remaining_um; /* along the leg; negative behind the waypoint */
+    int32_t beside_um;    /* beside the leg, or behind its beginning */
+} sight;
 
-static float limited(float value, float limit)
+static void look(const cw_follower *follower, const cw_pose *pose, cw_place at, sight *out)
 {
-    return value > limit ? limit : value < -limit ? -limit : value;
-}
-
-static float least(float a, float b)
-{
-    return a < b ? a : b;
-}
-
-static float most(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-static float length_of(float x, float y)
-{
-    return sqrtf(x * x + y * y);
-}
-
-float cw_wrap_angle(float angle_rad)
-{
-    while (angle_rad > PI) {
-        angle_rad -= 2.0f * PI;
-    }
-    while (angle_rad < -PI) {
-        angle_rad += 2.0f * PI;
-    }
-    return angle_rad;
-}
-
-/* The estimate. */
-
-static cw_past *past_at(cw_estimate *estimate, uint8_t index)
-{
-    return &estimate->history[(uint8_t)(estimate->oldest + index) % CW_HISTORY];
-}
-
-void cw_estimate_init(cw_estimate *estimate)
-{
-    static const cw_pose origin = {0.0f, 0.0f, 0.0f};
-    uint8_t i;
-    estimate->pose = origin;
-    for (i = 0; i < CW_HISTORY; i++) {
-        estimate->history[i].time_us = 0;
-        estimate->history[i].pose = origin;
-    }
-    estimate->oldest = 0;
-    estimate->kept = 0;
-    estimate->jumps = 0;
-    estimate->known = false;
-    estimate->fix_recent = false;
-    estimate->fix_us = 0;
-    estimate->drift_rad_per_m = 0.0f;
-    estimate->travel_m = 0.0f;
-}
-
-void cw_estimate_advance(cw_estimate *estimate, float track_m, uint32_t now_us, float left_m,
-                         float right_m)
-{
-    float ds = (left_m + right_m) * 0.5f;
-    float turn = (right_m - left_m) / track_m + estimate->drift_rad_per_m * ds;
-    cw_pose *pose = &estimate->pose;
-    if (left_m < 0.0f || left_m > 0.0f || right_m < 0.0f || right_m > 0.0f) {
-        float middle = pose->heading_rad + turn * 0.5f;
-        estimate->travel_m += ds;
-        pose->x_m += ds * cosf(middle);
-        pose->y_m += ds * sinf(middle);
-        pose->heading_rad = cw_wrap_angle(pose->heading_rad + turn);
-    }
-    if (estimate->kept == 0u ||
-        now_us - past_at(estimate, (uint8_t)(estimate->kept - 1u))->time_us >= HISTORY_STEP_US) {
-        cw_past *newest;
-        if (estimate->kept == CW_HISTORY) {
-            estimate->oldest = (uint8_t)((estimate->oldest + 1u) % CW_HISTORY);
-        } else {
-            estimate->kept++;
-        }
-        newest = past_at(estimate, (uint8_t)(estimate->kept - 1u));
-        newest->time_us = now_us;
-        newest->pose = *pose;
-    }
-}
-
-/* The estimate at a past time, interpolated; false where it is forgotten. */
-static bool pose_then(cw_estimate *estimate, uint32_t time_us, uint32_t now_us, cw_pose *out_pose)
-{
-    uint32_t later_us = now_us;
-    cw_pose later = estimate->pose;
-    uint8_t i;
-    for (i = estimate->kept; i-- > 0u;) {
-        const cw_past *past = past_at(estimate, i);
-        if ((int32_t)(time_us - past->time_us) >= 0) {
-            uint32_t span = later_us - past->time_us;
-            float t = span > 0u ? (float)(time_us - past->time_us) / (float)span : 1.0f;
-            t = least(t, 1.0f);
-            out_pose->x_m = past->pose.x_m + t * (later.x_m - past->pose.x_m);
-            out_pose->y_m = past->pose.y_m + t * (later.y_m - past->pose.y_m);
-            out_pose->heading_rad =
-                cw_wrap_angle(past->pose.heading_rad +
-                              t * cw_wrap_angle(later.heading_rad - past->pose.heading_rad));
-            return true;
-        }
-        later_us = past->time_us;
-        later = past->pose;
-    }
-    *out_pose = later;
-    return estimate->kept == 0u || (int32_t)(time_us + HISTORY_STEP_US - later_us) >= 0;
-}
-
-static void move_about(cw_pose *pose, const cw_pose *about, float dx, float dy, float c, float s,
-                       float turn)
-{
-    float rx = pose->x_m - about->x_m;
-    float ry = pose->y_m - about->y_m;
-    pose->x_m = about->x_m + dx + c * rx - s * ry;
-    pose->y_m = about->y_m + dy + s * rx + c * ry;
-    pose->heading_rad = cw_wrap_angle(pose->heading_rad + turn);
-}
-
-bool cw_estimate_correct(cw_estimate *estimate, cw_pose seen, uint32_t age_us, uint32_t now_us)
-{
-    uint32_t seen_us = now_us - age_us;
-    cw_pose then;
-    float dx, dy, turn, c, s;
-    bool far;
-    uint8_t i;
-    if (!pose_then(estimate, seen_us, now_us, &then)) {
-        return false;
-    }
-    dx = seen.x_m - then.x_m;
-    dy = seen.y_m - then.y_m;
-    turn = cw_wrap_angle(seen.heading_rad - then.heading_rad);
-    far = length_of(dx, dy) > JUMP_M || fabsf(turn) > JUMP_RAD;
-    if (estimate->known && far) {
-        estimate->jumps++;
-        if (estimate->jumps < JUMPS_BELIEVED) {
-            return false;
+    cw_vector vector;
+    cw_between(pose->place, at, &vector);
+    cw_measure(&vector);
+    out->distance_um = vector.x;
+    cw_between(follower->from, at, &out->leg);
+    cw_measure(&out->leg);
+    out->remaining_um = 0;
+    out->beside_um = 0;
+    if (out->leg.x >= SHORT_UM / 10) {
+        cw_between(follower->from, pose->place, &vector);
+        vector.angle = cw_difference(0, out->leg.angle);
+        cw_turn(&vector);
+        out->remaining_um = out->leg.x - vector.x;
+        out->beside_um = vector.y < 0 ? -vector.y : vector.y;
+        if (-vector.x > out->beside_um) {
+            out->beside_um = -vector.x;
         }
     }
-    estimate->jumps = 0;
-    if (estimate->known && !far) {
-        estimate->drift_rad_per_m = limited(
-            estimate->drift_rad_per_m + DRIFT_GAIN * turn * estimate->travel_m, DRIFT_MAX);
-        dx *= POSITION_GAIN;
-        dy *= POSITION_GAIN;
-        turn *= HEADING_GAIN;
-    }
-    estimate->travel_m = 0.0f;
-    c = cosf(turn);
-    s = sinf(turn);
-    move_about(&estimate->pose, &then, dx, dy, c, s, turn);
-    for (i = 0; i < estimate->kept; i++) {
-        move_about(&estimate->history[i].pose, &then, dx, dy, c, s, turn);
-    }
-    if (!estimate->fix_recent || (int32_t)(seen_us - estimate->fix_us) > 0) {
-        estimate->fix_us = seen_us;
-    }
-    estimate->known = true;
-    estimate->fix_recent = true;
-    return true;
 }
 
-/* The queue. */
-
-static place place_of(cw_targets targets, uint8_t index)
+/* Whether the line bends at the end of `leg`, on the way to waypoint `next`, too much to be
+ * driven; `leg` becomes the way there. A short one keeps the direction of the one before. */
+static bool next_leg(cw_vector *leg, const cw_waypoint *at, const cw_waypoint *next)
 {
-    const uint8_t *record = targets.get(targets.queue, index);
-    place at;
-    at.x = (float)(int32_t)cw_get_u32(record) * 1e-6f;
-    at.y = (float)(int32_t)cw_get_u32(record + 4) * 1e-6f;
-    return at;
-}
-
-static float speed_of(const uint8_t *record)
-{
-    return (float)cw_get_u16(record + 10) * 1e-3f;
-}
-
-static float acceptance_of(const uint8_t *record)
-{
-    return (float)cw_get_u16(record + 12) * 1e-4f;
-}
-
-static bool stops(const uint8_t *record)
-{
-    return record[15] != 0u;
-}
-
-/* Whether the line from `before` over `at` to waypoint `index` + 1 bends too much to drive. */
-static bool is_corner(place before, place at, cw_targets targets, uint8_t index)
-{
-    float ax, ay, bx, by, dot, a2, b2;
-    place after;
-    if (index + 1u >= targets.count) {
-        return false;
+    bool was_short = leg->x < SHORT_UM;
+    int32_t before = leg->angle;
+    cw_between(at->place, next->place, leg);
+    cw_measure(leg);
+    if (leg->x < SHORT_UM) {
+        leg->angle = before;
     }
-    after = place_of(targets, (uint8_t)(index + 1u));
-    ax = at.x - before.x;
-    ay = at.y - before.y;
-    bx = after.x - at.x;
-    by = after.y - at.y;
-    a2 = ax * ax + ay * ay;
-    b2 = bx * bx + by * by;
-    if (a2 < 1e-6f || b2 < 1e-6f) {
-        return false;
-    }
-    dot = ax * bx + ay * by;
-    return dot < 0.0f || dot * dot < TURN_ENTER_COS * TURN_ENTER_COS * a2 * b2;
+    return !was_short && cw_size(cw_difference(leg->angle, before)) > (uint32_t)TURN_ENTER;
 }
-
-/* The follower. */
 
 static void new_target(cw_follower *follower)
 {
     follower->attempts = 0;
-    follower->still_s = 0.0f;
+    follower->still_us = 0;
     follower->docking = false;
 }
 
-static void leave(cw_follower *follower, place at, const uint8_t *record)
+static void leave(cw_follower *follower, const cw_waypoint *at)
 {
-    follower->from_x_m = at.x;
-    follower->from_y_m = at.y;
-    follower->from_speed_m_s = speed_of(record);
+    follower->from = at->place;
+    follower->from_speed_mm_s = at->speed_mm_s;
     new_target(follower);
 }
 
-void cw_follower_init(cw_follower *follower, const cw_drive_settings *settings)
+void cw_follower_init(cw_follower *follower)
 {
-    static const cw_pose origin = {0.0f, 0.0f, 0.0f};
-    follower->settings = settings;
-    follower->speed_m_s = 0.0f;
-    follower->turn_rad_s = 0.0f;
-    cw_follower_begin(follower, origin);
+    memset(follower, 0, sizeof *follower);
+    follower->first = true;
 }
 
-void cw_follower_begin(cw_follower *follower, cw_pose pose)
+void cw_follower_begin(cw_follower *follower, const cw_pose *pose)
 {
     follower->phase = CW_PHASE_TRACK;
-    follower->from_x_m = pose.x_m;
-    follower->from_y_m = pose.y_m;
-    follower->from_speed_m_s = 0.0f;
+    follower->from = pose->place;
+    follower->from_speed_mm_s = 0;
     follower->first = true;
     new_target(follower);
-    follower->progress_pose = pose;
-    follower->progress_s = 0.0f;
+    follower->progress = *pose;
+    follower->progress_us = 0;
 }
 
 void cw_follower_freeze(cw_follower *follower)
 {
-    follower->speed_m_s = 0.0f;
-    follower->turn_rad_s = 0.0f;
+    follower->speed_q10 = 0;
+    follower->spin_q10 = 0;
 }
 
-static void slew_speed(cw_follower *follower, float speed, float dt_s)
+/* Speeds. */
+
+static void slew(int32_t *speed, int32_t wanted, uint16_t dt_us, uint16_t per_cycle)
 {
-    float step = follower->settings->acceleration_m_s2 * dt_s;
-    follower->speed_m_s += limited(speed - follower->speed_m_s, step);
+    int32_t step = (int32_t)((uint32_t)dt_us * per_cycle >> 12);
+    int32_t change = wanted - *speed;
+    *speed += change > step ? step : change < -step ? -step : change;
 }
 
-static void slew_turn(cw_follower *follower, float turn, float dt_s)
+static void slew_speed(cw_follower *follower, int32_t speed_q10, uint16_t dt_us)
 {
-    float step = follower->settings->turn_acceleration_rad_s2 * dt_s;
-    follower->turn_rad_s += limited(turn - follower->turn_rad_s, step);
+    slew(&follower->speed_q10, speed_q10, dt_us,
+         PER_CYCLE(cw_robot_settings.acceleration_mm_s2));
 }
 
-static void slew(cw_follower *follower, float speed, float turn, float dt_s)
+static void slew_spin(cw_follower *follower, int32_t spin_q10, uint16_t dt_us)
 {
-    slew_speed(follower, speed, dt_s);
-    slew_turn(follower, turn, dt_s);
+    slew(&follower->spin_q10, spin_q10, dt_us, PER_CYCLE(SPIN_BRAKE_MM_S2));
 }
 
-static float turn_towards(const cw_follower *follower, float off_rad)
+static void stand(cw_follower *follower, int32_t spin_q10, uint16_t dt_us)
 {
-    float off = fabsf(off_rad);
-    float rate = least(follower->settings->max_turn_rad_s,
-                       least(sqrtf(follower->settings->turn_acceleration_rad_s2 * off),
-                             APPROACH_PER_S * off));
-    rate = most(rate, 0.02f);
-    return off_rad < 0.0f ? -rate : rate;
+    slew_speed(follower, 0, dt_us);
+    slew_spin(follower, spin_q10, dt_us);
 }
 
-/* How far along the line the target still is, and how far the robot is beside the line or
- * behind its beginning. */
-static float remaining_to(const cw_follower *follower, cw_pose pose, place at,
-                          float *out_deviation)
+static void drive_along(cw_follower *follower, int32_t speed_q10, uint16_t dt_us)
 {
-    float dx = at.x - follower->from_x_m;
-    float dy = at.y - follower->from_y_m;
-    float length = length_of(dx, dy);
-    float x = pose.x_m - follower->from_x_m;
-    float y = pose.y_m - follower->from_y_m;
-    *out_deviation = 0.0f;
-    if (length < 1e-4f) {
-        return 0.0f;
+    int32_t bend = follower->bend;
+    int32_t spin;
+    slew_speed(follower, speed_q10, dt_us);
+    spin = cw_scale(follower->speed_q10, (uint16_t)cw_size(bend)) * 4;
+    slew_spin(follower, bend < 0 ? -spin : spin, dt_us);
+}
+
+/* The square of the speed in mm/s that brakes take back within a distance; brakes are believed
+ * to be 2 % weaker than they are, so that a thousand may be 1024. */
+static uint32_t braked(int32_t distance_um, uint16_t brake_mm_s2)
+{
+    if (distance_um > 0x3FFFFF) {
+        distance_um = 0x3FFFFF; /* 4 m */
     }
-    *out_deviation = most(fabsf(y * dx - x * dy), -(x * dx + y * dy)) / length;
-    return ((at.x - pose.x_m) * dx + (at.y - pose.y_m) * dy) / length;
+    return ((uint32_t)(uint16_t)(distance_um >> 6) * brake_mm_s2) >> 4;
 }
 
-static uint8_t pass_waypoints(cw_follower *follower, cw_pose pose, cw_targets targets)
+/* The speed towards a stop: the square root alone would arrive with a jerk that slow motors
+ * cannot follow, so near it the speed is four times the distance left, a second. */
+static int32_t approach(uint32_t square, int32_t distance_um)
+{
+    int32_t speed = (int32_t)cw_root(square) * 1024;
+    if (distance_um < 0x1000000 && distance_um * 4 < speed) {
+        speed = distance_um * 4;
+    }
+    return speed;
+}
+
+static int32_t turn_towards(int32_t off)
+{
+    uint16_t part = (uint16_t)(cw_size(off) >> 16);
+    int32_t arc_um = cw_scale(PERIMETER_UM, part);
+    int32_t spin = approach(braked(arc_um, SPIN_BRAKE_MM_S2), arc_um);
+    if (spin > (int32_t)(MAX_SPIN_MM_S * 1024u)) {
+        spin = (int32_t)(MAX_SPIN_MM_S * 1024u);
+    }
+    if (spin < MIN_SPIN_Q10) {
+        spin = MIN_SPIN_Q10;
+    }
+    return off < 0 ? -spin : spin;
+}
+
+/* Following the line. */
+
+static uint8_t pass_waypoints(cw_follower *follower, const cw_pose *pose, cw_queue *queue,
+                              sight *out)
 {
     uint8_t passed = 0;
-    while ((follower->phase == CW_PHASE_TRACK || follower->phase == CW_PHASE_TURN) &&
-           passed < targets.count) {
-        const uint8_t *record = targets.get(targets.queue, passed);
-        place at = place_of(targets, passed);
-        float distance = length_of(at.x - pose.x_m, at.y - pose.y_m);
-        float deviation, radius;
-        place from;
-        if (stops(record)) {
-            if (follower->first && distance <= START_RADIUS_M) {
+    while (passed < queue->count) {
+        const cw_waypoint *at = cw_queue_at(queue, passed);
+        int32_t radius = (int32_t)at->acceptance * 100;
+        look(follower, pose, at->place, out);
+        if (follower->phase > CW_PHASE_TURN) {
+            break;
+        }
+        if (at->flags != 0u) {
+            if (follower->first && out->distance_um <= START_RADIUS_UM) {
                 follower->phase = CW_PHASE_SETTLE;
             }
             break;
         }
-        radius = most(acceptance_of(record), PASS_RADIUS_M);
-        if (follower->first) {
-            radius = most(radius, START_RADIUS_M);
+        if (radius < PASS_RADIUS_UM) {
+            radius = PASS_RADIUS_UM;
         }
-        from.x = follower->from_x_m;
-        from.y = follower->from_y_m;
-        if (is_corner(from, at, targets, passed)) {
-            radius = follower->first ? START_RADIUS_M : STOP_TOLERANCE_M;
+        if (follower->first && radius < START_RADIUS_UM) {
+            radius = START_RADIUS_UM;
         }
-        if (distance > radius && remaining_to(follower, pose, at, &deviation) > 0.0f) {
+        if (passed + 1u < queue->count) {
+            cw_vector leg = out->leg;
+            if (next_leg(&leg, at, cw_queue_at(queue, (uint8_t)(passed + 1u)))) {
+                radius = follower->first ? START_RADIUS_UM : STOP_TOLERANCE_UM;
+            }
+        }
+        if (out->distance_um > radius && out->remaining_um > 0) {
             break;
         }
-        leave(follower, at, record);
+        leave(follower, at);
         follower->first = false;
         passed++;
     }
     return passed;
 }
 
-/* The point on the line that is pursued. */
-static place lookahead(const cw_follower *follower, cw_pose pose, cw_targets targets,
-                       uint8_t begin)
+/* Walk along the line ahead: find the point that is pursued, steer to it (`bend`), and see what
+ * speed the waypoints allow here, each its own plus what the brakes take back. Returns the speed
+ * towards the line's next stop; `out_off` is the bearing of the pursued point. */
+static int32_t steer(cw_follower *follower, const cw_pose *pose, cw_queue *queue, uint8_t begin,
+                     const sight *seen, int32_t *out_off)
 {
-    float left = follower->settings->lookahead_m +
-                 follower->settings->lookahead_s * fabsf(follower->speed_m_s);
-    place start, before;
-    uint8_t i;
-    start.x = follower->from_x_m;
-    start.y = follower->from_y_m;
-    before = start;
-    for (i = begin; i < targets.count; i++) {
-        place at = place_of(targets, i);
-        float dx = at.x - start.x;
-        float dy = at.y - start.y;
-        float length = length_of(dx, dy);
-        float along = 0.0f;
-        if (length < 1e-4f) {
-            before = at;
-            continue;
-        }
-        dx /= length;
-        dy /= length;
-        if (i == begin) {
-            along = most(0.0f, (pose.x_m - start.x) * dx + (pose.y_m - start.y) * dy);
-        }
-        if (i + 1u >= targets.count || stops(targets.get(targets.queue, i)) ||
-            along + left <= length || is_corner(before, at, targets, i)) {
-            start.x += dx * (along + left);
-            start.y += dy * (along + left);
-            return start;
-        }
-        left -= most(0.0f, length - along);
-        start = at;
-        before = at;
+    const cw_waypoint *at = cw_queue_at(queue, begin);
+    cw_vector leg = seen->leg, point;
+    cw_place pursued;
+    bool found = false;
+    int32_t ahead_um = seen->remaining_um;
+    int32_t lookahead_um =
+        (int32_t)cw_robot_settings.lookahead_mm * 1000 +
+        (int32_t)cw_scale((int32_t)cw_size(follower->speed_q10), cw_robot_settings.lookahead_ms) *
+            64;
+    uint16_t fast = cw_robot_settings.max_speed_mm_s;
+    uint16_t either = follower->from_speed_mm_s > at->speed_mm_s ? follower->from_speed_mm_s
+                                                                 : at->speed_mm_s;
+    uint32_t square, bend;
+    int32_t speed;
+    if (either != 0u && either < fast) {
+        fast = either; /* a line is driven at the speed of its faster end */
     }
-    return start;
-}
-
-/* The curvature that leads to the pursued point, and its bearing. */
-static float steer(const cw_follower *follower, cw_pose pose, cw_targets targets, uint8_t begin,
-                   float *out_off)
-{
-    place ahead = lookahead(follower, pose, targets, begin);
-    float dx = ahead.x - pose.x_m;
-    float dy = ahead.y - pose.y_m;
-    *out_off = cw_wrap_angle(atan2f(dy, dx) - pose.heading_rad);
-    return 2.0f * sinf(*out_off) / most(1e-6f, length_of(dx, dy));
-}
-
-/* What the waypoints ahead allow here: each its speed plus what the brakes take back. */
-static float speed_limit(const cw_follower *follower, float remaining, cw_targets targets,
-                         uint8_t begin)
-{
-    float brake = 2.0f * 0.8f * follower->settings->acceleration_m_s2;
-    float allowed = follower->settings->max_speed_m_s;
-    float either = most(follower->from_speed_m_s, speed_of(targets.get(targets.queue, begin)));
-    float ahead = most(0.0f, remaining);
-    float horizon;
-    place before;
-    uint8_t i;
-    before.x = follower->from_x_m;
-    before.y = follower->from_y_m;
-    if (either > 0.0f) {
-        allowed = least(allowed, either);
-    }
-    horizon = allowed * allowed / brake;
-    for (i = begin; i < targets.count; i++) {
-        const uint8_t *record = targets.get(targets.queue, i);
-        place at = place_of(targets, i);
-        place after;
-        float speed;
-        if (stops(record) || i + 1u >= targets.count || is_corner(before, at, targets, i)) {
-            return least(allowed, least(sqrtf(brake * ahead), APPROACH_PER_S * ahead));
+    square = (uint32_t)fast * fast;
+    pursued = at->place;
+    for (;;) {
+        cw_vector next = leg;
+        const cw_waypoint *after = cw_queue_at(queue, (uint8_t)(begin + 1u));
+        bool last = begin + 1u >= queue->count || at->flags != 0u || next_leg(&next, at, after);
+        uint32_t allowed;
+        if (ahead_um < 0) {
+            ahead_um = 0;
+        } else if (ahead_um > FAR_UM) {
+            ahead_um = FAR_UM;
         }
-        speed = speed_of(record);
-        allowed = least(allowed, sqrtf(speed * speed + brake * ahead));
-        if (ahead > horizon) {
+        if (!found && (last || ahead_um >= lookahead_um)) {
+            found = true;
+            point.x = lookahead_um - ahead_um;
+            point.y = 0;
+            point.angle = leg.angle;
+            cw_turn(&point);
+            pursued.x_um = cw_sum(at->place.x_um, point.x);
+            pursued.y_um = cw_sum(at->place.y_um, point.y);
+        }
+        allowed = braked(ahead_um, BRAKE_MM_S2);
+        if (last) {
+            speed = approach(allowed < square ? allowed : square, ahead_um);
             break;
         }
-        after = place_of(targets, (uint8_t)(i + 1u));
-        ahead += length_of(after.x - at.x, after.y - at.y);
-        before = at;
+        if (found && allowed >= square) {
+            speed = (int32_t)cw_root(square) * 1024;
+            break;
+        }
+        allowed += (uint32_t)at->speed_mm_s * at->speed_mm_s;
+        if (allowed < square) {
+            square = allowed;
+        }
+        ahead_um += next.x;
+        leg = next;
+        at = after;
+        begin++;
     }
-    return allowed;
+    cw_between(pose->place, pursued, &point);
+    cw_measure(&point);
+    *out_off = cw_difference(point.angle, pose->heading);
+    square = (uint32_t)point.x >> 3;
+    if (square == 0u) {
+        square = 1;
+    }
+    point.x = 32768;
+    point.y = 0;
+    point.angle = (int32_t)cw_size(*out_off);
+    cw_turn(&point);
+    /* pure pursuit: the bend is twice the bearing's sine over the distance */
+    bend = ((cw_robot_settings.track_um >> 3) * (uint32_t)point.y >> 1) / square;
+    if (bend > 0xFFFFu) {
+        bend = 0xFFFFu;
+    }
+    follower->bend = *out_off < 0 ? -(int32_t)bend : (int32_t)bend;
+    bend >>= 4;
+    if (bend != 0u) {
+        uint32_t limit = (uint32_t)cw_root(BEND_LIMIT / bend) * 1024u;
+        if ((uint32_t)speed > limit) {
+            speed = (int32_t)limit;
+        }
+        limit = (MAX_SPIN_MM_S << 20) / bend;
+        if ((uint32_t)speed > limit) {
+            speed = (int32_t)limit;
+        }
+    }
+    return speed;
 }
 
-static cw_trouble track(cw_follower *follower, float dt_s, cw_pose pose, cw_targets targets,
-                        uint8_t begin)
+static cw_trouble track(cw_follower *follower, uint16_t dt_us, const cw_pose *pose,
+                        cw_queue *queue, uint8_t begin, const sight *seen)
 {
-    float deviation, off, curvature, speed, enter;
-    float remaining = remaining_to(follower, pose, place_of(targets, begin), &deviation);
-    if (stops(targets.get(targets.queue, begin)) && remaining <= 0.001f) {
+    int32_t off, speed, enter;
+    if (cw_queue_at(queue, begin)->flags != 0u && seen->remaining_um <= SHORT_UM) {
         follower->phase = CW_PHASE_SETTLE;
-        slew(follower, 0.0f, 0.0f, dt_s);
+        stand(follower, 0, dt_us);
         return CW_TROUBLE_NONE;
     }
-    if (deviation > follower->settings->max_deviation_m) {
+    if (seen->beside_um > (int32_t)cw_robot_settings.max_deviation_mm * 1000) {
         return CW_TROUBLE_OFF_PATH;
     }
-    curvature = steer(follower, pose, targets, begin, &off);
-    enter = fabsf(follower->speed_m_s) < STANDING_M_S ? TURN_STANDING_RAD : TURN_ENTER_RAD;
-    if (fabsf(off) > (follower->phase == CW_PHASE_TURN ? TURN_EXIT_RAD : enter)) {
+    speed = steer(follower, pose, queue, begin, seen, &off);
+    enter = follower->speed_q10 < STANDING_Q10 ? TURN_STANDING : TURN_ENTER;
+    if (follower->phase == CW_PHASE_TURN) {
+        enter = TURN_EXIT;
+    }
+    if (cw_size(off) > (uint32_t)enter) {
         follower->phase = CW_PHASE_TURN;
-        slew(follower, 0.0f, turn_towards(follower, off), dt_s);
+        stand(follower, turn_towards(off), dt_us);
         return CW_TROUBLE_NONE;
     }
     follower->phase = CW_PHASE_TRACK;
-    speed = speed_limit(follower, remaining, targets, begin);
-    if (fabsf(curvature) > 1e-6f) {
-        float bend = fabsf(curvature);
-        speed = least(speed, sqrtf(follower->settings->lateral_m_s2 / bend));
-        speed = least(speed, follower->settings->max_turn_rad_s / bend);
-    }
     follower->first = false;
-    slew_speed(follower, most(speed, CRAWL_M_S), dt_s);
-    slew_turn(follower, curvature * follower->speed_m_s, dt_s);
+    drive_along(follower, speed > CRAWL_Q10 ? speed : CRAWL_Q10, dt_us);
     return CW_TROUBLE_NONE;
 }
 
-static void count_standing(cw_follower *follower, float dt_s, float measured_m_s)
+/* Stopping. */
+
+static bool stands_long_enough(cw_follower *follower, uint16_t dt_us, bool still)
 {
-    bool standing = fabsf(measured_m_s) < 0.004f && fabsf(follower->speed_m_s) <= 0.0f &&
-                    fabsf(follower->turn_rad_s) <= 0.0f;
-    follower->still_s = standing ? follower->still_s + dt_s : 0.0f;
+    stand(follower, 0, dt_us);
+    if (!still || follower->speed_q10 != 0 || follower->spin_q10 != 0) {
+        follower->still_us = 0;
+        return false;
+    }
+    follower->still_us += dt_us;
+    return follower->still_us >= SETTLE_US;
 }
 
-static void begin_docking(cw_follower *follower)
+/* Whether the robot stands near enough; otherwise it docks. */
+static bool is_there(cw_follower *follower, const cw_waypoint *at, const sight *seen,
+                     int32_t tolerance_um)
 {
+    int32_t radius = (int32_t)at->acceptance * 100;
+    follower->still_us = 0;
+    if (seen->distance_um <= (radius > tolerance_um ? radius : tolerance_um)) {
+        return true;
+    }
     follower->phase = CW_PHASE_DOCK;
     follower->docking = false;
     follower->attempts++;
+    return false;
 }
 
-static float distance_to(cw_pose pose, place at)
+static void settle(cw_follower *follower, uint16_t dt_us, bool still, const cw_waypoint *at,
+                   const sight *seen)
 {
-    return length_of(at.x - pose.x_m, at.y - pose.y_m);
-}
-
-static void settle(cw_follower *follower, float dt_s, cw_pose pose, float measured_m_s, place at,
-                   const uint8_t *record)
-{
-    slew(follower, 0.0f, 0.0f, dt_s);
-    count_standing(follower, dt_s, measured_m_s);
-    if (follower->still_s < SETTLE_S) {
-        return;
-    }
-    follower->still_s = 0.0f;
-    if (distance_to(pose, at) > most(acceptance_of(record), STOP_TOLERANCE_M)) {
-        begin_docking(follower);
-    } else if ((int16_t)cw_get_u16(record + 8) == CW_HEADING_FREE) {
-        follower->phase = CW_PHASE_DWELL;
-    } else {
-        follower->phase = CW_PHASE_ALIGN;
+    if (stands_long_enough(follower, dt_us, still) &&
+        is_there(follower, at, seen, STOP_TOLERANCE_UM)) {
+        follower->phase = at->heading == CW_HEADING_FREE ? CW_PHASE_DWELL : CW_PHASE_ALIGN;
     }
 }
 
 /* Drive straight to the target, forwards or backwards, turning towards it first. */
-static void dock(cw_follower *follower, float dt_s, cw_pose pose, place at)
+static void dock(cw_follower *follower, uint16_t dt_us, const cw_pose *pose, cw_place place)
 {
-    float dx = at.x - pose.x_m;
-    float dy = at.y - pose.y_m;
-    float c = cosf(pose.heading_rad);
-    float s = sinf(pose.heading_rad);
-    float forward = c * dx + s * dy;
-    float sideways = c * dy - s * dx;
-    float off = atan2f(sideways, forward);
-    float speed;
-    if (fabsf(off) > PI / 2.0f) {
-        off = cw_wrap_angle(off + PI);
+    cw_vector to;
+    int32_t speed, off;
+    bool back;
+    cw_between(pose->place, place, &to);
+    to.angle = cw_difference(0, pose->heading);
+    cw_turn(&to);
+    back = to.x < 0;
+    if (back) {
+        to.x = -to.x;
+        to.y = -to.y;
     }
-    if (!follower->docking && fabsf(off) > 0.15f && fabsf(sideways) > 0.3f * STOP_TOLERANCE_M) {
-        slew(follower, 0.0f, turn_towards(follower, off), dt_s);
-        return;
+    if (!follower->docking && cw_size(to.y) > STOP_TOLERANCE_UM * 3 / 10) {
+        cw_vector copy = to;
+        cw_measure(&copy);
+        off = copy.angle;
+        if (cw_size(off) > (uint32_t)DOCK_BEARING) {
+            stand(follower, turn_towards(off), dt_us);
+            return;
+        }
     }
     follower->docking = true;
-    if (fabsf(forward) < 0.0007f) {
-        slew(follower, 0.0f, 0.0f, dt_s);
+    if (to.x < 700) {
+        stand(follower, 0, dt_us);
         follower->phase = CW_PHASE_SETTLE;
-        follower->still_s = 0.0f;
+        follower->still_us = 0;
         return;
     }
-    speed = most(CRAWL_M_S, least(DOCK_SPEED_M_S, APPROACH_PER_S * fabsf(forward)));
-    slew(follower, forward < 0.0f ? -speed : speed, 0.0f, dt_s);
+    speed = to.x > DOCK_SPEED_Q10 / 4 ? DOCK_SPEED_Q10 : to.x * 4;
+    if (speed < CRAWL_Q10) {
+        speed = CRAWL_Q10;
+    }
+    slew_speed(follower, back ? -speed : speed, dt_us);
+    slew_spin(follower, 0, dt_us);
 }
 
-static void align(cw_follower *follower, float dt_s, cw_pose pose, float measured_m_s, place at,
-                  const uint8_t *record)
+static void align(cw_follower *follower, uint16_t dt_us, const cw_pose *pose, bool still,
+                  const cw_waypoint *at, const sight *seen)
 {
-    float heading = (float)(int16_t)cw_get_u16(record + 8) * 1e-4f;
-    float off = cw_wrap_angle(heading - pose.heading_rad);
-    if (fabsf(off) > HEADING_TOLERANCE_RAD) {
-        follower->still_s = 0.0f;
-        slew(follower, 0.0f, turn_towards(follower, off), dt_s);
-        return;
-    }
-    slew(follower, 0.0f, 0.0f, dt_s);
-    count_standing(follower, dt_s, measured_m_s);
-    if (follower->still_s < SETTLE_S) {
-        return;
-    }
-    follower->still_s = 0.0f;
-    if (distance_to(pose, at) > most(acceptance_of(record), 1.5f * STOP_TOLERANCE_M)) {
-        begin_docking(follower);
-    } else {
+    int32_t off = cw_difference(cw_angle_of(at->heading), pose->heading);
+    if (cw_size(off) > (uint32_t)HEADING_TOLERANCE) {
+        follower->still_us = 0;
+        stand(follower, turn_towards(off), dt_us);
+    } else if (stands_long_enough(follower, dt_us, still) &&
+               is_there(follower, at, seen, TURNED_TOLERANCE_UM)) {
         follower->phase = CW_PHASE_DWELL;
     }
 }
 
-static bool is_stuck(cw_follower *follower, float dt_s, cw_pose pose)
+static bool is_stuck(cw_follower *follower, uint16_t dt_us, const cw_pose *pose)
 {
-    const cw_pose *was = &follower->progress_pose;
-    float moved = length_of(pose.x_m - was->x_m, pose.y_m - was->y_m);
-    float turned = fabsf(cw_wrap_angle(pose.heading_rad - was->heading_rad));
+    const cw_pose *was = &follower->progress;
     if (follower->phase == CW_PHASE_SETTLE || follower->phase == CW_PHASE_DWELL ||
-        moved > 0.003f || turned > 0.03f) {
-        follower->progress_pose = pose;
-        follower->progress_s = 0.0f;
+        cw_size(cw_difference(pose->place.x_um, was->place.x_um)) > 3000u ||
+        cw_size(cw_difference(pose->place.y_um, was->place.y_um)) > 3000u ||
+        cw_size(cw_difference(pose->heading, was->heading)) > (uint32_t)CW_MRAD(30)) {
+        follower->progress = *pose;
+        follower->progress_us = 0;
         return false;
     }
-    follower->progress_s += dt_s;
-    return follower->progress_s > STUCK_S;
+    follower->progress_us += dt_us;
+    return follower->progress_us > STUCK_US;
 }
 
-uint8_t cw_follower_halt(cw_follower *follower, float dt_s, cw_pose pose, cw_targets targets)
+uint8_t cw_follower_halt(cw_follower *follower, uint16_t dt_us, const cw_pose *pose,
+                         cw_queue *queue)
 {
-    float curvature, off;
-    uint8_t executed;
-    if (follower->speed_m_s <= 0.0f || follower->phase != CW_PHASE_TRACK) {
-        slew(follower, 0.0f, 0.0f, dt_s);
-        return 0;
-    }
-    executed = pass_waypoints(follower, pose, targets);
-    if (executed < targets.count && follower->phase == CW_PHASE_TRACK) {
-        curvature = steer(follower, pose, targets, executed, &off);
+    uint8_t executed = 0;
+    if (follower->speed_q10 <= 0 || follower->phase != CW_PHASE_TRACK) {
+        stand(follower, 0, dt_us);
     } else {
-        curvature = follower->turn_rad_s / follower->speed_m_s;
+        sight seen;
+        int32_t off;
+        executed = pass_waypoints(follower, pose, queue, &seen);
+        if (executed < queue->count && follower->phase == CW_PHASE_TRACK) {
+            (void)steer(follower, pose, queue, executed, &seen, &off);
+        }
+        drive_along(follower, 0, dt_us);
     }
-    slew_speed(follower, 0.0f, dt_s);
-    slew_turn(follower, curvature * follower->speed_m_s, dt_s);
     return executed;
 }
 
-uint8_t cw_follower_step(cw_follower *follower, float dt_s, cw_pose pose, float measured_m_s,
-                         cw_targets targets, cw_trouble *out_trouble)
+uint8_t cw_follower_step(cw_follower *follower, uint16_t dt_us, const cw_pose *pose, bool still,
+                         cw_queue *queue, cw_trouble *out_trouble)
 {
-    uint8_t executed = pass_waypoints(follower, pose, targets);
-    const uint8_t *record;
-    place at;
+    sight seen;
+    uint8_t executed = pass_waypoints(follower, pose, queue, &seen);
+    const cw_waypoint *at = cw_queue_at(queue, executed);
     *out_trouble = CW_TROUBLE_NONE;
-    if (executed == targets.count) {
-        follower->progress_s = 0.0f;
-        slew(follower, 0.0f, 0.0f, dt_s);
+    if (executed == queue->count) {
+        follower->progress_us = 0;
+        stand(follower, 0, dt_us);
         return executed;
     }
-    record = targets.get(targets.queue, executed);
-    at = place_of(targets, executed);
-    switch ((cw_phase)follower->phase) {
-    case CW_PHASE_TRACK:
-    case CW_PHASE_TURN:
-        *out_trouble = track(follower, dt_s, pose, targets, executed);
-        break;
-    case CW_PHASE_SETTLE:
-        settle(follower, dt_s, pose, measured_m_s, at, record);
-        break;
-    case CW_PHASE_DOCK:
-        dock(follower, dt_s, pose, at);
-        break;
-    case CW_PHASE_ALIGN:
-        align(follower, dt_s, pose, measured_m_s, at, record);
-        break;
-    case CW_PHASE_DWELL:
-    default:
-        slew(follower, 0.0f, 0.0f, dt_s);
-        follower->still_s += dt_s;
-        if (follower->still_s >= (float)record[14] * 0.1f) {
+    if (follower->phase <= CW_PHASE_TURN) {
+        *out_trouble = track(follower, dt_us, pose, queue, executed, &seen);
+    } else if (follower->phase == CW_PHASE_SETTLE) {
+        settle(follower, dt_us, still, at, &seen);
+    } else if (follower->phase == CW_PHASE_DOCK) {
+        dock(follower, dt_us, pose, at->place);
+    } else if (follower->phase == CW_PHASE_ALIGN) {
+        align(follower, dt_us, pose, still, at, &seen);
+    } else {
+        stand(follower, 0, dt_us);
+        follower->still_us += dt_us;
+        if (follower->still_us > (uint32_t)at->dwell * 100000u) {
             executed++;
             follower->phase = CW_PHASE_TRACK;
-            leave(follower, at, record);
+            leave(follower, at);
         }
-        break;
     }
     if (*out_trouble == CW_TROUBLE_NONE &&
-        (follower->attempts > DOCK_ATTEMPTS || is_stuck(follower, dt_s, pose))) {
+        (follower->attempts > DOCK_ATTEMPTS || is_stuck(follower, dt_us, pose))) {
         *out_trouble = CW_TROUBLE_STUCK;
     }
     return executed;

@@ -163,10 +163,9 @@ static void answer(cw_link *link, const uint8_t *payload, cw_result result)
 static void see_pose(cw_link *link, const uint8_t *payload, uint32_t now_us)
 {
     cw_pose seen;
-    seen.x_m = (float)(int32_t)cw_get_u32(payload) * 1e-6f;
-    seen.y_m = (float)(int32_t)cw_get_u32(payload + 4) * 1e-6f;
-    seen.heading_rad = (float)(int16_t)cw_get_u16(payload + 8) * 1e-4f;
-    cw_robot_pose(link->robot, seen, (uint32_t)cw_get_u16(payload + 10) * 100u, now_us);
+    memcpy(&seen.place, payload, sizeof seen.place);
+    seen.heading = cw_angle_of((int16_t)cw_get_u16(payload + 8));
+    cw_robot_pose(link->robot, &seen, (uint32_t)cw_get_u16(payload + 10) * 100u, now_us);
 }
 
 /* Do what a sound message says; false where it cannot be taken now. */
@@ -326,6 +325,13 @@ static uint8_t *begin_frame(const cw_link *link, uint8_t *out, uint8_t type, uin
     return at + CW_HEADER_BYTES;
 }
 
+/* Fields that lie in memory as on the wire; returns the place behind. */
+static uint8_t *put(uint8_t *to, const void *from, uint8_t size)
+{
+    memcpy(to, from, size);
+    return to + size;
+}
+
 /* `end` is the place behind the payload; returns the frame's size on the wire. */
 static uint8_t end_frame(uint8_t *out, uint8_t *end)
 {
@@ -362,11 +368,7 @@ static uint8_t send_hello_ack(cw_link *link, uint8_t *out)
     at = cw_put_u16(at, CW_RX_WINDOW);
     *at++ = CW_QUEUE_SIZE;
     *at++ = robot->state;
-    at = cw_put_u32(at, robot->mission);
-    at = cw_put_u32(at, robot->accept_next);
-    at = cw_put_u32(at, robot->exec_next);
-    at = cw_put_u32(at, robot->prefix_crc);
-    at = cw_put_u32(at, robot->exec_crc);
+    at = put(at, &robot->mission, 20);
     return end_frame(out, at);
 }
 
@@ -384,46 +386,26 @@ static uint8_t send_time(cw_link *link, uint8_t *out, uint32_t now_us)
     return end_frame(out, cw_put_u32(at, now_us));
 }
 
-/* To the nearest whole number, clamped. */
-static int32_t rounded(float value, float limit)
-{
-    value = value > limit ? limit : value < -limit ? -limit : value;
-    return (int32_t)(value < 0.0f ? value - 0.5f : value + 0.5f);
-}
-
 static uint8_t send_status(cw_link *link, uint8_t *out, uint32_t now_us)
 {
     const cw_robot *robot = link->robot;
     const cw_pose *pose = &robot->estimate.pose;
-    const cw_counters *count = &link->count;
     uint8_t *at = begin_frame(link, out, CW_STATUS, link->session, 0);
     at = cw_put_u32(at, now_us);
     at = cw_put_u32(at, link->identity.boot_id);
-    at = cw_put_u32(at, robot->mission);
-    at = cw_put_u32(at, robot->accept_next);
-    at = cw_put_u32(at, robot->exec_next);
-    at = cw_put_u32(at, robot->prefix_crc);
-    at = cw_put_u32(at, robot->exec_crc);
+    at = put(at, &robot->mission, 20);
     *at++ = robot->state;
     *at++ = cw_robot_flags(robot, now_us);
     *at++ = robot->reason;
     *at++ = link->result;
     at = cw_put_u16(at, link->command);
-    at = cw_put_u32(at, (uint32_t)rounded(pose->x_m * 1e6f, 2147483000.0f));
-    at = cw_put_u32(at, (uint32_t)rounded(pose->y_m * 1e6f, 2147483000.0f));
-    at = cw_put_u16(at, (uint16_t)rounded(pose->heading_rad * 1e4f, (float)CW_HALF_TURN));
-    at = cw_put_u16(at, (uint16_t)rounded(robot->speed_m_s * 1e3f, 32767.0f));
-    at = cw_put_u16(at, (uint16_t)rounded(robot->turn_rad_s * 1e3f, 32767.0f));
+    at = put(at, &pose->place, sizeof pose->place);
+    at = cw_put_u16(at, (uint16_t)cw_heading_of(pose->heading));
+    at = cw_put_u16(at, (uint16_t)cw_robot_speed_mm_s(robot));
+    at = cw_put_u16(at, (uint16_t)cw_robot_turning_mrad_s(robot));
     at = cw_put_u16(at, cw_robot_pose_age_ms(robot, now_us));
     at = cw_put_u16(at, cw_robot_lease_left_ms(robot, now_us));
-    at = cw_put_u16(at, count->frames);
-    at = cw_put_u16(at, count->crc_errors);
-    at = cw_put_u16(at, count->format_errors);
-    at = cw_put_u16(at, count->overruns);
-    at = cw_put_u16(at, count->session_errors);
-    at = cw_put_u16(at, count->gaps);
-    at = cw_put_u16(at, count->duplicates);
-    at = cw_put_u16(at, count->rejected);
+    at = put(at, &link->count, sizeof link->count);
     return end_frame(out, at);
 }
 

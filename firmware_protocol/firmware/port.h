@@ -17,9 +17,6 @@ bool cw_port_begin(int argc, char **argv);
 /* Boot id (another one at each boot), reset cause, firmware hash. */
 void cw_port_identity(cw_identity *out_identity);
 
-/* What the robot is and can do. */
-const cw_drive_settings *cw_port_settings(void);
-
 uint32_t cw_port_now_us(void);
 
 /* Up to `room` bytes that have arrived; how many. */

@@ -12,7 +12,7 @@
 #define BAUD_DIVIDER 16u
 #define RING 128u /* a power of two */
 #define UM_PER_TICK 250l
-#define FULL_SPEED_M_S 0.8f
+#define FULL_SPEED_MM_S 800ul
 
 /* Left motor: PWM on D6 (OC0A), direction on D7. Right: PWM on D5 (OC0B), direction on D8.
  * Encoders: left A, B on C0, C1; right A, B on C2, C3. */
@@ -140,11 +140,6 @@ void cw_port_identity(cw_identity *out_identity)
                                                                    : 0u;
 }
 
-const cw_drive_settings *cw_port_settings(void)
-{
-    return &cw_default_settings;
-}
-
 uint32_t cw_port_now_us(void)
 {
     uint32_t high;
@@ -216,10 +211,10 @@ void cw_port_travel(uint32_t *out_left_um, uint32_t *out_right_um)
 
 /* What a step of the PWM (3.1 mm/s) is too coarse for is carried on to the next round, so that
  * slow wheels turn at all: without it the robot cannot end a turn at a stop. */
-static uint8_t duty(float speed_m_s, uint8_t *carry)
+static uint8_t duty(int32_t speed_q10, uint8_t *carry)
 {
-    float part = (speed_m_s < 0.0f ? -speed_m_s : speed_m_s) * (65280.0f / FULL_SPEED_M_S);
-    uint16_t fine = (uint16_t)((part > 65280.0f ? 65280u : (uint16_t)part) + *carry);
+    uint32_t part = cw_size(speed_q10) * 255u / (FULL_SPEED_MM_S * 4u);
+    uint16_t fine = (uint16_t)((part > 0xFF00u ? 0xFF00u : (uint16_t)part) + *carry);
     *carry = (uint8_t)(fine & 0xFFu);
     return (uint8_t)(fine >> 8);
 }
@@ -228,18 +223,18 @@ void cw_port_drive(cw_wheels wheels)
 {
     uint8_t interrupts = SREG;
     static uint8_t carry[2];
-    uint8_t left = duty(wheels.left_m_s, &carry[0]);
-    uint8_t right = duty(wheels.right_m_s, &carry[1]);
+    uint8_t left = duty(wheels.left_q10, &carry[0]);
+    uint8_t right = duty(wheels.right_q10, &carry[1]);
     if (!wheels.powered) {
         motors_off();
         return;
     }
-    if (wheels.left_m_s < 0.0f) {
+    if (wheels.left_q10 < 0) {
         PORTD |= _BV(LEFT_BACK);
     } else {
         PORTD &= (uint8_t)~_BV(LEFT_BACK);
     }
-    if (wheels.right_m_s < 0.0f) {
+    if (wheels.right_q10 < 0) {
         PORTB |= _BV(RIGHT_BACK);
     } else {
         PORTB &= (uint8_t)~_BV(RIGHT_BACK);

@@ -5,9 +5,13 @@
 
 #include "link.h"
 
+/* Here, and only here, robots of several kinds live side by side: CW_SETTINGS_CHANGE. */
+cw_settings cw_robot_settings = CW_SETTINGS;
+
 typedef struct {
     cw_robot robot;
     cw_link link;
+    cw_settings settings;
 } cw_twin;
 
 typedef struct {
@@ -16,12 +20,11 @@ typedef struct {
     uint32_t exec_next;
     uint32_t prefix_crc;
     uint32_t exec_crc;
-    float x_m;
-    float y_m;
-    float heading_rad;
-    float speed_m_s;
-    float left_m_s;
-    float right_m_s;
+    int32_t x_um;
+    int32_t y_um;
+    int32_t heading;
+    int32_t left_q10;
+    int32_t right_q10;
     uint16_t session_errors;
     uint16_t session;
     uint8_t state;
@@ -37,7 +40,7 @@ typedef struct {
 size_t cw_twin_size(void);
 size_t cw_twin_robot_size(void);
 void cw_twin_init(cw_twin *twin, uint32_t boot_id, uint8_t reset_cause, uint32_t schema,
-                  const cw_drive_settings *settings);
+                  const cw_settings *settings);
 void cw_twin_receive(cw_twin *twin, const uint8_t *data, uint16_t length, uint32_t now_us);
 uint8_t cw_twin_next_frame(cw_twin *twin, uint8_t *out_frame, uint32_t now_us);
 void cw_twin_step(cw_twin *twin, uint32_t now_us, uint32_t left_um, uint32_t right_um);
@@ -56,7 +59,7 @@ size_t cw_twin_robot_size(void)
 }
 
 void cw_twin_init(cw_twin *twin, uint32_t boot_id, uint8_t reset_cause, uint32_t schema,
-                  const cw_drive_settings *settings)
+                  const cw_settings *settings)
 {
     cw_identity identity;
     identity.schema = schema;
@@ -64,27 +67,33 @@ void cw_twin_init(cw_twin *twin, uint32_t boot_id, uint8_t reset_cause, uint32_t
     identity.boot_id = boot_id;
     identity.reset_cause = reset_cause;
     memset(twin, 0xA5, sizeof *twin); /* init has to set every field */
-    cw_robot_init(&twin->robot, settings);
+    twin->settings = *settings;
+    cw_robot_settings = *settings;
+    cw_robot_init(&twin->robot);
     cw_link_init(&twin->link, &twin->robot, &identity);
 }
 
 void cw_twin_receive(cw_twin *twin, const uint8_t *data, uint16_t length, uint32_t now_us)
 {
+    cw_robot_settings = twin->settings;
     cw_link_receive(&twin->link, data, length, now_us);
 }
 
 uint8_t cw_twin_next_frame(cw_twin *twin, uint8_t *out_frame, uint32_t now_us)
 {
+    cw_robot_settings = twin->settings;
     return cw_link_next_frame(&twin->link, out_frame, now_us);
 }
 
 void cw_twin_step(cw_twin *twin, uint32_t now_us, uint32_t left_um, uint32_t right_um)
 {
+    cw_robot_settings = twin->settings;
     cw_robot_step(&twin->robot, now_us, left_um, right_um);
 }
 
 void cw_twin_tick(cw_twin *twin, uint32_t now_us)
 {
+    cw_robot_settings = twin->settings;
     cw_robot_tick(&twin->robot, now_us);
 }
 
@@ -101,12 +110,11 @@ void cw_twin_view(const cw_twin *twin, cw_view *out_view)
     out_view->exec_next = robot->exec_next;
     out_view->prefix_crc = robot->prefix_crc;
     out_view->exec_crc = robot->exec_crc;
-    out_view->x_m = robot->estimate.pose.x_m;
-    out_view->y_m = robot->estimate.pose.y_m;
-    out_view->heading_rad = robot->estimate.pose.heading_rad;
-    out_view->speed_m_s = robot->speed_m_s;
-    out_view->left_m_s = robot->wheels.left_m_s;
-    out_view->right_m_s = robot->wheels.right_m_s;
+    out_view->x_um = robot->estimate.pose.place.x_um;
+    out_view->y_um = robot->estimate.pose.place.y_um;
+    out_view->heading = robot->estimate.pose.heading;
+    out_view->left_q10 = robot->wheels.left_q10;
+    out_view->right_q10 = robot->wheels.right_q10;
     out_view->session_errors = twin->link.count.session_errors;
     out_view->session = twin->link.session;
     out_view->state = robot->state;

@@ -3,6 +3,8 @@
 
 #define CONTROL_US 10000ul
 
+const cw_settings cw_robot_settings = CW_SETTINGS;
+
 static cw_robot robot;
 static cw_link link_;
 static uint8_t frame[CW_MAX_WIRE];
@@ -34,7 +36,7 @@ int main(int argc, char **argv)
         return 2;
     }
     cw_port_identity(&identity);
-    cw_robot_init(&robot, cw_port_settings());
+    cw_robot_init(&robot);
     cw_link_init(&link_, &robot, &identity);
     stepped_us = cw_port_now_us();
     do {

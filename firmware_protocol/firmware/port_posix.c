@@ -19,6 +19,7 @@
 
 #define BYTE_US 87u /* ten bits at 115200 */
 #define MOTOR_LAG_S 0.05f
+#define Q10_PER_M 1024000.0f
 
 static int line = -1;
 static int keep_open = -1; /* the other end, so that the line outlives its user */
@@ -105,11 +106,6 @@ void cw_port_identity(cw_identity *out_identity)
     out_identity->reset_cause = 1;
 }
 
-const cw_drive_settings *cw_port_settings(void)
-{
-    return &cw_default_settings;
-}
-
 uint32_t cw_port_now_us(void)
 {
     struct timespec now = {0, 0};
@@ -153,8 +149,8 @@ void cw_port_travel(uint32_t *out_left_um, uint32_t *out_right_um)
     float blend = dt_s / (MOTOR_LAG_S + dt_s);
     int side;
     moved_us = now_us;
-    speed[0] += blend * ((wanted.powered ? wanted.left_m_s : 0.0f) - speed[0]);
-    speed[1] += blend * ((wanted.powered ? wanted.right_m_s : 0.0f) - speed[1]);
+    speed[0] += blend * ((wanted.powered ? (float)wanted.left_q10 / Q10_PER_M : 0.0f) - speed[0]);
+    speed[1] += blend * ((wanted.powered ? (float)wanted.right_q10 / Q10_PER_M : 0.0f) - speed[1]);
     for (side = 0; side < 2; side++) {
         travel_um[side] += (double)(speed[side] * dt_s) * 1e6;
     }

@@ -1,5 +1,12 @@
 #include "robot.h"
 
+#include <string.h>
+
+#define LEAP_UM 0x100000l /* 1 m; wheels travel no further in a cycle */
+#define DT_MAX_US 60000ul
+#define SMOOTHING_US 30000u
+#define STANDING_Q10 9216u /* 9 mm/s: a late step of both encoders reads as 8.3 */
+
 static void change(cw_robot *robot, cw_state to, cw_reason reason)
 {
     if (robot->state != (uint8_t)to) {
@@ -24,8 +31,8 @@ static uint32_t mission_seed(uint32_t mission)
 
 static void forget_mission(cw_robot *robot, uint32_t mission)
 {
-    robot->head = 0;
-    robot->count = 0;
+    robot->queue.head = 0;
+    robot->queue.count = 0;
     robot->mission = mission;
     robot->accept_next = 0;
     robot->exec_next = 0;
@@ -35,39 +42,19 @@ static void forget_mission(cw_robot *robot, uint32_t mission)
     robot->ended = false;
 }
 
-static const uint8_t *record_at(const void *queue, uint8_t index)
-{
-    const cw_robot *robot = queue;
-    return robot->records[(uint8_t)(robot->head + index) % CW_QUEUE_SIZE];
-}
-
 static void motors_off(cw_robot *robot)
 {
-    robot->wheels.left_m_s = 0.0f;
-    robot->wheels.right_m_s = 0.0f;
-    robot->wheels.powered = false;
+    memset(&robot->wheels, 0, sizeof robot->wheels);
 }
 
-void cw_robot_init(cw_robot *robot, const cw_drive_settings *settings)
+void cw_robot_init(cw_robot *robot)
 {
-    robot->state = CW_STATE_BOOT;
+    memset(robot, 0, sizeof *robot);
     robot->reason = CW_REASON_BOOTED;
-    robot->session_after_estop = false;
-    robot->lease_valid = false;
-    robot->lease_flags = 0;
     robot->host_pose_age_ms = CW_NO_POSE_MS;
-    robot->lease_end_us = 0;
-    robot->leased_us = 0;
     forget_mission(robot, 0);
     cw_estimate_init(&robot->estimate);
-    cw_follower_init(&robot->follower, settings);
-    motors_off(robot);
-    robot->speed_m_s = 0.0f;
-    robot->turn_rad_s = 0.0f;
-    robot->stepped = false;
-    robot->step_us = 0;
-    robot->left_um = 0;
-    robot->right_um = 0;
+    cw_follower_init(&robot->follower);
 }
 
 void cw_robot_open_session(cw_robot *robot, uint32_t now_us)
@@ -91,24 +78,20 @@ bool cw_robot_accept(cw_robot *robot, uint32_t mission, uint32_t first, uint8_t 
     }
     for (i = 0; i < count; i++, records += CW_WAYPOINT_BYTES) {
         uint32_t index = first + i;
-        uint8_t *place;
-        uint8_t k;
+        cw_waypoint *place = cw_queue_at(&robot->queue, robot->queue.count);
         if (index < robot->accept_next) {
             continue;
         }
         if (index > robot->accept_next || robot->ended) {
             return true;
         }
-        if (robot->count == CW_QUEUE_SIZE) {
+        if (robot->queue.count == CW_QUEUE_SIZE) {
             return false;
         }
-        place = robot->records[(uint8_t)(robot->head + robot->count) % CW_QUEUE_SIZE];
-        for (k = 0; k < CW_WAYPOINT_BYTES; k++) {
-            place[k] = records[k];
-        }
-        robot->count++;
-        robot->ended = (place[15] & CW_WAYPOINT_END) != 0u;
-        robot->prefix_crc = cw_crc32c(place, CW_WAYPOINT_BYTES, robot->prefix_crc);
+        memcpy(place, records, CW_WAYPOINT_BYTES);
+        robot->queue.count++;
+        robot->ended = (place->flags & CW_WAYPOINT_END) != 0u;
+        robot->prefix_crc = cw_crc32c(records, CW_WAYPOINT_BYTES, robot->prefix_crc);
         robot->accept_next++;
     }
     return true;
@@ -159,7 +142,7 @@ cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next, 
     if (!blind_is_allowed(robot) && pose_is_stale(robot, now_us)) {
         return CW_RESULT_NO_POSE;
     }
-    cw_follower_begin(&robot->follower, robot->estimate.pose);
+    cw_follower_begin(&robot->follower, &robot->estimate.pose);
     change(robot, CW_STATE_RUN, CW_REASON_NONE);
     return CW_RESULT_DONE;
 }
@@ -208,7 +191,7 @@ void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t po
     cw_robot_tick(robot, now_us);
 }
 
-void cw_robot_pose(cw_robot *robot, cw_pose seen, uint32_t age_us, uint32_t now_us)
+void cw_robot_pose(cw_robot *robot, const cw_pose *seen, uint32_t age_us, uint32_t now_us)
 {
     (void)cw_estimate_correct(&robot->estimate, seen, age_us, now_us);
 }
@@ -247,101 +230,104 @@ void cw_robot_tick(cw_robot *robot, uint32_t now_us)
 
 static void execute(cw_robot *robot, uint8_t count)
 {
+    cw_queue *queue = &robot->queue;
     while (count-- > 0u) {
-        const uint8_t *record = record_at(robot, 0);
-        robot->exec_crc = cw_crc32c(record, CW_WAYPOINT_BYTES, robot->exec_crc);
+        const cw_waypoint *at = cw_queue_at(queue, 0);
+        robot->exec_crc =
+            cw_crc32c((const uint8_t *)at, CW_WAYPOINT_BYTES, robot->exec_crc);
         robot->exec_next++;
-        if ((record[15] & CW_WAYPOINT_END) != 0u) {
+        if ((at->flags & CW_WAYPOINT_END) != 0u) {
             robot->done = true;
             if (robot->state == CW_STATE_RUN) {
                 change(robot, CW_STATE_IDLE, CW_REASON_MISSION_DONE);
             }
         }
-        robot->head = (uint8_t)((robot->head + 1u) % CW_QUEUE_SIZE);
-        robot->count--;
+        queue->head = (uint8_t)((queue->head + 1u) % CW_QUEUE_SIZE);
+        queue->count--;
     }
 }
 
-static void measure(cw_robot *robot, float dt_s, float left_m, float right_m)
+/* Towards what the wheels did in this cycle, 30 ms smooth; 34.1 is 1.024 over 30 ms. */
+static void smooth(int32_t *speed_q10, int32_t travel_um, uint16_t part)
 {
-    float blend = dt_s < 0.03f ? dt_s / 0.03f : 1.0f;
-    float speed = (left_m + right_m) * 0.5f / dt_s;
-    float turn = (right_m - left_m) / robot->follower.settings->track_m / dt_s;
-    robot->speed_m_s += blend * (speed - robot->speed_m_s);
-    robot->turn_rad_s += blend * (turn - robot->turn_rad_s);
-    if (robot->speed_m_s < 1e-4f && robot->speed_m_s > -1e-4f && robot->turn_rad_s < 1e-3f &&
-        robot->turn_rad_s > -1e-3f) {
-        robot->speed_m_s = 0.0f;
-        robot->turn_rad_s = 0.0f;
+    *speed_q10 += travel_um * 34 - cw_scale(*speed_q10, part);
+}
+
+static void measure(cw_robot *robot, uint16_t dt_us, int32_t ahead_um, int32_t spin_um)
+{
+    uint16_t part = dt_us < SMOOTHING_US ? (uint16_t)((uint32_t)dt_us * 35790u >> 14) : 0xFFFFu;
+    smooth(&robot->speed_q10, ahead_um, part);
+    smooth(&robot->spin_q10, spin_um, part);
+    if (cw_size(robot->speed_q10) < 102u && cw_size(robot->spin_q10) < 62u) {
+        robot->speed_q10 = 0; /* below 0.1 mm/s */
+        robot->spin_q10 = 0;
     }
 }
 
-static void drive(cw_robot *robot, float dt_s)
+static void drive(cw_robot *robot, uint16_t dt_us)
 {
-    cw_targets targets;
+    const cw_pose *pose = &robot->estimate.pose;
     cw_trouble trouble = CW_TROUBLE_NONE;
-    targets.queue = robot;
-    targets.count = robot->count;
-    targets.get = record_at;
     if (robot->state == CW_STATE_RUN) {
-        execute(robot, cw_follower_step(&robot->follower, dt_s, robot->estimate.pose,
-                                        robot->speed_m_s, targets, &trouble));
-        if (trouble == CW_TROUBLE_OFF_PATH) {
-            halt(robot, CW_REASON_OFF_PATH);
-        } else if (trouble == CW_TROUBLE_STUCK) {
-            halt(robot, CW_REASON_STUCK);
+        bool still = cw_size(robot->speed_q10) < STANDING_Q10;
+        execute(robot, cw_follower_step(&robot->follower, dt_us, pose, still, &robot->queue,
+                                        &trouble));
+        if (trouble != CW_TROUBLE_NONE) {
+            halt(robot, trouble == CW_TROUBLE_STUCK ? CW_REASON_STUCK : CW_REASON_OFF_PATH);
         }
     } else {
-        execute(robot, cw_follower_halt(&robot->follower, dt_s, robot->estimate.pose, targets));
+        execute(robot, cw_follower_halt(&robot->follower, dt_us, pose, &robot->queue));
     }
+}
+
+/* What a wheel travelled since the last cycle; more than a leap counts as one. */
+static int32_t travelled(int32_t *total_um, uint32_t now_um)
+{
+    int32_t travel_um = cw_difference((int32_t)now_um, *total_um);
+    *total_um = (int32_t)now_um;
+    return travel_um > LEAP_UM ? LEAP_UM : travel_um < -LEAP_UM ? -LEAP_UM : travel_um;
 }
 
 void cw_robot_step(cw_robot *robot, uint32_t now_us, uint32_t left_um, uint32_t right_um)
 {
-    float dt_s = 0.0f;
-    float left_m = 0.0f;
-    float right_m = 0.0f;
-    if (robot->stepped) {
-        dt_s = (float)(now_us - robot->step_us) * 1e-6f;
-        left_m = (float)(int32_t)(left_um - robot->left_um) * 1e-6f;
-        right_m = (float)(int32_t)(right_um - robot->right_um) * 1e-6f;
+    const cw_follower *follower = &robot->follower;
+    int32_t left = travelled(&robot->left_um, left_um);
+    int32_t right = travelled(&robot->right_um, right_um);
+    uint32_t dt_us = now_us - robot->step_us;
+    if (!robot->stepped) {
+        robot->stepped = true;
+        left = right = 0;
+        dt_us = 0;
     }
-    robot->stepped = true;
+    if (dt_us > DT_MAX_US) {
+        dt_us = DT_MAX_US;
+    }
     robot->step_us = now_us;
-    robot->left_um = left_um;
-    robot->right_um = right_um;
-    cw_estimate_advance(&robot->estimate, robot->follower.settings->track_m, now_us, left_m,
-                        right_m);
-    if (dt_s > 0.0f) {
-        measure(robot, dt_s, left_m, right_m);
+    cw_estimate_advance(&robot->estimate, (left + right) >> 1,
+                        (int32_t)((uint32_t)(right - left) * CW_ANGLE_PER_UM), now_us);
+    if (dt_us > 0u) {
+        measure(robot, (uint16_t)dt_us, (left + right) >> 1, (right - left) >> 1);
     }
     cw_robot_tick(robot, now_us);
     if (robot->state == CW_STATE_ESTOP) {
         return;
     }
-    drive(robot, dt_s);
-    {
-        const cw_follower *follower = &robot->follower;
-        float half = follower->turn_rad_s * follower->settings->track_m * 0.5f;
-        bool moving = follower->speed_m_s < 0.0f || follower->speed_m_s > 0.0f ||
-                      follower->turn_rad_s < 0.0f || follower->turn_rad_s > 0.0f;
-        robot->wheels.left_m_s = follower->speed_m_s - half;
-        robot->wheels.right_m_s = follower->speed_m_s + half;
-        robot->wheels.powered =
-            moving || robot->state == CW_STATE_RUN || robot->state == CW_STATE_HOLD;
-    }
+    drive(robot, (uint16_t)dt_us);
+    robot->wheels.left_q10 = follower->speed_q10 - follower->spin_q10;
+    robot->wheels.right_q10 = follower->speed_q10 + follower->spin_q10;
+    robot->wheels.powered = follower->speed_q10 != 0 || follower->spin_q10 != 0 ||
+                            robot->state == CW_STATE_RUN || robot->state == CW_STATE_HOLD;
 }
 
 uint8_t cw_robot_credit(const cw_robot *robot)
 {
-    return (uint8_t)(CW_QUEUE_SIZE - robot->count);
+    return (uint8_t)(CW_QUEUE_SIZE - robot->queue.count);
 }
 
 uint8_t cw_robot_flags(const cw_robot *robot, uint32_t now_us)
 {
     uint8_t flags = 0;
-    if (robot->speed_m_s < 0.0f || robot->speed_m_s > 0.0f || robot->turn_rad_s < 0.0f ||
-        robot->turn_rad_s > 0.0f) {
+    if (robot->speed_q10 != 0 || robot->spin_q10 != 0) {
         flags |= CW_STATUS_MOVING;
     }
     if (lease_runs(robot, now_us)) {
@@ -353,13 +339,28 @@ uint8_t cw_robot_flags(const cw_robot *robot, uint32_t now_us)
     if (robot->estimate.known) {
         flags |= CW_STATUS_POSE_KNOWN;
     }
-    if (robot->state == CW_STATE_RUN && robot->count == 0u) {
+    if (robot->state == CW_STATE_RUN && robot->queue.count == 0u) {
         flags |= CW_STATUS_UNDERRUN;
     }
     if (robot->done) {
         flags |= CW_STATUS_MISSION_DONE;
     }
     return flags;
+}
+
+static int16_t told(int32_t value)
+{
+    return (int16_t)(value > 32767 ? 32767 : value < -32767 ? -32767 : value);
+}
+
+int16_t cw_robot_speed_mm_s(const cw_robot *robot)
+{
+    return told((robot->speed_q10 + 512) >> 10);
+}
+
+int16_t cw_robot_turning_mrad_s(const cw_robot *robot)
+{
+    return told(cw_scale(robot->spin_q10, CW_TURNING_PER_SPIN));
 }
 
 uint16_t cw_robot_lease_left_ms(const cw_robot *robot, uint32_t now_us)

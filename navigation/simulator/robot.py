@@ -22,7 +22,7 @@ import numpy as np
 import serial
 from numpy.typing import NDArray
 
-from firmware_protocol.follower import DriveSettings
+from firmware_protocol.drive_settings import DriveSettings
 from firmware_protocol.messages import ResetCause, RobotState, StopReason
 from firmware_protocol.robot import RobotController, WheelSpeeds
 from firmware_protocol.robot_connection import Identity, RobotConnection

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from firmware_protocol.follower import DriveSettings
+from firmware_protocol.drive_settings import DriveSettings
 from firmware_protocol.host import HostConnection
 from firmware_protocol.host_events import Event
 from firmware_protocol.messages import ResetCause

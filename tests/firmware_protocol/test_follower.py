@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from firmware_protocol.follower import DriveSettings
+from firmware_protocol.drive_settings import DriveSettings
 from firmware_protocol.messages import (
     CommandResult,
     Lease,

@@ -9,16 +9,16 @@ from __future__ import annotations
 import ctypes
 import functools
 import shutil
+import struct
 import subprocess
 import tempfile
 from collections import deque
-from dataclasses import astuple
 from pathlib import Path
 
-from firmware_protocol.follower import DriveSettings
+from firmware_protocol.drive_settings import DriveSettings
 from firmware_protocol.framing import MAX_WIRE
 from firmware_protocol.messages import SCHEMA_HASH, RobotState, StopReason
-from firmware_protocol.robot import WheelSpeeds
+from firmware_protocol.robot import Q10_PER_M, WheelSpeeds
 from firmware_protocol.robot_connection import Identity
 
 FIRMWARE = Path(__file__).parents[2] / "firmware_protocol" / "firmware"
@@ -30,8 +30,8 @@ class View(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_uint32) for name in ("mission", "accept_next", "exec_next")),
         *((name, ctypes.c_uint32) for name in ("prefix_crc", "exec_crc")),
-        *((name, ctypes.c_float) for name in ("x_m", "y_m", "heading_rad", "speed_m_s")),
-        *((name, ctypes.c_float) for name in ("left_m_s", "right_m_s")),
+        *((name, ctypes.c_int32) for name in ("x_um", "y_um", "heading")),
+        *((name, ctypes.c_int32) for name in ("left_q10", "right_q10")),
         *((name, ctypes.c_uint16) for name in ("session_errors", "session_number")),
         *((name, ctypes.c_uint8) for name in ("state", "reason", "credit", "powered", "done")),
         *((name, ctypes.c_uint8) for name in ("expected", "has_session", "phase")),
@@ -69,8 +69,8 @@ class CRobot:
         self.identity = identity
         self._lib = library()
         self._memory = ctypes.create_string_buffer(self._lib.cw_twin_size())
-        values = astuple(settings or DriveSettings())
-        self._settings = (ctypes.c_float * len(values))(*values)
+        track_um, *others = (settings or DriveSettings()).whole_numbers()
+        self._settings = struct.pack(f"=I{len(others)}H", track_um, *others)
         self._out = ctypes.create_string_buffer(MAX_WIRE)
         self._view = View()
         self._lib.cw_twin_init(
@@ -131,7 +131,9 @@ class CController:
     @property
     def wheels(self) -> WheelSpeeds:
         view = self._robot.view()
-        return WheelSpeeds(view.left_m_s, view.right_m_s, bool(view.powered))
+        return WheelSpeeds(
+            view.left_q10 / Q10_PER_M, view.right_q10 / Q10_PER_M, bool(view.powered)
+        )
 
     def tick(self, now_s: float) -> None:
         self._robot._lib.cw_twin_tick(self._robot._memory, ctypes.c_uint32(_us(now_s)))

@@ -1,0 +1,41 @@
+/* What the robot is and can do. The values are the robot's own: `make avr SETTINGS=...` takes
+ * them from a header that `python -m navigation.firmware_settings CONFIG` writes; a sketch
+ * defines cw_robot_settings by itself. */
+#ifndef CLEARWAY_SETTINGS_H
+#define CLEARWAY_SETTINGS_H
+
+#include <stdint.h>
+
+#ifdef CW_SETTINGS_FILE
+#include CW_SETTINGS_FILE
+#endif
+
+/* Every value > 0. */
+typedef struct {
+    uint32_t track_um; /* between the wheels, up to 1 m */
+    uint16_t max_speed_mm_s;
+    uint16_t acceleration_mm_s2;
+    uint16_t lateral_mm_s2; /* sideways acceleration in bends */
+    uint16_t max_turn_mrad_s;
+    uint16_t turn_acceleration_mrad_s2;
+    uint16_t lookahead_mm;
+    uint16_t lookahead_ms;
+    uint16_t max_deviation_mm;
+} cw_settings;
+
+#ifndef CW_SETTINGS
+#define CW_SETTINGS {120000ul, 500u, 500u, 600u, 2500u, 8000u, 40u, 150u, 150u}
+#endif
+
+#ifdef CW_SETTINGS_CHANGE
+extern cw_settings cw_robot_settings; /* tests run robots of several kinds in one process */
+#else
+extern const cw_settings cw_robot_settings;
+#endif
+
+/* Binary angle that the robot turns by for a micrometre that its wheels differ by, and what
+ * 65536 times mrad/s it turns at for 1/1024 mm/s of spin. */
+#define CW_ANGLE_PER_UM ((683565276ul + cw_robot_settings.track_um / 2u) / cw_robot_settings.track_um)
+#define CW_TURNING_PER_SPIN ((uint16_t)(128000000ul / cw_robot_settings.track_um))
+
+#endif
