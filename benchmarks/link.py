@@ -23,8 +23,9 @@ from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
 from firmware_protocol.host import HostConnection
 from firmware_protocol.messages import MessageType, RobotState, Waypoint
 from firmware_protocol.mission import Mission
+from navigation.simulator.emulated_processor import Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
-from tests.support.avr_robot import AvrRobot, Motors, missing_tools
+from tests.support.avr_robot import AvrRobot, missing_tools
 
 RESULT = Path(__file__).parent / "results" / "link.md"
 TICK_S = 0.001
