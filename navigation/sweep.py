@@ -222,10 +222,12 @@ class Sweep:
                     for chosen in running.values():
                         yield from self._again(chosen)
                     running.clear()
-                    executor.shutdown(wait=False, cancel_futures=True)
+                    executor.shutdown(wait=False)
                     executor = self._open_executor()
         finally:
-            executor.shutdown(wait=False, cancel_futures=True)
+            for future in running:
+                future.cancel()
+            executor.shutdown(wait=False)
 
     def _next(self, running: int) -> Iterator[Variation]:
         """What to hand out now; one that was at work when a worker died goes alone."""

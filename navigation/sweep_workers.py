@@ -43,3 +43,7 @@ class Cluster:
     def workers(self) -> int:
         """How many runs it can do at a time."""
         return max(1, sum(int(threads) for threads in self._client.nthreads().values()))
+
+    def close(self) -> None:
+        """Leave the cluster."""
+        self._client.close()

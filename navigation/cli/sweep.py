@@ -16,6 +16,7 @@ import click
 from navigation.cli.options import NOT_NEGATIVE, OutputType
 
 if TYPE_CHECKING:
+    from navigation.config import Config
     from navigation.sweep_table import Summary
 
 ALL_DONE, SOME_NOT_DONE = 0, 1
@@ -70,7 +71,7 @@ def command(
 
     loaded = load_checked(config.absolute())
     chosen = [variation(loaded, seed, run, spread) for run in range(runs)]
-    open_executor, count = _executors(scheduler, workers)
+    open_executor, count = _executors(loaded, scheduler, workers)
     sweep = Sweep(loaded, chosen, open_executor, count)
     begin_s = time.monotonic()
     with SweepFile(output) as file:
@@ -88,12 +89,17 @@ def command(
     return ALL_DONE if summary.states == {"done": runs} else SOME_NOT_DONE
 
 
-def _executors(scheduler: str | None, workers: int | None) -> tuple[Callable[[], Executor], int]:
+def _executors(
+    config: Config, scheduler: str | None, workers: int | None
+) -> tuple[Callable[[], Executor], int]:
     """What makes an executor, and how many workers it has."""
     if scheduler is None:
         from navigation.sweep_workers import local_executor
+        from navigation.warm_up import kernels_are_cold, warm_up
 
         count = workers or os.cpu_count() or 1
+        if kernels_are_cold():  # once here, and not in every worker at the same time
+            warm_up(config, lambda line: click.echo(line, err=True))
         return lambda: local_executor(count), count
     from navigation.sweep_workers import Cluster
 
