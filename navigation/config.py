@@ -3,7 +3,8 @@
 Rules
 - `load_config` gives a whole `Config` or raises `ConfigError` with every problem at once.
 - Environment variables override the file: CLEARWAY_SERIAL__PORT=/dev/ttyUSB0 sets
-  serial.port; two underscores go one level down, the value is read as YAML.
+  serial.port; two underscores go one level down, a number is an entry of a list, and the value
+  is read as YAML.
 - What spans sections (`config_checks`) is told together with the errors of other sections.
 """
 
@@ -122,25 +123,56 @@ def _override(
 ) -> tuple[dict[Location, str], list[Problem]]:
     """Put the environment's values into ``data``; where each came from, and what is wrong."""
     came_from: dict[Location, str] = {}
-    problems = []
+    problems: list[Problem] = []
     for name in sorted(environment):
-        if not name.startswith(ENVIRONMENT_PREFIX) or "__" not in name:
+        if not name.startswith(ENVIRONMENT_PREFIX):
             continue
-        where = tuple(part.lower() for part in name[len(ENVIRONMENT_PREFIX) :].split("__"))
-        value = read_document(environment[name])
         source = f"environment {name}"
+        if "__" not in name:
+            problems += _one_underscore_only(name, source)
+            continue
+        where = _location(name)
+        value = read_document(environment[name])
         if value.defects:
             problems.append(Problem(where, value.defects[0].message, source=source))
-            continue
-        section = data
-        for part in where[:-1]:
-            inner = section.get(part)
-            if not isinstance(inner, dict):
-                inner = section[part] = {}
-            section = inner
-        section[where[-1]] = value.data
-        came_from[where] = source
+        elif _set(data, where, value.data):
+            came_from[where] = source
+        else:
+            problems.append(Problem(where, "there is no such entry in the list", source=source))
     return came_from, problems
+
+
+def _location(name: str) -> Location:
+    """CLEARWAY_MISSION__STATIONS__0__X_M as ("mission", "stations", 0, "x_m")."""
+    parts = name[len(ENVIRONMENT_PREFIX) :].lower().split("__")
+    return tuple(int(part) if part.isdecimal() else part for part in parts)
+
+
+def _one_underscore_only(name: str, source: str) -> Iterator[Problem]:
+    """CLEARWAY_SERIAL_PORT would be ignored for ever where CLEARWAY_SERIAL__PORT was meant."""
+    rest = name[len(ENVIRONMENT_PREFIX) :].lower()
+    for section in Config.model_fields:
+        if rest.startswith(f"{section}_"):
+            meant = f"{ENVIRONMENT_PREFIX}{section.upper()}__{rest[len(section) + 1 :].upper()}"
+            yield Problem((), f"sets nothing; did you mean {meant}?", source=source)
+            return
+
+
+def _set(data: dict[str, Any], where: Location, value: Any) -> bool:
+    """Set a value, making the sections on the way; False where a list has no such entry."""
+    here: Any = data
+    for part, following in zip(where, (*where[1:], None), strict=True):
+        if isinstance(here, list) and not (isinstance(part, int) and part < len(here)):
+            return False
+        key: Any = part if isinstance(here, list) else str(part)
+        if following is None:
+            here[key] = value
+            return True
+        inner = here[key] if isinstance(here, list) else here.get(key)
+        if not isinstance(inner, list if isinstance(following, int) else dict):
+            inner = here[key] = {}
+        here = inner
+    return True
 
 
 def _sourced(problem: Problem, came_from: Mapping[Location, str]) -> Problem:

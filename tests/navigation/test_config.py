@@ -394,6 +394,36 @@ def test_the_environment_overrides_the_file() -> None:
     assert config.mission.stations[0].y_m == 1.5
 
 
+STATIONS = GOOD + "mission: {stations: [{x_m: 1, y_m: 1}, {x_m: 2, y_m: 1.5}]}\n"
+
+
+def test_an_override_reaches_an_entry_of_a_list() -> None:
+    config = parse_config(STATIONS, environment={"CLEARWAY_MISSION__STATIONS__1__X_M": "1.5"})
+    assert [station.x_m for station in config.mission.stations] == [1.0, 1.5]
+    config = parse_config(STATIONS, environment={"CLEARWAY_ARENA__BOUNDS_M__2": "2.5"})
+    assert config.arena.bounds_m == (0.0, 0.0, 2.5, 1.8)
+
+
+@pytest.mark.parametrize("entry", ["2", "9", "first"])
+def test_an_override_of_an_entry_that_a_list_does_not_have_is_an_error(entry: str) -> None:
+    problems = _problems(STATIONS, **{f"CLEARWAY_MISSION__STATIONS__{entry.upper()}__X_M": "1"})
+    assert len(problems) == 1
+    assert problems[0][0].startswith("mission.stations")
+
+
+def test_an_override_with_one_underscore_only_is_not_ignored() -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_config(GOOD, "run.yaml", None, {"CLEARWAY_SERIAL_PORT": "/dev/ttyUSB0"})
+    assert str(caught.value) == (
+        "environment CLEARWAY_SERIAL_PORT: sets nothing; did you mean CLEARWAY_SERIAL__PORT?"
+    )
+
+
+def test_the_program_s_own_variables_are_no_overrides() -> None:
+    own = {"CLEARWAY_DEBUG": "1", "CLEARWAY_REAL_DATA": "x", "CLEARWAY_FAIL_ON_SKIP": "1"}
+    assert parse_config(GOOD, environment=own) == parse_config(GOOD)
+
+
 def test_a_wrong_override_is_told_by_the_variable() -> None:
     with pytest.raises(ConfigError) as caught:
         parse_config(GOOD, "run.yaml", None, {"CLEARWAY_SERIAL__BAUD": "fast"})
