@@ -215,6 +215,9 @@ class SafetySection(Section):
         default=0.01,
         description="how far the measured clearance may be below the radius: camera error",
     )
+    other_robots_m: Positive = Field(
+        default=0.03, description="hold when another robot comes nearer than this to the body"
+    )
     give_up_s: Positive = Field(
         default=30.0, description="the mission fails when the robot had to hold for longer"
     )

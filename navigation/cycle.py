@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from navigation.mission import Station
 from navigation.targets import Target
+from navigation.traffic import Disc, Mover, TrafficLimits
 from navigation.watch import SafetyLimits
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import Bounds
@@ -34,6 +35,7 @@ class PilotSettings:
     """A changed obstacle that comes nearer to the path than this asks for a new plan."""
     give_up_s: float
     """How long the robot may have to hold before the mission fails."""
+    traffic: TrafficLimits
     corrections: int
     """How often the last stretch is planned again where the camera sees the robot off its goal."""
 
@@ -49,6 +51,10 @@ class Sight:
     """Counts the scenes seen; 0 before the first."""
     clearance_m: float | None = None
     """From the robot's centre to the nearest border in the newest scene."""
+    others: tuple[Mover, ...] = ()
+    """Every other robot that was ever seen."""
+    failed: str | None = None
+    """The sentence that says which part of the program has failed and is being restarted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +83,8 @@ class PlanRequest:
     scene_revision: int
     any_order: bool = False
     """Whether the stations but the last may change places."""
+    avoid: tuple[Disc, ...] = ()
+    """Where other robots are: kept clear of as obstacles are, in this plan only."""
 
 
 @dataclass(frozen=True, slots=True)

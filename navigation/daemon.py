@@ -35,6 +35,7 @@ from navigation.recording_events import PlanAnswered, PlanAsked, RoadmapBuilt, S
 from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
 from navigation.targets import to_wire
 from navigation.track import Track
+from navigation.traffic import LOST_S, Mover
 from navigation.watch import Verdict
 from planner.path import NoPath, Path, Trajectory
 from planner.roadmap import Roadmap
@@ -141,6 +142,8 @@ class Daemon:
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
         self._frame: Frame | None = None
         self._poses: Mapping[int, RobotPose] = {}
+        self._others: dict[int, RobotPose] = {}
+        self._radii_m = {one.marker_id: one.radius_m for one in config.other_robots}
         self._times = StageTimes()
         self._scene_s = self._asked_s = 0.0
         self.started_s = self._clock()
@@ -296,6 +299,7 @@ class Daemon:
         self.processed += 1
         self._frame_s = frame.captured_s
         self._frame, self._poses = frame, glimpse.poses
+        self._others.update((i, p) for i, p in glimpse.poses.items() if i in self._radii_m)
         pose = glimpse.poses.get(self.config.robot.marker_id)
         if pose is not None:
             self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
@@ -326,7 +330,14 @@ class Daemon:
             pose=place,
             scene_revision=self._known_revision,
             clearance_m=clearance,
+            others=tuple(self._mover(other, now_s) for other in self._others.values()),
         )
+
+    def _mover(self, other: RobotPose, now_s: float) -> Mover:
+        """Another robot, carried on to now for as long as its velocity can be trusted."""
+        age_s = now_s - other.captured_s
+        x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
+        return Mover(other.id, x, y, other.vx, other.vy, self._radii_m[other.id], age_s)
 
     def _write_journal(self, orders: Orders) -> None:
         """Before anything takes effect: progress, and the plan that the robot is given next."""

@@ -19,9 +19,12 @@ import numpy as np
 from navigation.cycle import Orders, PilotSettings, PlanAnswer, PlanRequest, RobotReport, Sight
 from navigation.mission import Event, Mission, MissionError, State, Station
 from navigation.targets import Target
+from navigation.traffic import Encounter, discs_to_avoid, encounter
 from navigation.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
+
+NO_WAY: FloatArray = np.empty((0, 2))
 
 
 class Pilot:
@@ -52,6 +55,7 @@ class Pilot:
         self._standing_since_s: float | None = None
         self._idle_since_s: float | None = None
         self._holding_since_s: float | None = None
+        self._closed_way: FloatArray = NO_WAY
         self.no_path = False
         """Whether the last plan asked for could not be made."""
 
@@ -102,7 +106,8 @@ class Pilot:
         answer: PlanAnswer | None = None,
     ) -> Orders:
         """One control cycle; see the module's text for its order."""
-        self.verdict = judge(self._facts(now_s, sight, robot), self.settings.limits)
+        met = self._look_at_traffic(sight)
+        self.verdict = judge(self._facts(now_s, sight, robot, met), self.settings.limits)
         if self._stop_reason is not None:
             self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
         rearm, self._rearm = self._rearm, False
@@ -114,6 +119,7 @@ class Pilot:
         self._follow_progress(robot)
         upload = self._take_answer(now_s, sight, answer)
         self._hold_or_go_on(now_s)
+        self._make_way(met)
         self._give_up(now_s)
         self._finish(now_s, sight, robot)
         driving = self.mission.state is State.DRIVING
@@ -125,7 +131,23 @@ class Pilot:
             rearm=rearm,
         )
 
-    def _facts(self, now_s: float, sight: Sight, robot: RobotReport) -> Facts:
+    def _look_at_traffic(self, sight: Sight) -> Encounter | None:
+        """What other robots ask for; while holding for one, the way that it had closed counts."""
+        if sight.pose is None:
+            return None
+        left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
+        way = np.array(left) if left else self._closed_way
+        return encounter(sight.pose[:2], way, sight.others, self.settings.traffic)
+
+    def _make_way(self, met: Encounter | None) -> None:
+        """Another plan around a robot that stands in the way."""
+        if self.mission.state is State.DRIVING and met is not None and met.stands:
+            self.mission = self.mission.after(Event.REPLAN, f"{met.sentence}: planning around it")
+            self._forget_plan()
+
+    def _facts(
+        self, now_s: float, sight: Sight, robot: RobotReport, met: Encounter | None
+    ) -> Facts:
         position = None if sight.pose is None else sight.pose[:2]
         driving = self.mission.state is State.DRIVING
         running = driving and robot.mission_id == self._mission_id
@@ -142,6 +164,8 @@ class Pilot:
             clearance_m=sight.clearance_m,
             deviation_m=self._deviation_m(position) if driving else None,
             paused=self._paused,
+            near_robot=None if met is None or met.stands else met.sentence,
+            failed=sight.failed,
         )
 
     def _idle_reason(self, now_s: float, robot: RobotReport) -> str | None:
@@ -192,11 +216,11 @@ class Pilot:
     ) -> tuple[int, tuple[Target, ...]] | None:
         if answer is None or self._asked is None or answer.id != self._asked.id:
             return None
-        self._asked = None
+        asked, self._asked = self._asked, None
         if self.mission.state is not State.PLANNING:
             return None
         if isinstance(answer.path, NoPath):
-            self.mission = self.mission.after(Event.NO_PLAN, f"no safe plan: {answer.path.reason}")
+            self.mission = self.mission.after(Event.NO_PLAN, _why_no_plan(answer.path, asked))
             self._ask_again_s = now_s + self.settings.retry_s
             self.no_path = True
             self._clear_since_s = None
@@ -239,6 +263,8 @@ class Pilot:
             self._clear_since_s = None
             if self.mission.state in (State.DRIVING, State.PLANNING):
                 self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
+                left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
+                self._closed_way = np.array(left).reshape(-1, 2)
                 self._forget_plan()
             elif self.mission.state is State.HOLDING:
                 self.mission = replace(self.mission, reason=self.verdict.sentence)
@@ -250,6 +276,7 @@ class Pilot:
         settled = now_s - self._clear_since_s >= self.settings.settle_s
         if settled and now_s >= self._ask_again_s:
             self.mission = self.mission.after(Event.CLEARED, "planning from where the robot is")
+            self._closed_way = NO_WAY
 
     def new_scene(self, path_clearance_m: float | None) -> None:
         """The scene changed; the running path keeps this clearance in it (None: no path runs).
@@ -317,6 +344,7 @@ class Pilot:
             self.mission.remaining,
             sight.scene_revision,
             any_order=self.mission.any_order and self.mission.visited == 0,
+            avoid=discs_to_avoid(sight.pose[:2], sight.others, self.settings.traffic),
         )
         return self._asked
 
@@ -337,3 +365,9 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
     t = ((here - a) * d).sum(1) / np.where(squared > 0.0, squared, 1.0)
     nearest = a + np.clip(t, 0.0, 1.0)[:, None] * d
     return float(np.hypot(*(nearest - here).T).min())
+
+
+def _why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
+    robots = sorted({disc.robot_id for disc in asked.avoid})
+    around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
+    return f"no safe plan{around}: {answer.reason}"

@@ -8,17 +8,18 @@ radians, seconds.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import planner
 from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.targets import targets_of
+from navigation.traffic import Disc
 from planner.path import Limits, NoPath, Path
 from planner.roadmap import Roadmap
-from planner.scene import FloatArray, Scene, Vec
+from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
 from planner.smooth import smooth_path
 
 LONGEST_WAIT_S = 0.25
@@ -51,20 +52,23 @@ class ArenaPlanner:
         self.settings = settings
         self.revision = 0
         self.roadmap: Roadmap | None = None
+        self._scene: Scene | None = None
 
     def see(self, scene: Scene, revision: int) -> None:
         """Build the roadmap of a new scene."""
-        self.roadmap = planner.build_roadmap(
-            scene, self.settings.radius_m, spacing=self.settings.spacing_m
-        )
+        self.roadmap = self._build(scene)
+        self._scene = scene
         self.revision = revision
+
+    def _build(self, scene: Scene) -> Roadmap:
+        return planner.build_roadmap(scene, self.settings.radius_m, spacing=self.settings.spacing_m)
 
     def answer(self, request: PlanRequest) -> PlanAnswer:
         """Plan from the request's start through its stations; `NoPath` says why not."""
-        roadmap = self.roadmap
-        if roadmap is None:
+        roadmap, scene = self.roadmap, self._scene
+        if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
-        path = self._route(roadmap, request)
+        roadmap, path = self._around_robots(roadmap, scene, request)
         if isinstance(path, NoPath):
             return PlanAnswer(request.id, self.revision, path)
         *vias, goal = request.stations
@@ -79,6 +83,19 @@ class ArenaPlanner:
         )
         targets = targets_of(path, trajectory)
         return PlanAnswer(request.id, self.revision, path, trajectory, targets)
+
+    def _around_robots(
+        self, roadmap: Roadmap, scene: Scene, request: PlanRequest
+    ) -> tuple[Roadmap, Path | NoPath]:
+        """The route, and the roadmap that it is from: around all robots, or at least around
+        those that stand. For those that move the robot waits when it meets them."""
+        standing = tuple(disc for disc in request.avoid if not disc.moves)
+        for discs in dict.fromkeys((request.avoid, standing)):
+            here = self._build(with_discs(scene, discs)) if discs else roadmap
+            path = self._route(here, request)
+            if isinstance(path, Path):
+                break
+        return here, path
 
     def path_clearance_m(self, points: FloatArray) -> float | None:
         """The exact clearance of a polyline in the newest scene; None before the first."""
@@ -113,6 +130,16 @@ class ArenaPlanner:
             # the margin is a wish: where the robot stands or must go nearer, the radius decides
             path = plan(0.0)
         return path
+
+
+def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:
+    """The scene with other robots in it as round obstacles."""
+    first = 1 + max((thing.id for thing in scene.objects), default=-1)
+    robots = (
+        SceneObject(first + i, (CircleRecord((disc.x_m, disc.y_m), disc.radius_m),))
+        for i, disc in enumerate(discs)
+    )
+    return replace(scene, objects=(*scene.objects, *robots))
 
 
 class PlannerThread:

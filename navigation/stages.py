@@ -13,6 +13,7 @@ from navigation.cycle import PilotSettings
 from navigation.eye import Body, EyeSettings
 from navigation.mission import Station
 from navigation.planning import PlanSettings
+from navigation.traffic import TrafficLimits
 from navigation.watch import SafetyLimits
 from planner.scene import Bounds
 from vision.markers import MarkedRobot
@@ -48,6 +49,12 @@ def pilot_settings(config: Config) -> PilotSettings:
         robot_grace_s=ROBOT_GRACE_S,
         replan_distance_m=config.planning.replan_distance_m,
         give_up_s=safety.give_up_s,
+        traffic=TrafficLimits(
+            radius_m=config.robot.radius_m,
+            speed_m_s=config.robot.speed_m_s,
+            acceleration_m_s2=config.robot.acceleration_m_s2,
+            keep_m=safety.other_robots_m,
+        ),
         corrections=CORRECTIONS,
     )
 

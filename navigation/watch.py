@@ -53,6 +53,10 @@ class Facts:
     clearance_m: float | None
     deviation_m: float | None
     paused: bool
+    near_robot: str | None = None
+    """The sentence that says which other robot is too near."""
+    failed: str | None = None
+    """The sentence that says which part of the program has failed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +79,7 @@ def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
         *_link(facts, limits),
         *_place(facts, limits),
     ]
+    found += [(Action.HOLD, text) for text in (facts.near_robot, facts.failed) if text is not None]
     if facts.paused:
         found.append((Action.HOLD, "paused by the operator"))
     found.sort(key=lambda item: -item[0])

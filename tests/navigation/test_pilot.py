@@ -18,6 +18,7 @@ from navigation.cycle import (
 from navigation.mission import MissionError, State, Station
 from navigation.pilot import Pilot, distance_to_polyline
 from navigation.targets import Target
+from navigation.traffic import Mover, TrafficLimits
 from navigation.watch import SafetyLimits
 from planner.path import NoPath, Path
 from planner.scene import Bounds
@@ -32,6 +33,7 @@ SETTINGS = PilotSettings(
     robot_grace_s=1.0,
     replan_distance_m=0.15,
     give_up_s=30.0,
+    traffic=TrafficLimits(radius_m=0.1, speed_m_s=0.3, acceleration_m_s2=0.5, keep_m=0.03),
     corrections=2,
 )
 PERIOD_S = 1 / 30
@@ -301,6 +303,51 @@ def test_a_pause_is_never_given_up(world: World) -> None:
     world.pilot.pause()
     world.run(1500)
     assert world.pilot.mission.state is State.HOLDING
+
+
+def test_a_robot_that_comes_near_holds_ours_until_it_has_passed(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    crossing = Mover(8, 0.6, 0.0, 0.0, 0.3, 0.1)
+    world.sight = replace(world.sight, others=(crossing,))
+    orders = world.cycle()
+    assert not orders.permit
+    assert world.pilot.mission.state is State.HOLDING
+    assert world.pilot.mission.reason.startswith("robot 8 comes too near")
+    assert not any(orders.permit for orders in world.run(60)), "it is still there"
+    world.sight = replace(world.sight, others=(replace(crossing, y_m=1.5),))
+    world.run_until(State.DONE)
+
+
+def test_a_robot_that_stands_in_the_way_is_planned_around(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.moves = False
+    world.sight = replace(world.sight, others=(Mover(8, 0.8, 0.3, 0.0, 0.0, 0.1),))
+    orders = world.cycle()
+    assert "stands in the way" in world.pilot.mission.reason
+    assert "planning around it" in world.pilot.mission.reason
+    assert orders.request is not None
+    assert [disc.robot_id for disc in orders.request.avoid] == [8]
+    assert not orders.permit
+
+
+def test_while_another_robot_leaves_no_way_the_reason_names_it(world: World) -> None:
+    world.no_path = NoPath("no way is wide enough")
+    world.sight = replace(world.sight, others=(Mover(8, 0.8, 0.3, 0.0, 0.0, 0.1),))
+    world.pilot.give(TOUR)
+    world.run(3)
+    assert world.pilot.mission.reason == "no safe plan around robot 8: no way is wide enough"
+
+
+def test_a_part_that_has_failed_holds_the_robot(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.sight = replace(world.sight, failed="the planner failed: division by zero")
+    assert not world.cycle().permit
+    assert world.pilot.mission.reason == "the planner failed: division by zero"
+    world.sight = replace(world.sight, failed=None)
+    world.run_until(State.DONE)
 
 
 def test_a_station_outside_the_arena_is_refused(world: World) -> None:

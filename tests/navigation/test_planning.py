@@ -2,13 +2,16 @@
 
 import math
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.mission import Station
+from navigation.pilot import distance_to_polyline
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
+from navigation.traffic import Disc
 from planner.path import NoPath, Path
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
 from planner.trajectory import default_limits
@@ -52,6 +55,27 @@ def test_stations_in_any_order_take_their_dwell_along() -> None:
     stops = {t.x_m: t.dwell_s for t in answer.targets if t.station is not None}
     assert stops[1.6] == 3.0
     assert stops[1.8] == 0.0
+
+
+def test_a_plan_leads_around_other_robots_and_the_roadmap_knows_nothing_of_them() -> None:
+    arena_planner = planner_with()
+    robot = Disc(1.0, 0.45, 0.2, robot_id=8, moves=False)
+    answer = arena_planner.answer(
+        PlanRequest(1, (0.2, 0.5, 0.0), (Station(1.8, 0.5),), 1, avoid=(robot,))
+    )
+    assert isinstance(answer.path, Path)
+    points = np.array([(t.x_m, t.y_m) for t in answer.targets])
+    assert distance_to_polyline(points, (1.0, 0.45)) >= 0.2 + RADIUS_M
+    assert arena_planner.clearance_m((1.0, 0.45)) == pytest.approx(0.45)
+
+
+def test_one_that_moves_and_closes_the_only_way_is_waited_for_on_the_way() -> None:
+    arena_planner = planner_with((1.0, 0.0, 0.3), (1.0, 1.0, 0.3))
+    gate = Disc(1.0, 0.5, 0.15, robot_id=8, moves=True)
+    asked = PlanRequest(1, (0.2, 0.5, 0.0), (Station(1.8, 0.5),), 1, avoid=(gate,))
+    assert isinstance(arena_planner.answer(asked).path, Path)
+    parked = replace(asked, avoid=(replace(gate, moves=False),))
+    assert isinstance(arena_planner.answer(parked).path, NoPath)
 
 
 def test_before_the_first_scene_there_is_no_plan_and_no_clearance() -> None:

@@ -6,12 +6,13 @@ import math
 
 import pytest
 
+from navigation.config import load_config
 from navigation.daemon import Daemon
 from navigation.mission import State
 from navigation.simulator.virtual_run import run_virtually
 from navigation.simulator.virtual_world import VirtualWorld
 from navigation.stages import stations_of
-from tests.support.virtual import cycle_until, is_driving, short_config
+from tests.support.virtual import CONFIGS, cycle_until, is_driving, short_config
 
 NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}]
 
@@ -90,3 +91,23 @@ def test_a_vanished_obstacle_leaves_the_scene() -> None:
         assert daemon.scene is not None
         assert len(daemon.scene.objects) == 8
         cycle_until(daemon, lambda now: daemon.scene is not None and len(daemon.scene.objects) == 7)
+
+
+def test_the_configuration_with_moving_robots_runs_to_done() -> None:
+    """One robot is let pass, one that stays is driven around, a bucket is planned around."""
+    config = load_config(CONFIGS / "moving_obstacle.yaml", {})
+    world = VirtualWorld(config)
+    said: list[str] = []
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.give(stations_of(config))
+        ended = cycle_until(
+            daemon, lambda now: now.mission.is_over, 90.0, lambda now: said.append(now.sentence)
+        )
+    assert ended.mission.state is State.DONE, ended.sentence
+    assert any("robot 8 comes too near" in sentence for sentence in said)
+    assert any("an obstacle leaves the path" in sentence for sentence in said)
+    track = world.truth.track()
+    assert world.truth.track_clearance(track) >= config.robot.radius_m
+    assert world.truth.others_clearance(track) >= config.robot.radius_m
+    assert daemon.scene is not None
+    assert len(daemon.scene.objects) == 8, "the other robots are not in the scene"

@@ -1,0 +1,184 @@
+"""Other robots: moving obstacles that are seen by their markers and are never part of the scene.
+
+`encounter` looks at what one cycle knows and says whether to go, to hold because another robot
+comes too near, or to plan anew because one stands in the way. `discs_to_avoid` is what a plan
+has to keep clear of. Units: metres, seconds.
+
+- A robot is its body's disc, carried on with its velocity for as long as ours takes to stop.
+- A robot that was not seen for ``LOST_S`` is taken to stand where it was seen last.
+- What does not come nearer than it is now is no reason to hold: else two robots that stand side
+  by side would stand for ever.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from planner.scene import FloatArray, Vec
+
+LOST_S: Final = 0.5
+STANDING_M_S: Final = 0.04
+"""Slower than this a robot stands: about the noise of its velocity."""
+LOOK_AHEAD_M: Final = 1.0
+"""How far along the path a robot that stands there asks for another way."""
+REACTION_S: Final = 0.5
+"""From the exposure of a picture to wheels that brake, with a reserve."""
+STEPS: Final = 8
+NEARER_M: Final = 0.004
+"""Two poses' noise: a gap that shrinks by less does not shrink."""
+ROOM: Final = 1.5
+"""A plan keeps this times the distance from which the robot holds."""
+AHEAD_S: Final = 1.0
+"""A plan takes a robot to be where it will be so long from now, too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mover:
+    """Another robot: where it is now, its velocity, its body, and when it was seen."""
+
+    id: int
+    x_m: float
+    y_m: float
+    vx_m_s: float
+    vy_m_s: float
+    radius_m: float
+    age_s: float = 0.0
+
+    @property
+    def stands(self) -> bool:
+        """Whether it does not move, as far as anybody knows."""
+        return self.age_s > LOST_S or math.hypot(self.vx_m_s, self.vy_m_s) < STANDING_M_S
+
+    def places(self, horizon_s: float) -> FloatArray:
+        """Its centre over the next seconds, (n, 2)."""
+        if self.stands:
+            return np.array([(self.x_m, self.y_m)])
+        t = np.linspace(0.0, horizon_s, STEPS)
+        return np.column_stack([self.x_m + t * self.vx_m_s, self.y_m + t * self.vy_m_s])
+
+
+@dataclass(frozen=True, slots=True)
+class TrafficLimits:
+    """What our robot is and can do, and how far it keeps from others."""
+
+    radius_m: float
+    speed_m_s: float
+    acceleration_m_s2: float
+    keep_m: float
+
+    @property
+    def stop_s(self) -> float:
+        """How long it takes to stand."""
+        return REACTION_S + self.speed_m_s / self.acceleration_m_s2
+
+    @property
+    def stop_m(self) -> float:
+        """How far it gets meanwhile."""
+        return self.speed_m_s * (REACTION_S + 0.5 * self.speed_m_s / self.acceleration_m_s2)
+
+
+@dataclass(frozen=True, slots=True)
+class Encounter:
+    """Another robot is in the way: hold (``stands`` False), or find another way around it."""
+
+    id: int
+    stands: bool
+    sentence: str
+
+
+def encounter(
+    here: Vec, way: FloatArray, movers: Sequence[Mover], limits: TrafficLimits
+) -> Encounter | None:
+    """The most urgent of the other robots; None where all is clear.
+
+    ``way`` (n, 2) is the path that the robot still has to go, from ``here`` on; with no row the
+    robot stands and means to.
+    """
+    soon = cut(here, way, limits.stop_m)
+    later = cut(here, way, LOOK_AHEAD_M)
+    for mover in movers:
+        gap_m = _gap(here, soon, mover, limits, limits.stop_s)
+        if gap_m is not None:
+            what = "stands in the way" if mover.stands else "comes too near"
+            return Encounter(mover.id, mover.stands, f"robot {mover.id} {what}{_leaves(gap_m)}")
+    for mover in movers:
+        gap_m = _gap(here, later, mover, limits, 0.0) if mover.stands else None
+        if gap_m is not None:
+            sentence = f"robot {mover.id} stands in the way{_leaves(gap_m)}"
+            return Encounter(mover.id, True, sentence)
+    return None
+
+
+def _leaves(gap_m: float) -> str:
+    return f": it leaves {max(gap_m, 0.0):.3f} m"
+
+
+def _gap(
+    here: Vec, way: FloatArray, mover: Mover, limits: TrafficLimits, horizon_s: float
+) -> float | None:
+    """The least distance between both bodies, where it is too small and shrinks; else None."""
+    bodies_m = limits.radius_m + mover.radius_m
+    now_m = math.dist(here, (mover.x_m, mover.y_m)) - bodies_m
+    least_m = _distance(way, mover.places(horizon_s)) - bodies_m
+    return least_m if least_m < min(limits.keep_m, now_m - NEARER_M) else None
+
+
+def _distance(way: FloatArray, places: FloatArray) -> float:
+    """The least distance (m) of places (k, 2) from a polyline (n >= 1, 2)."""
+    a = way[:-1] if len(way) > 1 else way
+    d = np.diff(way, axis=0) if len(way) > 1 else np.zeros((1, 2))
+    squared = np.maximum((d * d).sum(1), 1e-18)
+    off = places[:, None, :] - a[None]
+    t = np.clip((off * d).sum(2) / squared, 0.0, 1.0)
+    return float(np.hypot(*(off - t[:, :, None] * d).transpose(2, 0, 1)).min())
+
+
+def cut(here: Vec, way: FloatArray, length_m: float) -> FloatArray:
+    """The first metres of the way from ``here`` through its points, (n >= 1, 2)."""
+    points = np.vstack([np.array(here), way.reshape(-1, 2)])
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    gone = np.concatenate([[0.0], np.cumsum(steps)])
+    last = int(np.searchsorted(gone, length_m))
+    if last >= len(points):
+        return points
+    share = (length_m - gone[last - 1]) / steps[last - 1] if last else 0.0
+    end = points[last - 1] + share * (points[last] - points[last - 1])
+    return np.vstack([points[:last], end])
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A round place to keep clear of, and which robot it belongs to."""
+
+    x_m: float
+    y_m: float
+    radius_m: float
+    robot_id: int
+    moves: bool
+    """Whether the robot will not stay there."""
+
+
+def discs_to_avoid(here: Vec, movers: Sequence[Mover], limits: TrafficLimits) -> tuple[Disc, ...]:
+    """What a plan from ``here`` keeps clear of: a disc around each robot, now and soon.
+
+    Made smaller where ours stands nearer than that, so that it can drive off.
+    """
+    return tuple(disc for mover in movers if (disc := _disc(here, mover, limits)) is not None)
+
+
+def _disc(here: Vec, mover: Mover, limits: TrafficLimits) -> Disc | None:
+    wanted_m = mover.radius_m + ROOM * limits.keep_m
+    first, last = mover.places(AHEAD_S)[[0, -1]]
+    room_m = math.dist(here, first) - limits.radius_m - NEARER_M
+    center, reach_m = (first + last) / 2.0, float(np.hypot(*(last - first))) / 2.0
+    if math.dist(here, center) - limits.radius_m - NEARER_M < wanted_m + reach_m:
+        center, reach_m = first, 0.0
+    radius_m = min(wanted_m + reach_m, room_m) if reach_m == 0.0 else wanted_m + reach_m
+    if radius_m <= 0.0:
+        return None
+    return Disc(float(center[0]), float(center[1]), radius_m, mover.id, not mover.stands)
