@@ -8,7 +8,7 @@ when something did. Units: metres and radians in the arena, seconds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,9 @@ from vision.binarise import Method, Polarity
 from vision.calibration import Calibration
 from vision.camera import Frame
 from vision.change import Change, SceneWatcher
+from vision.marker_search import grey_of
 from vision.markers import MarkerTracker, RobotPose, body_discs_px
+from vision.refit import refit
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +66,7 @@ class Eye:
         self._tracker = tracker
         self._watcher = SceneWatcher()
         self._last_seen: dict[int, RobotPose] = {}
-        self._seen_scene = False
+        self._scene: Scene | None = None
 
     def look(self, frame: Frame) -> Glimpse:
         """Poses in this frame; a scene as soon as the robot was seen and after every change.
@@ -72,15 +74,16 @@ class Eye:
         While the driven robot cannot be seen nobody knows which dark place is its body: the
         scene stays as it was, and the pilot holds the robot anyway.
         """
+        # Markers, changes and obstacles are judged by their grey: it is made once.
+        frame = replace(frame, image=grey_of(frame.image))
         poses = {pose.id: pose for pose in self._tracker.update(frame)}
         self._last_seen.update(poses)
         if self.settings.driven_id not in poses:
             return Glimpse(frame.captured_s, poses, None, None)
         change = self._watcher.update(frame.image, self._body_discs())
         scene = None
-        if change is not None or not self._seen_scene:
-            scene = self._extract()
-            self._seen_scene = True
+        if change is not None or self._scene is None:
+            scene = self._scene = self._brought_up_to_date(change)
         return Glimpse(frame.captured_s, poses, scene, change)
 
     def _body_discs(self) -> FloatArray:
@@ -93,9 +96,15 @@ class Eye:
             ]
         )
 
-    def _extract(self) -> Scene:
+    def _brought_up_to_date(self, change: Change | None) -> Scene:
+        """The scene now: only what changed is fitted again, where that can be trusted."""
+        background = self._watcher.background
+        if self._scene is not None and change is not None and not (change.first or change.relit):
+            scene = refit(self._scene, background, change.rectangles, self.calibration)
+            if scene is not None:
+                return scene
         return vision.extract(
-            self._watcher.background,
+            background,
             polarity=self.settings.polarity,
             method=self.settings.method,
             threshold=self.settings.threshold,

@@ -55,11 +55,16 @@ class ChangeLimits:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Something was added, removed or moved within these rectangles; ``first``: the first frame."""
+    """Something was added, removed or moved within these rectangles.
+
+    ``first``: the first frame. ``relit``: the background was taken over at another exposure, so
+    that its grey values are others everywhere.
+    """
 
     rectangles: tuple[Rectangle, ...]
     area_px: int
     first: bool = False
+    relit: bool = False
 
 
 class SceneWatcher:
@@ -240,7 +245,8 @@ class SceneWatcher:
         region = cv2.dilate(confirmed, np.ones((size, size), np.uint8)).astype(np.uint8)
         rectangles = self._rectangles(region, image)
         region[covered > 0] = 0
-        if abs(gain - 1.0) > _REFRESH_GAIN:
+        relit = abs(gain - 1.0) > _REFRESH_GAIN
+        if relit:
             # The light is another one by now: one picture must not be of two exposures.
             region[covered == 0] = 255
             self._reference *= np.float32(gain)
@@ -259,7 +265,7 @@ class SceneWatcher:
         self._pending = np.zeros_like(self._pending)
         self._pending_frames = 0
         area = int(np.count_nonzero(confirmed)) * self._cell_px**2
-        return Change(rectangles, area)
+        return Change(rectangles, area, relit=relit)
 
     def _rectangles(self, region: _Mask, image: Image) -> tuple[Rectangle, ...]:
         count, _, stats, _ = cv2.connectedComponentsWithStats(region, connectivity=8)

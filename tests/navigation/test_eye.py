@@ -82,7 +82,8 @@ def test_a_driving_robot_is_no_change_even_beside_an_obstacle(arena: Arena) -> N
 
 
 def test_a_new_obstacle_is_reported_within_three_frames(arena: Arena) -> None:
-    arena.first_scene()
+    before = arena.first_scene().scene
+    assert before is not None
     for _ in range(10):
         assert arena.look().scene is None
     box = SceneObject(99, (CircleRecord((1.2, 1.7), 0.05),))
@@ -91,6 +92,8 @@ def test_a_new_obstacle_is_reported_within_three_frames(arena: Arena) -> None:
     scenes = [glimpse.scene for glimpse in (arena.look(), arena.look(), arena.look())]
     found = next(scene for scene in scenes if scene is not None)
     assert len(found.objects) == 8
+    assert sum(any(o is k for k in before.objects) for o in found.objects) == 7, "fitted again"
+    assert found.border_pixels < 0.3 * before.border_pixels
     record = min(
         (r for o in found.objects for r in o.records if isinstance(r, CircleRecord)),
         key=lambda r: r.radius,

@@ -1,0 +1,199 @@
+"""A scene brought up to date: only what changed is fitted again.
+
+Rules and units
+- Rectangles are (x, y, width, height) in raw pixels, as ``vision.change`` reports them; the
+  scene is in metres.
+- Each changed rectangle grows until it cuts no known object; what lies in it is extracted anew
+  at the scene's own level, everything else keeps its very records, to the bit, and its id.
+- Where that cannot be trusted (uneven light, half of the picture changed, an object that runs
+  out of its part), there is no answer, and the caller extracts the whole picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Arc, PointRecord, Scene, SceneObject, record_edges
+from vision.binarise import PictureError
+from vision.calibration import Calibration, FloatArray
+from vision.camera import Image
+from vision.change import Rectangle
+from vision.observe import extract
+
+_MARGIN_PX = 12
+"""Around what changed: the profiles across an edge look so far, and a part must have floor."""
+
+_OBJECT_MARGIN_PX = 6
+_POINTS_AN_ARC = 65
+"""A whole circle's box is short by a thousandth of its radius."""
+
+_POINTS_A_LINE = 9
+"""A lens bends a straight edge in the picture."""
+
+_MOST_SHARE = 0.5
+"""Of the picture; beyond it the whole picture is as quick."""
+
+_LEVELLED = ("otsu", "fixed")
+"""Methods with one level for the whole picture."""
+
+_Box = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """The calibration of a part of the picture that begins at (``x``, ``y``)."""
+
+    whole: Calibration
+    x: int
+    y: int
+
+    @property
+    def metres_per_pixel(self) -> float:
+        """That of the whole picture: tolerances must be the same."""
+        return self.whole.metres_per_pixel
+
+    def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the part (n, 2) to metres."""
+        return self.whole.arena_from_image(np.asarray(points_px) + np.array([self.x, self.y]))
+
+
+def refit(
+    scene: Scene, image: Image, rectangles: Sequence[Rectangle], calibration: Calibration
+) -> Scene | None:
+    """The scene of ``image``, given that of an image that differs in ``rectangles`` only.
+
+    ``border_pixels`` and ``timings_ms`` of the answer are those of the parts fitted anew. None
+    where the whole picture has to be extracted. O(pixels and border pixels of the parts).
+    """
+    how = scene.binarisation
+    height, width = image.shape[:2]
+    if how is None or how.method not in _LEVELLED or scene.size != (width, height):
+        return None
+    boxes = [_box_of(o, calibration, (width, height)) for o in scene.objects]
+    parts = _parts(rectangles, boxes, (width, height))
+    if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in parts) > _MOST_SHARE * width * height:
+        return None
+    kept = tuple(
+        o
+        for o, box in zip(scene.objects, boxes, strict=True)
+        if not any(_meet(box, p) for p in parts)
+    )
+    found: list[SceneObject] = []
+    border_pixels, laps, remarks = 0, dict[str, float](), list(scene.remarks)
+    for part in parts:
+        x0, y0, x1, y1 = part
+        try:
+            anew = extract(
+                image[y0:y1, x0:x1],
+                polarity=how.polarity,
+                method="fixed",
+                threshold=how.threshold,
+                calibration=_Part(calibration, x0, y0),
+                bounds=scene.bounds,
+            )
+        except PictureError:
+            return None
+        if any(
+            _leaves(_box_of(o, calibration, (width, height)), part, image) for o in anew.objects
+        ):
+            return None
+        found += anew.objects
+        border_pixels += anew.border_pixels
+        remarks += [r for r in anew.remarks if r not in remarks]
+        for name, ms in anew.timings_ms.items():
+            laps[name] = laps.get(name, 0.0) + ms
+    free_id = 1 + max((o.id for o in scene.objects), default=-1)
+    numbered = (replace(o, id=free_id + i) for i, o in enumerate(found))
+    return replace(
+        scene,
+        objects=(*kept, *numbered),
+        border_pixels=border_pixels,
+        timings_ms=laps,
+        remarks=tuple(remarks),
+    )
+
+
+def _box_of(obj: SceneObject, calibration: Calibration, size: tuple[int, int]) -> _Box:
+    """The pixels x0, y0, x1, y1 (ends excluded) that hold an object."""
+    seen = calibration.image_from_arena(_outline_points(obj))
+    x0, y0 = np.clip(np.floor(seen.min(axis=0)), 0, size).astype(int).tolist()
+    x1, y1 = np.clip(np.ceil(seen.max(axis=0)) + 1, 0, size).astype(int).tolist()
+    return x0, y0, x1, y1
+
+
+def _outline_points(obj: SceneObject) -> FloatArray:
+    """Points (n, 2) in metres along an object's outline, dense enough for its box."""
+    points: list[tuple[float, float]] = []
+    for record in obj.records:
+        if isinstance(record, PointRecord):
+            points.append(record.at)
+            continue
+        for edge in record_edges(record):
+            if isinstance(edge, Arc):
+                begin, sweep = edge.sweep(y_down=False)
+                angles = begin + sweep * np.linspace(0.0, 1.0, _POINTS_AN_ARC)
+                xs = edge.center[0] + edge.radius * np.cos(angles)
+                ys = edge.center[1] + edge.radius * np.sin(angles)
+            else:
+                xs = np.linspace(edge.start[0], edge.end[0], _POINTS_A_LINE)
+                ys = np.linspace(edge.start[1], edge.end[1], _POINTS_A_LINE)
+            points += zip(xs.tolist(), ys.tolist(), strict=True)
+    return np.array(points, dtype=np.float64).reshape(-1, 2)
+
+
+def _parts(
+    rectangles: Sequence[Rectangle], boxes: Sequence[_Box], size: tuple[int, int]
+) -> list[_Box]:
+    """Disjoint boxes that hold every rectangle and cut no object's box."""
+    margin = _MARGIN_PX
+    waiting = [_grown((x, y, x + w, y + h), margin, size) for x, y, w, h in rectangles]
+    around = [_grown(box, _OBJECT_MARGIN_PX, size) for box in boxes]
+    done: list[_Box] = []
+    while waiting:
+        part = waiting.pop()
+        before: _Box | None = None
+        while part != before:
+            before = part
+            for box in around:
+                part = _union(part, box) if _meet(part, box) else part
+        touched = [other for other in done if _meet(part, other)]
+        if touched:
+            done = [other for other in done if other not in touched]
+            for other in touched:
+                part = _union(part, other)
+            waiting.append(part)
+        else:
+            done.append(part)
+    return done
+
+
+def _leaves(box: _Box, part: _Box, image: Image) -> bool:
+    """Whether an object reaches a part's edge that is not the picture's own."""
+    height, width = image.shape[:2]
+    return (
+        (box[0] <= part[0] and part[0] > 0)
+        or (box[1] <= part[1] and part[1] > 0)
+        or (box[2] >= part[2] and part[2] < width)
+        or (box[3] >= part[3] and part[3] < height)
+    )
+
+
+def _grown(box: _Box, margin: int, size: tuple[int, int]) -> _Box:
+    return (
+        max(0, box[0] - margin),
+        max(0, box[1] - margin),
+        min(size[0], box[2] + margin),
+        min(size[1], box[3] + margin),
+    )
+
+
+def _union(a: _Box, b: _Box) -> _Box:
+    return min(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3])
+
+
+def _meet(a: _Box, b: _Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
