@@ -76,12 +76,17 @@ def test_clearway_run_drives_the_emulated_microcontroller_to_its_goal(tmp_path: 
 
 
 def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> None:
-    with AvrRobot() as avr, World(load_config(short_configuration(tmp_path, avr))) as world:
-        assert world.truth is not None
-        robot = world.truth.robot
-        assert isinstance(robot, EmulatedRobot)
-        assert wait_until(lambda: robot.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
-        assert not robot.motors.powered, "nobody has told it to drive"
+    with AvrRobot() as avr:
+        world = World(load_config(short_configuration(tmp_path, avr)))
+        world.start()
+        try:
+            assert world.truth is not None
+            robot = world.truth.robot
+            assert isinstance(robot, EmulatedRobot)
+            assert wait_until(lambda: robot.motors.now_s >= 0.2, 20.0), "the emulated clock goes"
+            assert not robot.motors.powered, "nobody has told it to drive"
+        finally:
+            world.stop()
 
 
 def test_an_emulator_that_ends_is_an_error_and_no_hang() -> None:
