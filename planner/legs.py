@@ -26,7 +26,7 @@ SHARP_TURN_RAD = math.radians(15.0)
 """A robot never stops for less of a turn than this."""
 CRAWL = 0.25
 """A sharp corner that allows less than this part of the speed is turned on the spot."""
-_CELLS_PER_SPACING = 4
+_CELLS_PER_SPACING = 16
 _LEAST_CELLS = 32
 _MOST_CELLS = 20_000
 _LEAST_WAYPOINTS = 4
@@ -180,7 +180,9 @@ class Track:
             clearances = np.interp(nodes, leg.lengths, leg.clearances)
         else:
             clearances = self.exact_clearance(points_at(leg.points, leg.lengths, nodes))
-        spare = np.minimum(clearances[:-1], clearances[1:]) - self.path.robot_radius
+        # clearance falls by no more than the way made: what both ends leave possible between
+        least = 0.5 * (clearances[:-1] + clearances[1:] - np.diff(nodes))
+        spare = least - self.path.robot_radius
         room = limits.slow_clearance - self.path.robot_radius
         ease = np.clip(spare / room, 0.0, 1.0) if room > 0.0 else np.ones(len(spare))
         slowest = min(limits.slow_speed, limits.speed)
@@ -216,7 +218,7 @@ class Track:
 def speed_cells(leg: Leg, spacing: float) -> FloatArray:
     """(n,) ends of the cells in which the speed limit is constant, from 0 to the leg's length."""
     length = float(leg.lengths[-1])
-    wanted = math.ceil(min(length / spacing, _MOST_CELLS) * _CELLS_PER_SPACING)
+    wanted = math.ceil(min(length / spacing, _MOST_CELLS) * _CELLS_PER_SPACING - 1e-6)
     count = min(max(wanted, _LEAST_CELLS), _MOST_CELLS)
     nodes = np.unique(np.concatenate([leg.turn_at, np.linspace(0.0, length, count + 1)]))
     nodes = nodes[(nodes >= 0.0) & (nodes < length)]
