@@ -82,6 +82,8 @@ def widest_way(
         wide, x, y, _, _ = distance_kernels.polyline_clearance(
             *borders.tree, np.ascontiguousarray(line)
         )
+        if wide <= least:
+            return None
         if narrowest is None or wide < narrowest[0]:
             narrowest = (wide, (x, y))
     return narrowest

@@ -12,7 +12,7 @@ import pytest
 import planner
 from planner.path import NoPath, Path
 from planner.roadmap import FINER
-from planner.scene import Bounds, Scene
+from planner.scene import Bounds, Scene, SegmentRecord
 from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
 from tests.support.visibility_oracle import shortest_length
 
@@ -58,6 +58,20 @@ def test_a_gap_far_narrower_than_the_spacing_is_found_all_the_same() -> None:
     scene = scene_of(box(60, -20, 70, 50), box(60, 55, 70, 140))
     answer = planner.build_roadmap(scene, 9.0).plan((30, 52), (100, 52))
     assert answer.widest_radius == pytest.approx(2.5, rel=NEAR)
+
+
+def test_a_wall_that_crosses_another_near_its_end_leaves_no_gap() -> None:
+    """Sampled finely, the tip behind the crossing looks like a door."""
+    scene = scene_of(
+        SegmentRecord((118.28939931719505, 104.03623547572262), (160.9, 106.3)),
+        SegmentRecord((135.98377362930526, 96.98863429096563), (73.37365939694864, 121.5)),
+    )
+    answer = planner.build_roadmap(scene, 4.2647610137002925).plan(
+        (129.7658674154851, 113.02401820757375), (34.407603159698084, 8.47242326641766)
+    )
+    assert isinstance(answer, NoPath)
+    assert answer.widest_radius is None
+    assert "borders lie between" in answer.reason
 
 
 def test_a_margin_counts_against_the_widest_robot() -> None:
