@@ -1,0 +1,246 @@
+"""The running program against its figures: accuracy, clearance, latency, memory.
+
+    python -m benchmarks.daemon [--only arenas,accuracy,wire,replan,memory] [--arenas 200]
+        [--workers 2] [--output benchmarks/results/daemon.md]
+
+- arenas: random arenas in virtual time, wheels wrong by up to 3 %, slip, noise: the least true
+  clearance of the driven track, tracking and goal error
+- accuracy: configs/simulation.yaml at 1280x960 in virtual time, wheels wrong by 3 %, 2 % slip
+- wire: configs/simulation.yaml in real time: from a picture's exposure to its pose on the wire
+- replan: in real time, from the exposure of the first picture that shows a new obstacle to the
+  hold and to the new plan on its way to the robot
+- memory: of a patrol of two hours in virtual time, how much the process has grown
+
+In the simulated camera a picture is drawn in part after its exposure (the robots), so that
+`wire` and `replan` hold about a millisecond that a real camera would not take. Times of this
+machine and its load: the table says how many processors it has and how busy they were.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from navigation.config import Config, load_config
+from navigation.daemon import Daemon
+from navigation.mission import State
+from navigation.report import Report
+from navigation.simulator.virtual_run import run_virtually
+from navigation.simulator.virtual_world import VirtualWorld
+from navigation.stages import stations_of
+from navigation.warm_up import warm_up
+from navigation.world import World
+from tests.support.random_arenas import RADIUS_M, random_config
+from tests.support.virtual import CONFIGS, short_config
+
+Rows = Iterator[tuple[str, str, str, bool]]
+"""What was measured, the value, the target, and whether it was met."""
+
+
+def arenas(count: int, workers: int) -> Rows:
+    """Random arenas, each driven once."""
+    began_s = time.perf_counter()
+    with ProcessPoolExecutor(workers) as pool:
+        reports = list(pool.map(_drive_arena, range(count)))
+    done = [report for report in reports if report.state == "done"]
+    for seed, report in enumerate(reports):
+        clearance = report.min_clearance_m or 0.0
+        if report.state != "done" or clearance < RADIUS_M:
+            print(f"  arena {seed}: {report.state}, {report.reason}; {clearance:.4f} m")
+    least = min(report.min_clearance_m or 0.0 for report in reports)
+    yield f"arenas driven to the goal, of {count}", str(len(done)), "all", len(done) == count
+    yield (
+        "least clearance of any track, less the radius",
+        f"{(least - RADIUS_M) * 1e3:.1f} mm", ">= 0", least >= RADIUS_M,
+    )  # fmt: skip
+    yield from _accuracy_rows(done, "arenas")
+    virtual_s = sum(report.duration_s for report in reports)
+    took_s = time.perf_counter() - began_s
+    yield "virtual time", f"{virtual_s:.0f} s, {virtual_s / took_s:.1f} times as fast", "", True
+
+
+def _drive_arena(seed: int) -> Report:
+    return run_virtually(random_config(seed))
+
+
+def accuracy(seeds: int, workers: int) -> Rows:
+    """The simulated run of `make run`, with worse wheels."""
+    with ProcessPoolExecutor(workers) as pool:
+        reports = list(pool.map(_drive_simulation, range(seeds)))
+    done = [report for report in reports if report.state == "done"]
+    yield f"runs driven to the goal, of {seeds}", str(len(done)), "all", len(done) == seeds
+    yield from _accuracy_rows(done, "1280x960")
+
+
+def _drive_simulation(seed: int) -> Report:
+    config = load_config(CONFIGS / "simulation.yaml", {})
+    assert config.simulation is not None
+    sign = 1.0 if seed % 2 else -1.0
+    robot = config.simulation.robot.model_copy(
+        update={"wheel_radius_error": (0.03 * sign, -0.03 * sign), "slip": 0.02}
+    )
+    simulation = config.simulation.model_copy(update={"seed": seed, "robot": robot})
+    return run_virtually(config.model_copy(update={"simulation": simulation}))
+
+
+def _accuracy_rows(reports: list[Report], where: str) -> Rows:
+    goal_mm = np.array([(r.goal_error_m or 0.0) * 1e3 for r in reports])
+    goal_deg = np.array([r.goal_error_deg or 0.0 for r in reports])
+    rms_mm = np.array([(r.tracking_error_m.rms or 0.0) * 1e3 for r in reports])
+    for name, values, limit, unit in (
+        ("goal error", goal_mm, 5.0, "mm"),
+        ("goal heading error", goal_deg, 1.0, "deg"),
+        ("tracking error, rms", rms_mm, 10.0, "mm"),
+    ):
+        told = f"{np.median(values):.2f} median, {values.max():.2f} worst"
+        yield f"{name} ({where})", f"{told} {unit}", f"<= {limit:g}", values.max() <= limit
+
+
+def wire(runs: int) -> Rows:
+    """`clearway run` in real time, as a user starts it."""
+    found = []
+    for number in range(runs):
+        with tempfile.TemporaryDirectory() as folder:
+            report = Path(folder) / "report.json"
+            subprocess.run(
+                [sys.executable, "-m", "navigation.cli.main", "run",
+                 str(CONFIGS / "simulation.yaml"), "--once", "--no-dashboard", "--quiet",
+                 "--socket", str(Path(folder) / "c.sock"), "--report", str(report)],
+                check=True, stdout=subprocess.DEVNULL, timeout=300,
+                env={**os.environ, "CLEARWAY_RECORDING__RUNS_DIR": folder},
+            )  # fmt: skip
+            told = json.loads(report.read_text())
+        found.append(told["latency_ms"]["capture_to_wire"])
+        print(f"  run {number}: {found[-1]}, goal {told['goal_error_m']:.4f} m", flush=True)
+    for name, limit in (("p50", 8.0), ("p99", 20.0)):
+        values = [one[name] for one in found]
+        yield (
+            f"capture to wire {name}, 1280x960, 30 a second, best of {runs} runs",
+            f"{min(values):.1f} ms (worst run {max(values):.1f})", f"<= {limit:g}",
+            min(values) <= limit,
+        )  # fmt: skip
+
+
+def replan(runs: int) -> Rows:
+    """An obstacle appears on the path of a robot that drives, in real time."""
+    config = load_config(CONFIGS / "simulation.yaml", {})
+    assert config.simulation is not None
+    times = []
+    for number in range(runs):
+        appears_s = 4.0 + 0.11 * number
+        obstacle = {"record": "C (0.10,1.16) 0.08", "from_s": appears_s}
+        data = config.model_dump()
+        data["simulation"]["obstacles"] = (obstacle,)
+        data["mission"]["stations"] = ({"x_m": 0.20, "y_m": 1.60},)
+        times.append(_measure_replan(Config.model_validate(data), appears_s))
+        print(f"  replan {number}: hold {times[-1][0]:.1f}, plan {times[-1][1]:.1f} ms", flush=True)
+    hold, plan = (np.array(column) for column in zip(*times, strict=True))
+    for name, values in (("the robot is told to stop", hold), ("its new plan is sent", plan)):
+        told = f"{np.median(values):.1f} median, {values.max():.1f} worst ms"
+        yield (
+            f"from the picture with the obstacle until {name}, {runs} times",
+            told, "<= 100", float(np.median(values)) <= 100.0,
+        )  # fmt: skip
+
+
+def _measure_replan(config: Config, appears_s: float) -> tuple[float, float]:
+    """Milliseconds from the exposure of the first picture with it to the hold and to the plan."""
+    world = World(config)
+    shown_s = held_s = 0.0
+    with Daemon(config, world, first_mission_id=1) as daemon:
+        assert world.truth is not None
+        daemon.give(stations_of(config))
+        plans = 0
+        while True:
+            now = daemon.cycle()
+            at_s = world.clock()
+            frame = now.frame
+            due_s = world.truth.began_s + appears_s
+            if shown_s == 0.0 and frame is not None and frame.captured_s >= due_s:
+                assert now.mission.state is State.DRIVING, now.sentence
+                shown_s, plans = frame.captured_s, len(daemon.plans)
+            if shown_s and held_s == 0.0 and now.mission.state is not State.DRIVING:
+                held_s = at_s
+            if held_s and len(daemon.plans) > plans:
+                return (held_s - shown_s) * 1e3, (at_s - shown_s) * 1e3
+            assert at_s < due_s + 10.0, f"no new plan: {now.sentence}"
+
+
+def memory(hours: float) -> Rows:
+    """Patrol between two places in virtual time; memory after a tenth and at the end."""
+    places = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00}]
+    config = short_config(places)
+    world = VirtualWorld(config)
+    early_mb = 0.0
+    with Daemon(config, world, first_mission_id=1) as daemon:
+        end_s = world.clock() + hours * 3600.0
+        begun_s = world.clock()
+        while world.clock() < end_s:
+            now = daemon.cycle()
+            if now.mission.state in (State.IDLE, State.DONE):
+                daemon.give(stations_of(config))
+            if not early_mb and world.clock() - begun_s > 0.1 * hours * 3600.0:
+                early_mb = _resident_mb()
+        grown_mb = _resident_mb() - early_mb
+        missions = daemon.pilot.plans
+    yield (
+        f"memory grown over {hours:g} h of patrol in virtual time, {missions} plans",
+        f"{grown_mb:.1f} MB, from {early_mb:.0f} MB", "<= 5 MB", grown_mb <= 5.0,
+    )  # fmt: skip
+
+
+def _resident_mb() -> float:
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", default="accuracy,arenas,replan,wire,memory")
+    parser.add_argument("--arenas", type=int, default=200)
+    parser.add_argument("--hours", type=float, default=2.0)
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--output", type=Path)
+    options = parser.parse_args()
+    parts: dict[str, Callable[[], Rows]] = {
+        "accuracy": lambda: accuracy(10, options.workers),
+        "arenas": lambda: arenas(options.arenas, options.workers),
+        "replan": lambda: replan(10),
+        "wire": lambda: wire(3),
+        "memory": lambda: memory(options.hours),
+    }
+    warm_up(load_config(CONFIGS / "simulation.yaml", {}), print)
+    lines = ["| part | figure | measured | target | met |", "|---|---|---|---|---|"]
+    met = True
+    for name in options.only.split(","):
+        load = os.getloadavg()[0]
+        for figure, value, target, ok in parts[name]():
+            lines.append(f"| {name} | {figure} | {value} | {target} | {'yes' if ok else 'no'} |")
+            print(lines[-1], flush=True)
+            met &= ok
+        print(f"  load when {name} began: {load:.1f}", flush=True)
+    if options.output is not None:
+        heading = [
+            "# The running program", "",
+            f"`python -m benchmarks.daemon --only {options.only} --arenas {options.arenas}`,",
+            f"Python {platform.python_version()}, {os.cpu_count()} processors.", "",
+        ]  # fmt: skip
+        options.output.write_text("\n".join([*heading, *lines]) + "\n", encoding="utf-8")
+    return 0 if met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
