@@ -20,7 +20,7 @@ from vision.camera import Frame
 from vision.change import Change, SceneWatcher
 from vision.marker_search import grey_of
 from vision.markers import MarkerTracker, RobotPose, body_discs_px
-from vision.refit import refit
+from vision.refit import KnownScene
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class Eye:
         self._tracker = tracker
         self._watcher = SceneWatcher()
         self._last_seen: dict[int, RobotPose] = {}
-        self._scene: Scene | None = None
+        self._known: KnownScene | None = None
 
     def look(self, frame: Frame) -> Glimpse:
         """Poses in this frame; a scene as soon as the robot was seen and after every change.
@@ -82,8 +82,9 @@ class Eye:
             return Glimpse(frame.captured_s, poses, None, None)
         change = self._watcher.update(frame.image, self._body_discs())
         scene = None
-        if change is not None or self._scene is None:
-            scene = self._scene = self._brought_up_to_date(change)
+        if change is not None or self._known is None:
+            self._known = self._brought_up_to_date(change)
+            scene = self._known.scene
         return Glimpse(frame.captured_s, poses, scene, change)
 
     def _body_discs(self) -> FloatArray:
@@ -96,14 +97,14 @@ class Eye:
             ]
         )
 
-    def _brought_up_to_date(self, change: Change | None) -> Scene:
+    def _brought_up_to_date(self, change: Change | None) -> KnownScene:
         """The scene now: only what changed is fitted again, where that can be trusted."""
         background = self._watcher.background
-        if self._scene is not None and change is not None and not (change.first or change.relit):
-            scene = refit(self._scene, background, change.rectangles, self.calibration)
-            if scene is not None:
-                return scene
-        return vision.extract(
+        if self._known is not None and change is not None and not (change.first or change.relit):
+            known = self._known.refitted(background, change.rectangles)
+            if known is not None:
+                return known
+        scene = vision.extract(
             background,
             polarity=self.settings.polarity,
             method=self.settings.method,
@@ -111,3 +112,4 @@ class Eye:
             calibration=self.calibration,
             bounds=self.settings.bounds_m,
         )
+        return KnownScene.of(scene, self.calibration)

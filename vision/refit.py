@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.scene import Arc, PointRecord, Scene, SceneObject, record_edges
+from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, record_edges
 from vision.binarise import PictureError
 from vision.calibration import Calibration, FloatArray
 from vision.camera import Image
@@ -61,68 +61,96 @@ class _Part:
         return self.whole.arena_from_image(np.asarray(points_px) + np.array([self.x, self.y]))
 
 
-def refit(
-    scene: Scene, image: Image, rectangles: Sequence[Rectangle], calibration: Calibration
-) -> Scene | None:
-    """The scene of ``image``, given that of an image that differs in ``rectangles`` only.
+@dataclass(frozen=True, slots=True)
+class KnownScene:
+    """A scene in metres and, for each of its objects, the pixels that hold it.
 
-    ``border_pixels`` and ``timings_ms`` of the answer are those of the parts fitted anew. None
-    where the whole picture has to be extracted. O(pixels and border pixels of the parts).
+    The boxes of objects that stay are never computed again.
     """
-    how = scene.binarisation
-    height, width = image.shape[:2]
-    if how is None or how.method not in _LEVELLED or scene.size != (width, height):
-        return None
-    boxes = [_box_of(o, calibration, (width, height)) for o in scene.objects]
-    parts = _parts(rectangles, boxes, (width, height))
-    if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in parts) > _MOST_SHARE * width * height:
-        return None
-    kept = tuple(
-        o
-        for o, box in zip(scene.objects, boxes, strict=True)
-        if not any(_meet(box, p) for p in parts)
-    )
-    found: list[SceneObject] = []
-    border_pixels, laps, remarks = 0, dict[str, float](), list(scene.remarks)
-    for part in parts:
+
+    scene: Scene
+    calibration: Calibration
+    boxes: tuple[_Box, ...]
+
+    @classmethod
+    def of(cls, scene: Scene, calibration: Calibration) -> KnownScene:
+        """A scene as ``vision.extract`` gives it. O(records)."""
+        return cls(scene, calibration, _boxes_of(scene.objects, calibration))
+
+    def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
+        """The scene of ``image``, where that differs in ``rectangles`` only.
+
+        ``border_pixels`` and ``timings_ms`` of its scene are those of the parts fitted anew.
+        None where the whole picture has to be extracted. O(pixels and border pixels of the
+        parts).
+        """
+        scene, size = self.scene, (image.shape[1], image.shape[0])
+        how = scene.binarisation
+        if how is None or how.method not in _LEVELLED or scene.size != size:
+            return None
+        parts = _parts(rectangles, self.boxes, size)
+        if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in parts) > _MOST_SHARE * size[0] * size[1]:
+            return None
+        found: list[Scene] = []
+        boxes: list[_Box] = []
+        for part in parts:
+            anew = self._extract(image, part, how)
+            if anew is None:
+                return None
+            inside = _boxes_of(anew.objects, self.calibration)
+            if any(_leaves(box, part, size) for box in inside):
+                return None
+            found.append(anew)
+            boxes += inside
+        stays = [not any(_meet(box, part) for part in parts) for box in self.boxes]
+        kept = [o for o, stay in zip(scene.objects, stays, strict=True) if stay]
+        boxes = [b for b, stay in zip(self.boxes, stays, strict=True) if stay] + boxes
+        return KnownScene(_joined(scene, kept, found), self.calibration, tuple(boxes))
+
+    def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
         x0, y0, x1, y1 = part
         try:
-            anew = extract(
+            return extract(
                 image[y0:y1, x0:x1],
                 polarity=how.polarity,
                 method="fixed",
                 threshold=how.threshold,
-                calibration=_Part(calibration, x0, y0),
-                bounds=scene.bounds,
+                calibration=_Part(self.calibration, x0, y0),
+                bounds=self.scene.bounds,
             )
         except PictureError:
             return None
-        if any(
-            _leaves(_box_of(o, calibration, (width, height)), part, image) for o in anew.objects
-        ):
-            return None
-        found += anew.objects
-        border_pixels += anew.border_pixels
-        remarks += [r for r in anew.remarks if r not in remarks]
+
+
+def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -> Scene:
+    """The objects that stay and those of the parts, with ids that nobody had."""
+    free_id = 1 + max((o.id for o in scene.objects), default=-1)
+    new = [o for anew in found for o in anew.objects]
+    laps: dict[str, float] = {}
+    for anew in found:
         for name, ms in anew.timings_ms.items():
             laps[name] = laps.get(name, 0.0) + ms
-    free_id = 1 + max((o.id for o in scene.objects), default=-1)
-    numbered = (replace(o, id=free_id + i) for i, o in enumerate(found))
     return replace(
         scene,
-        objects=(*kept, *numbered),
-        border_pixels=border_pixels,
+        objects=(*kept, *(replace(o, id=free_id + i) for i, o in enumerate(new))),
+        border_pixels=sum(anew.border_pixels for anew in found),
         timings_ms=laps,
-        remarks=tuple(remarks),
+        remarks=tuple(dict.fromkeys((*scene.remarks, *(r for s in found for r in s.remarks)))),
     )
 
 
-def _box_of(obj: SceneObject, calibration: Calibration, size: tuple[int, int]) -> _Box:
-    """The pixels x0, y0, x1, y1 (ends excluded) that hold an object."""
-    seen = calibration.image_from_arena(_outline_points(obj))
-    x0, y0 = np.clip(np.floor(seen.min(axis=0)), 0, size).astype(int).tolist()
-    x1, y1 = np.clip(np.ceil(seen.max(axis=0)) + 1, 0, size).astype(int).tolist()
-    return x0, y0, x1, y1
+def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple[_Box, ...]:
+    """For each object the pixels x0, y0, x1, y1 (ends excluded) that hold it."""
+    if not objects:
+        return ()
+    outlines = [_outline_points(obj) for obj in objects]
+    starts = np.cumsum([0, *(len(o) for o in outlines[:-1])])
+    seen = calibration.image_from_arena(np.concatenate(outlines))
+    low = np.floor(np.minimum.reduceat(seen, starts)).astype(int)
+    high = np.ceil(np.maximum.reduceat(seen, starts)).astype(int) + 1
+    width, height = calibration.size
+    low, high = np.maximum(low, 0), np.minimum(high, (width, height))
+    return tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in np.hstack([low, high]).tolist())
 
 
 def _outline_points(obj: SceneObject) -> FloatArray:
@@ -171,9 +199,9 @@ def _parts(
     return done
 
 
-def _leaves(box: _Box, part: _Box, image: Image) -> bool:
+def _leaves(box: _Box, part: _Box, size: tuple[int, int]) -> bool:
     """Whether an object reaches a part's edge that is not the picture's own."""
-    height, width = image.shape[:2]
+    width, height = size
     return (
         (box[0] <= part[0] and part[0] > 0)
         or (box[1] <= part[1] and part[1] > 0)

@@ -22,7 +22,7 @@ from planner.scene import (
 )
 from tests.support.render import draw, polygon
 from vision.calibration import Calibration
-from vision.refit import refit
+from vision.refit import KnownScene
 
 SIZE = (480, 360)
 SCALE = 0.005
@@ -57,6 +57,19 @@ def picture(shapes: list[Shape], seed: int = 0) -> NDArray[np.uint8]:
 
 def seen(image: NDArray[np.uint8], calibration: Calibration = PLAN) -> Scene:
     return vision.extract(image, polarity="dark", calibration=calibration, bounds=BOUNDS)
+
+
+def refit(
+    scene: Scene,
+    image: NDArray[np.uint8],
+    rectangles: list[tuple[int, int, int, int]],
+    calibration: Calibration,
+) -> Scene | None:
+    known = KnownScene.of(scene, calibration).refitted(image, rectangles)
+    if known is None:
+        return None
+    assert known.boxes == KnownScene.of(known.scene, calibration).boxes
+    return known.scene
 
 
 def changed(a: NDArray[np.uint8], b: NDArray[np.uint8]) -> list[tuple[int, int, int, int]]:
