@@ -70,7 +70,7 @@ class Agvd:
         """How many generators and Voronoi vertices there are."""
         if self.mesh is None:
             return len(self.generators.sites), len(self.ordinary.vertices)
-        return self.mesh.used, int(np.isfinite(self.mesh.at[:, 0]).sum())
+        return self.mesh.used - len(self.mesh.vacant), int(np.isfinite(self.mesh.at[:, 0]).sum())
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,14 @@ import numpy as np
 from numba import njit
 
 from planner.bisector_kernels import heading, narrowest, slide_between
-from planner.distance_kernels import POINT, SEGMENT, distance, foot, segment_clearance
+from planner.distance_kernels import (
+    POINT,
+    SEGMENT,
+    distance,
+    foot,
+    point_to_segment,
+    segment_clearance,
+)
 from planner.mesh_kernels import nearest_piece
 from planner.vertex_kernels import EXACT, INTRUDED, KEPT, UNUSED
 
@@ -132,13 +139,15 @@ def _order_turns(kind, data, place, pair, run, last):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _grown(out, pair, sure, ahead):
+def _grown(out, pair, sure, ahead, proved):
     """The same arrays with twice the room."""
     n = len(out)
     new_out, new_pair = np.empty((2 * n, 3)), np.empty((2 * n, 2), np.int32)
     new_sure, new_ahead = np.empty(2 * n, np.bool_), np.empty(2 * n, np.bool_)
+    new_proved = np.empty(2 * n, np.bool_)
     new_out[:n], new_pair[:n], new_sure[:n], new_ahead[:n] = out, pair, sure, ahead
-    return new_out, new_pair, new_sure, new_ahead
+    new_proved[:n] = proved
+    return new_out, new_pair, new_sure, new_ahead, new_proved
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -222,22 +231,50 @@ def _is_on_bisector(kind, data, pair, a, b, tolerance):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _known_chains(first, link, old_first, old_link, stale):
+    """For every chain the old one that passes the same triangles, none of them stale, or -1."""
+    chains = len(first) - 1
+    known = np.full(chains, -1, np.int32)
+    begins = np.full(8 * len(stale), -1, np.int32)
+    for c in range(len(old_first) - 1):
+        begins[old_link[old_first[c]]] = c
+    for c in range(chains):
+        old = begins[link[first[c]]]
+        lo, n = first[c], first[c + 1] - first[c]
+        if old < 0 or old_first[old + 1] - old_first[old] != n:
+            continue
+        same = True
+        for q in range(n):
+            h = link[lo + q]
+            same = same and h == old_link[old_first[old] + q] and not stale[h >> 3]
+        if same:
+            known[c] = old
+    return known
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def bend_chains(
-    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state
+    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
+    old, stale
 ):  # fmt: skip
     """The chains' points on their bisectors, with the narrowest place of every run.
 
     Returns ``out`` (p, 3), x, y and exact clearance, ``pair`` (p, 2) the pieces left and right
     of the link that follows (-1 at a chain's last point), offsets ``start`` (c + 1,), ``proved``
     (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
-    are missing as in :func:`planner.vertex_kernels.solve_vertices`.
+    are missing as in :func:`planner.vertex_kernels.solve_vertices`. ``old`` is an earlier
+    answer, its first, link, out, pair, start and proved: chains through no ``stale`` (t,)
+    triangle are taken from it.
     """
+    old_first, old_link, old_out, old_pair, old_start, old_proved = old
+    known = _known_chains(first, link, old_first, old_link, stale)
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
     chains = len(first) - 1
     room = 2 * (len(link) + chains) + 64
     out, pair = np.empty((room, 3)), np.empty((room, 2), np.int32)
     sure, ahead = np.empty(room, np.bool_), np.empty(room, np.bool_)
+    proved = np.zeros(room, np.bool_)
     start = np.zeros(chains + 1, np.int32)
     extra, extra_label = np.empty((64, 2)), np.empty(64, np.int32)
     where = np.empty(64, np.int64)
@@ -251,6 +288,15 @@ def bend_chains(
     stack_q = np.empty(HALVINGS + 2, np.int64)
     n = 0
     for c in range(chains):
+        if known[c] >= 0:
+            lo, hi = old_start[known[c]], old_start[known[c] + 1]
+            while n + hi - lo >= len(out):
+                out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
+            for q in range(lo, hi):
+                out[n], pair[n], proved[n] = old_out[q], old_pair[q], old_proved[q]
+                n += 1
+            start[c + 1] = n
+            continue
         # the stations, and the run of links after each
         lo, hi = first[c], first[c + 1]
         m = 0
@@ -275,7 +321,7 @@ def bend_chains(
         _order_turns(kind, data, place, sides, run, last)
         for s in range(last + 1):
             if n + 2 >= len(out):
-                out, pair, sure, ahead = _grown(out, pair, sure, ahead)
+                out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
             out[n, 0], out[n, 1], out[n, 2] = place[s, 0], place[s, 1], place[s, 2]
             sure[n], ahead[n] = place[s, 3] == EXACT, True
             pair[n, 0], pair[n, 1] = -1, -1
@@ -306,8 +352,8 @@ def bend_chains(
                         mx, my = at[i, 0], at[i, 1]
                     mx, my, split = slide_between(kind, data, left, right, mx, my, tolerance)
                     if split and not is_long:
-                        bulge = abs((mx - ax) * dy - (my - ay) * dx)
-                        split = bulge > BULGE * half * span
+                        bulge, _ = point_to_segment(mx, my, ax, ay, bx, by)
+                        split = bulge > BULGE * half
                     if split:
                         split = _is_between(
                             kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance
@@ -321,7 +367,7 @@ def bend_chains(
                 near = link[q_a] & ~7
                 pair[n - 1, 0], pair[n - 1, 1] = left, right
                 if n + 2 >= len(out):
-                    out, pair, sure, ahead = _grown(out, pair, sure, ahead)
+                    out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
                 vx, vy, grows = heading(kind, data, left, right, bx, by)
                 ahead[n - 1] = dx * ux + dy * uy >= -tolerance
                 for turn in range(2):
@@ -356,16 +402,20 @@ def bend_chains(
                     n += 1
                 ax, ay, q_a = bx, by, q_b
                 ux, uy, falls = vx, vy, grows
+        for i in range(start[c], n - 1):
+            proved[i] = (
+                ahead[i]
+                and sure[i]
+                and sure[i + 1]
+                and _is_on_bisector(kind, data, pair[i], out[i], out[i + 1], tolerance)
+            )
+        proved[n - 1] = False
         start[c + 1] = n
-    proved = np.zeros(n, np.bool_)
-    for i in range(n):
-        if pair[i, 0] >= 0 and ahead[i] and sure[i] and sure[i + 1]:
-            proved[i] = _is_on_bisector(kind, data, pair[i], out[i], out[i + 1], tolerance)
     return (
         out[:n],
         pair[:n],
         start,
-        proved,
+        proved[:n],
         extra[:missing],
         extra_label[:missing],
         where[:missing],

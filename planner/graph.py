@@ -6,20 +6,26 @@ Rules
   radii beyond the disc at its junction, or where it only runs into a corner: there the
   clearance falls by more than ``TAPER`` a step. Whatever a spur leads to is reached from its
   junction. The branches into a U, or into a room whose wall is one object, stay.
+- Chains that meet two by two are one edge. A ``Graph`` holds one edge a pair of nodes and no
+  loop: of two edges between the same nodes one is halved by a node of its own, and an edge
+  that returns to its node is cut in three.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.agvd import Chains
-from planner.bisectors import Piece, describe
-from planner.generators import Borders
-from planner.scene import FloatArray
+from planner.bisectors import describe
+from planner.generators import BoolArray, Borders
+from planner.scene import FloatArray, IntArray
 
 REACH = 1.0
 """What a dead end must reach beyond its junction, in robot radii (lambda in the literature)."""
@@ -30,80 +36,196 @@ if TYPE_CHECKING:
     from planner.roadmap import Roadmap
 
 
-def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
-    """The chains that keep the radius as a graph.
+@dataclass(frozen=True, slots=True)
+class Strand:
+    """Chains that are one edge from node ``u`` to node ``v``: (chain, walked forwards)."""
 
-    Two chains between the same nodes, and a chain that returns to its node, are halved by a
-    node of their own, since a ``Graph`` holds one edge a pair.
+    u: int
+    v: int
+    chains: tuple[tuple[int, bool], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A strand's points (n, 2) and clearances (n,), and of each link to the next point.
+
+    ``pairs`` (n, 2), ``gap``, ``step`` and ``proved`` (n,) as in :class:`planner.agvd.Chains`.
     """
+
+    points: FloatArray
+    rho: FloatArray
+    pairs: IntArray
+    gap: FloatArray
+    step: FloatArray
+    proved: BoolArray
+
+    def part(self, first: int, last: int) -> Run:
+        """From one point to another, both included."""
+        s = slice(first, last + 1)
+        return Run(
+            self.points[s], self.rho[s], self.pairs[s], self.gap[s], self.step[s], self.proved[s]
+        )
+
+
+def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
+    """The chains that keep the radius as a graph."""
     chains, borders = roadmap.chains, roadmap.borders
     graph: nx.Graph[int] = nx.Graph(radius=roadmap.radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
-    for c in without_spurs(chains, roadmap.radius):
-        u, v = (int(n) for n in chains.ends[c])
-        part = slice(int(chains.first[c]), int(chains.first[c + 1]))
-        mine = _owners(borders, chains, part)
+    new = len(chains.node_xy)
+    for strand in lay_strands(chains, roadmap.radius):
+        u, v = strand.u, strand.v
+        run = _run(chains, strand)
+        mine = _owners(borders, run.pairs)
         owners[u] |= mine
         owners[v] |= mine
-        if part.stop - part.start == 1:
-            _add_node(graph, u, chains.node_xy[u], chains.node_rho[u])
-            continue
         for n in (u, v):
             _add_node(graph, n, chains.node_xy[n], chains.node_rho[n])
-        points = chains.points[part]
-        gap, step = chains.gap[part], chains.step[part]
-        pairs, proved = chains.pieces[part], chains.proved[part]
-        if u != v and not graph.has_edge(u, v):
-            geometry = describe(borders, points, pairs, proved)
-            _add_edge(graph, u, v, points, gap, step, mine, geometry)
+        if len(run.points) == 1:
             continue
-        cut = len(points) // 2
-        middle = len(chains.node_xy) + int(c)
-        if len(points) == 2:
-            points = np.array([points[0], points.mean(axis=0), points[1]])
-            gap, step = np.repeat(gap[:1], 3), np.repeat(step[:1] / 2.0, 3)
-            pairs, proved = pairs[[0, 0, 1]], proved[[0, 0, 1]]
-        _add_node(graph, middle, points[cut], gap[cut])
-        owners[middle] |= mine
-        for a, b, half in ((u, middle, slice(0, cut + 1)), (middle, v, slice(cut, None))):
-            geometry = describe(borders, points[half], pairs[half], proved[half])
-            _add_edge(graph, a, b, points[half], gap[half], step[half], mine, geometry)
+        parts = 3 if u == v else 2 if graph.has_edge(u, v) else 1
+        run = _divisible(borders, run, parts)
+        last = len(run.points) - 1
+        cuts = [round(last * i / parts) for i in range(parts + 1)]
+        nodes = [u, *range(new, new + parts - 1), v]
+        new += parts - 1
+        for i in range(1, parts):
+            _add_node(graph, nodes[i], run.points[cuts[i]], run.rho[cuts[i]])
+            owners[nodes[i]] |= mine
+        for i in range(parts):
+            _add_edge(graph, borders, nodes[i], nodes[i + 1], run.part(cuts[i], cuts[i + 1]), mine)
     for n in graph:
         graph.nodes[n]["owners"] = tuple(sorted(owners[n]))
     return graph
 
 
+def count_graph(chains: Chains, radius: float) -> tuple[int, int]:
+    """How many nodes and edges the graph has, without making it."""
+    nodes: set[int] = set()
+    pairs: set[tuple[int, int]] = set()
+    extra_nodes, edges = 0, 0
+    for strand in lay_strands(chains, radius):
+        nodes |= {strand.u, strand.v}
+        c = strand.chains[0][0]
+        if chains.first[c + 1] - chains.first[c] == 1:
+            continue
+        pair = min(strand.u, strand.v), max(strand.u, strand.v)
+        parts = 3 if strand.u == strand.v else 2 if pair in pairs else 1
+        pairs.add(pair)
+        extra_nodes += parts - 1
+        edges += parts
+    return len(nodes) + extra_nodes, edges
+
+
+def lay_strands(chains: Chains, radius: float) -> list[Strand]:
+    """The edges: maximal rows of the chains that are kept, joined where only two meet."""
+    kept = without_spurs(chains, radius)
+    around: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
+    ends = chains.ends.tolist()
+    for c in kept:
+        for end in range(2):
+            around[ends[c][end]].append((c, end))
+    joints = {n for n, met in around.items() if len(met) == 2 and met[0][0] != met[1][0]}
+    done: set[int] = set()
+    strands = []
+    # closed rows without a junction begin anywhere, and so come last
+    for c, end in sorted(
+        ((c, end) for c in kept for end in range(2)), key=lambda ce: ends[ce[0]][ce[1]] in joints
+    ):
+        if c in done:
+            continue
+        first = ends[c][end]
+        row = []
+        while True:
+            done.add(c)
+            row.append((c, end == 0))
+            here = ends[c][1 - end]
+            if here not in joints or here == first:
+                break
+            one, other = around[here]
+            c, end = other if one[0] == c else one
+        strands.append(Strand(first, here, tuple(row)))
+    return strands
+
+
 def without_spurs(chains: Chains, radius: float) -> list[int]:
     """The chains that keep the radius, less the dead ends that lead nowhere of their own."""
     kept = set(np.flatnonzero(chains.clearance >= radius).tolist())
+    ends, length = chains.ends.tolist(), chains.length.tolist()
+    rho = chains.node_rho.tolist()
     around: defaultdict[int, set[int]] = defaultdict(set)
     for c in kept:
-        for n in chains.ends[c].tolist():
+        for n in ends[c]:
             around[n].add(c)
-    ready = [n for n, cs in around.items() if len(cs) == 1]
+    # the shortest first, so that the answer does not hang on the chains' order
+    ready = [(length[c], n) for n, cs in around.items() if len(cs) == 1 for c in cs]
+    heapify(ready)
     while ready:
-        tip = ready.pop()
+        _, tip = heappop(ready)
         if len(around[tip]) != 1:
             continue
         (c,) = around[tip]
-        u, v = chains.ends[c].tolist()
+        u, v = ends[c]
         junction = v if tip == u else u
         if u == v or len(around[junction]) == 1:
             continue
-        fall = chains.node_rho[junction] - chains.node_rho[tip]
-        if chains.length[c] - fall >= REACH * radius and fall <= TAPER * chains.length[c]:
+        fall = rho[junction] - rho[tip]
+        if length[c] - fall >= REACH * radius and fall <= TAPER * length[c]:
             continue
         kept.discard(c)
         around[tip].discard(c)
         around[junction].discard(c)
         if len(around[junction]) == 1:
-            ready.append(junction)
+            (other,) = around[junction]
+            heappush(ready, (length[other], junction))
     return sorted(kept)
 
 
-def _owners(borders: Borders, chains: Chains, part: slice) -> set[int]:
-    labels = chains.pieces[part].ravel()
-    return {int(o) for o in borders.owner[labels[labels >= 0]]}
+def _run(chains: Chains, strand: Strand) -> Run:
+    """The strand's chains as one line."""
+    runs = []
+    for c, forwards in strand.chains:
+        s = slice(int(chains.first[c]), int(chains.first[c + 1]))
+        points, rho, proved = chains.points[s], chains.rho[s], chains.proved[s]
+        pairs, gap, step = chains.pieces[s], chains.gap[s], chains.step[s]
+        if not forwards:
+            points, rho, pairs = points[::-1], rho[::-1], _turned(pairs)[:, ::-1]
+            gap, step, proved = _turned(gap), _turned(step), _turned(proved)
+        runs.append((points, rho, pairs, gap, step, proved))
+    columns = [[*(a[:-1] for a in arrays[:-1]), arrays[-1]] for arrays in zip(*runs, strict=True)]
+    return Run(*(np.concatenate(column) for column in columns))
+
+
+def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
+    """What belongs to the links, the other way round; the last row stays the last."""
+    return np.concatenate([of_links[:-1][::-1], of_links[-1:]])
+
+
+def _divisible(borders: Borders, run: Run, parts: int) -> Run:
+    """The run with at least ``parts`` links: each is divided evenly where there are fewer."""
+    links = len(run.points) - 1
+    if links >= parts:
+        return run
+    share = np.linspace(0.0, 1.0, parts + 1)[:-1, None]
+    points = np.concatenate(
+        [*(run.points[i] + share * (run.points[i + 1] - run.points[i]) for i in range(links)),
+         run.points[-1:]]
+    )  # fmt: skip
+    times = np.array([*[parts] * links, 1])
+    rho = borders.distances(np.ascontiguousarray(points))[0]
+    return Run(
+        points,
+        rho,
+        np.repeat(run.pairs, times, axis=0),
+        np.repeat(run.gap, times),
+        np.repeat(run.step / times, times),
+        np.zeros(len(points), np.bool_),
+    )
+
+
+def _owners(borders: Borders, pairs: IntArray) -> set[int]:
+    labels = pairs.ravel()
+    return set(borders.owner[labels[labels >= 0]].tolist())
 
 
 def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) -> None:
@@ -112,23 +234,16 @@ def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) ->
 
 
 def _add_edge(
-    graph: nx.Graph[int],
-    u: int,
-    v: int,
-    points: FloatArray,
-    gap: FloatArray,
-    step: FloatArray,
-    owners: set[int],
-    geometry: tuple[Piece, ...],
+    graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run, owners: set[int]
 ) -> None:
-    polyline = points.copy()
+    polyline = np.array(run.points)
     polyline.setflags(write=False)
     graph.add_edge(
         u,
         v,
         polyline=polyline,
-        geometry=geometry,
-        length=float(step[:-1].sum()),
-        clearance=float(gap[:-1].min()),
+        geometry=describe(borders, run.points, run.pairs, run.proved),
+        length=float(run.step[:-1].sum()),
+        clearance=float(run.gap[:-1].min()),
         owners=tuple(sorted(owners)),
     )

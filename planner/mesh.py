@@ -11,7 +11,7 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,8 @@ class Mesh:
     ``also`` as in :mod:`planner.mesh_kernels`; ``used`` of the sites are taken. Per triangle
     its centre ``at`` and the sites ``seen`` that it was computed for, and ``place``, ``rho``,
     ``state`` as in :mod:`planner.vertex_kernels`; ``side``, whether it is free, and ``mask``,
-    its valid edges.
+    its valid edges. ``vacant`` are sites that were taken out again, and ``bent`` the chains as
+    they were last: those through triangles that are ``stale`` have to be bent anew.
     """
 
     xy: FloatArray
@@ -56,6 +57,9 @@ class Mesh:
     state: NDArray[np.int8]
     side: NDArray[np.int8]
     mask: NDArray[np.uint8]
+    stale: BoolArray
+    vacant: list[int]
+    bent: tuple[Any, ...]
 
     @property
     def ghost(self) -> int:
@@ -74,6 +78,8 @@ def make_mesh(generators: Generators) -> Mesh | None:
     room = 64 + int(ROOM * n)
     if n < 3:
         return None
+    if not np.isfinite(generators.sites).all():
+        raise ValueError("generators: must be finite")  # the kernel would write out of bounds
     status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
         generators.sites, room
     )
@@ -98,6 +104,21 @@ def make_mesh(generators: Generators) -> Mesh | None:
         state=np.zeros(2 * ghost, np.int8),
         side=np.zeros(2 * ghost, np.int8),
         mask=np.zeros(2 * ghost, np.uint8),
+        stale=np.zeros(2 * ghost, np.bool_),
+        vacant=[],
+        bent=_no_chains(),
+    )
+
+
+def _no_chains() -> tuple[Any, ...]:
+    """What :func:`planner.chain_kernels.bend_chains` takes where nothing was bent yet."""
+    return (
+        np.zeros(1, np.int32),
+        np.empty(0, np.int64),
+        np.empty((0, 3)),
+        np.empty((0, 2), np.int32),
+        np.zeros(1, np.int32),
+        np.empty(0, np.bool_),
     )
 
 
@@ -127,8 +148,10 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> tuple[Any, ...]:
         )  # fmt: skip
         *bent, places, labels, where = chain_kernels.bend_chains(
             flat, mesh.at, first, link, *pieces, half, half, tolerance,
-            mesh.place, mesh.rho, mesh.state,
+            mesh.place, mesh.rho, mesh.state, mesh.bent, mesh.stale,
         )  # fmt: skip
+        mesh.bent = first, link, *bent
+        mesh.stale[:] = False
         if not len(places) or turn == ROUNDS:
             break
         add_sites(mesh, places, labels, where)
@@ -148,6 +171,7 @@ def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> None:
         mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.seen, mesh.at, mesh.state,
         mesh.side,
     )  # fmt: skip
+    mesh.stale[changed] = True
     mesh_kernels.mark_sides(
         mesh.xy, mesh.up, mesh.tri, mesh.at, changed, borders.kind, borders.data,
         borders.owner, borders.solid, borders.object_boxes, borders.span, borders.box, spacing,
@@ -161,15 +185,24 @@ def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> None:
 
 def add_sites(mesh: Mesh, places: FloatArray, labels: IntArray, where: NDArray[np.int64]) -> None:
     """Insert sites, each searched for from triangle ``where``."""
-    if mesh.used + len(places) > mesh.ghost:
-        grow(mesh, len(places) + mesh.ghost // 2)
-    todo = vertex_kernels.add_sites(
-        mesh.xy, 1.0 / mesh.up, mesh.tri, mesh.label, mesh.also, mesh.used, places, labels
+    todo = _numbers(mesh, len(places))
+    vertex_kernels.add_sites(
+        mesh.xy, 1.0 / mesh.up, mesh.tri, mesh.label, mesh.also, todo, places, labels
     )
-    mesh.used += len(todo)
     w = np.empty(insertion_kernels.SCRATCH)
     insertion_kernels.insert(w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, todo, where)
-    vertex_kernels.link_aliases(mesh.alias, mesh.also, todo)
+    spare = vertex_kernels.link_aliases(mesh.label, mesh.alias, mesh.also, todo)
+    mesh.vacant.extend(spare.tolist())
+
+
+def _numbers(mesh: Mesh, count: int) -> IntArray:
+    """Numbers for new sites: vacant ones first."""
+    again, mesh.vacant = mesh.vacant[:count], mesh.vacant[count:]
+    new = count - len(again)
+    if mesh.used + new > mesh.ghost:
+        grow(mesh, new + mesh.ghost // 2)
+    mesh.used += new
+    return np.array([*again, *range(mesh.used - new, mesh.used)], np.int32)
 
 
 def grow(mesh: Mesh, more: int) -> None:
@@ -198,17 +231,34 @@ def grow(mesh: Mesh, more: int) -> None:
     mesh.state = longer(mesh.state, 2 * room, 0)
     mesh.side = longer(mesh.side, 2 * room, 0)
     mesh.mask = longer(mesh.mask, 2 * room, 0)
+    mesh.stale = longer(mesh.stale, 2 * room, 0)
+
+
+def copy_mesh(mesh: Mesh) -> Mesh:
+    """A mesh of its own, to be changed."""
+    arrays: dict[str, Any] = {
+        f.name: value.copy()
+        for f in fields(mesh)
+        if isinstance(value := getattr(mesh, f.name), np.ndarray)
+    }
+    return replace(mesh, vacant=list(mesh.vacant), **arrays)
 
 
 def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:
     """The mesh's sites, those that were added included, in its own order."""
     sites = mesh.xy[: 2 * mesh.used].reshape(-1, 2) * mesh.up
-    return Generators(sites, mesh.label[: mesh.used], spacing, borders)
+    here = np.ones(mesh.used, np.bool_)
+    here[mesh.vacant] = False
+    return Generators(sites[here], mesh.label[: mesh.used][here], spacing, borders)
 
 
 def ordinary(mesh: Mesh) -> tuple[DiagramArrays, BoolArray]:
-    """The generators' own diagram and which of its edges are valid; sites as in the mesh."""
+    """The generators' own diagram and which of its edges are valid.
+
+    Sites are numbered as in :func:`generators_of`.
+    """
     *arrays, valid = mesh_kernels.ordinary(
-        mesh.xy, mesh.ghost, mesh.exponent, mesh.tri, mesh.circ, mesh.alias, mesh.used, mesh.mask
-    )
+        mesh.xy, mesh.ghost, mesh.exponent, mesh.tri, mesh.circ, mesh.alias, mesh.used, mesh.mask,
+        np.array(mesh.vacant, np.int32),
+    )  # fmt: skip
     return DiagramArrays(*arrays), valid

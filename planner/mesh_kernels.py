@@ -247,15 +247,26 @@ def nearest_piece(mesh, kind, data, before, after, t, x, y, bound, half):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask):
+def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
     """The sites' own diagram as arrays: see :class:`planner.voronoi_diagram.DiagramArrays`.
 
-    And which of the edges are valid by ``mask`` (2 ghost,).
+    And which of the edges are valid by ``mask`` (2 ghost,). The ``vacant`` sites are left out
+    and the others numbered anew.
     """
     w = np.empty(SCRATCH)
     tri = tri.copy()
-    label = np.arange(ghost + 1).astype(np.int32)
+    label = np.zeros(ghost + 1, np.int32)
+    label[vacant] = -1
     label[ghost] = -1
+    count = 0
+    for p in range(used):
+        if label[p] == 0:
+            label[p] = count
+            count += 1
+    representative = np.empty(count, np.int32)
+    for p in range(used):
+        if label[p] >= 0:
+            representative[label[p]] = label[alias[p]]
     vertices, vertex_sites = _vertices(w, xy, ghost, exponent, tri, circ, label)
     edges, flat, ids = _edges(w, xy, ghost, tri, circ, label, 1)
     valid = np.zeros(len(edges), np.bool_)
@@ -263,4 +274,4 @@ def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask):
         for k in range(3):
             if mask[i] >> k & 1 and ids[4 * i + k] >= 0:
                 valid[ids[4 * i + k] >> 1] = True
-    return vertices, vertex_sites, edges, flat, alias[:used].astype(np.int32), valid
+    return vertices, vertex_sites, edges, flat, representative, valid

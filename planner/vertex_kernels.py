@@ -22,7 +22,7 @@ from numba import njit
 from planner.agvd_kernels import is_valid
 from planner.bisector_kernels import meet_three, slide_between, turn_at
 from planner.distance_kernels import ARC, distance, foot
-from planner.insertion_kernels import DEAD
+from planner.insertion_kernels import DEAD, TINY
 from planner.mesh_kernels import FREE, nearest_piece
 
 TURN_TRIES = 4
@@ -193,26 +193,41 @@ def solve_vertices(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def add_sites(xy, down, tri, label, also, used, extra, extra_label):
-    """Put sites after the ``used`` ones into xy and label; their numbers, as far as room is."""
-    room = len(tri) // 16 - used
-    m = min(len(extra), room)
-    todo = np.empty(m, np.int32)
-    for j in range(m):
-        p = used + j
-        xy[2 * p], xy[2 * p + 1] = extra[j, 0] * down, extra[j, 1] * down
-        label[p] = extra_label[j]
+def add_sites(xy, down, tri, label, also, todo, places, labels):
+    """Write the sites ``todo``, which the mesh does not have yet, into xy and label."""
+    for j in range(len(todo)):
+        p = np.int64(todo[j])
+        x, y = places[j, 0] * down, places[j, 1] * down
+        if abs(x) < TINY:
+            x = (x + TINY) - TINY
+        if abs(y) < TINY:
+            y = (y + TINY) - TINY
+        xy[2 * p], xy[2 * p + 1] = x, y
+        label[p] = labels[j]
         also[p] = -1
         tri[16 * p], tri[16 * p + 8] = DEAD, DEAD
-        todo[j] = p
-    return todo
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def link_aliases(alias, also, todo):
-    """Append sites that turned out to coincide with others to those sites' lists."""
+def link_aliases(label, alias, also, todo):
+    """Append sites that turned out to coincide with others to those sites' lists.
+
+    Returns the sites that are not needed, because a site of the same piece is there already.
+    """
+    spare = np.empty(len(todo), np.int32)
+    n = 0
     for p in todo:
         v = alias[p]
-        if v != p:
+        if v == p:
+            continue
+        q = v
+        while q >= 0 and label[q] != label[p]:
+            q = np.int64(also[q])
+        if q >= 0:
+            alias[p], label[p] = p, -1
+            spare[n] = p
+            n += 1
+        else:
             also[p] = also[v]
             also[v] = p
+    return spare[:n]

@@ -1,0 +1,173 @@
+"""Taking sites out of a triangulation again.
+
+Rules and units
+- Arrays as in :mod:`planner.insertion_kernels`. A site's star becomes a hole, which is filled
+  ear by ear: three corners in a row whose circle holds no other corner (decided exactly) are a
+  triangle of the new triangulation (Devillers 2002).
+- Site i owns the triangles 2 i and 2 i + 1, which must not exist when it goes in again: two of
+  the star's become free, and whatever lies in the two of the site moves there.
+- A site on the convex hull is not taken out; the caller starts anew then.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.insertion_kernels import (
+    CIRCLE_SLACK,
+    DEAD,
+    SCRATCH,
+    in_circle,
+    orient,
+)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _set_circle(xy, tri, circ, t):
+    """Triangle t's circle, with the error bound that `insert` explains."""
+    p, a, b = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
+    px, py = xy[2 * p], xy[2 * p + 1]
+    ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
+    bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
+    a_square, b_square = ax * ax + ay * ay, bx * bx + by * by
+    a_sum, b_sum = abs(ax) + abs(ay), abs(bx) + abs(by)
+    half = 0.5 / (ax * by - ay * bx)
+    cx = (a_square * by - b_square * ay) * half
+    cy = (b_square * ax - a_square * bx) * half
+    spread = abs(half) * a_sum * b_sum
+    reach = abs(cx) + abs(cy)
+    error = CIRCLE_SLACK * (
+        abs(half) * (a_square * b_sum + b_square * a_sum) + spread * reach + reach + 1.0
+    )
+    if spread * CIRCLE_SLACK > 0.25:
+        error = np.inf
+    x, y = px + cx, py + cy
+    dx, dy = px - x, py - y
+    square = dx * dx + dy * dy
+    band = 4.0 * error * (reach + error)
+    q = t >> 1
+    circ[q], circ[q + 1], circ[q + 2], circ[q + 3] = x, y, square - band, square + band
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _is_ear(w, xy, ring, m, i):
+    """Whether the corners i - 1, i, i + 1 of a hole are a triangle with an empty circle."""
+    a, b, c = ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]
+    ax, ay, bx, by = xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1]
+    cx, cy = xy[2 * c], xy[2 * c + 1]
+    if orient(w, ax, ay, bx, by, cx, cy) <= 0:
+        return False
+    for j in range(m):
+        q = ring[j]
+        if q not in (a, b, c) and (
+            in_circle(w, ax, ay, bx, by, cx, cy, xy[2 * q], xy[2 * q + 1]) > 0
+        ):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
+    """Write triangle a, b, c into slot s; outer_x is the half-edge across from x, or -1."""
+    tri[s], tri[s + 1], tri[s + 2] = a, b, c
+    at[a], at[b], at[c] = s, s + 1, s + 2
+    if outer_a >= 0:
+        tri[s + 4], tri[outer_a + 4] = outer_a, s
+    if outer_b >= 0:
+        tri[s + 5], tri[outer_b + 4] = outer_b, s + 1
+    if outer_c >= 0:
+        tri[s + 6], tri[outer_c + 4] = outer_c, s + 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _move(tri, circ, at, old, new):
+    """Move the triangle in slot ``old`` to slot ``new``."""
+    for k in range(3):
+        site, o = np.int64(tri[old + k]), np.int64(tri[old + 4 + k])
+        tri[new + k], tri[new + 4 + k] = site, o
+        tri[o + 4] = new + k
+        at[site] = new + k
+    for k in range(4):
+        circ[(new >> 1) + k] = circ[(old >> 1) + k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def remove(xy, ghost, tri, circ, gone):
+    """Take the sites ``gone`` out of tri and circ; False where one is on the hull.
+
+    Then, or where the hole cannot be filled, the arrays are left half done.
+    """
+    w = np.empty(SCRATCH)
+    at = np.full(ghost + 1, -1, np.int64)
+    for i in range(len(tri) // 8):
+        if np.int64(tri[8 * i]) != DEAD:
+            for k in range(3):
+                at[np.int64(tri[8 * i + k])] = 8 * i + k
+    ring, outer = np.empty(2 * ghost, np.int64), np.empty(2 * ghost, np.int64)
+    slot = np.empty(2 * ghost, np.int64)
+    for p in gone:
+        # the star, counter-clockwise; the site's own two triangles last among its slots
+        m = 0
+        e = at[p]
+        while True:
+            t = (e >> 3) << 3
+            v = t + ((9 >> (2 * (e - t))) & 3)
+            ring[m], outer[m], slot[m] = np.int64(tri[v]), np.int64(tri[e + 4]), t
+            if ring[m] == ghost:
+                return False
+            m += 1
+            o = np.int64(tri[v + 4])
+            t = (o >> 3) << 3
+            e = t + ((9 >> (2 * (o - t))) & 3)
+            if e == at[p]:
+                break
+        last = m - 1
+        for own in (16 * p + 8, 16 * p):
+            for j in range(last):
+                if slot[j] == own:
+                    slot[j], slot[last] = slot[last], slot[j]
+            if slot[last] == own:
+                last -= 1
+        free_0, free_1 = slot[m - 1], slot[m - 2]
+        n = 0
+        while m > 3:
+            ear = -1
+            for i in range(m):
+                if _is_ear(w, xy, ring, m, i):
+                    ear = i
+                    break
+            if ear < 0:
+                return False
+            before = (ear + m - 1) % m
+            s = slot[n]
+            n += 1
+            _place(
+                tri, at, s, ring[before], ring[ear], ring[(ear + 1) % m],
+                outer[ear], np.int64(-1), outer[before],
+            )  # fmt: skip
+            _set_circle(xy, tri, circ, s)
+            outer[before] = s + 1
+            for i in range(ear, m - 1):
+                ring[i], outer[i] = ring[i + 1], outer[i + 1]
+            m -= 1
+        s = slot[n]
+        _place(tri, at, s, ring[0], ring[1], ring[2], outer[1], outer[2], outer[0])
+        _set_circle(xy, tri, circ, s)
+        # the site's own two triangles become free, if they are not already
+        tri[free_0], tri[free_1] = DEAD, DEAD
+        for own in (16 * p, 16 * p + 8):
+            if np.int64(tri[own]) == DEAD:
+                continue
+            if free_0 not in (16 * p, 16 * p + 8):
+                _move(tri, circ, at, own, free_0)
+                free_0 = np.int64(own)
+            else:
+                _move(tri, circ, at, own, free_1)
+                free_1 = np.int64(own)
+            tri[own] = DEAD
+        at[p] = -1
+    return True

@@ -1,0 +1,96 @@
+"""What of a solved mesh a change of objects touches.
+
+Rules and units
+- Everything is in the scene's units. A place is touched where an object that comes or goes
+  reaches into its circle, or may lie around it: judged by the objects' boxes, generously.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.insertion_kernels import DEAD
+
+SLACK = 1e-9
+"""Circles count as larger by this share."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _reaches(boxes, x, y, r):
+    """Whether any box comes within r of (x, y)."""
+    for b in range(len(boxes)):
+        dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
+        dy = max(boxes[b, 1] - y, 0.0, y - boxes[b, 3])
+        if dx * dx + dy * dy <= r * r * (1.0 + SLACK):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, start):
+    """Make everything in the ``boxes`` (b, 4) be computed again.
+
+    Triangles are forgotten (``seen``), and chains with a touched point become ``stale``.
+    """
+    for i in range(len(at)):
+        if np.int64(seen[i, 0]) == DEAD:
+            continue
+        if _reaches(boxes, at[i, 0], at[i, 1], 0.0) or (
+            state[i] != 0 and _reaches(boxes, place[i, 0], place[i, 1], rho[i])
+        ):
+            seen[i, 0], seen[i, 1], seen[i, 2] = DEAD - 1, DEAD, DEAD
+    for c in range(len(first) - 1):
+        for p in range(start[c], start[c + 1]):
+            if _reaches(boxes, out[p, 0], out[p, 1], out[p, 2]):
+                stale[link[first[c]] >> 3] = True
+                break
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def unlink_sites(label, new_label, alias, also, used):
+    """Give all sites their new labels and find out which have to go.
+
+    ``new_label`` holds -1 for labels that are no more. Returns the sites that are in the
+    triangulation and go, those that go without being in it, and those that have to be put in
+    because the site that stood for them goes.
+    """
+    gone, quiet = np.empty(used, np.int64), np.empty(used, np.int64)
+    heirs = np.empty(used, np.int32)
+    n_gone, n_quiet, n_heirs = 0, 0, 0
+    stands = np.zeros(used, np.bool_)
+    for p in range(used):
+        if label[p] >= 0:
+            stands[p] = alias[p] == p
+            label[p] = new_label[label[p]]
+    for p in range(used):
+        if not stands[p]:
+            continue
+        head = p
+        if label[p] < 0:
+            gone[n_gone] = p
+            n_gone += 1
+            head = -1
+        last, other = head, also[p]
+        also[p] = -1
+        while other >= 0:
+            after = also[other]
+            also[other] = -1
+            if label[other] < 0:
+                alias[other] = other
+                quiet[n_quiet] = other
+                n_quiet += 1
+            elif head < 0:
+                heirs[n_heirs] = other
+                n_heirs += 1
+                alias[other] = other
+                head, last = other, other
+            else:
+                alias[other] = head
+                also[last] = other
+                last = other
+            other = after
+    return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs]

@@ -1,0 +1,167 @@
+"""A changed scene's roadmap is the one that building anew gives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import planner
+from planner import insertion_kernels, removal_kernels
+from planner.graph import lay_strands
+from planner.path import Path
+from planner.roadmap import Roadmap
+from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
+from planner.update import match_objects, update_roadmap
+from tests.support.planner_scenes import box, hand_made, polygon, scene_of
+
+Edge = tuple[float, ...]
+
+
+def _edges(roadmap: Roadmap) -> FloatArray:
+    """Every edge of the graph: its two ends, clearance and length, sorted; a loop has no ends."""
+    c = roadmap.chains
+    rows = []
+    for strand in lay_strands(c, roadmap.radius):
+        ids = [k for k, _ in strand.chains]
+        ends = sorted(np.round(c.node_xy[[strand.u, strand.v]], 4).tolist())
+        if strand.u == strand.v:
+            ends = [[0.0, 0.0], [0.0, 0.0]]
+        clearance, length = c.clearance[ids].min(), c.length[ids].sum()
+        rows.append([*ends[0], *ends[1], round(float(clearance), 5), float(length)])
+    return np.array(sorted(rows)).reshape(-1, 6)
+
+
+def _judge(updated: Roadmap, rng: np.random.Generator) -> None:
+    rebuilt = planner.build_roadmap(updated.scene, updated.radius)
+    one, other = _edges(updated), _edges(rebuilt)
+    assert one.shape == other.shape
+    assert one[:, :5] == pytest.approx(other[:, :5], abs=1e-3)
+    # the polylines' points may differ, within their tolerance of the bisectors
+    assert one[:, 5] == pytest.approx(other[:, 5], rel=5e-3, abs=0.02)
+    places = rng.uniform((2.0, 2.0), (157.0, 117.0), (6, 2))
+    assert updated.clearance(places) == pytest.approx(rebuilt.clearance(places))
+    for start, goal in zip(places[:3], places[3:], strict=True):
+        mine, theirs = (r.plan(start, goal, prefer="length") for r in (updated, rebuilt))
+        assert isinstance(mine, Path) == isinstance(theirs, Path)
+        if isinstance(mine, Path) and isinstance(theirs, Path):
+            assert mine.length == pytest.approx(theirs.length, rel=0.01)
+            assert mine.min_clearance >= updated.radius - 1e-6
+
+
+def _apart(rng: np.random.Generator, count: int) -> list[SceneObject]:
+    """Convex polygons and circles, one to a cell of a grid: none touch."""
+    cells = [(x, y) for x in range(6) for y in range(4)]
+    objects = []
+    for i in rng.permutation(len(cells))[:count]:
+        x, y = 18.0 + 25.0 * cells[i][0], 18.0 + 28.0 * cells[i][1]
+        x, y = x + rng.uniform(-2.0, 2.0), y + rng.uniform(-2.0, 2.0)
+        size = float(rng.uniform(3.0, 9.0))
+        if rng.random() < 0.4:
+            objects.append(SceneObject(0, (CircleRecord((x, y), size),)))
+            continue
+        k = int(rng.integers(3, 8))
+        a = (np.arange(k) + rng.uniform(-0.3, 0.3, k)) * 2.0 * np.pi / k
+        corners = zip((x + size * np.cos(a)).tolist(), (y + size * np.sin(a)).tolist(), strict=True)
+        objects.append(SceneObject(0, (polygon(list(corners)),)))
+    return objects
+
+
+def _numbered(objects: list[SceneObject]) -> tuple[SceneObject, ...]:
+    return tuple(replace(o, id=i) for i, o in enumerate(objects))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_objects_that_come_go_and_move_give_the_roadmap_built_anew(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    pool = _apart(rng, 14)
+    objects, others = pool[:8], pool[8:]
+    roadmap = planner.build_roadmap(scene_of(*_numbered(objects)), float(rng.uniform(1.5, 4.0)))
+    for _ in range(5):
+        choice = int(rng.integers(3))
+        at = int(rng.integers(len(objects)))
+        if choice == 0 and len(objects) > 4:
+            others.append(objects.pop(at))
+        elif choice == 1 and others:
+            objects.insert(at, others.pop(0))
+        else:
+            others.append(objects[at])
+            objects[at] = others.pop(0)
+        roadmap = update_roadmap(roadmap, scene_of(*_numbered(objects)))
+        _judge(roadmap, rng)
+
+
+@pytest.mark.parametrize("name", ["U", "lattice of boxes", "touching boxes", "crossing boxes"])
+def test_an_object_put_into_a_difficult_scene_and_taken_out_again(name: str) -> None:
+    scene = hand_made()[name]
+    before = planner.build_roadmap(scene, 2.5)
+    more = replace(scene, objects=(*scene.objects, SceneObject(99, (box(10, 55, 14, 61),))))
+    within = update_roadmap(before, more)
+    _judge(within, np.random.default_rng(0))
+    after = update_roadmap(within, scene)
+    _judge(after, np.random.default_rng(1))
+
+
+def test_the_old_roadmap_stays_as_it_was() -> None:
+    scene = hand_made()["lattice of boxes"]
+    roadmap = planner.build_roadmap(scene, 2.5)
+    before = _edges(roadmap)
+    counts = dict(roadmap.counts)
+    update_roadmap(roadmap, replace(scene, objects=scene.objects[1:]))
+    assert (_edges(roadmap) == before).all()
+    assert dict(roadmap.counts) == counts
+
+
+def test_other_bounds_and_the_papers_mode_are_built_anew() -> None:
+    scene = hand_made()["one box"]
+    wider = scene.with_bounds(Bounds(-0.5, -0.5, 200.0, 150.0))
+    assert update_roadmap(planner.build_roadmap(scene, 4.0), wider).scene is wider
+    paper = update_roadmap(planner.build_roadmap(scene, 4.0, mode="paper"), scene)
+    assert paper.mode == "paper"
+
+
+def test_objects_are_matched_by_what_they_are_and_once_each() -> None:
+    a, b = (
+        SceneObject(0, (box(10, 10, 20, 20),)),
+        SceneObject(1, (CircleRecord((50.0, 50.0), 9.0),)),
+    )
+    again = SceneObject(7, (CircleRecord((50.0, 50.0), 9.0),))
+    assert match_objects([a, b], [again, a, again]).tolist() == [1, 0, -1]
+    with_hole = replace(a, holes=((CircleRecord((15.0, 15.0), 2.0),),))
+    assert match_objects([a], [with_hole]).tolist() == [-1]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_triangulation_without_sites_is_that_of_the_others(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    inner = rng.random((int(rng.integers(30, 300)), 2))
+    if seed % 2:
+        inner = np.unique(np.round(inner * 12.0) / 12.0, axis=0)
+    sites = np.concatenate([inner, [(-1.0, -1.1), (2.2, -1.0), (2.0, 2.5), (-1.0, 2.0)]])
+    n = len(sites)
+    _, order, xy, tri, circ, *_ = insertion_kernels.triangulate(sites, 5)
+    place = np.argsort(order)
+    gone = rng.choice(len(inner), len(inner) // 2, replace=False)
+    assert removal_kernels.remove(xy, n + 5, tri, circ, place[gone])
+    rest = np.setdiff1d(np.arange(n), gone)
+    _, other, _, fresh, *_ = insertion_kernels.triangulate(np.ascontiguousarray(sites[rest]), 0)
+    want = _triangles(fresh, place[rest[other]], n + 5)
+    got = _triangles(tri, np.arange(n + 5), n + 5)
+    # of cocircular sites any triangulation will do
+    assert len(want) == len(got) if seed % 2 else want == got
+
+
+def _triangles(tri: np.ndarray, number: np.ndarray, ghost: int) -> set[frozenset[int]]:
+    rows = tri.reshape(-1, 8)[:, :3].astype(np.int64)
+    number = np.append(number, ghost)
+    rows = rows[rows[:, 0] != insertion_kernels.DEAD]
+    return {frozenset(number[row].tolist()) for row in rows}
+
+
+def test_an_object_on_the_hull_is_taken_out_by_building_anew() -> None:
+    scene: Scene = scene_of(box(-30, 40, 60, 80), box(90, 60, 100, 70))
+    roadmap = planner.build_roadmap(scene, 4.0)
+    _judge(
+        update_roadmap(roadmap, replace(scene, objects=scene.objects[1:])), np.random.default_rng(0)
+    )
