@@ -83,7 +83,9 @@ def arenas_over_time(config: Config, arena: SimulatedArena) -> list[tuple[float,
 
 
 def _object(section: SimulatedObstacleSection, arena: SimulatedArena) -> SceneObject:
-    scene = read_scene_text(f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "simulation.obstacles")
+    scene = read_scene_text(
+        f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "simulation.obstacles"
+    )
     number = 1 + max((thing.id for thing in arena.scene.objects), default=-1)
     return replace(scene.objects[0], id=number)
 
