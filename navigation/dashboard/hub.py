@@ -33,6 +33,7 @@ from planner.path import NoPath, Path
 from planner.roadmap import Roadmap
 from planner.scene import Bounds
 from vision.camera import Frame
+from vision.markers import RobotPose
 
 if TYPE_CHECKING:
     from navigation.dashboard.viewer import Viewer
@@ -85,6 +86,7 @@ class Hub:
         self._roadmap: Roadmap | None = None
         self._path: Path | None = None
         self._wire_s: float | None = None
+        self._others: dict[int, RobotPose] = {}
         self._busy: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -152,6 +154,8 @@ class Hub:
     # What is kept ready.
 
     def _observe(self, state: DaemonState) -> None:
+        driven_id = self.daemon.config.robot.marker_id
+        self._others.update((i, pose) for i, pose in state.poses.items() if i != driven_id)
         camera = self.daemon.camera_status()
         wire_s = self.daemon.last_wire_s()
         if wire_s is not None and wire_s != self._wire_s:
@@ -169,7 +173,7 @@ class Hub:
             self.view,
             self.daemon.camera_status(),
             self.seat,
-            driven_id=self.daemon.config.robot.marker_id,
+            others=self._others.values(),
             now_s=now_s,
             loop_age_s=now_s - self._seen_s,
             viewers=len(self.viewers),

@@ -7,7 +7,7 @@ is infinite or NaN: what was never seen is null.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from navigation.config import Config
@@ -53,12 +53,15 @@ def state_message(
     camera: CameraStatus,
     seat: Seat,
     *,
-    driven_id: int,
+    others: Iterable[RobotPose],
     now_s: float,
     loop_age_s: float,
     viewers: int,
 ) -> dict[str, Any]:
-    """The present state; `loop_age_s` is how long ago the control loop ended a cycle."""
+    """The present state; `loop_age_s` is how long ago the control loop ended a cycle.
+
+    ``others`` are the other robots where they were seen last, however long ago.
+    """
     mission = state.mission
     return {
         "type": "state",
@@ -73,7 +76,7 @@ def state_message(
             "visited": mission.visited,
         },
         "pose": None if state.pose is None else _pose(state.pose, view, now_s),
-        "others": [_pose(p, view, now_s) for i, p in state.poses.items() if i != driven_id],
+        "others": [_pose(other, view, now_s) for other in others],
         "to_go_m": state.to_go_m,
         "clearance_m": state.clearance_m,
         "seat": _seat(seat, now_s),

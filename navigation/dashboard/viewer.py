@@ -26,6 +26,8 @@ from navigation.dashboard.seat import public_half
 
 MOST_CHARACTERS: Final = 65_536
 CREDITS: Final = 2
+EARLY: Final = 0.75
+"""Pictures come unevenly: one that is early by less than a quarter of the pause is not left out."""
 PATIENCE: Final = 20
 """How many malformed messages one connection may send."""
 ANSWERS: Final = 64
@@ -79,7 +81,7 @@ class Viewer:
 
     def wants_picture(self, now_s: float) -> bool:
         """Whether a new picture could be sent now."""
-        due = now_s - self._shown_s >= self.hub.picture_pause_s() - 1e-3
+        due = now_s - self._shown_s >= EARLY * self.hub.picture_pause_s()
         return self.is_watching and self._credits > 0 and due
 
     # Out.

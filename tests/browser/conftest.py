@@ -14,7 +14,11 @@ PICTURES = Path(__file__).parents[2] / "build" / "browser"
 """Where the screenshots go."""
 
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright  # noqa: E402
+from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright  # noqa: E402
+
+PATIENCE_MS = 15_000
+"""Nothing may depend on the machine's being fast."""
+expect.set_options(timeout=PATIENCE_MS)
 
 
 @pytest.fixture(scope="session")
@@ -61,7 +65,7 @@ def open_page(browser: Browser, live: Live) -> Iterator[Callable[..., Page]]:
 
         page.on("console", note)
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.set_default_timeout(15_000)
+        page.set_default_timeout(PATIENCE_MS)
         page.goto(address or live.url)
         return page
 

@@ -12,6 +12,7 @@ from types import TracebackType
 from navigation.config import Config, parse_config
 from navigation.daemon import Daemon
 from navigation.dashboard import Dashboard, ShownDaemon
+from navigation.dashboard.hub import Hub
 from navigation.mission import State
 from navigation.warm_up import warm_up
 from navigation.world import World
@@ -22,11 +23,11 @@ STILL_M = 0.0005
 """Less than this in a tenth of a second is no movement."""
 
 
-def live_config(**dashboard: object) -> Config:
+def live_config(rate_hz: int = 20, **dashboard: object) -> Config:
     """The shipped simulation without a mission of its own, its page at any free port."""
     text = (CONFIGS / "simulation.yaml").read_text()
     text = re.sub(r"^mission:\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
-    text = text.replace("rate_hz: 30", "rate_hz: 20")
+    text = text.replace("rate_hz: 30", f"rate_hz: {rate_hz}")
     lines = {"port": 0, **dashboard}
     text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
     return parse_config(text, "live.yaml", CONFIGS, {})
@@ -80,6 +81,13 @@ class Live:
         # the thread needs a moment to make its event loop
         assert wait_until(lambda: self._dashboard is not None and self._dashboard.hub is not None)
 
+    @property
+    def hub(self) -> Hub:
+        """The dashboard's inside."""
+        assert self._dashboard is not None
+        assert self._dashboard.hub is not None
+        return self._dashboard.hub
+
     def take_away(self) -> None:
         """End the page's server; the program goes on."""
         if self._dashboard is not None:
@@ -118,9 +126,7 @@ class Live:
 
     def calm_down(self) -> None:
         """Leave no stop, pause, mission or operator behind for the next test."""
-        assert self._dashboard is not None
-        assert self._dashboard.hub is not None
-        self._dashboard.hub.seat.holder = None
+        self.hub.seat.holder = None
         if self.state is State.STOPPED:
             assert wait_until(lambda: self.daemon.link.snapshot().estopped)
         self.daemon.resume()

@@ -29,6 +29,7 @@ from planner.roadmap import Roadmap
 from planner.scene import Bounds
 from tests.support.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
 from vision.calibration import Calibration
+from vision.markers import RobotPose
 
 ARENA = Bounds(0.0, 0.0, 2.4, 1.8)
 
@@ -116,8 +117,11 @@ def test_what_is_told_to_be_usable_is_the_roadmap(roadmap: Roadmap) -> None:
     first, usable = arrays["chain_first"], arrays["chain_usable"].astype(bool)
     for c in np.flatnonzero(usable):
         assert (arrays["chain_clearance"][first[c] : first[c + 1]] >= RADIUS_M - 1e-6).all()
-    edges = roadmap.graph.number_of_edges()
-    assert 0 < usable.sum() <= edges <= 2 * usable.sum()
+    points = arrays["chain"].reshape(-1, 2).astype(np.float64)
+    pieces = [points[first[c] : first[c + 1]] for c in np.flatnonzero(usable)]
+    told_m = sum(np.hypot(*np.diff(piece, axis=0).T).sum() for piece in pieces)
+    whole_m = sum(length for _, _, length in roadmap.graph.edges(data="length"))
+    assert told_m == pytest.approx(whole_m, abs=1e-3)
     assert not usable.all(), "the arena has places that are too tight"
 
 
@@ -179,14 +183,14 @@ def test_a_camera_that_gives_another_size_is_scaled() -> None:
 # State.
 
 
-def told_state(daemon: FakeDaemon) -> dict[str, object]:
+def told_state(daemon: FakeDaemon, *others: RobotPose) -> dict[str, object]:
     assert daemon.state is not None
     return state_message(
         daemon.state,
         TopView(daemon.calibration, ARENA, 160, 80),
         daemon.camera,
         Seat(300.0),
-        driven_id=7,
+        others=others,
         now_s=0.05,
         loop_age_s=0.01,
         viewers=2,
@@ -208,8 +212,8 @@ def test_the_state_says_where_the_robots_are_and_why_nothing_moves() -> None:
     assert daemon.state.pose is not None
     other = replace(daemon.state.pose, id=3, x=1.0)
     mission = Mission((Station(1.0, 1.0),), 0, state=State.HOLDING, reason="because")
-    daemon.show(poses={7: daemon.state.pose, 3: other}, mission=mission)
-    told = told_state(daemon)
+    daemon.show(mission=mission)
+    told = told_state(daemon, other)
     assert [one["id"] for one in told["others"]] == [3]  # type: ignore[attr-defined]
     pose = told["pose"]
     assert isinstance(pose, dict)

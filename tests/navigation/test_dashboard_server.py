@@ -18,7 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 from navigation.dashboard import Dashboard
 from navigation.dashboard.packed import unpack
 from navigation.mission import State, Station
-from tests.support.shown import FakeDaemon, frame, laboratory, shown_config
+from tests.support.shown import FakeDaemon, frame, laboratory, pose, shown_config
 from tests.support.waiting import wait_until
 
 TOKEN = "a-token-of-some-length"
@@ -441,6 +441,17 @@ def test_a_name_is_text_whatever_is_in_it(site: Site) -> None:
         assert page.hear("answer")["ok"]
         page.hear("state")
         assert page.hear("state")["seat"]["name"] == name
+
+
+def test_another_robot_stays_where_it_was_seen_last(site: Site) -> None:
+    other = replace(pose(1.0, 1.0), id=3)
+    site.daemon.show(poses={7: pose(), 3: other})
+    with site.live() as page:
+        while not page.hear("state", 2.0)["others"]:
+            pass
+        site.daemon.show(poses={7: pose()})
+        told = [page.hear("state") for _ in range(3)][-1]
+        assert [(one["id"], one["x_m"]) for one in told["others"]] == [(3, 1.0)]
 
 
 # Many, slow and gone.

@@ -1,0 +1,159 @@
+"""What looking costs: capture to wire with nobody, one and twenty viewers of the dashboard.
+
+    python -m benchmarks.dashboard [--seconds 10] [--rounds 3]
+
+One running program with a simulated camera (1280x960, 30 pictures a second) and robot; the
+viewers are pages without a screen in a process of their own, which acknowledge every picture at
+once. The numbers of viewers take turns, so that whatever else the machine does meets all of
+them. Writes benchmarks/results/dashboard.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import multiprocessing
+import resource
+import statistics
+import threading
+import time
+from collections import defaultdict
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+from websockets.asyncio.client import connect
+
+from navigation.dashboard.packed import unpack
+from tests.browser.live import Live, live_config
+
+RESULT = Path(__file__).parent / "results" / "dashboard.md"
+VIEWERS = (0, 1, 20)
+SETTLE_S = 1.0
+
+
+@dataclass(slots=True)
+class Figures:
+    """What was measured with one number of viewers, over all rounds."""
+
+    wire_ms: list[float] = field(default_factory=list)
+    slowest_ms: list[float] = field(default_factory=list)
+    processor: list[float] = field(default_factory=list)
+    cycles_s: list[float] = field(default_factory=list)
+    pictures_s: list[float] = field(default_factory=list)
+    picture_age_ms: list[float] = field(default_factory=list)
+
+
+async def look(address: str, until_s: float, ages_ms: list[float]) -> int:
+    """One viewer; how many pictures it got."""
+    count = 0
+    async with connect(address, subprotocols=["clearway.1"]) as line:  # type: ignore[list-item]
+        await line.send(json.dumps({"type": "watch", "on": True}))
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            try:
+                data = await asyncio.wait_for(line.recv(), left_s)
+            except TimeoutError:
+                break
+            if isinstance(data, bytes) and (head := unpack(data)[0])["type"] == "picture":
+                count += 1
+                ages_ms.append(head["age_ms"])
+                await line.send(json.dumps({"type": "ack", "number": head["number"]}))
+    return count
+
+
+def view(address: str, viewers: int, seconds: float, pipe: Connection) -> None:
+    """So many viewers in this process; sends the pictures of each and their ages."""
+
+    async def everybody() -> None:
+        until_s = time.monotonic() + seconds
+        ages_ms: list[float] = []
+        counts = await asyncio.gather(*(look(address, until_s, ages_ms) for _ in range(viewers)))
+        pipe.send((counts, ages_ms))
+
+    asyncio.run(everybody())
+
+
+def measure(live: Live, viewers: int, seconds: float, figures: Figures) -> None:
+    """One stretch with so many viewers."""
+    address = live.url.replace("http", "ws") + "live"
+    ours, theirs = multiprocessing.Pipe()
+    process = multiprocessing.get_context("spawn").Process(
+        target=view, args=(address, viewers, SETTLE_S + seconds + 2.0, theirs)
+    )
+    process.start()
+    hub = live.hub
+    while len(hub.viewers) < viewers:
+        threading.Event().wait(0.05)
+    threading.Event().wait(SETTLE_S)
+    times = live.daemon.link.capture_to_wire_s
+    times.clear()
+    processed, pictures = live.daemon.processed, hub.pictures_sent
+    began_s, used_s = time.monotonic(), processor_s()
+    threading.Event().wait(seconds)
+    passed_s = time.monotonic() - began_s
+    wire_ms = np.array(times) * 1e3
+    figures.wire_ms.append(float(np.median(wire_ms)))
+    figures.slowest_ms.append(float(np.percentile(wire_ms, 99)))
+    figures.processor.append((processor_s() - used_s) / passed_s)
+    figures.cycles_s.append((live.daemon.processed - processed) / passed_s)
+    if viewers:
+        figures.pictures_s.append((hub.pictures_sent - pictures) / passed_s / viewers)
+        _, ages_ms = ours.recv()
+        figures.picture_age_ms.append(statistics.median(ages_ms))
+    process.join()
+
+
+def processor_s() -> float:
+    """Processor time of this process: the program and the simulated world, not the viewers."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+
+
+def table(found: dict[int, Figures], seconds: float, rounds: int) -> str:
+    """The results as Markdown."""
+    lines = [
+        "# What looking costs",
+        "",
+        f"The shipped simulation at 1280x960, 30 pictures a second; {rounds} rounds of "
+        f"{seconds:g} s each, taking turns; the least disturbed round of each, since other work",
+        "on the machine only adds. Ratios are against nobody looking. The processor's share has",
+        "the simulated camera and robot in it. `python -m benchmarks.dashboard` makes this again.",
+        "",
+        "| viewers | capture to wire p50 | ratio | p99 | ratio | pictures/s seen by the program "
+        "| pictures/s a viewer | age of a picture when sent | processor |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    base = found[0]
+    for viewers, one in found.items():
+        p50, p99 = min(one.wire_ms), min(one.slowest_ms)
+        times = p50 / min(base.wire_ms), p99 / min(base.slowest_ms)
+        watched = f"{max(one.pictures_s):.1f}" if viewers else "-"
+        age = f"{min(one.picture_age_ms):.0f} ms" if viewers else "-"
+        lines.append(
+            f"| {viewers} | {p50:.1f} ms | {times[0]:.2f} | {p99:.1f} ms | {times[1]:.2f} "
+            f"| {max(one.cycles_s):.1f} | {watched} | {age} "
+            f"| {100 * min(one.processor):.0f} % |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--rounds", type=int, default=3)
+    asked = parser.parse_args()
+    found: dict[int, Figures] = defaultdict(Figures)
+    with Live(live_config(rate_hz=30)) as live:
+        for number in range(asked.rounds):
+            for viewers in VIEWERS if number % 2 == 0 else VIEWERS[::-1]:
+                measure(live, viewers, asked.seconds, found[viewers])
+                print(f"round {number + 1}, {viewers} viewers: {found[viewers]}", flush=True)
+    text = table({viewers: found[viewers] for viewers in VIEWERS}, asked.seconds, asked.rounds)
+    RESULT.write_text(text)
+    print(text)
+
+
+if __name__ == "__main__":
+    main()
