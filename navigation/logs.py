@@ -35,6 +35,7 @@ EVENTS: Final = {
     "plan": "another plan is driven: length_m, min_clearance_m",
     "link": "the link's state is another",
     "camera": "the camera's state is another",
+    "recording": "pictures are dropped, or the recording has ended early",
     "watchdog": "a stage does not get on",
     "configuration": "the file was read again",
     "finished": "the run is over: state, reason, duration_s",

@@ -17,6 +17,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from navigation.attendance import Attendance
 from navigation.config import Config
 from navigation.config_sections import SIMULATED
 from navigation.control import ControlServer, default_socket
@@ -124,7 +125,7 @@ class Runner:
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=self.config.camera.source, port=world.port)
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive(daemon)
+            state, reason = self._drive(daemon, recorder)
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
             self._log.write(
@@ -192,18 +193,14 @@ class Runner:
             return mission.with_visited(max(mission.visited, visited))
         return mission
 
-    def _drive(self, daemon: Daemon) -> tuple[State, str]:
+    def _drive(self, daemon: Daemon, recorder: Recorder | None) -> tuple[State, str]:
         limit_s = self._time_limit_s()
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
-        hanging: tuple[str, ...] = ()
+        attendance = Attendance(daemon, self._log, watchdog, recorder)
         while True:
             now = daemon.cycle()
             self._tell(now)
-            self._log.cycle(now, daemon.camera.status())
-            watchdog.tick(self._clock())
-            if watchdog.hanging != hanging:
-                hanging = watchdog.hanging
-                self._log.write("error", "watchdog", stages=", ".join(hanging) or "none")
+            attendance.cycle(now, self._clock())
             if self.interrupt.is_set():
                 return State.STOPPED, self.interrupt_reason
             if now.time_s > limit_s:

@@ -7,13 +7,17 @@ import json
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from navigation import logs
+from navigation.attendance import Attendance
 from navigation.logs import EventLog, RunLog
 from navigation.mission import Mission, State, Station
+from navigation.recorder import RecordingCounts
+from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_link import LinkSnapshot, LinkState
 from vision.latest_frame import CameraStatus
 
@@ -146,6 +150,36 @@ def test_a_hold_a_station_a_lost_link_and_a_lost_camera_are_news() -> None:
         ("warning", "link"),
         ("warning", "camera"),
     ]
+
+
+@dataclass
+class Recording:
+    """What `Attendance` asks of a recorder."""
+
+    now: RecordingCounts
+
+    def counts(self) -> RecordingCounts:
+        return self.now
+
+
+def test_a_recording_that_drops_and_one_that_ends_are_told_once() -> None:
+    run, stream = run_log()
+    recording = Recording(RecordingCounts())
+    daemon: Any = SimpleNamespace(camera=SimpleNamespace(status=lambda: FINE))
+    watchdog = Watchdog(Notifier(None), None, dict)
+    watched: Any = recording
+    attendance = Attendance(daemon, run, watchdog, watched)
+    now: Any = DRIVING
+    attendance.cycle(now, 0.0)
+    events_of(stream)
+    for dropped in (1, 2):
+        recording.now = RecordingCounts(dropped=dropped)
+        attendance.cycle(now, 0.1)
+    assert events_of(stream) == [("warning", "recording")]
+    recording.now = RecordingCounts(dropped=2, failed="the disk is full")
+    attendance.cycle(now, 0.2)
+    attendance.cycle(now, 0.3)
+    assert events_of(stream) == [("error", "recording")]
 
 
 def test_every_log_of_a_run_gets_every_event() -> None:
