@@ -235,15 +235,40 @@ def test_noise_and_dark_shapes_are_no_robots() -> None:
         assert tracker.update(Frame(image, i / 30.0, i, "t")) == ()
 
 
-@pytest.mark.parametrize("name", ["DICT_APRILTAG_36h11", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL"])
-def test_other_dictionaries_work_too(name: str) -> None:
+@pytest.mark.parametrize("name", dictionary_names())
+def test_every_dictionary_of_opencv_is_tracked(name: str) -> None:
     number = getattr(cv2.aruco, name)
-    robot, pose = MarkedRobot(17, 0.12), (0.36, 0.3, 0.9)
-    calibration = overhead()
-    image = picture_of(calibration, robot, pose, np.random.default_rng(0), dictionary=number)
-    tracker = MarkerTracker(calibration, [robot], name)
-    found = [p for i in range(4) for p in tracker.update(Frame(image, i / 30.0, i, "t"))]
-    assert (found[-1].x, found[-1].y) == pytest.approx(pose[:2], abs=2e-4)
+    last = len(dictionary_by_name(name).bytesList) - 1
+    calibration, pose = overhead(), (0.36, 0.3, 0.9)
+    for marker_id in (0, last):
+        robot = MarkedRobot(marker_id, 0.14)
+        rng = np.random.default_rng(marker_id)
+        image = picture_of(calibration, robot, pose, rng, dictionary=number)
+        tracker = MarkerTracker(calibration, [robot], name)
+        found = [p for i in range(4) for p in tracker.update(Frame(image, i / 30.0, i, "t"))]
+        assert (found[-1].x, found[-1].y) == pytest.approx(pose[:2], abs=1e-4)
+        assert wrap(found[-1].heading_rad - pose[2]) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_robot_that_is_seen_where_it_cannot_be_is_not_believed_before_it_stays_there() -> None:
+    calibration, robot = overhead(), MarkedRobot(2, 0.1)
+    rng = np.random.default_rng(1)
+    here, there = (
+        picture_of(calibration, robot, pose, rng) for pose in ((0.2, 0.3, 0.0), (0.55, 0.3, 0.0))
+    )
+    tracker = MarkerTracker(calibration, [robot])
+    for i in range(6):
+        tracker.update(Frame(here, i / 60.0, i, "t"))
+    # 350 mm in a sixtieth of a second are 21 m/s.
+    assert tracker.update(Frame(there, 6 / 60.0, 6, "t")) == ()
+    assert tracker.refusals == ("marker 2: jumped farther than the robot can drive",)
+    assert "seen where it cannot be" in tracker.remarks(6 / 60.0, patience_ms=10.0)[0]
+    back = tracker.update(Frame(here, 7 / 60.0, 7, "t"))
+    assert len(back) == 1
+    assert back[0].x == pytest.approx(0.2, abs=1e-3)
+    carried = [tracker.update(Frame(there, (8 + i) / 60.0, 8 + i, "t")) for i in range(6)]
+    assert carried[0] == ()
+    assert carried[-1][0].x == pytest.approx(0.55, abs=1e-3)
 
 
 def test_every_dictionary_of_opencv_is_known_and_a_wrong_name_gets_a_hint() -> None:
