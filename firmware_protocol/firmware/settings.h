@@ -1,6 +1,8 @@
-/* What the robot is and can do. The values are the robot's own: `make avr SETTINGS=...` takes
- * them from a header that `python -m navigation.firmware_settings CONFIG` writes; a sketch
- * defines cw_robot_settings by itself. */
+/* What the robot is and can do. These are the reference robot's values. For another one either
+ * - write a header from its configuration and name it when building:
+ *       python -m navigation.firmware_settings CONFIG -o my_robot.h
+ *       make avr SETTINGS=/path/to/my_robot.h
+ * - or define cw_robot_settings in the program, as the Arduino example does. */
 #ifndef CLEARWAY_SETTINGS_H
 #define CLEARWAY_SETTINGS_H
 
@@ -10,9 +12,10 @@
 #include CW_SETTINGS_FILE
 #endif
 
-/* Every value > 0. */
+/* Every value > 0 and at most 8000, but for the track, up to 1 m, and the turn acceleration, up
+ * to 15000. */
 typedef struct {
-    uint32_t track_um; /* between the wheels, up to 1 m */
+    uint32_t track_um; /* between the wheels */
     uint16_t max_speed_mm_s;
     uint16_t acceleration_mm_s2;
     uint16_t lateral_mm_s2; /* sideways acceleration in bends */
@@ -25,6 +28,17 @@ typedef struct {
 
 #ifndef CW_SETTINGS
 #define CW_SETTINGS {120000ul, 500u, 500u, 600u, 2500u, 8000u, 40u, 150u, 150u}
+#endif
+
+/* For a board's port: the line, the encoders, and the wheels' speed at full power. */
+#ifndef CW_BAUD
+#define CW_BAUD 115200ul
+#endif
+#ifndef CW_UM_PER_STEP
+#define CW_UM_PER_STEP 250l
+#endif
+#ifndef CW_FULL_SPEED_MM_S
+#define CW_FULL_SPEED_MM_S 800ul
 #endif
 
 #ifdef CW_SETTINGS_CHANGE
