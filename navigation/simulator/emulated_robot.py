@@ -4,10 +4,14 @@ The same face as the simulated robot with the Python twin. A thread runs the emu
 time: what the host sends into the pseudo-terminal goes to the emulated UART, which takes it at
 its true baud rate; the motor outputs drive the simulated wheels; their travel turns the
 emulated encoders. Which settings the robot has is compiled into its firmware.
+
+Of the faults, ``reset`` pulls the processor's reset line; ``freeze`` stops its clock, and with it
+its watchdog: the motors keep what they were told, and what the host sends meanwhile is lost.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import threading
@@ -54,10 +58,12 @@ class EmulatedRobot:
         self._clock = clock
         self._processor = EmulatedProcessor(command)
         self._drive = Drive(model or DriveModel(), TruePose(*pose), rng)
-        spec = faults or FaultSpec()
+        self._faults = spec = faults or FaultSpec()
         self._lines = (FaultyLine(spec, rng), FaultyLine(spec, rng))
         self._encoders_m = (0.0, 0.0)
         self._steps = 0
+        self._start_s = math.inf
+        self._reset_done = False
         self._track: list[tuple[float, float, float, float]] = []
         self._lock = threading.Lock()
         self._stop = threading.Event()
@@ -71,9 +77,14 @@ class EmulatedRobot:
         """How much of the clock's time the emulator was too slow for."""
 
     def start(self) -> None:
-        """Switch the robot on."""
+        """Switch the robot on, in a thread of its own."""
+        self.begin()
         self._thread = threading.Thread(target=self._run, name="emulated robot", daemon=True)
         self._thread.start()
+
+    def begin(self) -> None:
+        """Switch it on for one who calls :meth:`step` himself."""
+        self._start_s = self._clock()
 
     def stop(self) -> None:
         """Switch it off; its end of the line is closed then."""
@@ -106,17 +117,21 @@ class EmulatedRobot:
             while done_s + STEP_S <= now_s:
                 done_s += STEP_S
                 try:
-                    self._step(done_s)
+                    self.step(done_s)
                 except EmulatorError:
                     return
             self._stop.wait(max(0.0, done_s + STEP_S - self._clock()))
 
-    def _step(self, now_s: float) -> None:
+    def step(self, now_s: float) -> None:
+        """The next STEP_S, which end now; EmulatorError where the program has ended."""
         arrived = self._lines[0].carry(self._read(), now_s)
         encoders_m = self._drive.encoders_m
         travel = (encoders_m[0] - self._encoders_m[0], encoders_m[1] - self._encoders_m[1])
         self._encoders_m = encoders_m
-        self.motors, data = self._processor.run(STEP_S, arrived, travel)
+        data = b""
+        if not self._is_frozen(now_s):
+            reset = self._is_reset(now_s)
+            self.motors, data = self._processor.run(STEP_S, arrived, travel, reset)
         wheels = WheelSpeeds(self.motors.left_m_s, self.motors.right_m_s, self.motors.powered)
         self._drive.step(STEP_S, wheels)
         self._write(self._lines[1].carry(data, now_s))
@@ -124,6 +139,16 @@ class EmulatedRobot:
         if self._steps % TRACK_EVERY == 0:
             with self._lock:
                 self._track.append((now_s, *self._drive.pose))
+
+    def _is_frozen(self, now_s: float) -> bool:
+        since_s = now_s - self._start_s - self._faults.freeze_at_s
+        return 0.0 <= since_s < self._faults.freeze_s
+
+    def _is_reset(self, now_s: float) -> bool:
+        """True once, at the time of the fault."""
+        due = now_s - self._start_s >= self._faults.reset_at_s and not self._reset_done
+        self._reset_done = self._reset_done or due
+        return due
 
     def _read(self) -> bytes:
         if not select.select([self._fd], [], [], 0.0)[0]:

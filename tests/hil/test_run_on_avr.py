@@ -7,6 +7,7 @@ line an emulated ATmega328P runs the firmware, and its PWM and encoders move the
 from __future__ import annotations
 
 import json
+import random
 import re
 import shlex
 import shutil
@@ -15,10 +16,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import serial
 
+from firmware_protocol.host import HostConnection
 from navigation.config import load_config
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
-from navigation.simulator.emulated_robot import EmulatedRobot
+from navigation.simulator.emulated_robot import STEP_S, EmulatedRobot
+from navigation.simulator.line_faults import FaultSpec
 from navigation.world import World
 from tests.support.avr_robot import AvrRobot, missing_tools
 from tests.support.pictures import call
@@ -87,6 +91,53 @@ def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> 
             assert not robot.motors.powered, "nobody has told it to drive"
         finally:
             world.stop()
+
+
+@pytest.mark.parametrize(("faults", "boots"), [("", 1), ("reset=0.5", 2), ("freeze=0.6@0.5", 1)])
+def test_the_emulated_robot_obeys_reset_and_freeze(faults: str, boots: int) -> None:
+    """Told by the boot ids that a host sees, and by how long it sees nothing."""
+    rng, clock = np.random.default_rng(1), Clock()
+    with AvrRobot() as avr:
+        robot = EmulatedRobot(avr.command, rng=rng, faults=FaultSpec.parse(faults), clock=clock)
+        host = HostConnection(random.Random(1))
+        with serial.Serial(robot.port, timeout=0) as port:
+            seen, silent_s = watch(robot, host, port, clock)
+        robot.stop()
+    assert len(seen) == boots
+    assert (silent_s > 0.55) == faults.startswith("freeze")
+
+
+class Clock:
+    """Virtual time."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def watch(
+    robot: EmulatedRobot, host: HostConnection, port: serial.Serial, clock: Clock
+) -> tuple[set[int], float]:
+    """Two seconds: the boot ids in STATUS, and the longest time without a byte."""
+    seen: set[int] = set()
+    heard_s = silent_s = 0.0
+    host.open(0.0)
+    robot.begin()
+    while clock.now_s < 2.0:
+        clock.now_s += STEP_S
+        robot.step(clock.now_s)
+        data = port.read(4096)
+        if data:
+            heard_s = clock.now_s
+        silent_s = max(silent_s, clock.now_s - heard_s)
+        host.receive_bytes(data, clock.now_s)
+        host.tick(clock.now_s)
+        port.write(host.bytes_to_send(clock.now_s))
+        if host.status is not None:
+            seen.add(host.status.boot_id)
+    return seen, silent_s
 
 
 def test_an_emulator_that_ends_is_an_error_and_no_hang() -> None:
