@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil faults bench paper
+.PHONY: firmware hil faults bench paper pictures browser
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -54,6 +54,14 @@ faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmark
 
 paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
 	$(BIN)/python -m benchmarks.paper
+
+pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pictures/
+	bash .ci/packages browser
+	$(BIN)/python -m tests.browser.pictures
+
+browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots in build/browser/
+	bash .ci/packages browser
+	$(BIN)/python -m pytest tests/browser
 
 bench: $(VENV)/.installed-dev ## every benchmark, into benchmarks/results/
 	for one in $$(ls benchmarks/*.py); do \

@@ -87,6 +87,10 @@ class ShownDaemon:
         """End a pause, or re-arm."""
         self._daemon.resume()
 
+    def replan(self) -> None:
+        """Plan anew."""
+        self._daemon.replan()
+
     def describe(self) -> Mapping[str, Any]:
         """The present state."""
         return self._daemon.describe()

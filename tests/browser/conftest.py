@@ -10,6 +10,7 @@ import pytest
 from tests.browser.live import Live, live_config
 
 CHROMIUM = os.environ.get("CLEARWAY_CHROMIUM", "/usr/bin/chromium")
+ARGUMENTS = ["--no-sandbox", "--disable-dev-shm-usage", "--headless"]
 PICTURES = Path(__file__).parents[2] / "build" / "browser"
 """Where the screenshots go."""
 
@@ -28,7 +29,7 @@ def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(
             executable_path=CHROMIUM,
-            args=["--no-sandbox", "--disable-dev-shm-usage", "--headless"],
+            args=ARGUMENTS,
         )
         yield chromium
         chromium.close()

@@ -23,11 +23,12 @@ STILL_M = 0.0005
 """Less than this in a tenth of a second is no movement."""
 
 
-def live_config(rate_hz: int = 20, **dashboard: object) -> Config:
+def live_config(rate_hz: int = 20, noise_grey: float = 2.5, **dashboard: object) -> Config:
     """The shipped simulation without a mission of its own, its page at any free port."""
     text = (CONFIGS / "simulation.yaml").read_text()
     text = re.sub(r"^mission:\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
     text = text.replace("rate_hz: 30", f"rate_hz: {rate_hz}")
+    text = text.replace("noise_grey: 2.5", f"noise_grey: {noise_grey}")
     lines = {"port": 0, **dashboard}
     text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
     return parse_config(text, "live.yaml", CONFIGS, {})

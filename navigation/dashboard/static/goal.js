@@ -18,12 +18,14 @@ export class Goal {
   #pressed = null;
   #cursor = null;
   #asked = 0;
+  #hint = "";
 
   constructor(stage, connection, seat, say) {
     Object.assign(this, { stage, connection, seat, say });
     this.send = document.getElementById("send");
     this.adding = document.getElementById("adding");
     this.probe = document.getElementById("probe");
+    this.#hint = this.probe.textContent;
     connection.on("hello", (hello) => {
       this.#hello = hello;
       this.#clearance ??= new Clearance(hello.arena_m, null);
@@ -225,6 +227,8 @@ export class Goal {
     const group = this.stage.group("probe");
     if (!place || !this.#clearance) {
       group.replaceChildren();
+      this.probe.textContent = this.#hint;
+      this.probe.classList.remove("bad");
       return;
     }
     const s = this.stage;

@@ -23,7 +23,7 @@ export class Layers {
     this.stage = stage;
     this.picture = picture;
     this.shown = new Set(remembered() ?? LAYERS);
-    for (const name of ["floor", "obstacles", "diagram", "roadmap", "corridor", "track", "plan", "narrowest", "mission", "robots", "draft", "probe"]) {
+    for (const name of ["floor", "obstacles", "diagram", "roadmap", "corridor", "plan", "narrowest", "track", "mission", "robots", "draft", "probe"]) {
       stage.group(name);
     }
     this.#makeSwitches();
