@@ -1,4 +1,4 @@
-"""Orders to a running daemon over a local socket: go, stop, pause, resume, status.
+"""Orders to a running daemon over a local socket: go, stop, pause, resume, replan, status.
 
 Rules
 - A Unix socket that only its owner can use (mode 0600, in a folder of mode 0700). One request
@@ -46,7 +46,10 @@ class Commanded(Protocol):
         """Hold until resumed."""
 
     def resume(self) -> None:
-        """End a pause, or re-arm after a stop."""
+        """End a pause; after a stop re-arm, and the next time go on."""
+
+    def replan(self) -> None:
+        """Plan anew from where the robot is."""
 
     def describe(self) -> Mapping[str, Any]:
         """The present state, as JSON takes it."""
@@ -73,10 +76,14 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
                 daemon.pause()
             case "resume":
                 daemon.resume()
+            case "replan":
+                daemon.replan()
             case "status":
                 pass
             case other:
-                raise ControlError(f"order {other!r}: must be go, stop, pause, resume or status")
+                raise ControlError(
+                    f"order {other!r}: must be go, stop, pause, resume, replan or status"
+                )
     except (ControlError, MissionError) as error:
         return {"ok": False, "error": str(error)}
     return {"ok": True, **daemon.describe()}

@@ -27,12 +27,13 @@ from navigation.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
 from navigation.eye import Eye, Glimpse
 from navigation.journal import Journal, SentPlan
 from navigation.link_snapshot import LinkSnapshot
-from navigation.mission import Mission, State, Station
+from navigation.mission import Mission, Station
 from navigation.parts import Surroundings
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, SceneCheck
 from navigation.recording_events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
 from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
+from navigation.supervisor import Part, Supervisor, in_words
 from navigation.targets import to_wire
 from navigation.track import Track
 from navigation.traffic import LOST_S, Mover
@@ -123,13 +124,18 @@ class Daemon:
         self.pilot = Pilot(pilot_settings(config), first_mission_id)
         self.link = world.make_link()
         self.camera = world.make_frames()
-        self._eye = Eye(
-            world.calibration,
-            MarkerTracker(world.calibration, marked_robots(config), config.robot.dictionary),
-            eye_settings(config),
-        )
+        self._eye = self._open_eye()
+        self._vision_failure: str | None = None
         self._arena_planner = ArenaPlanner(plan_settings(config))
         self._planner = world.make_planner(self._arena_planner, self._on_scene, self._on_answer)
+        self._supervisor = Supervisor(
+            {
+                "vision": Part(lambda: self._vision_failure, self._restart_vision),
+                "planner": Part(self._planner.failure, self._restart_planner),
+                "serial link": Part(self.link.failure, self.link.restart),
+                "camera's thread": Part(self._camera_failure, self._restart_camera),
+            }
+        )
         self._lock = threading.Lock()
         self._answers: deque[PlanAnswer] = deque(maxlen=1)
         self._checks: deque[SceneCheck] = deque()
@@ -193,6 +199,30 @@ class Daemon:
         while self._clock() < until_s and self.link.snapshot().moving:
             self.world.wait(0.01)
 
+    # Restarts after errors of the program; the supervisor says when.
+
+    def _open_eye(self) -> Eye:
+        calibration = self.world.calibration
+        robots = marked_robots(self.config)
+        tracker = MarkerTracker(calibration, robots, self.config.robot.dictionary)
+        return Eye(calibration, tracker, eye_settings(self.config))
+
+    def _restart_vision(self) -> None:
+        self._eye = self._open_eye()
+        self._vision_failure = None
+
+    def _restart_planner(self) -> None:
+        self._planner.restart()
+        if self.scene is not None:
+            self._planner.see(self.scene, self._revision, None)
+
+    def _camera_failure(self) -> str | None:
+        return self.camera.status().reason if self.camera.has_died() else None
+
+    def _restart_camera(self) -> None:
+        self.camera.stop()
+        self.camera.start()
+
     # Orders from people.
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
@@ -217,11 +247,14 @@ class Daemon:
             self.pilot.pause()
 
     def resume(self) -> None:
-        """End a pause; after a stop re-arm the robot, which then waits for a mission."""
+        """End a pause; after a stop re-arm the robot, and the next time go on."""
         with self._lock:
-            if self.pilot.mission.state is State.STOPPED:
-                self.pilot.rearm()
             self.pilot.resume()
+
+    def replan(self) -> None:
+        """Plan anew from where the robot is."""
+        with self._lock:
+            self.pilot.replan()
 
     def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
         """What a mission through these stations would be from where the robot is; changes nothing.
@@ -274,12 +307,12 @@ class Daemon:
         """Wait for the next frame, at most ``LONGEST_CYCLE_S``, and decide."""
         self._cycles += 1
         frame = self.camera.take(LONGEST_CYCLE_S)
-        self._planner.check()
         if frame is not None:
             self._see(frame)
         now_s = self._clock()
+        failed = self._supervisor.look(now_s)
         snapshot = self.link.snapshot()
-        sight = self._sight(now_s)
+        sight = self._sight(now_s, failed)
         with self._lock:
             for check in self._take_checks():
                 self.pilot.new_scene(check.path_clearance_m)
@@ -294,7 +327,13 @@ class Daemon:
 
     def _see(self, frame: Frame) -> None:
         began_s = self._clock()
-        glimpse: Glimpse = self._eye.look(frame)
+        if self._vision_failure is not None:
+            return
+        try:
+            glimpse: Glimpse = self._eye.look(frame)
+        except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
+            self._vision_failure = in_words(error)
+            return
         self._note(look_s=self._clock() - began_s)
         self.processed += 1
         self._frame_s = frame.captured_s
@@ -320,7 +359,7 @@ class Daemon:
         with self._lock:
             self._times = replace(self._times, **times_s)
 
-    def _sight(self, now_s: float) -> Sight:
+    def _sight(self, now_s: float, failed: str | None) -> Sight:
         pose = self.pose
         place = None if pose is None else (pose.x, pose.y, pose.heading_rad)
         clearance = None if place is None else self._arena_planner.clearance_m(place[:2])
@@ -330,6 +369,7 @@ class Daemon:
             pose=place,
             scene_revision=self._known_revision,
             clearance_m=clearance,
+            failed=failed,
             others=tuple(self._mover(other, now_s) for other in self._others.values()),
         )
 
@@ -433,7 +473,7 @@ class Daemon:
 def _same_progress(one: Mission, other: Mission | None) -> bool:
     if other is None:
         return False
-    parts = ((m.stations, m.visited, m.any_order, m.state) for m in (one, other))
+    parts = ((m.stations, m.visited, m.any_order, m.state, m.paused) for m in (one, other))
     first, second = parts
     return first == second
 

@@ -6,7 +6,8 @@ Rules
 - SQLite in WAL mode with ``synchronous=FULL``: a kill at any moment loses nothing that was
   said to be saved, and never leaves half a record.
 - One row each: the journal holds the present, not history.
-- A mission that was stopped, done or failed is over: a restart never resumes it by itself.
+- A mission that was stopped, done or failed is over, and one that was re-armed waits for an
+  order: a restart never resumes them by itself. A paused one stays paused.
 """
 
 from __future__ import annotations
@@ -97,7 +98,8 @@ class Journal:
     def unfinished(self) -> Mission | None:
         """The mission that a restart has to go on with; None where nothing is left to do."""
         mission = self.mission()
-        if mission is None or mission.is_over or not mission.remaining:
+        goes_on = (State.PLANNING, State.DRIVING, State.HOLDING)
+        if mission is None or mission.state not in goes_on or not mission.remaining:
             return None
         return mission
 
@@ -126,6 +128,7 @@ def _mission(body: dict[str, Any]) -> Mission:
         bool(body["any_order"]),
         State[body["state"]],
         body["reason"],
+        bool(body.get("paused", False)),
     )
 
 

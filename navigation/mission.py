@@ -92,6 +92,8 @@ class Mission:
     any_order: bool = False
     state: State = State.IDLE
     reason: str = "no mission was given"
+    paused: bool = False
+    """Whether the operator has paused it; a restart of the program keeps that."""
 
     @property
     def remaining(self) -> tuple[Station, ...]:

@@ -40,6 +40,10 @@ class Frames(Protocol):
     def stop(self) -> None:
         """Close it."""
 
+    def has_died(self) -> bool:
+        """Whether it has ended by an error of the program."""
+        ...
+
     def take(self, timeout_s: float) -> Frame | None:
         """The newest frame that was not yet taken, waiting for it."""
 
@@ -63,6 +67,12 @@ class Link(Protocol):
 
     def open(self) -> None:
         """Open the port."""
+
+    def failure(self) -> str | None:
+        """The error that ended it, in words."""
+
+    def restart(self) -> None:
+        """Start it again after an error."""
 
     def close(self) -> None:
         """Close it."""
@@ -113,8 +123,11 @@ class PlannerPart(Protocol):
     def ask(self, request: PlanRequest) -> None:
         """Hand over a request."""
 
-    def check(self) -> None:
-        """Raise the error that ended it, if one did."""
+    def failure(self) -> str | None:
+        """The error that ended it, in words."""
+
+    def restart(self) -> None:
+        """Start it again after an error."""
 
 
 class Surroundings(Protocol):

@@ -41,9 +41,10 @@ class Pilot:
         self.plans = 0
         self.waypoints_sent = 0
         self.waypoints_executed = 0
-        self._paused = False
         self._stop_reason: str | None = None
         self._rearm = False
+        self._rearm_until_s: float | None = None
+        self._estopped = False
         self._mission_id = first_mission_id
         self._request_id = 0
         self._asked: PlanRequest | None = None
@@ -63,6 +64,8 @@ class Pilot:
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
         """Replace the mission; ``MissionError`` where a station lies outside the arena."""
+        if self.mission.state is State.STOPPED:
+            raise MissionError("the robot is stopped: re-arm it first (clearway resume)")
         for number, station in enumerate(stations, 1):
             if not self.settings.bounds_m.contains((station.x, station.y)):
                 raise MissionError(
@@ -75,26 +78,50 @@ class Pilot:
     def restore(self, mission: Mission) -> None:
         """Go on with a mission that an earlier program left unfinished; planned anew."""
         given = self.mission.given(mission.stations, "going on after a restart")
-        self.mission = replace(given, visited=mission.visited, any_order=mission.any_order)
+        self.mission = replace(
+            given, visited=mission.visited, any_order=mission.any_order, paused=mission.paused
+        )
         self._forget_plan()
 
     def stop(self, reason: str) -> None:
         """Emergency stop: latched until `rearm`."""
         self._stop_reason = reason
 
-    def rearm(self) -> None:
-        """Leave the latched stop; the mission has to be given anew."""
-        self.mission = self.mission.after(Event.REARM, "re-armed by hand")
+    def pause(self) -> None:
+        """Hold where the robot is, until `resume`."""
+        self.mission = replace(self.mission, paused=True)
+
+    def resume(self) -> None:
+        """The one order that lets a robot go again; each time one step.
+
+        After a pause the mission goes on, planned anew from where the robot is. After an
+        emergency stop the robot is re-armed and stands; resumed once more it goes on with the
+        stations that are left. A failed mission is tried again.
+        """
+        self.mission = replace(self.mission, paused=False)
+        if self.mission.state is State.STOPPED:
+            self._leave_stop()
+        elif self.mission.state in (State.IDLE, State.FAILED) and self.mission.remaining:
+            self.mission = self.mission.after(Event.GIVEN, "going on as ordered")
+            self._forget_plan()
+            self._corrections = 0
+        elif self._estopped:
+            self._rearm = True  # a robot that was stopped before we came
+
+    def _leave_stop(self) -> None:
+        left = len(self.mission.remaining)
+        what = f"resume goes on with {left} station{'s' * (left != 1)}, " if left else ""
+        self.mission = self.mission.after(
+            Event.REARM, f"re-armed by hand: {what}go gives a new mission"
+        )
         self._stop_reason = None
         self._rearm = True
 
-    def pause(self) -> None:
-        """Hold where the robot is, until `resume`."""
-        self._paused = True
-
-    def resume(self) -> None:
-        """End a pause; the way is planned anew from where the robot is."""
-        self._paused = False
+    def replan(self) -> None:
+        """Plan anew from where the robot is; without a mission under way nothing happens."""
+        if self.mission.state is State.DRIVING:
+            self.mission = self.mission.after(Event.REPLAN, "a new plan was asked for")
+            self._forget_plan()
 
     # The cycle.
 
@@ -110,7 +137,7 @@ class Pilot:
         self.verdict = judge(self._facts(now_s, sight, robot, met), self.settings.limits)
         if self._stop_reason is not None:
             self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
-        rearm, self._rearm = self._rearm, False
+        rearm = self._take_rearm(now_s, robot)
         was = self.mission.state
         if self.verdict.action is Action.STOP:
             self._enter_stop(robot)
@@ -156,17 +183,30 @@ class Pilot:
             pose_age_s=sight.pose_age_s,
             link_age_s=robot.age_s,
             link_down_reason=robot.down_reason,
-            robot_estopped=robot.estopped and not self._rearm,
+            robot_estopped=robot.estopped and not self._is_leaving_estop(now_s),
             robot_disarmed=robot.disarmed and running,
             robot_idle_reason=self._idle_reason(now_s, robot),
             position_m=position,
             inside_arena=position is None or self.settings.bounds_m.contains(position),
             clearance_m=sight.clearance_m,
             deviation_m=self._deviation_m(position) if driving else None,
-            paused=self._paused,
+            paused=self.mission.paused,
             near_robot=None if met is None or met.stands else met.sentence,
             failed=sight.failed,
         )
+
+    def _is_leaving_estop(self, now_s: float) -> bool:
+        """Whether the robot was re-armed a moment ago and may not have heard of it yet."""
+        return self._rearm or (self._rearm_until_s is not None and now_s < self._rearm_until_s)
+
+    def _take_rearm(self, now_s: float, robot: RobotReport) -> bool:
+        """Whether the robot is to be told in this cycle that it may leave its stop."""
+        rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
+        if rearm:
+            self._rearm_until_s = now_s + self.settings.robot_grace_s
+        elif not robot.estopped:
+            self._rearm_until_s = None
+        return rearm
 
     def _idle_reason(self, now_s: float, robot: RobotReport) -> str | None:
         """Why the robot does not do what it was told, once it had time to begin."""
@@ -192,7 +232,7 @@ class Pilot:
     def _enter_stop(self, robot: RobotReport) -> None:
         idle = self.mission.state in (State.IDLE, State.DONE, State.FAILED)
         if robot.estopped and idle and self._stop_reason is None:
-            return  # a robot that was stopped before we came is armed by the first mission
+            return  # a robot that was stopped before we came: it is said when a mission is given
         if self.mission.state is not State.STOPPED:
             self.mission = self.mission.after(Event.STOP, self.verdict.sentence)
             self._forget_plan()
@@ -247,7 +287,7 @@ class Pilot:
         )
 
     def _give_up(self, now_s: float) -> None:
-        if self.mission.state is not State.HOLDING or self._paused:
+        if self.mission.state is not State.HOLDING or self.mission.paused:
             if self.mission.state is not State.PLANNING:
                 self._holding_since_s = None
             return

@@ -15,6 +15,7 @@ import numpy as np
 
 import planner
 from navigation.cycle import PlanAnswer, PlanRequest
+from navigation.supervisor import in_words
 from navigation.targets import targets_of
 from navigation.traffic import Disc
 from planner.path import Limits, NoPath, Path
@@ -142,11 +143,14 @@ def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:
     return replace(scene, objects=(*scene.objects, *robots))
 
 
+RESTART_PATIENCE_S = 1.0
+
+
 class PlannerThread:
     """An `ArenaPlanner` in a thread of its own; the newest scene and request win.
 
-    ``on_scene`` and ``on_answer`` are called in the thread; an error ends the thread and is
-    raised again by `check`.
+    ``on_scene`` and ``on_answer`` are called in the thread; an error ends the thread, `failure`
+    says which, and `restart` starts a new one.
     """
 
     def __init__(
@@ -190,16 +194,24 @@ class PlannerThread:
             self._request = request
             self._wake.notify()
 
-    def check(self) -> None:
-        """Raise the error that ended the thread, if one did."""
-        if self._error is not None:
-            raise self._error
+    def failure(self) -> str | None:
+        """The error that ended the thread, in words; None while it runs."""
+        return None if self._error is None else in_words(self._error)
+
+    def restart(self) -> None:
+        """Start a new thread after an error; what was asked of the old one is forgotten."""
+        self._thread.join(RESTART_PATIENCE_S)
+        with self._wake:
+            self._scene = self._request = None
+        self._error = None
+        self._thread = threading.Thread(target=self._run, name="planner", daemon=True)
+        self._thread.start()
 
     def _run(self) -> None:
         try:
             while self._one_round():
                 pass
-        except Exception as error:  # noqa: BLE001 - handed to the control loop, which raises it
+        except Exception as error:  # noqa: BLE001 - said by the control loop, which restarts the thread
             self._error = error
 
     def _one_round(self) -> bool:

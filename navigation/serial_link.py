@@ -33,6 +33,7 @@ from firmware_protocol.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.mission import Mission
 from navigation.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.serial_port import PortError, open_port
+from navigation.supervisor import in_words
 
 PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
 """termios.error is no OSError, and pyserial lets it through after a hang-up."""
@@ -92,12 +93,17 @@ class SerialLink:
         """Open the port and start the thread; PortError where the port cannot be used."""
         if self._thread is not None:
             raise PortError(f"serial port {self.path}: is open already")
-        self._serial = open_port(self.path, self.baud)
+        self._start_thread(open_port(self.path, self.baud))
+
+    def _start_thread(self, port: serial.Serial | None) -> None:
+        """With the open port, or with none: the thread opens it then, again and again."""
+        self._serial = port
         self._wake_out, self._wake_in = os.pipe()
         os.set_blocking(self._wake_out, False)
         os.set_blocking(self._wake_in, False)
         self._stop.clear()
-        self._host.open(self._clock())
+        if port is not None:
+            self._host.open(self._clock())
         self._publish()
         self._thread = threading.Thread(target=self._run, name="serial link", daemon=True)
         self._thread.start()
@@ -183,11 +189,20 @@ class SerialLink:
 
     def snapshot(self) -> LinkSnapshot:
         """The present state, ages counted up to now."""
-        if self._crash is not None:
-            raise RuntimeError("the serial link's thread has ended") from self._crash
         snapshot, heard_s, status_s = self._published
         now_s = self._clock()
         return replace(snapshot, heard_age_s=now_s - heard_s, status_age_s=now_s - status_s)
+
+    def failure(self) -> str | None:
+        """The error that ended the thread, in words; None while it runs."""
+        return None if self._crash is None else in_words(self._crash)
+
+    def restart(self) -> None:
+        """Close what an error has left and open again; a port that is missing is waited for."""
+        self.close()
+        self._crash = None
+        self._orders.clear()
+        self._start_thread(None)
 
     def events(self) -> list[Event]:
         """What has happened since the last call, oldest first (10,000 are kept)."""
@@ -203,9 +218,8 @@ class SerialLink:
         try:
             while not self._stop.is_set():
                 self._cycle()
-        except BaseException as error:
+        except Exception as error:  # noqa: BLE001 - said by the control loop, which restarts it
             self._crash = error
-            raise
         finally:
             self._shut("the link was closed")
             self._publish()

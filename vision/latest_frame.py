@@ -112,6 +112,11 @@ class LatestFrame:
             self._status = replace(self._status, state="closed", reason="")
             self._news.notify_all()
 
+    def has_died(self) -> bool:
+        """Whether the thread has ended by an error of the program; `start` after `stop` helps."""
+        thread = self._thread
+        return thread is not None and thread.ident is not None and not thread.is_alive()
+
     def take(self, timeout_s: float = 0.0) -> Frame | None:
         """The newest frame that was not yet taken, waiting up to ``timeout_s`` (real) seconds."""
         self._leave_hung_reader()

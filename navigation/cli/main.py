@@ -48,6 +48,7 @@ COMMANDS: dict[str, Listed] = {
     "stop": Listed("navigation.cli.orders:stop", "Emergency stop of the running daemon's robot."),
     "pause": Listed("navigation.cli.orders:pause", "Hold the robot where it is."),
     "resume": Listed("navigation.cli.orders:resume", "Go on after a pause; re-arm after a stop."),
+    "replan": Listed("navigation.cli.orders:replan", "Plan the way anew."),
     "status": Listed("navigation.cli.orders:status", "What the running daemon does."),
     "check": Listed("navigation.cli.check:command", "Check a configuration; tell every error."),
     "calibrate": Listed("navigation.cli.calibrate:command", "Calibrate a camera from pictures."),

@@ -1,4 +1,4 @@
-"""`clearway go`, `stop`, `pause`, `resume` and `status`: talk to the running daemon."""
+"""`clearway go`, `stop`, `pause`, `resume`, `replan` and `status`: talk to the running daemon."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def go(stations: tuple[Station, ...], dwell_s: float, path: Path | None, form: s
 @socket_option
 @format_option
 def stop(reason: str, path: Path | None, form: str) -> None:
-    """Stop the robot at once; it stays stopped until `clearway resume` and a new `go`."""
+    """Stop the robot at once; it stays stopped until `clearway resume` re-arms it."""
     _send(path, form, {"order": "stop", "reason": reason})
 
 
@@ -66,8 +66,12 @@ def _plain(name: str, short: str, text: str) -> click.Command:
 pause = _plain("pause", "Hold the robot where it is.", "Hold the robot until `clearway resume`.")
 resume = _plain(
     "resume",
-    "Go on after a pause, or re-arm after a stop.",
-    "Go on after a pause, with a new plan; after a stop re-arm the robot, which then waits "
-    "for `clearway go`.",
+    "Go on after a pause; after a stop re-arm.",
+    "Go on after a pause or a failed mission, with a new plan. After an emergency stop the first "
+    "resume re-arms the robot, which stands; a second one goes on with the stations that are "
+    "left, and `clearway go` gives new ones.",
+)
+replan = _plain(
+    "replan", "Plan the way anew.", "Plan the mission anew from where the robot is now."
 )
 status = _plain("status", "What the running daemon does.", "Say what the running daemon does.")

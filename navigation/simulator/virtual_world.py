@@ -29,6 +29,7 @@ from navigation.simulator.settings import (
     true_start_of,
 )
 from navigation.simulator.virtual_loop import VirtualLoop
+from navigation.supervisor import in_words
 from navigation.track import Track
 from navigation.truth import Truth
 from navigation.world import calibration_of, camera_over, others_of
@@ -265,6 +266,10 @@ class VirtualFrames:
         """Close the camera."""
         self._latest.stop()
 
+    def has_died(self) -> bool:
+        """There is no thread that could die."""
+        return False
+
     def take(self, timeout_s: float) -> Frame | None:
         """The next frame, after the time that vision takes for it; None where none comes."""
         self.turns += 1
@@ -297,6 +302,7 @@ class VirtualPlanner:
     ) -> None:
         self._world, self.planner = world, arena_planner
         self._on_scene, self._on_answer = on_scene, on_answer
+        self._failure: str | None = None
         self.turns = 0
 
     def start(self) -> None:
@@ -305,30 +311,42 @@ class VirtualPlanner:
     def stop(self) -> None:
         """Nothing to do."""
 
-    def check(self) -> None:
-        """Its errors reach the control loop by themselves."""
+    def failure(self) -> str | None:
+        """The error of the last scene or plan, in words."""
+        return self._failure
+
+    def restart(self) -> None:
+        """Forget the error."""
+        self._failure = None
+
+    def _try(self, work: Callable[[], None]) -> None:
+        self.turns += 1
+        if self._failure is not None:
+            return
+        try:
+            work()
+        except Exception as error:  # noqa: BLE001 - said by the control loop
+            self._failure = in_words(error)
 
     def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
         """Build the roadmap; it is there after ``scene_s``."""
 
         def built() -> None:
-            self.turns += 1
             self.planner.see(scene, revision)
             clearance = None
             if path_points is not None:
                 clearance = self.planner.path_clearance_m(path_points)
             self._on_scene(SceneCheck(revision, clearance))
 
-        self._world.after(self._world.times.scene_s, built)
+        self._world.after(self._world.times.scene_s, lambda: self._try(built))
 
     def ask(self, request: PlanRequest) -> None:
         """Plan; the answer comes after ``plan_s``."""
 
         def planned() -> None:
-            self.turns += 1
             self._on_answer(self.planner.answer(request))
 
-        self._world.after(self._world.times.plan_s, planned)
+        self._world.after(self._world.times.plan_s, lambda: self._try(planned))
 
 
 @dataclass(slots=True)
@@ -344,6 +362,13 @@ class VirtualLink:
         host = self.world.loop.host
         host.close("another program opens the port")
         host.open(self.world.clock())
+
+    def failure(self) -> str | None:
+        """There is no thread that could fail."""
+        return None
+
+    def restart(self) -> None:
+        """Nothing to do."""
 
     def close(self) -> None:
         """The program is gone; the robot stops when its lease runs out."""

@@ -15,7 +15,7 @@ from navigation.cycle import (
     RobotReport,
     Sight,
 )
-from navigation.mission import MissionError, State, Station
+from navigation.mission import Mission, MissionError, State, Station
 from navigation.pilot import Pilot, distance_to_polyline
 from navigation.targets import Target
 from navigation.traffic import Mover, TrafficLimits
@@ -181,10 +181,88 @@ def test_stop_is_latched_and_repeated_until_re_armed(world: World) -> None:
     assert "the operator pressed STOP" in world.pilot.mission.reason
     with pytest.raises(MissionError, match="stopped"):
         world.pilot.give(TOUR)
-    world.pilot.rearm()
+    world.pilot.resume()
     assert world.cycle().rearm
     assert not any(orders.permit for orders in world.run(20))
     world.pilot.give(TOUR)
+    world.run_until(State.DONE)
+
+
+def test_after_a_stop_one_resume_re_arms_and_a_second_goes_on_with_what_is_left(
+    world: World,
+) -> None:
+    world.pilot.give(TOUR)
+    while world.pilot.mission.visited < 1:
+        world.cycle()
+    world.pilot.stop("the operator pressed STOP")
+    world.run(5)
+    world.pilot.resume()
+    assert not any(orders.permit for orders in world.run(20))
+    assert world.pilot.mission.reason == (
+        "re-armed by hand: resume goes on with 1 station, go gives a new mission"
+    )
+    world.pilot.resume()
+    world.run_until(State.DONE)
+    assert world.pilot.mission.visited == 2
+    assert world.pilot.waypoints_sent < 2 * len(TOUR) * 5, "the first station was not planned again"
+
+
+def test_a_robot_that_is_slow_to_leave_its_stop_is_not_stopped_again(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.pilot.stop("the operator pressed STOP")
+    world.robot = replace(world.robot, estopped=True)
+    world.run(5)
+    world.pilot.resume()
+    world.cycle()
+    world.pilot.resume()
+    world.run(15)
+    assert world.pilot.mission.state is not State.STOPPED
+    world.robot = replace(world.robot, estopped=False)
+    world.run_until(State.DONE)
+
+
+def test_a_robot_that_stays_in_its_stop_after_being_re_armed_is_stopped_again(
+    world: World,
+) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.moves = False
+    world.robot = replace(world.robot, estopped=True)
+    world.run_until(State.STOPPED)
+    world.pilot.resume()
+    world.pilot.resume()
+    world.run(20)
+    world.run_until(State.STOPPED)
+    assert "the robot reports an emergency stop" in world.pilot.mission.reason
+
+
+def test_a_failed_mission_is_tried_again_when_resumed(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.robot = replace(world.robot, down_reason="the cable is out")
+    world.run_until(State.FAILED, cycles=1000)
+    world.robot = replace(world.robot, down_reason=None)
+    world.pilot.resume()
+    world.run_until(State.DONE)
+
+
+def test_a_new_plan_is_made_when_asked_for(world: World) -> None:
+    world.pilot.replan()
+    assert world.pilot.mission.state is State.IDLE
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.pilot.replan()
+    assert not world.cycle().permit
+    world.run_until(State.DONE)
+    assert world.pilot.replans == 1
+
+
+def test_a_restored_mission_that_was_paused_stays_paused(world: World) -> None:
+    world.pilot.restore(Mission(TOUR, visited=1, state=State.HOLDING, paused=True))
+    assert not any(orders.permit for orders in world.run(50))
+    assert world.pilot.mission.reason == "paused by the operator"
+    world.pilot.resume()
     world.run_until(State.DONE)
 
 

@@ -15,6 +15,7 @@ from navigation.traffic import Disc
 from planner.path import NoPath, Path
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
 from planner.trajectory import default_limits
+from tests.support.waiting import wait_until
 
 RADIUS_M, MARGIN_M = 0.09, 0.02
 SETTINGS = PlanSettings(RADIUS_M, MARGIN_M, None, "balanced", default_limits(RADIUS_M))
@@ -129,7 +130,7 @@ def test_the_thread_answers_and_the_newest_request_wins() -> None:
     thread.start()
     assert answered.wait(30.0)
     thread.stop()
-    thread.check()
+    assert thread.failure() is None
     assert [a.id for a in answers] == [2]
     assert answers[0].scene_revision == 5
     assert [c.revision for c in checks] == [5]
@@ -141,5 +142,18 @@ def test_an_error_in_the_thread_reaches_the_control_loop() -> None:
     thread.see(scene_of((math.nan, 0.4, 0.15)), 1, None)
     thread.start()
     thread.stop(30.0)
-    with pytest.raises(ValueError, match=r"."):
-        thread.check()
+    assert (thread.failure() or "").startswith("ValueError: ")
+
+
+def test_after_an_error_a_new_thread_plans_again() -> None:
+    answered = threading.Event()
+    thread = PlannerThread(ArenaPlanner(SETTINGS), lambda _: None, lambda _: answered.set())
+    thread.see(scene_of((math.nan, 0.4, 0.15)), 1, None)
+    thread.start()
+    assert wait_until(lambda: thread.failure() is not None, 30.0)
+    thread.restart()
+    assert thread.failure() is None
+    thread.see(scene_of((1.0, 0.4, 0.15)), 2, None)
+    thread.ask(ACROSS)
+    assert answered.wait(30.0)
+    thread.stop()
