@@ -49,8 +49,10 @@ typedef struct {
     cw_robot *robot;
     cw_identity identity;
     cw_counters count;
+    uint8_t encoded; /* bytes since the last zero; one more than fit: too long */
+    uint8_t block;   /* the byte after so many begins the next block of COBS */
     uint8_t filled;
-    bool too_long;
+    uint32_t crc;
     bool has_session;
     uint16_t session;
     uint16_t old_sessions[CW_SESSIONS_REMEMBERED];
@@ -75,7 +77,7 @@ typedef struct {
     bool told_done;
     uint16_t told_command;
     uint32_t told_mission;
-    uint8_t buffer[CW_MAX_ENCODED]; /* the frame that is arriving */
+    uint8_t buffer[CW_MAX_DECODED]; /* the frame that is arriving, decoded */
 } cw_link;
 
 /* Everything as after power on. `robot` is kept by reference and has to live on. */
