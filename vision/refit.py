@@ -80,7 +80,8 @@ class KnownScene:
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """The scene of ``image``, where that differs in ``rectangles`` only.
 
-        ``border_pixels`` and ``timings_ms`` of its scene are those of the parts fitted anew.
+        ``border_pixels``, ``timings_ms`` and ``remarks`` of its scene are those of the parts
+        fitted anew: what was said before would pile up over a long run.
         None where the whole picture has to be extracted. O(pixels and border pixels of the
         parts).
         """
@@ -135,7 +136,7 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
         objects=(*kept, *(replace(o, id=free_id + i) for i, o in enumerate(new))),
         border_pixels=sum(anew.border_pixels for anew in found),
         timings_ms=laps,
-        remarks=tuple(dict.fromkeys((*scene.remarks, *(r for s in found for r in s.remarks)))),
+        remarks=tuple(dict.fromkeys(r for anew in found for r in anew.remarks)),
     )
 
 

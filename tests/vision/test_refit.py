@@ -209,3 +209,15 @@ def test_nothing_is_changed_and_an_empty_part_stays_empty() -> None:
     assert scene is not None
     assert scene.objects == old.objects
     assert np.array_equal(image, kept)
+
+
+def test_a_scene_changed_a_hundred_times_does_not_grow() -> None:
+    image = picture(FIXED)
+    known = KnownScene.of(replace(seen(image), remarks=("1 object lies outside",)), PLAN)
+    for i in range(100):
+        again = known.refitted(image, [(30 + 4 * i, 30, 20, 20)])
+        assert again is not None
+        known = again
+    assert len(known.scene.objects) == len(known.boxes) == len(FIXED)
+    assert known.scene.remarks == ()
+    assert_same(known.scene, seen(image))

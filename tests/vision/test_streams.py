@@ -49,7 +49,7 @@ def test_frames_come_in_order_at_the_rate_served(server: MjpegServer) -> None:
     assert all(3 <= step <= 7 for step in steps), greys
     assert [f.sequence for f in frames if f is not None] == list(range(30))
     # FFmpeg's first frames come in a burst, and a busy machine is late.
-    assert 0.4 * RATE_HZ < camera.rate_hz < 2.5 * RATE_HZ
+    assert 0.1 * RATE_HZ < camera.rate_hz < 2.5 * RATE_HZ
 
 
 def test_a_stream_that_falls_silent_is_noticed_at_once_and_taken_up_again(
