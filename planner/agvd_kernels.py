@@ -4,7 +4,7 @@ Rules and units
 - A piece is a primitive of the scene or a corner point: the end of an open chain, or a corner
   that the free space goes round. Corners that the free space runs into need no piece: the
   bisector of their two sides reaches them by itself, with generators half a spacing away on
-  either side.
+  either side. Where a border crosses itself its sides change, and all its corners have one.
 - A label is the index of a generator's piece. A Voronoi edge is valid where the feet on the
   two labels differ: not within one piece, and not between a corner point and its own sides.
 - A vertex is free where it lies inside the bounds and in no object; an edge needs two.
@@ -30,7 +30,9 @@ from planner.distance_kernels import (
     distance,
     in_object,
     nearest,
+    on_sweep,
     segment_clearance,
+    segment_distance,
 )
 
 SMOOTH = 1e-3
@@ -107,14 +109,16 @@ def without_repeats(kind, data, border, backwards, tolerance):
 def link_borders(kind, data, border, is_hole, backwards, tolerance):
     """How the primitives of every border join.
 
-    Returns ``following`` and ``preceding`` (k,) int32, -1 at the ends of open chains, and
+    Returns ``following`` and ``preceding`` (k,) int32, -1 at the ends of open chains,
     ``solid`` (k,) int8: +1 where the solid lies to the left of travel, -1 to the right, 0
-    where both sides are free.
+    where both sides are free, and ``crossed`` (k,) bool: part of a border that crosses itself,
+    whose solid changes sides.
     """
     n = len(kind)
     following = np.full(n, -1, np.int32)
     preceding = np.full(n, -1, np.int32)
     solid = np.zeros(n, np.int8)
+    crossed = np.zeros(n, np.bool_)
     first = 0
     while first < n:
         last = first
@@ -143,8 +147,61 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
             area = _signed_area(kind, data, backwards, first, last)
             side = 1 if (area > 0.0) != is_hole[first] else -1
             solid[first : last + 1] = 0 if area == 0.0 else side
+            crossed[first : last + 1] = _crosses_itself(kind, data, first, last)
         first = last + 1
-    return following, preceding, solid
+    return following, preceding, solid, crossed
+
+
+@njit(cache=True, nogil=True)
+def _x_range(kind, data, i):
+    """A range of x that primitive i lies within."""
+    if kind[i] == SEGMENT:
+        return min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
+    return data[i, 0] - data[i, 2], data[i, 0] + data[i, 2]
+
+
+@njit(cache=True, nogil=True)
+def _crosses_itself(kind, data, first, last):
+    """Whether two sides of a closed border that are no neighbours meet. O(n log n) for most."""
+    n = last + 1 - first
+    if n < 4:
+        return False
+    low, high = np.empty(n), np.empty(n)
+    for i in range(n):
+        low[i], high[i] = _x_range(kind, data, first + i)
+    order = np.argsort(low)
+    for a in range(n):
+        i = order[a]
+        for b in range(a + 1, n):
+            j = order[b]
+            if low[j] > high[i]:
+                break
+            apart = abs(i - j)
+            if 1 < apart < n - 1 and _meet(kind, data, first + i, first + j):
+                return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _meet(kind, data, i, j):
+    """Whether two segments or arcs have a point in common."""
+    if kind[j] == SEGMENT:
+        i, j = j, i
+    if kind[i] == SEGMENT:
+        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
+        return segment_distance(kind, data, j, ax, ay, bx, by)[0] == 0.0
+    dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
+    r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
+    if square == 0.0 or square > (r + s) ** 2 or square < (r - s) ** 2:
+        return False
+    along = 0.5 * (1.0 + (r * r - s * s) / square)
+    across = math.sqrt(max(r * r / square - along * along, 0.0))
+    for sign in (-1.0, 1.0):
+        x = data[i, 0] + along * dx - sign * across * dy
+        y = data[i, 1] + along * dy + sign * across * dx
+        if on_sweep(data, i, x, y) and on_sweep(data, j, x, y):
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -167,7 +224,7 @@ def corner_points(kind, data, backwards, following, preceding, solid, every):
     """The corners that need a point of their own.
 
     Returns ``at`` (c, 2), ``before`` and ``after`` (c,) the primitives that meet there (-1
-    where a chain ends). With ``every`` each joint has one, as in the paper.
+    where a chain ends). ``every`` (k,): each joint of the primitive has one.
     """
     n = len(kind)
     at = np.empty((2 * n, 2), np.float64)
@@ -183,7 +240,7 @@ def corner_points(kind, data, backwards, following, preceding, solid, every):
             c += 1
         x, y = _end(kind, data, backwards, i, True)
         j = following[i]
-        if j >= 0 and not every and solid[i] != 0:
+        if j >= 0 and not every[i] and solid[i] != 0:
             ux, uy = _tangent(kind, data, backwards, i, x, y)
             sx, sy = _end(kind, data, backwards, j, False)
             vx, vy = _tangent(kind, data, backwards, j, sx, sy)

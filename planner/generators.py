@@ -146,11 +146,11 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     flat = _without_repeats(flat, NO_LENGTH * extent)
     kind, owner = flat.kind, flat.owner
     data = distance_kernels.with_middles(kind, flat.data)
-    following, preceding, solid = kernels.link_borders(
+    following, preceding, solid, crossed = kernels.link_borders(
         kind, data, flat.border, flat.is_hole, flat.reversed, JOINT * extent
     )
     at, before, after = kernels.corner_points(
-        kind, data, flat.reversed, following, preceding, solid, mode == "paper"
+        kind, data, flat.reversed, following, preceding, solid, crossed | (mode == "paper")
     )
     order, large, boxes = distance_kernels.build_tree(kind, data)
     object_boxes, span = distance_kernels.object_spans(kind, data, owner, len(kind))

@@ -24,6 +24,8 @@ from planner.voronoi_diagram import DiagramArrays
 
 ROUNDS = 6
 """How often generators are added at most; one or two rounds were enough on random scenes."""
+DOUBTS = 2
+"""In how many rounds vertices that could not be solved ask for generators, too."""
 EQUAL = 1e-12
 """Distances are equal within this share of the scene's extent."""
 ROOM = 0.125
@@ -135,7 +137,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> tuple[Any, ...]:
     for turn in range(ROUNDS + 1):
         mark_valid(mesh, borders, spacing)
         missing = vertex_kernels.solve_vertices(
-            flat, mesh.mask, mesh.at, *pieces, borders.owner, half, half, tolerance,
+            flat, mesh.mask, mesh.at, *pieces, borders.owner, half, half, turn < DOUBTS, tolerance,
             mesh.place, mesh.rho, mesh.state,
         )  # fmt: skip
         if len(missing[0]) and turn < ROUNDS:

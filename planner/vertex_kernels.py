@@ -127,15 +127,32 @@ def solve_one(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _stranger(mesh, kind, data, before, after, t, a, b, c, x, y, far, half):
+    """A primitive nearer than ``far`` to (x, y) that is none of a, b and c, or -1."""
+    one, two = np.int64(-1), np.int64(-1)
+    for _ in range(3):
+        _, i = nearest_piece(mesh, kind, data, before, after, t, x, y, far, half, one, two)
+        if i < 0 or i not in (a, b, c):
+            return i
+        if one < 0:
+            one = np.int64(i)
+        elif two < 0:
+            two = np.int64(i)
+    return -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_vertices(
-    mesh, mask, at, kind, data, before, after, owner, half, relevant, tolerance, xy, rho, state
+    mesh, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
+    xy, rho, state
 ):  # fmt: skip
     """Exact places of the vertices that valid edges meet, passages left out.
 
     Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
     that is UNUSED; the others are as they were. Returns sites that are missing
     around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
-    labels (e,) and a triangle near each (e,).
+    labels (e,) and a triangle near each (e,). With ``doubt``, also where pieces did not meet
+    because of another one.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
@@ -169,6 +186,14 @@ def solve_vertices(
                 and is_valid(kind, data, which, c, k, before, after, owner, False, tolerance)
             )
             if r >= relevant and not overshot:
+                bad[count, 0], bad[count, 1] = i, which
+                count += 1
+        elif doubt and got == KEPT and r >= relevant:
+            # the pieces do not meet here: one that is nearer than they are has too few sites
+            far = max(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
+            far = max(far, distance(kind, data, c, x, y))
+            which = _stranger(mesh, kind, data, before, after, t, a, b, c, x, y, far, half)
+            if which >= 0:
                 bad[count, 0], bad[count, 1] = i, which
                 count += 1
         xy[i, 0], xy[i, 1], rho[i], state[i] = x, y, r, got
