@@ -52,6 +52,8 @@ if TYPE_CHECKING:
     from planner.roadmap import Roadmap
 
 ARC_STEP_RAD = math.radians(3.0)
+FLATNESS_PX = 0.2
+"""How far the roadmap's curves may be drawn beside where they are."""
 COLOUR_STEP_PX = 5.0
 """Along an edge the colour follows the clearance this often."""
 
@@ -196,10 +198,14 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
     span = content.clearance_span()
     if content.roadmap is None or span is None:
         return
-    pieces = [
-        _densely(np.asarray(data["polyline"]), COLOUR_STEP_PX / screen.scale)
+    from planner.chain_lines import edge_curve
+
+    borders = content.roadmap.borders
+    curves = [
+        edge_curve(borders, data["geometry"], FLATNESS_PX / screen.scale)
         for _, _, data in content.roadmap.graph.edges(data=True)
     ]
+    pieces = [_densely(curve, COLOUR_STEP_PX / screen.scale) for curve in curves]
     clearances = content.roadmap.clearance(np.concatenate(pieces))
     width = span[1] - span[0]
     part = (clearances - span[0]) / width if width > 0.0 else np.ones(len(clearances))
@@ -267,6 +273,7 @@ def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
     last = len(content.stations) - 1
     radius = content.robot_radius
     size = 7.0 if radius is None else max(7.0, radius * screen.scale)
+    drawn = screen.points(content.found.points) if content.found else np.empty((0, 2))
     for number, station in enumerate(content.stations):
         name, colour = _station_name(number, last)
         ((x, y),) = screen.points([station[:2]]).tolist()
@@ -277,17 +284,38 @@ def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
             angle = screen.heading(station[2])
             tip = (x + size * math.cos(angle), y + size * math.sin(angle))
             yield Strokes((np.array([(x, y), tip]),), colour, 2.5)
-        yield _name_beside(name, x, y, size, colour, screen)
+        yield _name_beside(name, x, y, size, colour, screen, drawn)
 
 
 def _name_beside(
-    name: str, x: float, y: float, size: float, colour: Colour, screen: Screen
+    name: str, x: float, y: float, size: float, colour: Colour, screen: Screen, path: FloatArray
 ) -> Label:
-    """The name right of the place, or left of it near the right side of the frame."""
-    right_side = float(screen.frame[:, 0].max())
-    if x + size + 8.0 * len(name) + 12.0 > right_side:
-        return Label(x - size - 6.0, y + 4.5, name, 14.0, colour, "end", bold=True, halo=True)
-    return Label(x + size + 6.0, y + 4.5, name, 14.0, colour, bold=True, halo=True)
+    """The name right or left of the place, below or above: in the frame, off the path."""
+    width = 8.0 * len(name)
+    low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
+    places = [
+        (x + size + 6.0, y + 4.5, "start", x + size + 6.0 + 0.5 * width),
+        (x - size - 6.0, y + 4.5, "end", x - size - 6.0 - 0.5 * width),
+        (x, y + size + 16.0, "middle", x),
+        (x, y - size - 8.0, "middle", x),
+    ]
+    best, room = places[0], -math.inf
+    for place in places:
+        middle = np.array([place[3], place[1] - 4.5])
+        reach = (0.5 * width + 4.0, 8.0)
+        if (middle - reach < low).any() or (middle + reach > high).any():
+            continue
+        off = distance_to_line(middle, path) if len(path) > 1 else math.inf
+        if min(off, 0.5 * width + 8.0) > room:
+            best, room = place, min(off, 0.5 * width + 8.0)
+    return Label(best[0], best[1], name, 14.0, colour, best[2], bold=True, halo=True)
+
+
+def distance_to_line(place: FloatArray, line: FloatArray) -> float:
+    """From a place to a polyline (n, 2)."""
+    a, d = line[:-1], np.diff(line, axis=0)
+    t = np.clip(((place - a) * d).sum(axis=1) / np.maximum((d * d).sum(axis=1), 1e-12), 0.0, 1.0)
+    return float(np.hypot(*(a + t[:, None] * d - place).T).min())
 
 
 def _station_name(number: int, last: int) -> tuple[str, Colour]:

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from planner import bisector_kernels
 from planner.agvd import Chains
+from planner.bisectors import EQUAL, Piece
+from planner.generators import Borders
 from planner.scene import FloatArray, IntArray
 
 Place = tuple[int, float]
@@ -66,6 +69,18 @@ def join(lines: Sequence[Line]) -> Line:
     kept = np.ones(len(points), dtype=np.bool_)
     kept[:-1] = np.any(points[1:] != points[:-1], axis=1)
     return Line(points[kept], pairs[kept])
+
+
+def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> FloatArray:
+    """An edge's exact geometry as a polyline (n, 2) that leaves it by about ``flatness``."""
+    points = np.array([pieces[0].start, *(piece.end for piece in pieces)])
+    pairs = [(-1, -1) if p.curve == "straight" else (p.left, p.right) for p in pieces]
+    curve: FloatArray
+    curve, _ = bisector_kernels.follow(
+        *borders.tree, points, np.array([*pairs, (-1, -1)], np.int32), 0.0, flatness,
+        EQUAL * borders.extent,
+    )  # fmt: skip
+    return curve
 
 
 def _with_end(pairs: IntArray) -> IntArray:
