@@ -13,7 +13,8 @@ from firmware_protocol.messages import (
 from firmware_protocol.mission import Mission
 from firmware_protocol.upload import Upload
 
-MISSION = Mission(7, [Waypoint(0.1 * i, 0.0, 0.3) for i in range(20)])
+WAYPOINTS = [Waypoint(0.1 * i, 0.0, 0.3) for i in range(20)]
+MISSION = Mission(7, WAYPOINTS)
 
 
 def status(accepted: int, executed: int = 0, mission: Mission = MISSION) -> Status:
@@ -58,20 +59,21 @@ def test_nothing_is_sent_before_the_robot_holds_the_mission() -> None:
     upload.see_ack(0, 32)
     assert upload.next_batch() is None
     assert upload.see_status(status(0), 32, True) is None
-    assert send_all(upload) == [0, 6, 12, 18]
+    assert send_all(upload) == [0, 5, 10, 15]
 
 
 def test_credit_is_never_exceeded_and_frames_are_full() -> None:
-    upload = Upload(MISSION)
-    upload.see_status(status(0), 13, True)
-    assert send_all(upload) == [0, 6]
-    upload.see_ack(12, 3)
+    mission = Mission(7, WAYPOINTS[:17])
+    upload = Upload(mission)
+    upload.see_status(status(0, mission=mission), 13, True)
+    assert send_all(upload) == [0, 5]
+    upload.see_ack(10, 3)
     assert upload.next_batch() is None
     assert upload.blocked
-    upload.see_ack(12, 6)
-    assert send_all(upload) == [12]
-    upload.see_ack(18, 2)
-    assert send_all(upload) == [18], "the mission's end may be a short frame"
+    upload.see_ack(10, 5)
+    assert send_all(upload) == [10]
+    upload.see_ack(15, 2)
+    assert send_all(upload) == [15], "the mission's end may be a short frame"
 
 
 def test_waypoints_acknowledged_but_not_accepted_are_sent_again() -> None:
@@ -79,10 +81,10 @@ def test_waypoints_acknowledged_but_not_accepted_are_sent_again() -> None:
     upload = Upload(MISSION)
     upload.see_status(status(0), 32, True)
     send_all(upload)
-    assert upload.see_status(status(6), 26, all_acknowledged=False) is None
+    assert upload.see_status(status(5), 27, all_acknowledged=False) is None
     assert upload.next_batch() is None, "they may still be on their way"
-    upload.see_status(status(6), 26, all_acknowledged=True)
-    assert send_all(upload) == [6, 12, 18]
+    upload.see_status(status(5), 27, all_acknowledged=True)
+    assert send_all(upload) == [5, 10, 15]
 
 
 def test_a_new_session_goes_on_where_the_robot_is() -> None:
@@ -92,7 +94,7 @@ def test_a_new_session_goes_on_where_the_robot_is() -> None:
     upload.new_session()
     assert upload.next_batch() is None
     upload.see_status(status(12, 3), 23, True)
-    assert send_all(upload) == [12, 18]
+    assert send_all(upload) == [12, 17]
 
 
 def test_an_old_missions_acknowledgement_is_not_believed() -> None:
