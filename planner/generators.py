@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from planner import agvd_kernels as kernels
 from planner import distance_kernels
-from planner.scene import POINT, FloatArray, IntArray, Primitives
+from planner.scene import CIRCLE, POINT, SEGMENT, FloatArray, IntArray, Primitives
 
 Mode: TypeAlias = Literal["exact", "paper"]
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -52,7 +52,7 @@ class Borders:
     right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
     meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
     and range of primitives. ``box`` is x_min, y_min, x_max, y_max of the free space, and
-    ``extent`` its larger side.
+    ``extent`` its larger side. ``flat`` is what all this was made from.
     """
 
     kind: NDArray[np.int8]
@@ -71,6 +71,7 @@ class Borders:
     span: IntArray
     box: FloatArray
     extent: float
+    flat: Primitives
 
     @property
     def primitive_count(self) -> int:
@@ -140,7 +141,12 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
 
 def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     """The scene's borders as pieces, joined and indexed. O(k log k)."""
-    flat = scene.primitives()
+    return borders_of(scene.primitives(), mode)
+
+
+def borders_of(source: Primitives, mode: Mode = "exact") -> Borders:
+    """The borders of flat primitives, see :func:`gather_borders`."""
+    flat = source
     box = _free_box(flat)
     extent = float(max(box[2] - box[0], box[3] - box[1]))
     flat = _without_repeats(flat, NO_LENGTH * extent)
@@ -174,6 +180,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
         span=span,
         box=box,
         extent=extent,
+        flat=source,
     )
 
 
@@ -193,15 +200,22 @@ def _without_repeats(flat: Primitives, tolerance: float) -> Primitives:
 
 
 def _free_box(flat: Primitives) -> FloatArray:
-    """The rectangle of the bounds' walls, or else around all the borders."""
+    """The rectangle of the bounds' walls, or else a generous one.
+
+    Generous as for a scene's text: around all borders, grown by its diagonal on every side.
+    """
     walls = flat.data[flat.owner == -1]
     if len(walls):
         xs, ys = walls[:, (0, 2)], walls[:, (1, 3)]
         return np.array([xs.min(), ys.min(), xs.max(), ys.max()])
     if not len(flat.kind):
         raise ValueError("the scene has neither objects nor bounds")
-    boxes = distance_kernels.build_tree(flat.kind, flat.data)[2]
-    return np.array([*boxes[1, :2], *boxes[1, 2:]])
+    around = flat.data[:, 2] * (flat.kind >= CIRCLE)
+    far_end = np.where((flat.kind == SEGMENT)[:, None], flat.data[:, 2:4], flat.data[:, :2])
+    low = np.minimum(flat.data[:, :2], far_end) - around[:, None]
+    high = np.maximum(flat.data[:, :2], far_end) + around[:, None]
+    grow = max(1.0, float(np.hypot(*(high.max(axis=0) - low.min(axis=0)))))
+    return np.concatenate([low.min(axis=0) - grow, high.max(axis=0) + grow])
 
 
 def place_generators(borders: Borders, spacing: float) -> Generators:

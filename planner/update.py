@@ -12,16 +12,17 @@ Rules and units
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner import agvd_kernels, insertion_kernels, removal_kernels, update_kernels
 from planner.agvd import Agvd, mesh_chains
-from planner.generators import Borders, gather_borders
+from planner.generators import Borders, borders_of
 from planner.mesh import Mesh, add_sites, copy_mesh
 from planner.roadmap import Roadmap, build_roadmap, finish_roadmap
-from planner.scene import FloatArray, IntArray, Scene, SceneObject
+from planner.scene import FloatArray, IntArray, Primitives, Scene, SceneObject
 
 MOST = 0.34
 """More changed objects than this share are a scene to be built anew."""
@@ -42,10 +43,12 @@ def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
     went = np.setdiff1d(np.arange(len(old_scene.objects)), kept)
     if len(came) + len(went) > MOST * (len(scene.objects) + len(old_scene.objects)):
         return _anew(roadmap, scene)
-    old, borders = roadmap.borders, gather_borders(scene)
+    old = roadmap.borders
+    if not (all(o.records for o in scene.objects) and len(old.span) == len(old_scene.objects)):
+        return _anew(roadmap, scene)
+    borders = _gather(old, scene, kept)
     new_label = _relabelled(old, borders, kept)
-    complete = len(borders.span) == len(scene.objects) and len(old.span) == len(old_scene.objects)
-    if borders.extent != old.extent or new_label is None or not complete:
+    if borders.extent != old.extent or new_label is None:
         return _anew(roadmap, scene)
     mesh = copy_mesh(mesh)
     touched = np.concatenate([old.object_boxes[went], borders.object_boxes[came]])
@@ -87,25 +90,51 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDA
     return kept
 
 
+def _gather(old: Borders, scene: Scene, kept: NDArray[np.int64]) -> Borders:
+    """The new scene's borders; the kept objects' primitives are copied from the old ones."""
+    count = len(kept)
+    came = np.flatnonzero(kept < 0)
+    fresh = replace(scene, objects=tuple(scene.objects[j] for j in came))
+    parts = old.flat, fresh.primitives(include_bounds=False)
+    old_first, old_count = _ranges(old.flat.owner, len(old.span))
+    new_first, new_count = _ranges(parts[1].owner, len(came))
+    here = kept >= 0
+    first, size = np.empty(count + 1, np.int64), np.empty(count + 1, np.int64)
+    first[:-1][here], size[:-1][here] = old_first[kept[here]], old_count[kept[here]]
+    first[came], size[came] = len(old.flat.kind) + new_first[:-1], new_count[:-1]
+    first[-1], size[-1] = old_first[-1], old_count[-1]
+    rows = _spread(first, size)
+    owner = np.repeat([*range(count), -1], size).astype(np.int32)
+    most = int(old.flat.border.max(initial=0)) + 1
+    border = np.concatenate([old.flat.border, parts[1].border + np.int32(most)])[rows]
+    kind, data, is_hole, backwards = (
+        np.concatenate([getattr(part, name) for part in parts])[rows]
+        for name in ("kind", "data", "is_hole", "reversed")
+    )
+    return borders_of(Primitives(kind, data, owner, border, is_hole, backwards))
+
+
+def _spread(first: NDArray[np.int64], size: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The ranges that begin at ``first`` and are ``size`` long, one after the other."""
+    return np.repeat(first - np.cumsum(size) + size, size) + np.arange(size.sum())
+
+
 def _relabelled(old: Borders, new: Borders, kept: NDArray[np.int64]) -> IntArray | None:
     """Where the pieces of the kept objects and of the bounds are now; -1 for all others.
 
     The last entry is -1, for pieces that are none. None where they do not correspond.
     """
     label = np.full(len(old.kind) + 1, -1, np.int32)
-    for start, stop in ((0, old.primitive_count), (old.primitive_count, len(old.kind))):
-        offset = 0 if start == 0 else new.primitive_count
-        end = new.primitive_count if start == 0 else len(new.kind)
-        before = max(len(old.span), int(kept.max(initial=-1)) + 1)
-        old_first, old_count = _ranges(old.owner[start:stop], before)
+    k, m = old.primitive_count, new.primitive_count
+    here = np.append(np.flatnonzero(kept >= 0), len(kept))
+    there = np.append(kept[kept >= 0], len(old.span))
+    for start, stop, offset, end in ((0, k, 0, m), (k, len(old.kind), m, len(new.kind))):
+        old_first, old_count = _ranges(old.owner[start:stop], len(old.span))
         new_first, new_count = _ranges(new.owner[offset:end], len(kept))
-        for j, i in (*enumerate(kept.tolist()), (len(kept), before)):
-            if i < 0:
-                continue
-            if old_count[i] != new_count[j]:
-                return None
-            a, n = start + old_first[i], old_count[i]
-            label[a : a + n] = np.arange(n) + offset + new_first[j]
+        size = old_count[there]
+        if (size != new_count[here]).any():
+            return None
+        label[start + _spread(old_first[there], size)] = offset + _spread(new_first[here], size)
     return label
 
 
