@@ -12,16 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from firmware_protocol.crc import crc32c
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.framing import Frame, Sender, encode_frame
 from firmware_protocol.messages import (
     ESTOP_FRAME,
-    RELIABLE,
     SCHEMA_HASH,
     Clear,
-    Hello,
     Lease,
     LeaseFlag,
-    Message,
     MessageType,
     Pause,
     PoseFix,
@@ -31,92 +28,19 @@ from firmware_protocol.messages import (
     TimeSync,
     Waypoint,
     Waypoints,
-    read_message,
 )
 from firmware_protocol.mission import Mission
-from firmware_protocol.robot import RobotController
-from firmware_protocol.robot_connection import Identity, RobotConnection
 from navigation.serial_link import SerialLink
 from tests.support.c_robot import FIRMWARE, CRobot, library, missing_tool
 from tests.support.fault_scenarios import SCENARIOS, robot_maker
+from tests.support.robot_pair import Pair
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(
     missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"
 )
 
-TICK_S = 0.000998
-"""No multiple of it is a limit of the protocol: float and integer clocks agree."""
 MISSION = Mission(9, [Waypoint(0.02 * i, 0.001 * i, 0.3) for i in range(60)])
-
-
-class Pair:
-    """Both robots, fed with the same bytes at the same times."""
-
-    def __init__(self) -> None:
-        identity = Identity(boot_id=0xCAFE)
-        self.python = RobotConnection(identity, RobotController())
-        self.c = CRobot(identity)
-        self.ticks = 5000
-        self.wheels_m = [0.0, 0.0]
-        self.session, self.sequence = 0, 0
-
-    @property
-    def now_s(self) -> float:
-        return self.ticks * TICK_S
-
-    def feed(self, data: bytes) -> None:
-        self.python.receive_bytes(data, self.now_s)
-        self.c.receive_bytes(data, self.now_s)
-
-    def send(
-        self, message: Message, sequence: int | None = None, reliable: bool | None = None
-    ) -> None:
-        numbered = message.TYPE in RELIABLE if reliable is None else reliable
-        number = self.sequence if sequence is None else sequence
-        frame = Frame(
-            message.TYPE, self.session, message.pack(), number if numbered else 0, reliable=numbered
-        )
-        if numbered and sequence is None:
-            self.sequence = (self.sequence + 1) % 256
-        self.feed(encode_frame(frame, Sender.HOST))
-
-    def hello(self, session: int) -> None:
-        self.session, self.sequence = session, 0
-        self.send(Hello(SCHEMA_HASH))
-
-    def pass_time(self, ticks: int) -> None:
-        for _ in range(ticks):
-            self.ticks += 1
-            self.python.controller.tick(self.now_s)
-            self.c.controller.tick(self.now_s)
-            if self.ticks % 10 == 0:
-                self.step()
-            self.compare()
-
-    def step(self) -> None:
-        wheels = self.python.controller.wheels
-        for side in (0, 1):
-            self.wheels_m[side] += wheels[side] * 10 * TICK_S
-        left, right = (round(m * 1e6) / 1e6 for m in self.wheels_m)
-        self.python.controller.step(self.now_s, left, right)
-        self.c.controller.step(self.now_s, left, right)
-
-    def compare(self) -> None:
-        while True:
-            ours, theirs = self.python.next_frame(self.now_s), self.c.next_frame(self.now_s)
-            if ours == theirs:
-                if not ours:
-                    return
-                continue
-            assert frame_in(ours) == frame_in(theirs)
-            raise AssertionError("the same frame in other bytes")
-
-
-def frame_in(data: bytes) -> tuple[Frame, Message | None] | None:
-    """What a robot's bytes say, for the assertion's text."""
-    frames = FrameParser(Sender.ROBOT).feed(data)
-    return (frames[0], read_message(frames[0])) if frames else None
 
 
 def random_deed(pair: Pair, rng: random.Random) -> None:
@@ -154,7 +78,7 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
             kind = rng.choice([*MessageType, rng.randrange(256)])
             number = rng.choice([pair.python._sequence.expected, rng.randrange(256)])
             reliable = rng.random() < 0.5
-            if kind not in (MessageType.POSE, MessageType.LEASE, MessageType.ESTOP):
+            if kind != MessageType.ESTOP:
                 frame = Frame(kind, pair.session, payload, number, reliable=reliable)
                 pair.feed(encode_frame(frame, Sender.HOST))
         case 13:
