@@ -53,7 +53,13 @@ def arena(size: tuple[int, int], rng: np.random.Generator, count: int = 12) -> P
 
 
 def noisy(picture: Picture, noise: float, rng: np.random.Generator) -> Picture:
-    return np.clip(picture + rng.normal(0.0, noise, picture.shape), 0, 255).astype(np.uint8)
+    """White noise, cut at random out of a long row: drawing it anew takes ten times as long."""
+    at = int(rng.integers(len(_WHITE) - picture.size))
+    field = _WHITE[at : at + picture.size].reshape(picture.shape)
+    return cv2.add(picture, field * np.float32(noise), dtype=cv2.CV_8U).astype(np.uint8, copy=False)
+
+
+_WHITE = np.random.default_rng(SEED).standard_normal(32_000_000, dtype=np.float32)
 
 
 def speed() -> list[str]:
