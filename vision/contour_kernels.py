@@ -27,8 +27,8 @@ SEEN = np.uint8(2)
 LOW_BITS = np.uint64(0x0101010101010101)
 BYTE = np.uint64(8)
 LAST_BYTE = np.uint64(56)
-ONE, TWO = np.uint64(1), np.uint64(2)
-NORTH = np.uint64(12)
+ONE = np.uint64(1)
+NORTH = np.int64(12)
 """The walk's direction 3, times four."""
 
 
@@ -99,29 +99,24 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     """Walk one border: ``(where its cracks end, area)``, or -1 where the room does not do."""
     diagonal, forward, move, step_x, step_y, turn, seen, area_of_x = tables
     room = xs.shape[0]
-    first = np.uint64(start)
-    at = first
+    at = start
     # the walk's direction times four; the two pixels ahead decide the next one
     state = NORTH
     area = 0
     while count < room:
-        way = state >> TWO
+        way = state >> 2
         xs[count] = x
         ys[count] = y
         directions[count] = way
         count += 1
         flat[at] |= seen[way]
-        area += area_of_x[way] * (x + 1) + (way == ONE)
-        case = (
-            state
-            | np.uint64(flat[at + diagonal[way]] & 1) << ONE
-            | np.uint64(flat[at + forward[way]] & 1)
-        )
+        area += area_of_x[way] * (x + 1) + (way == 1)
+        case = state | (flat[at + diagonal[way]] & 1) << 1 | (flat[at + forward[way]] & 1)
         at += move[case]
         x += step_x[case]
         y += step_y[case]
         state = turn[case]
-        if at == first and state == NORTH:
+        if at == start and state == NORTH:
             return count, area
     return -1, area
 
@@ -137,19 +132,19 @@ def _walk_tables(stride):
     ahead = (1, stride, -1, -stride)
     across = (1, 0, -1, 0)
     down = (0, 1, 0, -1)
-    diagonal = np.empty(4, np.uint64)
-    forward = np.empty(4, np.uint64)
+    diagonal = np.empty(4, np.int64)
+    forward = np.empty(4, np.int64)
     seen = np.zeros(4, np.uint8)
     seen[3] = SEEN
     area_of_x = np.array([0, 1, 0, -1])
-    move = np.empty(16, np.uint64)
+    move = np.empty(16, np.int64)
     step_x = np.empty(16, np.int32)
     step_y = np.empty(16, np.int32)
-    turn = np.empty(16, np.uint64)
+    turn = np.empty(16, np.int64)
     for way in range(4):
         left = (way + 3) & 3
-        diagonal[way] = np.uint64(ahead[way] + ahead[left])
-        forward[way] = np.uint64(ahead[way])
+        diagonal[way] = ahead[way] + ahead[left]
+        forward[way] = ahead[way]
         for pixels in range(4):
             case = 4 * way + pixels
             move[case] = 0

@@ -16,18 +16,21 @@ import numpy as np
 from numba import njit
 
 from vision.joint_kernels import edge_end, onto
+from vision.polish_kernels import polish_edges
 from vision.shape_kernels import HUGE
 
 LINE, ARC_CW, ARC_CCW = 0, 1, 2
 """Kinds of an edge; the turn as seen on the screen."""
 CHECKS = 6
 """Times that the finished edges are compared with the border."""
-LOST_AXIS_PX = 0.55
+LOST_AXIS_PX = 0.505
 """Along a pixel's axis, how far from the middle between two pixels' centres an edge may run
-before a pixel counts as lost: a straight edge may pass a staircase so closely."""
+before a pixel counts as lost."""
+NARROW_PX, LONGEST_TIP_PX = 0.75, 12.0
+"""Half the width of a tip without a pixel's centre, and how far it may reach back."""
 TIP_PX = 2.5
 """Within this distance of a corner pixels are too coarse to tell where its sides run."""
-RAGGED_SHARE = 0.15
+RAGGED_SHARE, CRISP_RAGGED_SHARE = 0.15, 0.03
 """Area lost per point from which a stretch counts as ragged, where its border loses too much."""
 FLATTEST_PX = 1e-3
 """An arc that rises less above its chord is a line."""
@@ -153,26 +156,44 @@ def _distance_to_edge(kinds, rows, e, after, x, y):
 
 
 @njit(cache=True, nogil=True)
+def _tip(rows, before, at, after):
+    """Within which distance of a joint the border is too narrow to hold a pixel's centre."""
+    ax = rows[before, 0] - rows[at, 0]
+    ay = rows[before, 1] - rows[at, 1]
+    bx = rows[after, 0] - rows[at, 0]
+    by = rows[after, 1] - rows[at, 1]
+    lengths = math.sqrt((ax * ax + ay * ay) * (bx * bx + by * by))
+    cosine = (ax * bx + ay * by) / max(lengths, 1e-9)
+    # half the angle's cotangent
+    slender = math.sqrt((1.0 + cosine) / max(1.0 - cosine, 1e-3))
+    return min(NARROW_PX * slender, LONGEST_TIP_PX)
+
+
+@njit(cache=True, nogil=True)
 def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     """What a finished edge misses of its stretch: ``(worst deviation, area lost)``.
 
     A point may lie at a neighbouring edge, which the joint may have lengthened; what blur
-    rounds within ``guard`` of a joint does not count. In a picture without grey a deviation
-    below ``LOST_AXIS_PX`` along the axis loses nothing, beyond it a pixel; otherwise what exceeds
-    ``free`` is lost.
+    rounds within ``guard`` of a joint, or lies in a tip, does not count. In a picture without
+    grey a deviation below ``LOST_AXIS_PX`` along the axis loses nothing, beyond it a pixel;
+    otherwise what exceeds ``free`` is lost.
     """
     next_ = e + 1 if e + 1 < edges else 0
     before = e - 1 if e > 0 else edges - 1
     behind = next_ + 1 if next_ + 1 < edges else 0
-    near = max(guard, TIP_PX) ** 2
+    near_begin = max(guard, TIP_PX) ** 2
+    near_end = near_begin
+    if crisp:
+        near_begin = _tip(rows, before, e, next_) ** 2
+        near_end = _tip(rows, e, next_, behind) ** 2
     worst = 0.0
     lost = 0.0
     for k in range(lo, hi + 1):
         x = px[k]
         y = py[k]
-        if (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near or (x - rows[next_, 0]) ** 2 + (
-            y - rows[next_, 1]
-        ) ** 2 < near:
+        if (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near_begin:
+            continue
+        if (x - rows[next_, 0]) ** 2 + (y - rows[next_, 1]) ** 2 < near_end:
             continue
         best, fx, fy = _distance_to_edge(kinds, rows, e, next_, x, y)
         if best >= 0.5:
@@ -188,9 +209,8 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
                 fy = ey
         worst = max(worst, best)
         if crisp:
-            if max(abs(x - fx), abs(y - fy)) > LOST_AXIS_PX * best and best > LOST_AXIS_PX * max(
-                abs(x - fx), abs(y - fy)
-            ) / max(best, 1e-9):
+            axis = max(abs(x - fx), abs(y - fy))
+            if best * best > LOST_AXIS_PX * axis:
                 lost += 1.0
         elif best > free:
             lost += best - free
@@ -203,6 +223,60 @@ def _arc_length(kinds, rows, e, after):
     end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
     sweep = (end - begin) % TAU if kinds[e] == ARC_CW else (begin - end) % TAU
     return sweep * rows[e, 4]
+
+
+@njit(cache=True, nogil=True)
+def pass_between_pixels(
+    px, py, n, breaks, is_arc, edges, shape, joints, free, allowed, guard,
+    ragged, losses, stale, kinds, rows, circle, push,
+):  # fmt: skip
+    """Finish the edges of a picture without grey between its pixels: the area that they lose.
+
+    HUGE where one strays too far. ``push`` (2 * edges, 6) is room to work in.
+    """
+    total = HUGE
+    for again in range(2):
+        for e in range(edges):
+            ragged[e] = False
+            stale[e] = True
+        _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
+        bad, total = _find_losses(
+            px, py, n, breaks, edges, True, free, allowed, guard, ragged, losses, stale, kinds, rows
+        )
+        if bad:
+            total = HUGE
+        if total == 0.0 or again == 1:
+            break
+        polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, push)
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _find_losses(
+    px, py, n, breaks, edges, crisp, free, allowed, guard, ragged, losses, stale, kinds, rows
+):
+    """Every edge's lost area, anew where it is stale: ``(whether one strays, total)``."""
+    strayed = False
+    total = 0.0
+    for e in range(edges):
+        if ragged[e]:
+            losses[e] = 0.0
+            continue
+        after = e + 1 if e + 1 < edges else 0
+        before = e - 1 if e > 0 else edges - 1
+        if stale[before] or stale[e] or stale[after]:
+            lo = breaks[e]
+            hi = edge_end(breaks, edges, n, e)
+            farthest, losses[e] = _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard)
+            bad = farthest > allowed
+            if kinds[e] != LINE:
+                longest = 2.0 * (hi - lo) + 4.0
+                bad = bad or _arc_length(kinds, rows, e, after) > longest
+            if bad:
+                ragged[e] = True
+                strayed = True
+        total += losses[e]
+    return strayed, total
 
 
 @njit(cache=True, nogil=True)
@@ -221,28 +295,10 @@ def check_edges(
         losses[e] = 0.0
     for _ in range(CHECKS):
         _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
-        changed = False
-        total = 0.0
-        for e in range(edges):
-            if ragged[e]:
-                losses[e] = 0.0
-                continue
-            after = e + 1 if e + 1 < edges else 0
-            before = e - 1 if e > 0 else edges - 1
-            if stale[before] or stale[e] or stale[after]:
-                lo = breaks[e]
-                hi = edge_end(breaks, edges, n, e)
-                farthest, losses[e] = _loss(
-                    px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard
-                )
-                bad = farthest > allowed
-                if kinds[e] != LINE:
-                    longest = 2.0 * (hi - lo) + 4.0
-                    bad = bad or _arc_length(kinds, rows, e, after) > longest
-                if bad:
-                    ragged[e] = True
-                    changed = True
-            total += losses[e]
+        changed, total = _find_losses(
+            px, py, n, breaks, edges, crisp, free, allowed, guard, ragged, losses, stale, kinds,
+            rows,
+        )  # fmt: skip
         while total > budget:
             worst = 0
             densest = 0.0
@@ -252,7 +308,7 @@ def check_edges(
                 if density > densest:
                     densest = density
                     worst = e
-            if densest < RAGGED_SHARE:
+            if densest < (CRISP_RAGGED_SHARE if crisp else RAGGED_SHARE):
                 break
             changed = True
             total -= losses[worst]

@@ -19,14 +19,16 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.cover_kernels import LINE, check_edges, chords
+from vision.cover_kernels import LINE, check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.partition_kernels import CIRCLE_PRICE, LINE_PRICE, partition
 from vision.shape_kernels import (
+    HALF,
     HUGE,
     circle_cost,
     circle_rms,
     fit_circle,
+    lost_to_circle,
     refine_circle,
     separate_circle,
 )
@@ -42,10 +44,13 @@ MOST_PX = 1.0
 """How far an edge may leave a border without noise: less than the pixel that is promised."""
 CALM_LOSS_PX = 0.02
 """Deviation that does not count as area lost."""
-LOSS_SHARE, LEAST_LOSS = 0.004, 1.0
+STRICTER, STRICTER_BY = 4, 0.4
+"""Times that a border without grey is broken, and by how much more each time a pixel counts."""
+LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
 """Area that the edges of a border may lose, as a share of what it encloses, and in pixels."""
-CHORD_PX = 0.45
-"""How far a chord of a ragged stretch may leave its border points."""
+CHORD_PX, CRISP_CHORD_PX = 0.45, 0.34
+"""How far a chord of a ragged stretch may leave its border points: without grey no farther than
+half a pixel along the axis at 45 degrees."""
 ROUGH = 64
 """Points that tell most other shapes from a circle."""
 REFINEMENTS = np.int64(8)
@@ -89,11 +94,13 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     kinds = np.empty(longest + 1, np.int8)
     rows = np.empty((longest + 1, 6), np.float64)
     active = np.empty(longest + 2, np.int64)
+    push = np.empty((2 * longest + 2, 6), np.float64)
     circle = np.empty(3, np.float64)
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
     skip = math.ceil(guard)
+    chord = CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread
     tangent = CRISP_TANGENT_PX if crisp else TANGENT_PX + spread
     seed_tolerance = 0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma
     expected = _expected_cost(dead_zone, sigma, spread)
@@ -114,19 +121,34 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
             py[n + k] = py[k]
         px[2 * n] = px[0]
         py[2 * n] = py[0]
-        round_cost = _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, circle)
+        budget = max(LOSS_SHARE * abs(areas[b]), LEAST_LOSS)
+        strict = sigma
+        round_cost = _circle_of_all(
+            px, py, n, crisp, dead_zone, sigma, worst, budget, circle, active
+        )
         edges = 0
-        if round_cost > 3.0 * LINE_PRICE + expected * n:
+        for _ in range(STRICTER if crisp else 1):
+            if round_cost <= 3.0 * LINE_PRICE + expected * n:
+                break
             edges, cost = partition(
-                px, py, n, skip, crisp, dead_zone, sigma, worst, seed_tolerance, round_cost,
+                px, py, n, skip, crisp, dead_zone, strict, worst, seed_tolerance, round_cost,
                 is_seed, seeds, breaks, is_arc, active,
             )  # fmt: skip
             if round_cost <= cost:
                 edges = 0
+                break
+            fit_and_join(
+                px, py, n, breaks, is_arc, edges, crisp, guard, blur, tangent, joints, shape,
+                ranges, fresh, active,
+            )  # fmt: skip
+            if crisp and budget >= pass_between_pixels(
+                px, py, n, breaks, is_arc, edges, shape, joints, free, allowed, guard,
+                ragged, losses, stale, kinds, rows, circle, push,
+            ):  # fmt: skip
+                break
+            strict *= STRICTER_BY
         if edges == 0:
             border_kind[b] = CIRCLE
-            if crisp:
-                separate_circle(px, py, NONE, n, circle, active)
             kind[count] = LINE
             data[count, 0] = ox + circle[0] - circle[2]
             data[count, 1] = oy + circle[1]
@@ -137,11 +159,6 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
             count += 1
             continue
         border_kind[b] = POLYGON
-        fit_and_join(
-            px, py, n, breaks, is_arc, edges, crisp, guard, blur, tangent, joints, shape, ranges,
-            fresh, active,
-        )  # fmt: skip
-        budget = max(LOSS_SHARE * abs(areas[b]), LEAST_LOSS)
         check_edges(
             px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard, budget,
             ragged, losses, stale, kinds, rows, circle,
@@ -157,7 +174,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
                 count += 1
                 continue
             hi = edge_end(breaks, edges, n, e)
-            m = chords(px, py, breaks[e], hi, CHORD_PX + 2.0 * spread, is_seed, seeds)
+            m = chords(px, py, breaks[e], hi, chord, is_seed, seeds)
             for t in range(m):
                 kind[count] = LINE
                 data[count, 0] = joints[e, 0] if t == 0 else px[seeds[t]]
@@ -165,7 +182,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
                 data[count, 2] = 0.0
                 data[count, 3] = 0.0
                 data[count, 4] = 0.0
-                data[count, 5] = 0.5 * CHORD_PX
+                data[count, 5] = 0.5 * chord
                 count += 1
         for i in range(begin, count):
             data[i, 0] += ox
@@ -182,7 +199,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
 
 
 @njit(cache=True, nogil=True)
-def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, circle):
+def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, active):
     """The circle through a whole border and its cost; HUGE where it is none."""
     # a sample tells most other shapes from a circle
     if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
@@ -191,6 +208,12 @@ def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, circle):
     if far >= HUGE or not fit_circle(px, py, NONE, n, ONE, circle):
         return HUGE
     refine_circle(px, py, NONE, n, REFINEMENTS, circle)
+    if crisp:
+        separate_circle(px, py, NONE, n, circle, active)
+        if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
+            lost = lost_to_circle(px, py, n, circle)
+            if lost <= budget:
+                return CIRCLE_PRICE
     return CIRCLE_PRICE + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
 
 

@@ -237,7 +237,7 @@ def _touch(a, a_arc, b, b_arc, out):
 
 
 @njit(cache=True, nogil=True)
-def _nearest_point(px, py, n, middle, before, after, x, y):
+def nearest_point(px, py, n, middle, before, after, x, y):
     """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
     best = HUGE
     where = middle
@@ -306,13 +306,15 @@ def _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh)
                 px, py, n, a, a_arc, b, b_arc, here,
                 min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
             )  # fmt: skip
-            room_before = max((here - breaks[before]) % n - 1, 0) // 2
-            room_after = max((breaks[after] - here) % n - 1, 0) // 2
+            # no farther than half-way to the next break, or two might change places
+            slid = (here - breaks[e] + n // 2) % n - n // 2
+            room_before += slid
+            room_after -= slid
         x = px[here]
         y = py[here]
         moved[e] = here
         if (a_arc or b_arc) and _touch(a, a_arc, b, b_arc, found) and abs(found[2]) <= tangent:
-            where, distance = _nearest_point(
+            where, distance = nearest_point(
                 px, py, n, here, min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
                 found[0], found[1],
             )  # fmt: skip
@@ -322,7 +324,7 @@ def _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh)
                 moved[e] = where
                 continue
         if _crossing(a, a_arc, b, b_arc, x, y, found):
-            where, distance = _nearest_point(
+            where, distance = nearest_point(
                 px, py, n, here, min(SLIDE, room_before), min(SLIDE, room_after),
                 found[0], found[1],
             )  # fmt: skip

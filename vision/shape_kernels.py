@@ -30,7 +30,7 @@ HALF = 0.5
 SEPARATION_STEPS = 12
 SEPARATION_MARGIN = 0.03
 """How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
-ACTIVE_PX = 0.3
+ACTIVE_PX = 0.15
 """Points so near to their limit take part when an edge is turned between the pixels."""
 FLATTEST_RADIUS_PX = 1e6
 """A circle of a larger radius is a line."""
@@ -291,6 +291,18 @@ def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
         if cost > bound:
             return BEATEN
     return cost / (sigma * sigma)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def lost_to_circle(px, py, n, circle):
+    """How many pixels beside n points a circle takes for what they are not, without grey."""
+    lost = 0
+    for k in range(n):
+        x = abs(px[k] - circle[0])
+        y = abs(py[k] - circle[1])
+        away = math.sqrt(x * x + y * y)
+        lost += abs(away - circle[2]) * away > HALF * max(x, y)
+    return lost
 
 
 @njit(cache=True, nogil=True, fastmath=FAST)

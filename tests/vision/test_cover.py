@@ -1,0 +1,110 @@
+"""Records drawn again cover pictures of black and white, whatever the shape."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+import pytest
+
+from planner.scene import CircleRecord, PolygonRecord, Scene, object_records
+from tests.support.render import coverage, outline_points
+from vision import extract
+
+SIDE = 200
+LEAST_AREA = 400
+Y, X = np.mgrid[0:SIDE, 0:SIDE].astype(float)
+Mask = np.ndarray
+
+
+def axes(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates along and across a random direction, from near the middle."""
+    angle = rng.uniform(0.0, math.tau)
+    x = X - SIDE / 2 - rng.uniform(-0.5, 0.5)
+    y = Y - SIDE / 2 - rng.uniform(-0.5, 0.5)
+    return (
+        x * math.cos(angle) + y * math.sin(angle),
+        y * math.cos(angle) - x * math.sin(angle),
+    )
+
+
+def ellipse(rng: np.random.Generator) -> Mask:
+    a, b = rng.uniform(14, 85, 2)
+    u, v = axes(rng)
+    return (u / a) ** 2 + (v / b) ** 2 <= 1.0
+
+
+def blob(rng: np.random.Generator) -> Mask:
+    u, v = axes(rng)
+    angle = np.arctan2(v, u)
+    return np.hypot(u, v) <= rng.uniform(30, 70) * (
+        1.0 + 0.18 * np.sin(3.0 * angle) + 0.08 * np.cos(5.0 * angle + 1.0)
+    )
+
+
+def rounded_square(rng: np.random.Generator) -> Mask:
+    half = rng.uniform(30, 80)
+    radius = rng.uniform(5, 0.8 * half)
+    u, v = axes(rng)
+    return (
+        np.hypot(np.maximum(abs(u) - half + radius, 0), np.maximum(abs(v) - half + radius, 0))
+        <= radius
+    )
+
+
+def stadium(rng: np.random.Generator) -> Mask:
+    radius, half = rng.uniform(12, 40), rng.uniform(8, 45)
+    u, v = axes(rng)
+    return np.hypot(np.maximum(abs(u) - half, 0.0), v) <= radius
+
+
+def star(rng: np.random.Generator) -> Mask:
+    n = 2 * int(rng.integers(4, 8))
+    radii = rng.uniform(25, 85) * np.where(np.arange(n) % 2, rng.uniform(0.4, 0.75), 1.0)
+    angles = rng.uniform(0, math.tau) + np.arange(n) * math.tau / n
+    vertices = SIDE / 2 + np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
+    return coverage([vertices], (SIDE, SIDE), lines=1) >= 0.5
+
+
+def drawn_by_opencv(rng: np.random.Generator) -> Mask:
+    picture = np.zeros((SIDE, SIDE), np.uint8)
+    a, b = (int(r) for r in rng.integers(14, 85, 2))
+    end = 180.0 if rng.random() < 0.5 else 360.0
+    cv2.ellipse(picture, (100, 100), (a, b), float(rng.integers(0, 360)), 0.0, end, 255, -1)
+    return picture > 0
+
+
+def covered(scene: Scene) -> Mask:
+    outlines = [
+        outline_points(record, 0.01)
+        for obj in scene.objects
+        for record in object_records(obj)
+        if isinstance(record, PolygonRecord | CircleRecord)
+    ]
+    return coverage(outlines, (SIDE, SIDE), lines=1) >= 0.5
+
+
+def farthest(a: Mask, b: Mask) -> float:
+    """The symmetric Hausdorff distance of two masks, in pixels."""
+    away = [
+        cv2.distanceTransform((~m).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        for m in (a, b)
+    ]
+    return float(max(away[0][b].max(), away[1][a].max()))
+
+
+@pytest.mark.parametrize("shape", [ellipse, blob, rounded_square, stadium, star, drawn_by_opencv])
+def test_records_of_a_crisp_object_cover_its_pixels(
+    shape: Callable[[np.random.Generator], Mask],
+) -> None:
+    for seed in range(10):
+        mask = shape(np.random.default_rng([31, seed]))
+        if mask.sum() < LEAST_AREA:
+            continue
+        scene = extract(np.where(mask, 0, 255).astype(np.uint8))
+        again = covered(scene)
+        overlap = (mask & again).sum() / (mask | again).sum()
+        assert overlap >= 0.995, f"seed {seed}: {overlap:.4f}"
+        assert farthest(mask, again) <= 1.0 + 1e-6, f"seed {seed}"
