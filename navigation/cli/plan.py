@@ -199,7 +199,8 @@ def _answer(
         **roadmap.counts,
     }
     timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
-    remarks = (*scene.remarks, *roadmap.remarks)
+    found = () if isinstance(path, NoPath) else path.remarks
+    remarks = (*scene.remarks, *roadmap.remarks, *found)
     return PlanAnswer(scene, roadmap.radius, path, trajectory, counts, timings_ms, remarks)
 
 

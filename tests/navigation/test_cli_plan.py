@@ -317,3 +317,13 @@ def test_movingai_paths_are_about_as_long_as_the_scenarios_say(capsys):
         answer = strict_json(capsys.readouterr().out)
         straight = math.dist((float(x0), float(y0)), (float(x1), float(y1)))
         assert straight - 1e-9 <= answer["length"] <= 1.5 * float(optimal) + 2.0
+
+
+def test_a_search_that_reached_its_limit_is_a_remark(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("planner.shortest.BUDGET", 1)
+    file = tmp_path / "arena.txt"
+    file.write_text("#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 10 8\nC (5,4) 1\n")
+    ends = ["--start", "2,4", "--goal", "8,4", "--radius", "0.3", "--prefer", "length"]
+    assert run(["plan", str(file), *ends, "--format", "json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert any("there may be a shorter one" in remark for remark in answer["remarks"])
