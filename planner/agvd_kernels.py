@@ -166,6 +166,12 @@ def _crosses_itself(kind, data, first, last):
     n = last + 1 - first
     if n < 4:
         return False
+    if n <= 12:
+        for i in range(n):
+            for j in range(i + 2, n if i > 0 else n - 1):
+                if _meet(kind, data, first + i, first + j):
+                    return True
+        return False
     low, high = np.empty(n), np.empty(n)
     for i in range(n):
         low[i], high[i] = _x_range(kind, data, first + i)

@@ -293,7 +293,8 @@ def bend_chains(
             while n + hi - lo >= len(out):
                 out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
             for q in range(lo, hi):
-                out[n], pair[n], proved[n] = old_out[q], old_pair[q], old_proved[q]
+                out[n, 0], out[n, 1], out[n, 2] = old_out[q, 0], old_out[q, 1], old_out[q, 2]
+                pair[n, 0], pair[n, 1], proved[n] = old_pair[q, 0], old_pair[q, 1], old_proved[q]
                 n += 1
             start[c + 1] = n
             continue

@@ -109,7 +109,16 @@ def remove(xy, ghost, tri, circ, gone):
                 at[np.int64(tri[8 * i + k])] = 8 * i + k
     ring, outer = np.empty(2 * ghost, np.int64), np.empty(2 * ghost, np.int64)
     slot = np.empty(2 * ghost, np.int64)
-    for p in gone:
+    # every other one first, then every other one of the rest: stars stay small for longest
+    step = 2
+    order = np.empty(len(gone), np.int64)
+    count = 0
+    while count < len(gone):
+        for j in range(step // 2 - 1, len(gone), step):
+            order[count] = gone[j]
+            count += 1
+        step *= 2
+    for p in order:
         # the star, counter-clockwise; the site's own two triangles last among its slots
         m = 0
         e = at[p]
