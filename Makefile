@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil faults bench paper pictures browser
+.PHONY: firmware hil fuzz faults bench paper pictures browser
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -42,12 +42,21 @@ coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never re
 
 firmware: $(VENV)/.installed-dev ## build and test the C99 robot: Linux process, twin, ATmega328P
 	bash .ci/packages firmware
-	$(MAKE) -C firmware_protocol/firmware host twin avr
+	$(MAKE) -C firmware_protocol/firmware host twin replay avr arduino
 	$(BIN)/python -m pytest tests/firmware_protocol tests/hil
 
 hil: $(VENV)/.installed-dev ## the AVR binary on an emulated ATmega328P
 	bash .ci/packages firmware
 	$(BIN)/python -m pytest tests/hil
+
+FUZZ_S ?= 600
+fuzz: $(VENV)/.installed-dev ## libFuzzer on the firmware's parser and the whole robot, FUZZ_S each
+	bash .ci/packages firmware fuzz
+	$(MAKE) -C firmware_protocol/firmware fuzz
+	for one in link robot; do \
+	  $(BIN)/python -m tests.support.corpus unpack $$one build/corpus/$$one && \
+	  build/firmware/fuzz_$$one -max_len=2000 -max_total_time=$(FUZZ_S) -print_final_stats=1 \
+	    build/corpus/$$one || exit 1; done
 
 faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmarks/results/faults.md
 	$(BIN)/python -m benchmarks.faults

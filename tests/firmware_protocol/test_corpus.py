@@ -1,7 +1,7 @@
 """What the fuzzers found worth keeping, run again: in C under sanitizers, and on both robots.
 
-``corpus/*.txt`` has one input a line, in hexadecimal; ``firmware/fuzz.c`` says what the bytes
-mean. Made by ``make fuzz`` in the firmware's folder, libFuzzer's merge, and ``xxd -p``.
+``firmware/fuzz.c`` says what an input's bytes mean, ``tests/support/corpus.py`` where they come
+from.
 """
 
 from __future__ import annotations
@@ -24,18 +24,14 @@ from firmware_protocol.messages import (
 )
 from firmware_protocol.wire_values import heading_from_wire
 from tests.support.c_robot import FIRMWARE, missing_tool
+from tests.support.corpus import CORPUS, inputs
 from tests.support.robot_pair import Pair
 
-CORPUS = Path(__file__).parent / "corpus"
 SESSION = 7
 
 pytestmark = pytest.mark.skipif(
     missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"
 )
-
-
-def inputs(name: str) -> list[bytes]:
-    return [bytes.fromhex(line) for line in (CORPUS / f"{name}.txt").read_text().splitlines()]
 
 
 @pytest.fixture(scope="module")
