@@ -52,7 +52,7 @@ class Borders:
     right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
     meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
     and range of primitives. ``box`` is x_min, y_min, x_max, y_max of the free space, and
-    ``extent`` its larger side.
+    ``extent`` its larger side. ``flat`` is what all this was made from.
     """
 
     kind: NDArray[np.int8]
@@ -71,6 +71,7 @@ class Borders:
     span: IntArray
     box: FloatArray
     extent: float
+    flat: Primitives
 
     @property
     def primitive_count(self) -> int:
@@ -140,7 +141,12 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
 
 def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     """The scene's borders as pieces, joined and indexed. O(k log k)."""
-    flat = scene.primitives()
+    return borders_of(scene.primitives(), mode)
+
+
+def borders_of(source: Primitives, mode: Mode = "exact") -> Borders:
+    """The borders of flat primitives, see :func:`gather_borders`."""
+    flat = source
     box = _free_box(flat)
     extent = float(max(box[2] - box[0], box[3] - box[1]))
     flat = _without_repeats(flat, NO_LENGTH * extent)
@@ -174,6 +180,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
         span=span,
         box=box,
         extent=extent,
+        flat=source,
     )
 
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -294,63 +295,62 @@ def _stored_points(record: Record) -> int:
 
 
 class _Flattener:
-    """Collects primitives border by border."""
+    """Collects primitives border by border: a row and a kind each, and how many per border."""
 
     def __init__(self, y_down: bool) -> None:
         self.y_down = y_down
         self.rows: list[tuple[float, ...]] = []
         self.kind: list[int] = []
-        self.owner: list[int] = []
-        self.border: list[int] = []
-        self.is_hole: list[bool] = []
-        self.reversed: list[bool] = []
-        self.borders = 0
+        self.turned: list[int] = []
+        self.borders: list[tuple[int, int, bool]] = []
 
     def add_border(self, records: Sequence[Record], owner: int, *, is_hole: bool) -> None:
+        before = len(self.kind)
         for record in records:
             match record:
                 case PointRecord(at):
-                    self._add(POINT, (*at, 0.0, 0.0, 0.0, 0.0), owner, is_hole)
+                    self._add(POINT, (*at, 0.0, 0.0, 0.0, 0.0))
                 case CircleRecord(center, radius):
-                    self._add(CIRCLE, (*center, radius, 0.0, 0.0, 0.0), owner, is_hole)
+                    self._add(CIRCLE, (*center, radius, 0.0, 0.0, 0.0))
                 case _:
-                    for edge in record_edges(record):
-                        self._add_edge(edge, owner, is_hole)
-        self.borders += 1
+                    self._add_edges(record_edges(record))
+        self.borders.append((len(self.kind) - before, owner, is_hole))
 
-    def _add_edge(self, edge: Edge, owner: int, is_hole: bool) -> None:
-        match edge:
-            case Segment(start, end) if start == end:
-                self._add(POINT, (*start, 0.0, 0.0, 0.0, 0.0), owner, is_hole)
-            case Segment(start, end):
-                self._add(SEGMENT, (*start, *end, 0.0, 0.0), owner, is_hole)
-            case Arc():
+    def _add_edges(self, edges: Sequence[Edge]) -> None:
+        # most primitives are segments: they are told by their type, patterns are slower
+        rows, kind = self.rows, self.kind
+        for edge in edges:
+            if type(edge) is Segment:
+                start, end = edge.start, edge.end
+                if start == end:
+                    self._add(POINT, (*start, 0.0, 0.0, 0.0, 0.0))
+                    continue
+                rows.append((start[0], start[1], end[0], end[1], 0.0, 0.0))
+                kind.append(SEGMENT)
+            elif isinstance(edge, Arc):
                 a0, turn = edge.sweep(self.y_down)
-                backwards = turn < 0.0
-                if backwards:
+                if turn < 0.0:
                     a0, turn = a0 + turn, -turn
-                row = (*edge.center, edge.radius, a0, turn, 0.0)
-                self._add(ARC, row, owner, is_hole, backwards)
+                    self.turned.append(len(kind))
+                self._add(ARC, (*edge.center, edge.radius, a0, turn, 0.0))
 
-    def _add(
-        self, kind: int, row: tuple[float, ...], owner: int, is_hole: bool, backwards: bool = False
-    ) -> None:
+    def _add(self, kind: int, row: tuple[float, ...]) -> None:
         self.kind.append(kind)
         self.rows.append(row)
-        self.owner.append(owner)
-        self.border.append(self.borders)
-        self.is_hole.append(is_hole)
-        self.reversed.append(backwards)
 
     def finish(self) -> Primitives:
-        data = np.array(self.rows, dtype=np.float64).reshape(-1, 6)
+        count = len(self.kind)
+        flat = chain.from_iterable(self.rows)
+        backwards = np.zeros(count, dtype=np.bool_)
+        backwards[self.turned] = True
+        sizes = [size for size, _, _ in self.borders]
         arrays = (
             np.array(self.kind, dtype=np.int8),
-            data,
-            np.array(self.owner, dtype=np.int32),
-            np.array(self.border, dtype=np.int32),
-            np.array(self.is_hole, dtype=np.bool_),
-            np.array(self.reversed, dtype=np.bool_),
+            np.fromiter(flat, np.float64, 6 * count).reshape(-1, 6),
+            np.repeat(np.array([o for _, o, _ in self.borders], np.int32), sizes),
+            np.repeat(np.arange(len(self.borders), dtype=np.int32), sizes),
+            np.repeat(np.array([hole for _, _, hole in self.borders], np.bool_), sizes),
+            backwards,
         )
         for array in arrays:
             array.setflags(write=False)
