@@ -122,7 +122,7 @@ class _Pages:
                 self._hub.gate.count("oversized")
                 return _refused(Refusal(413, "oversized", "the request is too long"))
         client = request.client.host if request.client else "somebody"
-        result = give({"order": "stop"}, self._hub.daemon, self._hub.mission_state, client)
+        result = give({"order": "stop"}, self._hub.daemon, client)
         self._hub.note("stop", f"{client}: STOP")
         return JSONResponse({k: result[k] for k in ("ok", "error") if k in result})
 

@@ -28,7 +28,7 @@ from navigation.dashboard.picture import TopView
 from navigation.dashboard.seat import Seat
 from navigation.dashboard.shown import Shown
 from navigation.dashboard.state_message import greeting, no_path_facts, state_message
-from navigation.mission import State, Station
+from navigation.mission import Station
 from planner.path import NoPath, Path
 from planner.roadmap import Roadmap
 from planner.scene import Bounds
@@ -130,12 +130,6 @@ class Hub:
     def loop_age_s(self) -> float:
         """How long ago the control loop ended a cycle; infinite before the first."""
         return self.clock() - self._seen_s
-
-    @property
-    def mission_state(self) -> State | None:
-        """Where the mission stands at this moment; None before the first cycle."""
-        state = self.daemon.state
-        return None if state is None else state.mission.state
 
     def note(self, level: str, text: str) -> None:
         """A line for the log."""

@@ -3,8 +3,8 @@
 Rules
 - STOP is for everybody who may look, and goes straight to the link.
 - Everything else is for the operator who holds the arena.
-- A stop is left by ``rearm`` only; ``resume`` ends a pause and nothing else, so that a page that
-  has missed the stop cannot undo it.
+- A stop is left by ``rearm`` only, and ``rearm`` leaves nothing but a stop: a page that has missed
+  a stop cannot undo it, and a button pressed twice does not set the robot going.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, Final
 from navigation.control import Commanded, carry_out
 from navigation.mission import State
 
-MOTIONS: Final = frozenset({"go", "pause", "resume", "rearm"})
+MOTIONS: Final = frozenset({"go", "pause", "resume", "rearm", "replan"})
 
 
 def refusal_of(order: object, *, may_drive: bool, holds: bool) -> str | None:
@@ -23,7 +23,7 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool) -> str | None:
     if order == "stop":
         return None
     if not isinstance(order, str) or order not in MOTIONS:
-        return f"order {order!r}: must be stop, go, pause, resume or rearm"
+        return f"order {order!r}: must be stop, go, pause, resume, rearm or replan"
     if not may_drive:
         return "this token is for looking and stopping only"
     if not holds:
@@ -31,14 +31,13 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool) -> str | None:
     return None
 
 
-def give(
-    request: Mapping[str, Any], daemon: Commanded, state: State | None, who: str
-) -> dict[str, Any]:
+def give(request: Mapping[str, Any], daemon: Commanded, who: str) -> dict[str, Any]:
     """Carry out an order; ``{"ok": true, ...}`` or ``{"ok": false, "error": SENTENCE}``."""
     order = request.get("order")
-    stopped = state is State.STOPPED
     if order == "stop":
         return carry_out({"order": "stop", "reason": f"stopped by {who}"}, daemon)
+    # asked at this moment: what was published may be a cycle old, and a second press that fast
+    stopped = daemon.describe()["state"] == State.STOPPED.value
     if order == "rearm" and not stopped:
         return {"ok": False, "error": "nothing to re-arm: the robot is not stopped"}
     if order in ("resume", "go") and stopped:

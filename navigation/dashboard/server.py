@@ -25,6 +25,7 @@ PING_EVERY_S, PONG_WITHIN_S = 5.0, 10.0
 MOST_MESSAGE_BYTES: Final = 1 << 20
 """Cut off before it is read whole; what pages may send is far less (`viewer`)."""
 CLOSE_WITHIN_S: Final = 1.0
+LAST_WORDS_S: Final = 0.2
 
 
 class Dashboard:
@@ -119,7 +120,18 @@ class Dashboard:
         await hub.run()
         server.should_exit = True
         await serving
+        await _hang_up(server)
         hub.workers.shutdown(wait=False, cancel_futures=True)
+
+
+async def _hang_up(server: uvicorn.Server) -> None:
+    """Wait a moment for the last words to go out, then cut what is still open."""
+    until_s = time.monotonic() + LAST_WORDS_S
+    while server.server_state.connections and time.monotonic() < until_s:
+        await asyncio.sleep(0.01)
+    for connection in list(server.server_state.connections):
+        connection.transport.abort()
+    await asyncio.sleep(0.0)  # the loop closes their sockets in its next round
 
 
 def listen(host: str, port: int) -> socket.socket:

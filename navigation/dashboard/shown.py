@@ -84,7 +84,7 @@ class ShownDaemon:
         self._daemon.pause()
 
     def resume(self) -> None:
-        """End a pause, or re-arm."""
+        """End a pause; after a stop re-arm, and the next time go on."""
         self._daemon.resume()
 
     def replan(self) -> None:

@@ -21,9 +21,6 @@ from planner.path import NoPath
 from vision.latest_frame import CameraStatus
 from vision.markers import RobotPose
 
-PAUSED = "paused by the operator"
-"""The safety rules' sentence for it (`navigation.watch`)."""
-
 
 def greeting(config: Config, view: TopView) -> dict[str, Any]:
     """What does not change during a run: the arena, the robots, how pictures lie on the floor."""
@@ -67,7 +64,7 @@ def state_message(
         "type": "state",
         "time_s": round(state.time_s, 2),
         "loop_ms": _ms(loop_age_s),
-        "paused": PAUSED in state.verdict.reasons,
+        "paused": mission.paused,
         "mission": {
             "state": mission.state.value,
             "sentence": mission.reason,

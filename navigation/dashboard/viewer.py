@@ -229,7 +229,7 @@ class Viewer:
             hub.gate.count("order")
             self._reply(message, {"ok": False, "error": refusal})
             return
-        result = give(message, hub.daemon, hub.mission_state, self.name)
+        result = give(message, hub.daemon, self.name)
         hub.seat.touch(self.key, hub.clock())
         level = "stop" if order == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"

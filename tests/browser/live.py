@@ -128,12 +128,11 @@ class Live:
     def calm_down(self) -> None:
         """Leave no stop, pause, mission or operator behind for the next test."""
         self.hub.seat.holder = None
-        if self.state is State.STOPPED:
-            assert wait_until(lambda: self.daemon.link.snapshot().estopped)
-        self.daemon.resume()
-        if self.state in (State.PLANNING, State.DRIVING, State.HOLDING):
+        mission = self.daemon.pilot.mission
+        if self.state in (State.PLANNING, State.DRIVING, State.HOLDING) or mission.paused:
             self.daemon.stop("the test is over")
             assert wait_until(lambda: self.state is State.STOPPED)
+        if self.state is State.STOPPED:
             assert wait_until(lambda: self.daemon.link.snapshot().estopped)
             self.daemon.resume()
         quiet = (State.IDLE, State.DONE, State.FAILED)

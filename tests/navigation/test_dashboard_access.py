@@ -7,7 +7,7 @@ from navigation.config_dashboard import DashboardSection
 from navigation.dashboard.access import Gate, Refusal, Role, bearer_of, token_of
 from navigation.dashboard.orders import give, refusal_of
 from navigation.dashboard.seat import AWAY_S, LEFT_S, Seat, public_half
-from navigation.mission import State, Station
+from navigation.mission import Mission, State, Station
 from tests.support.shown import FakeDaemon, shown_config
 
 TOKEN, OTHER = "a-token-of-some-length", "another-token-to-look"
@@ -176,7 +176,7 @@ def test_everybody_may_stop_and_only_the_holder_may_drive() -> None:
     for may_drive in (False, True):
         for holds in (False, True):
             assert refusal_of("stop", may_drive=may_drive, holds=holds) is None
-    for order in ("go", "pause", "resume", "rearm"):
+    for order in ("go", "pause", "resume", "rearm", "replan"):
         assert refusal_of(order, may_drive=True, holds=True) is None
         assert refusal_of(order, may_drive=True, holds=False) == "take the arena first"
         assert "looking" in (refusal_of(order, may_drive=False, holds=True) or "")
@@ -189,30 +189,39 @@ def test_an_order_that_is_none_is_refused(order: object) -> None:
 
 def test_a_stop_is_left_by_rearm_only() -> None:
     daemon = FakeDaemon()
+    daemon.stop("a test")
     for order in ("resume", "go"):
-        answer = give({"order": order, "stations": []}, daemon, State.STOPPED, "Ada")
+        answer = give({"order": order, "stations": []}, daemon, "Ada")
         assert not answer["ok"]
         assert "re-arm" in answer["error"]
-    assert daemon.orders == []
-    assert give({"order": "rearm"}, daemon, State.STOPPED, "Ada")["ok"]
-    assert daemon.orders == ["resume"]
+    assert give({"order": "rearm"}, daemon, "Ada")["ok"]
+    assert daemon.orders == [("stop", "a test"), "resume"]
 
 
-@pytest.mark.parametrize("state", [None, *(s for s in State if s is not State.STOPPED)])
-def test_there_is_nothing_to_rearm_without_a_stop(state: State | None) -> None:
+def test_rearm_pressed_twice_does_not_set_the_robot_going() -> None:
     daemon = FakeDaemon()
-    assert not give({"order": "rearm"}, daemon, state, "Ada")["ok"]
+    daemon.stop("a test")
+    assert give({"order": "rearm"}, daemon, "Ada")["ok"]
+    assert not give({"order": "rearm"}, daemon, "Ada")["ok"]
+    assert daemon.orders.count("resume") == 1
+
+
+@pytest.mark.parametrize("state", [s for s in State if s is not State.STOPPED])
+def test_there_is_nothing_to_rearm_without_a_stop(state: State) -> None:
+    daemon = FakeDaemon()
+    daemon.show(mission=Mission(state=state))
+    assert not give({"order": "rearm"}, daemon, "Ada")["ok"]
     assert daemon.orders == []
 
 
 def test_a_stop_says_who_stopped_and_takes_no_words_from_the_page() -> None:
     daemon = FakeDaemon()
-    assert give({"order": "stop", "reason": "x" * 9999}, daemon, State.DRIVING, "Ada")["ok"]
+    assert give({"order": "stop", "reason": "x" * 9999}, daemon, "Ada")["ok"]
     assert daemon.orders == [("stop", "stopped by Ada")]
 
 
 def test_an_order_to_go_reaches_the_daemon_with_its_stations() -> None:
     daemon = FakeDaemon()
     stations = [{"x_m": 1.0, "y_m": 0.5, "heading_rad": None, "dwell_s": 0.0}]
-    assert give({"order": "go", "stations": stations, "id": 3}, daemon, State.IDLE, "Ada")["ok"]
+    assert give({"order": "go", "stations": stations, "id": 3}, daemon, "Ada")["ok"]
     assert daemon.orders == [(Station(1.0, 0.5),)]

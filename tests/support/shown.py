@@ -125,6 +125,12 @@ class FakeDaemon:
 
     def resume(self) -> None:
         self.orders.append("resume")
+        assert self.state is not None
+        if self.state.mission.state is State.STOPPED:
+            self.show(mission=replace(self.state.mission, state=State.IDLE))
+
+    def replan(self) -> None:
+        self.orders.append("replan")
 
     def describe(self) -> Mapping[str, Any]:
         assert self.state is not None

@@ -140,15 +140,17 @@ export class Goal {
 
   async #set(x, y, heading, more) {
     const station = { x_m: round(x), y_m: round(y), heading_rad: heading };
-    const taken = await this.seat.takeIfFree();
-    if (!taken.ok) {
-      this.say(taken.error);
-      this.clear();
-      return;
-    }
-    this.say("");
     this.#stations = more ? [...this.#stations, station] : [station];
-    this.#ask();
+    this.#preview = null;
+    this.#draw();
+    this.#show();
+    const taken = await this.seat.takeIfFree();
+    if (taken.ok) {
+      this.#ask();
+    } else {
+      this.clear();
+    }
+    this.say(taken.ok ? "" : taken.error);
   }
 
   async #ask() {

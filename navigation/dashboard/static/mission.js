@@ -11,15 +11,17 @@ export class MissionPanel {
   constructor(connection, seat, say) {
     Object.assign(this, { connection, seat, say });
     this.pause = document.getElementById("pause");
+    this.replan = document.getElementById("replan");
+    this.replan.addEventListener("click", () => this.#order({ order: "replan" }));
     this.again = document.getElementById("again");
     this.pause.addEventListener("click", () => this.#order(this.#state?.paused ? { order: "resume" } : { order: "pause" }));
-    this.again.addEventListener("click", () => this.#order({ order: "go", stations: this.#left }));
+    this.again.addEventListener("click", () => this.#order({ order: "resume" }));
     connection.on("state", (state) => this.#show(state));
   }
 
   get #left() {
     const { stations, visited } = this.#state.mission;
-    return stations.slice(visited);
+    return stations.length - visited;
   }
 
   async #order(order) {
@@ -46,8 +48,10 @@ export class MissionPanel {
     put("fact-clearance", metres(state.clearance_m, 3));
     put("fact-speed", pose ? `${link.moving ? pose.speed_m_s.toFixed(2) : "0.00"} m/s` : "–");
     this.pause.textContent = state.paused ? "Go on" : "Pause";
-    this.pause.disabled = !this.seat.mayDrive || mission.state === "stopped";
-    this.again.hidden = !(["idle", "failed"].includes(mission.state) && this.#left.length > 0 && this.seat.mayDrive);
+    const underWay = ["planning", "driving", "holding"].includes(mission.state);
+    this.pause.disabled = !this.seat.mayDrive || !(underWay || state.paused) || mission.state === "stopped";
+    this.replan.hidden = mission.state !== "driving";
+    this.again.hidden = !(["idle", "failed"].includes(mission.state) && this.#left > 0 && this.seat.mayDrive);
     document.title = `${state.paused ? "Paused" : WORDS[mission.state] ?? mission.state} – Clearway`;
   }
 }
