@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import TYPE_CHECKING, Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +32,8 @@ TAPER = 0.3
 """Sine of half the angle of a corner that counts as one: 35 degrees between its sides."""
 
 if TYPE_CHECKING:
+    import networkx as nx
+
     from planner.roadmap import Roadmap
 
 
@@ -70,6 +71,8 @@ class Run:
 def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
     """The chains that keep the radius as a graph."""
     chains, borders = roadmap.chains, roadmap.borders
+    import networkx as nx  # late: a plan counts the graph without it, and it takes 0.2 s
+
     graph: nx.Graph[int] = nx.Graph(radius=roadmap.radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
     new = len(chains.node_xy)
