@@ -5,6 +5,8 @@ Units as in `config_sections`: SI in the names, angles in degrees, pictures in p
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from pydantic import Field, StrictBool
 
 from navigation.config_values import (
@@ -67,6 +69,11 @@ class SimulatedRobotSection(Section):
     wheel_speed_m_s: Positive = Field(default=0.8, description="highest speed of a wheel")
     faults: str = Field(
         default="", description="faults of the line, as in `clearway robot --faults`"
+    )
+    poses: Path | None = Field(
+        default=None,
+        description="file in which a robot of another process tells the simulated camera where "
+        "it is, as `clearway robot --poses` writes it (from the current folder)",
     )
     emulator: str = Field(
         default="",

@@ -30,6 +30,7 @@ from navigation.simulator.settings import (
     faults_of,
     true_start_of,
 )
+from navigation.simulator.shared_pose import SharedPose
 from navigation.truth import Truth
 from vision.calibration import Calibration
 from vision.calibration_file import load_calibration
@@ -57,6 +58,7 @@ class World:
         if simulated_port:
             self._robot = self._make_robot()
             self.truth = Truth(self._arenas, self._robot, others_of(config, self._tracks))
+        self._shared = _shared_pose(config) if self._robot is None and simulated_camera else None
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
         self.calibration = calibration_of(config)
@@ -127,6 +129,8 @@ class World:
     def _pose_now(self) -> tuple[float, float, float]:
         if self._robot is not None:
             return self._robot.pose()
+        if self._shared is not None:
+            return self._shared.read()
         return true_start_of(self.config)
 
     def start(self) -> None:
@@ -141,6 +145,11 @@ class World:
         """Switch it off."""
         if self._robot is not None:
             self._robot.stop()
+
+
+def _shared_pose(config: Config) -> SharedPose | None:
+    path = None if config.simulation is None else config.simulation.robot.poses
+    return None if path is None else SharedPose(path, write=False)
 
 
 def others_of(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import time
+from pathlib import Path
 
 import click
 import numpy as np
@@ -15,8 +16,21 @@ import numpy as np
 from firmware_protocol.messages import STOP_SENTENCES, RobotState
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import RobotView, SimulatedRobot
+from navigation.simulator.shared_pose import SharedPose
 
 LOOK_S = 0.05
+TELL_S = 0.002
+
+
+def _make_link(link: Path, port: str) -> None:
+    """Put a symbolic link in place, over an old one but over nothing else."""
+    link.parent.mkdir(parents=True, exist_ok=True)
+    if link.is_symlink():
+        link.unlink()
+    try:
+        link.symlink_to(port)
+    except FileExistsError:
+        raise click.UsageError(f"--link {link}: is there already and is no link") from None
 
 
 def _read_pose(
@@ -64,13 +78,30 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     show_default=True,
     help="Bits a second; the pseudo-terminal is paced to it.",
 )
+@click.option(
+    "--link", type=click.Path(path_type=Path), help="Also make a link to the new pseudo-terminal."
+)
+@click.option(
+    "--poses",
+    type=click.Path(path_type=Path),
+    help="Tell the pose in this file, for simulation.robot.poses of a run.",
+)
 def command(
-    port: str | None, faults: FaultSpec, seed: int, start: tuple[float, float, float], baud: int
+    port: str | None,
+    faults: FaultSpec,
+    seed: int,
+    start: tuple[float, float, float],
+    baud: int,
+    link: Path | None,
+    poses: Path | None,
 ) -> None:
     """Run the robot until Ctrl-C."""
+    told_in = None if poses is None else SharedPose(poses, write=True)
     rng = np.random.default_rng(seed)
     with SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud) as robot:
         click.echo(robot.port)
+        if link is not None:
+            _make_link(link, robot.port)
         told: tuple[object, ...] = ()
         while True:
             view = robot.view()
@@ -78,7 +109,11 @@ def command(
             if news != told:
                 told = news
                 click.echo(describe(view))
-            time.sleep(LOOK_S)  # the robot lives in its own thread; this one only looks on
+            if told_in is not None:
+                told_in.write(*view.pose)
+            time.sleep(
+                LOOK_S if told_in is None else TELL_S
+            )  # the robot lives in its own thread; this one only looks on
 
 
 def describe(view: RobotView) -> str:
