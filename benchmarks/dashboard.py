@@ -116,10 +116,11 @@ def table(found: dict[int, Figures], seconds: float, rounds: int) -> str:
     lines = [
         "# What looking costs",
         "",
-        f"The shipped simulation at 1280x960, 30 pictures a second; {rounds} rounds of "
-        f"{seconds:g} s each, taking turns; the least disturbed round of each, since other work",
-        "on the machine only adds. Ratios are against nobody looking. The processor's share has",
-        "the simulated camera and robot in it. `python -m benchmarks.dashboard` makes this again.",
+        "The shipped simulation at 1280x960, 30 pictures a second;",
+        f"{rounds} rounds of {seconds:g} s each, taking turns, and of each the least disturbed,",
+        "since other work on the machine only adds. Ratios are against nobody looking. The",
+        "processor's share has the simulated camera and robot in it.",
+        "`python -m benchmarks.dashboard` makes this again.",
         "",
         "| viewers | capture to wire p50 | ratio | p99 | ratio | pictures/s seen by the program "
         "| pictures/s a viewer | age of a picture when sent | processor |",

@@ -72,10 +72,10 @@ class Seat:
         if self.holder is not None and self.holder.key == key:
             self.holder = replace(self.holder, active_s=now_s, back_until_s=None)
 
-    def come(self, key: str) -> None:
-        """The holder's connection is here (again)."""
+    def come(self, key: str, name: str) -> None:
+        """The holder's connection is here (again), by this name."""
         if self.holder is not None and self.holder.key == key:
-            self.holder = replace(self.holder, back_until_s=None)
+            self.holder = replace(self.holder, name=name, back_until_s=None)
 
     def go(self, key: str, now_s: float, *, left: bool) -> None:
         """The holder's connection has ended; ``left``: in order, as a page does that is closed."""

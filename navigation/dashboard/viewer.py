@@ -203,7 +203,7 @@ class Viewer:
             raise MalformedError(f"name: must be at most {NAME_CHARACTERS} printable characters")
         self.key = key
         self.name = name.strip() or f"viewer {self.number}"
-        self.hub.seat.come(key)
+        self.hub.seat.come(key, self.name)
         self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
 
     def _sit(self, message: dict[str, Any]) -> None:

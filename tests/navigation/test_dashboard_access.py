@@ -149,7 +149,7 @@ def test_a_page_that_comes_back_in_time_is_the_same_operator(left: bool, patienc
     seat.take(KEY, "Ada", 0.0)
     seat.go(KEY, 10.0, left=left)
     assert seat.tick(10.0 + patience_s - 0.1) is None
-    seat.come(KEY)
+    seat.come(KEY, "Ada")
     assert seat.tick(10.0 + patience_s + 50.0) is None
     seat.go(KEY, 100.0, left=left)
     assert seat.tick(100.0 + patience_s) == "Ada went away: the arena is free"
@@ -160,7 +160,7 @@ def test_the_comings_and_goings_of_others_do_not_touch_the_seat() -> None:
     seat.take(KEY, "Ada", 0.0)
     seat.go(ELSE, 1.0, left=True)
     seat.touch(ELSE, 2.0)
-    seat.come(ELSE)
+    seat.come(ELSE, "Ben")
     assert seat.free_in_s(2.0) == pytest.approx(298.0)
 
 

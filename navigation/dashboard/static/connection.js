@@ -91,9 +91,14 @@ export class Connection {
     this.#retryNow();
   }
 
+  /** Say who is here: the key that a held arena is known by, and the name that others see. */
+  join() {
+    this.send({ type: "join", key: this.key, name: localStorage.getItem("clearway.name") ?? "" });
+  }
+
   #greet(socket) {
     if (socket !== this.#socket) return;
-    this.send({ type: "join", key: this.key, name: localStorage.getItem("clearway.name") ?? "" });
+    this.join();
     this.send({ type: "watch", on: !document.hidden });
   }
 

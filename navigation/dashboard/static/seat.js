@@ -11,7 +11,16 @@ export class Seat {
     this.text = document.getElementById("seat-text");
     this.button.addEventListener("click", () => this.toggle());
     connection.on("hello", (hello) => { this.role = hello.role; });
-    connection.on("joined", (joined) => { this.#mine = joined.seat; });
+    connection.on("joined", (joined) => {
+      this.#mine = joined.seat;
+      this.name.placeholder = joined.name;
+    });
+    this.name = document.getElementById("name");
+    this.name.value = localStorage.getItem("clearway.name") ?? "";
+    this.name.addEventListener("change", () => {
+      localStorage.setItem("clearway.name", this.name.value.trim());
+      connection.join();
+    });
     connection.on("state", (state) => { this.#state = state; this.#show(); });
     connection.on("down", () => this.#show());
   }
