@@ -49,7 +49,7 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     spread = SMOOTHING * noise / (slope * max(contrast, 1.0))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
     blur = float(np.sqrt(max((0.3989 / slope) ** 2 - 1.0, 0.08)))
-    sigmas = 2.6 - 0.8 * min(1.0, spread / 0.15)
+    sigmas = 2.1 - 0.65 * min(1.0, spread / 0.15)
     return Tolerance(
         crisp=crisp > 0.5,
         dead_zone_px=CALM_PX + (STAIRCASE_PX - CALM_PX) * crisp,

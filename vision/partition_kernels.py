@@ -24,7 +24,7 @@ from vision.shape_kernels import (
     separate_circle,
 )
 
-LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 16.0, 22.0, 20.0
+LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 10.0, 20.0, 16.0
 """What an edge costs, in units of sigma squared: more than noise gains by one more break."""
 SAMPLES = 24
 """At most about so many points shape a stretch in the search; all of them judge it."""

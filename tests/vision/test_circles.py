@@ -56,8 +56,14 @@ def test_every_circle_is_found_with_its_centre_and_radius(radius: float, noise: 
     assert rms.max() < (0.12 if radius < 8 else 0.1)
 
 
-@pytest.mark.parametrize(("sides", "radius"), [(4, 12), (6, 20), (8, 30), (12, 50)])
-@pytest.mark.parametrize("noise", [0.0, 20.0])
+@pytest.mark.parametrize(
+    ("sides", "radius", "noise"),
+    [
+        (4, 8, 20.0), (4, 12, 0.0), (4, 12, 20.0), (6, 12, 20.0), (6, 20, 0.0), (6, 20, 20.0),
+        (8, 12, 0.0), (8, 12, 5.0), (8, 16, 20.0), (8, 30, 0.0), (8, 30, 20.0),
+        (12, 20, 5.0), (12, 30, 10.0), (12, 50, 0.0), (12, 50, 20.0),
+    ],
+)  # fmt: skip
 def test_no_polygon_is_taken_for_a_circle(sides: int, radius: float, noise: float) -> None:
     size = int(2 * radius + 40)
     rng = np.random.default_rng(sides)
