@@ -24,8 +24,9 @@ from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon, DaemonState
 from navigation.journal import Journal
 from navigation.logs import EventLog, RunLog
-from navigation.mission import Mission, State
+from navigation.mission import State
 from navigation.report import Report
+from navigation.restart import unfinished_mission
 from navigation.run_summary import make_run_folder, summarise, write_run
 from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_port import look_for_port
@@ -40,8 +41,6 @@ DONE, FAILED, NO_PATH = 0, 1, 3
 PROGRESS_EVERY_S = 1.0
 EVENTS_FILE = "events.jsonl"
 """In a run's folder: the log of its events."""
-ROBOT_PATIENCE_S = 3.0
-"""How long a restart waits for the robot to say how far it has come."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,30 +167,16 @@ class Runner:
 
     def _begin_mission(self, daemon: Daemon, journal: Journal | None) -> None:
         """The journal's unfinished mission, else the configured one."""
-        left = None if journal is None else journal.unfinished()
-        if journal is not None and left is not None:
-            left = self._caught_up(daemon, journal, left)
+        left = None
+        if journal is not None:
+            left = unfinished_mission(daemon, journal, self.interrupt.is_set)
+        if left is not None:
             self._say(f"going on: {left.visited} of {len(left.stations)} stations were visited")
             daemon.restore(left)
             return
         stations = stations_of(self.config)
         if stations:
             daemon.give(stations, any_order=self.config.mission.order == "best")
-
-    def _caught_up(self, daemon: Daemon, journal: Journal, mission: Mission) -> Mission:
-        """The mission with what the robot has done since the last entry of the journal."""
-        plan = journal.plan()
-        until_s = self._clock() + ROBOT_PATIENCE_S
-        while plan is not None and self._clock() < until_s and not self.interrupt.is_set():
-            daemon.cycle()
-            snapshot = daemon.link.snapshot()
-            if snapshot.down_reason is not None or snapshot.status is None:
-                continue
-            if snapshot.mission_id != plan.mission_id:
-                break
-            visited = min(plan.visited_after(snapshot.executed), len(mission.stations) - 1)
-            return mission.with_visited(max(mission.visited, visited))
-        return mission
 
     def _drive(self, daemon: Daemon, recorder: Recorder | None) -> tuple[State, str]:
         limit_s = self._time_limit_s()

@@ -28,7 +28,7 @@ from navigation.simulator.settings import (
     faults_of,
     true_start_of,
 )
-from navigation.simulator.virtual_loop import VirtualLoop
+from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
 from navigation.supervisor import in_words
 from navigation.track import Track
 from navigation.truth import Truth
@@ -281,8 +281,8 @@ class VirtualFrames:
                 return frame
             pause_s = self._latest.step()
             if pause_s > 0.0:
-                left_s = max(0.001, end_s - self._world.clock())
-                self._world.wait(min(pause_s, left_s))
+                left_s = end_s - self._world.clock()
+                self._world.wait(max(TICK_S, min(pause_s, left_s)))  # time always passes
         return None
 
     def status(self) -> CameraStatus:
