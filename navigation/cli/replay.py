@@ -89,6 +89,8 @@ def _show(recording: Recording, result: ReplayResult) -> None:
     )
     if result.not_compared:
         click.echo(f"  {result.not_compared} scenes or plans have no pictures to compare with")
+    if result.near_ties:
+        click.echo(f"  {result.near_ties} plans go another way that is as good in the same scene")
     for difference in result.differences[:MOST_SHOWN]:
         click.echo(f"  {difference.time_s:.3f} s  {difference.sentence}")
     if len(result.differences) > MOST_SHOWN:

@@ -20,12 +20,15 @@ from mcap.reader import make_reader
 from navigation import recording_file
 from navigation.border_points import border_polylines
 from navigation.config import load_config
+from navigation.cycle import PlanAnswer, PlanRequest
+from navigation.planning import ArenaPlanner
 from navigation.recorder import MOST_PICTURES_WAITING
 from navigation.recording_events import Told
 from navigation.recording_file import RecordingError
 from navigation.recording_reader import read_recording
 from navigation.replay import replay
 from navigation.replay_compare import Tolerances, path_distance_m, scene_distance_m
+from planner.path import Path as PlannedPath
 from planner.scene import Bounds, CircleRecord, PointRecord, PolygonRecord, Scene, SceneObject
 from planner.scene import Segment as Line
 from tests.support.pictures import call
@@ -255,6 +258,27 @@ def test_an_obstacle_more_is_told_and_a_plan_that_goes_elsewhere(lossless: Path)
     recording.plans[0].answer["path"][3][0] += 0.2
     kinds = [difference.kind for difference in replay(recording).differences]
     assert kinds == ["scene", "plan"]
+
+
+def test_a_near_tie_is_counted_and_no_difference(
+    lossless: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the replay's scene the way is another, in the recorded one it is the recorded."""
+    recording = read_recording(lossless)
+    answer = ArenaPlanner.answer
+
+    def wavering(self: ArenaPlanner, request: PlanRequest) -> PlanAnswer:
+        honest = answer(self, request)
+        if self._scene is recording.scenes[0].scene:
+            return honest
+        assert isinstance(honest.path, PlannedPath)
+        points = honest.path.points + np.array([0.0, 0.2])
+        return replace(honest, path=replace(honest.path, points=points))
+
+    monkeypatch.setattr(ArenaPlanner, "answer", wavering)
+    result = replay(recording)
+    assert result.is_equal
+    assert (result.plans, result.near_ties) == (1, 1)
 
 
 def test_differences_end_with_code_1_and_as_json_they_say_all(lossless: Path, jpeg: Path) -> None:
