@@ -174,7 +174,7 @@ def segment_distance(kind, data, i, ax, ay, bx, by):
 
 
 @njit(cache=True, nogil=True)
-def _box_of(kind, data, i, box):
+def box_of(kind, data, i, box):
     """The box of primitive i: x_min, y_min, x_max, y_max (of the whole circle for an arc)."""
     if kind[i] == SEGMENT:
         box[0], box[2] = min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
@@ -205,7 +205,7 @@ def build_tree(kind, data):
     own = np.empty((n, 4), np.float64)
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
     for i in range(n):
-        _box_of(kind, data, i, own[i])
+        box_of(kind, data, i, own[i])
         x0, y0 = min(x0, own[i, 0]), min(y0, own[i, 1])
         x1, y1 = max(x1, own[i, 2]), max(y1, own[i, 3])
     extent = max(x1 - x0, y1 - y0)
@@ -425,7 +425,7 @@ def object_spans(kind, data, owner, count):
         o = owner[i]
         if o < 0:
             continue
-        _box_of(kind, data, i, own)
+        box_of(kind, data, i, own)
         span[o, 0] = min(span[o, 0], i)
         span[o, 1] = i + 1
         for c in range(2):

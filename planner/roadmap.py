@@ -67,13 +67,21 @@ class Roadmap:
     scene: HasPrimitives
     agvd: Agvd
     chains: Chains
-    remarks: tuple[str, ...] = ()
     _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def borders(self) -> Borders:
         """The scene's borders, indexed for distance queries."""
         return self.agvd.borders
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Plain sentences: objects that touch, cross, nest or coincide; an empty roadmap."""
+        if "remarks" not in self._made:
+            from planner.remarks import remarks_on
+
+            self._made["remarks"] = remarks_on(self.borders, self.chains, self.radius)
+        return self._made["remarks"]  # type: ignore[no-any-return]
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -222,7 +230,4 @@ def finish_roadmap(
     scene: HasPrimitives, radius: float, mode: Mode, agvd: Agvd, chains: Chains
 ) -> Roadmap:
     """Put the stages' results together; for callers that time the stages."""
-    remarks: tuple[str, ...] = ()
-    if isinstance(scene, Scene) and not scene.objects:
-        remarks = ("the scene has no objects: the roadmap is that of the empty bounds",)
-    return Roadmap(radius, agvd.spacing, mode, scene, agvd, chains, remarks)
+    return Roadmap(radius, agvd.spacing, mode, scene, agvd, chains)
