@@ -7,20 +7,30 @@
 (c) an expert's: approxPolyDP, points every 8 px, scipy's Delaunay, csgraph
 
 All take the same picture and the same two places, in turn, a new picture each time, within one
-run. The table holds medians in ms of wall time, and the median of the paired ratios to ours.
+run. The table holds medians in ms of processor time (of all threads, so that a busy machine does
+not count), and the median of the paired ratios to ours.
 Ours extracts the structure, builds the exact diagram for a robot of 6 px radius and plans; every
 path's exact clearance is checked. The others know no robot: they return the length of some way.
 A peer whose packages are missing is left out, and the row says so.
+
+A second table says where our time goes, in ms of processor time: seeing, the exact diagram with
+its roadmap, the plan. Beside it Boost.Polygon's Voronoi diagram of the same outlines in C++, with
+arcs and circles as chords of 8 px, on whole numbers of 1/256 px: the bare diagram, and with its
+edges copied out. Ours starts from the scene's records and ends with chains on their bisectors,
+clearances and a proof; it holds arcs as arcs. Boost's row needs g++ and Boost's headers.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import importlib.util
 import math
 import platform
 import statistics
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -34,6 +44,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import planner
 import vision
+from planner.scene import CIRCLE, POINT, SEGMENT, Scene
 
 Image = NDArray[np.uint8]
 Place = tuple[float, float]
@@ -43,6 +54,9 @@ RADIUS_PX = 6.0
 EVERY_PX = 8.0
 FRAMES = [(640, 480, 20), (1920, 1080, 60), (3840, 2160, 200)]
 GAP_PX = 16.0
+WHOLE_PER_PX = 256.0
+"""Boost.Polygon takes whole numbers: so many to a pixel."""
+NATIVE = Path(__file__).parent / "native" / "segment_diagram.cpp"
 
 
 def picture(width: int, height: int, count: int, rng: np.random.Generator) -> Image:
@@ -164,6 +178,96 @@ def expert(image: Image, start: Place, goal: Place) -> float:
     return float(dijkstra(graph, directed=False, indices=ends[0])[ends[1]])
 
 
+def whole_segments(scene: Scene) -> NDArray[np.int32]:
+    """The scene's sides and walls, arcs as chords, as rows of whole numbers for Boost.Polygon."""
+    flat = scene.primitives()
+    rows: list[NDArray[np.float64]] = []
+    for kind, row in zip(flat.kind.tolist(), flat.data, strict=True):
+        if kind == SEGMENT:
+            rows.append(row[:4].reshape(2, 2))
+            continue
+        if kind == POINT:
+            continue
+        start, sweep = (0.0, math.tau) if kind == CIRCLE else (row[3], row[4])
+        n = max(8 if kind == CIRCLE else 2, math.ceil(sweep * row[2] / EVERY_PX)) + 1
+        a = start + sweep * np.linspace(0.0, 1.0, n)
+        rows.append(row[:2] + row[2] * np.c_[np.cos(a), np.sin(a)])
+    lines = [np.round(r * WHOLE_PER_PX).astype(np.int32) for r in rows]
+    segments = np.concatenate([np.c_[line[:-1], line[1:]] for line in lines])
+    lengthy = (segments[:, :2] != segments[:, 2:]).any(axis=1)
+    return np.ascontiguousarray(segments[lengthy])
+
+
+def boost_diagram() -> Callable[[NDArray[np.int32], bool], int] | str:
+    """Boost.Polygon's segment diagram, compiled now; or why there is none."""
+    library = Path(tempfile.mkdtemp()) / "segments.so"
+    command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", "-march=native", "-fPIC", "-shared"]
+    try:
+        done = subprocess.run(
+            [*command, str(NATIVE), "-o", str(library)], capture_output=True, check=False
+        )
+    except FileNotFoundError:
+        return "needs g++"
+    if done.returncode:
+        return "needs Boost's headers"
+    function = ctypes.CDLL(str(library)).segment_diagram
+    function.restype = ctypes.c_long
+    function.argtypes = [ctypes.c_void_p, ctypes.c_long, ctypes.c_void_p]
+
+    def run(segments: NDArray[np.int32], copied: bool) -> int:
+        n = len(segments)
+        places = np.empty((9 * n + 64, 4)) if copied else None
+        return int(
+            function(segments.ctypes.data, n, None if places is None else places.ctypes.data)
+        )
+
+    return run
+
+
+def shares(frames: list[tuple[int, int, int]], scenes: int, rounds: int) -> list[str]:
+    """The second table's rows."""
+    boost = boost_diagram()
+    names = ["seeing", "diagram and roadmap", "plan"]
+    if not isinstance(boost, str):
+        names += ["Boost.Polygon, bare", "Boost.Polygon, edges copied"]
+    cells: dict[str, list[str]] = {name: [] for name in names}
+    for width, height, count in frames:
+        rng = np.random.default_rng([width, count])
+        pictures = [picture(width, height, count, rng) for _ in range(scenes)]
+        taken: dict[str, list[float]] = {name: [] for name in names}
+        for turn in range(rounds + 1):
+            for image in pictures:
+                laps = [time.thread_time()]
+                scene = vision.extract(image)
+                laps.append(time.thread_time())
+                roadmap = planner.build_roadmap(scene, RADIUS_PX)
+                laps.append(time.thread_time())
+                roadmap.plan((14.0, 14.0), (width - 15.0, height - 15.0))
+                laps.append(time.thread_time())
+                if not isinstance(boost, str):
+                    segments = whole_segments(scene)
+                    for copied in (False, True):
+                        begun = time.thread_time()
+                        boost(segments, copied)
+                        laps.append(laps[-1] + time.thread_time() - begun)
+                if turn:
+                    for name, lap in zip(names, np.diff(laps).tolist(), strict=True):
+                        taken[name].append(lap)
+        ours = taken["diagram and roadmap"]
+        for name, laps in taken.items():
+            text = f"{statistics.median(laps) * 1e3:.2f}"
+            if name.startswith("Boost"):
+                ratio = statistics.median(b / o for b, o in zip(laps, ours, strict=True))
+                text += f" ({ratio:.1f} x)"
+            cells[name].append(text)
+    rows = ["| stage | " + " | ".join(f"{w}x{h}/{n}" for w, h, n in frames) + " |"]
+    rows.append("|---" * (len(frames) + 1) + "|")
+    rows += [f"| {name} | {' | '.join(values)} |" for name, values in cells.items()]
+    if isinstance(boost, str):
+        rows.append(f"| Boost.Polygon | {boost} |" + " |" * (len(frames) - 1))
+    return rows
+
+
 CHAINS: dict[str, tuple[Chain, tuple[str, ...]]] = {
     "Clearway": (clearway, ()),
     "(a) every border pixel": (every_border_pixel, ("scipy",)),
@@ -207,10 +311,10 @@ def _time_all(pictures: list[Image], rounds: int) -> dict[str, list[float]]:
                 if slow and sum(taken) > 20.0:
                     taken.append(taken[-len(pictures)])
                     continue
-                begun = time.perf_counter()
+                begun = time.process_time()
                 CHAINS[name][0](image, start, goal)
                 if round_number:
-                    taken.append(time.perf_counter() - begun)
+                    taken.append(time.process_time() - begun)
     return times
 
 
@@ -221,12 +325,15 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=len(FRAMES), help="how many of the sizes")
     parser.add_argument("--output", type=Path)
     options = parser.parse_args()
-    rows = measure(FRAMES[: options.frames], options.scenes, options.rounds)
+    frames = FRAMES[: options.frames]
+    rows = measure(frames, options.scenes, options.rounds)
+    parts = shares(frames, options.scenes, options.rounds)
     head = (
-        f"Picture to path, medians in ms (ratio to Clearway), {platform.machine()}, "
+        f"Picture to path, medians of processor time in ms (ratio to Clearway), {platform.machine()}, "
         f"Python {platform.python_version()}, radius {RADIUS_PX:g} px\n"
     )
-    text = "\n".join([head, *rows]) + "\n"
+    middle = "\nWhere the time goes, processor time in ms (Boost's ratio to diagram and roadmap)\n"
+    text = "\n".join([head, *rows, middle, *parts]) + "\n"
     print(text)
     if options.output:
         options.output.write_text(text)
