@@ -68,7 +68,8 @@ def command(
 
     Without --once the program goes on after the mission until it is interrupted. A folder in
     recording.runs_dir keeps the report and a picture of what happened. Exits 0 when the
-    mission was done, 3 when there was no path, 1 when it failed or was stopped. SIGHUP reads
+    mission was done, 3 when there was no path, 1 when it failed or was stopped; without
+    --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
     CONFIG again: a good one is run from then on, of a bad one every error is told.
     """
     from navigation.logs import EventLog

@@ -306,6 +306,17 @@ def test_install_service_writes_below_a_root_or_prints(tmp_path: Path) -> None:
     assert "enable --now clearway" in installed.out
 
 
+def test_a_user_s_service_goes_where_the_user_s_manager_looks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    installed = call("install-service", CONFIGS / "simulation.yaml", "--user")
+    assert installed.code == 0, installed
+    unit = tmp_path / "systemd" / "user" / "clearway.service"
+    assert "WantedBy=default.target" in unit.read_text()
+    assert "systemctl --user daemon-reload" in installed.out
+
+
 def test_install_service_refuses_a_broken_configuration(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("arena: 1\n")
     refused = call("install-service", tmp_path / "a.yaml", "--root", tmp_path)
