@@ -95,7 +95,10 @@ class Hub:
     async def run(self) -> None:
         """Look, again and again, until the dashboard closes."""
         while not self.closing.is_set():
-            self.look(self.clock())
+            try:
+                self.look(self.clock())
+            except Exception as error:  # noqa: BLE001 - said; STOP must go on being served
+                self._complain(f"dashboard: {type(error).__name__}: {error}")
             await asyncio.sleep(LOOK_EVERY_S if self.viewers else IDLE_EVERY_S)
 
     def look(self, now_s: float) -> None:
@@ -144,6 +147,12 @@ class Hub:
         loop = asyncio.get_running_loop()
         answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations)
         return preview_facts(answer)
+
+    def _complain(self, text: str) -> None:
+        """Into the log, once in a row."""
+        last = self.chronicle.log.last
+        if last is None or last.text != text:
+            self.note("warn", text)
 
     # What is kept ready.
 

@@ -502,6 +502,29 @@ def test_a_page_of_another_version_is_told_to_load_again(site: Site) -> None:
     assert b"load the page again" in (refused.value.response.body or b"")
 
 
+def test_an_error_of_the_page_is_said_in_its_log_and_stop_goes_on(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> None:
+        raise ZeroDivisionError("a test")
+
+    with site.live() as page:
+        page.hear("state")
+        camera_status = site.daemon.camera_status
+        monkeypatch.setattr(site.daemon, "camera_status", fail)
+        assert wait_until(lambda: "a test" in str(log_of(site)))
+        assert site.get("/api/stop", "POST")[0] == 200
+        monkeypatch.setattr(site.daemon, "camera_status", camera_status)
+        while page.hear("state")["mission"]["state"] != "stopped":
+            pass
+    assert sum("a test" in text for text in log_of(site)) == 1
+
+
+def log_of(site: Site) -> list[str]:
+    assert site.dashboard.hub is not None
+    return [line.text for line in site.dashboard.hub.chronicle.log.since(0, 500)[1]]
+
+
 # Its life.
 
 
