@@ -4,8 +4,9 @@ Rules and units
 - Coordinates are pixels, y down, or metres, y up, where a ``place`` function turns rectified
   pixels into metres; an arc's turn is as seen on the screen and so needs no change.
 - An outline comes first, then the borders of its holes in their order.
-- P: a single pixel. S: pixels in one straight line, one pixel wide. C: a circle. L: anything
-  else; the border of a tiny object is its pixels' outline, exactly.
+- P: a single pixel. S: pixels in one straight line, one pixel wide. A: pixels in one curved
+  line, one pixel wide. C: a circle. L: anything else; the border of a tiny object is its
+  pixels' outline, exactly.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from planner.scene import (
     Arc,
+    ArcRecord,
     CircleRecord,
     Edge,
     PointRecord,
@@ -30,6 +32,7 @@ from planner.scene import (
     SegmentRecord,
     Vec,
 )
+from vision.chains import chain_edges, open_chain
 from vision.contours import Borders
 from vision.placement import Placement
 
@@ -155,8 +158,8 @@ def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
 
 def thin_record(
     borders: Borders, border: int, placement: Placement
-) -> PointRecord | SegmentRecord | None:
-    """P or S where an object's pixels are one, or one straight line one pixel wide."""
+) -> PointRecord | SegmentRecord | ArcRecord | None:
+    """P, S or A where an object's pixels are one, or one line one pixel wide."""
     xs, ys, _ = borders.cracks_of(border)
     pixels = list(dict.fromkeys(zip(xs.tolist(), ys.tolist(), strict=True)))
     if borders.owner[border] != border or borders.area[border] != len(pixels):
@@ -165,19 +168,32 @@ def thin_record(
         return PointRecord(_placed(pixels, placement)[0])
     line = straight_line(pixels)
     if line is None:
-        return None
+        chain = open_chain(pixels)
+        return None if chain is None else _curved_line(chain, placement)
     start, end = _placed([line.start, line.end], placement)
     return SegmentRecord(start, end, line.residual_px)
 
 
+def _curved_line(chain: list[tuple[int, int]], placement: Placement) -> ArcRecord:
+    edges, residual_px = chain_edges(placement.rectified(np.array(chain, dtype=np.float64)))
+    sx, sy = placement.scale, placement.y_scale
+    placed: list[Edge] = []
+    for edge in edges:
+        start, end = (edge.start[0] * sx, edge.start[1] * sy), (edge.end[0] * sx, edge.end[1] * sy)
+        if isinstance(edge, Arc):
+            center = (edge.center[0] * sx, edge.center[1] * sy)
+            placed.append(Arc(start, end, center, edge.radius * sx, edge.ccw))
+        else:
+            placed.append(Segment(start, end))
+    return ArcRecord(tuple(placed), residual_px)
+
+
 def may_be_thin(borders: Borders) -> NDArray[np.bool_]:
-    """Which borders enclose as many pixels as they are wide or high: (b,). O(border)."""
+    """Which borders have two cracks for every pixel that they enclose, or more: (b,)."""
     if len(borders.area) == 0:
         return np.zeros(0, dtype=np.bool_)
-    first = borders.starts[:-1]
-    wide = np.maximum.reduceat(borders.x, first) - np.minimum.reduceat(borders.x, first)
-    high = np.maximum.reduceat(borders.y, first) - np.minimum.reduceat(borders.y, first)
-    thin: NDArray[np.bool_] = borders.area == np.maximum(wide, high) + 1
+    cracks = np.diff(borders.starts)
+    thin: NDArray[np.bool_] = (borders.area > 0) & (2 * borders.area <= cracks)
     return thin
 
 

@@ -16,6 +16,7 @@ from hypothesis.extra.numpy import arrays
 
 from planner.scene import (
     Arc,
+    ArcRecord,
     Bounds,
     CircleRecord,
     PointRecord,
@@ -41,11 +42,29 @@ def drawn_again(scene: Scene) -> np.ndarray:
                 for t in np.linspace(0.0, 1.0, 200):
                     x, y = np.array(record.start) * (1.0 - t) + np.array(record.end) * t
                     mask[round(y), round(x)] = True
+            elif isinstance(record, ArcRecord):
+                for x, y in along(record):
+                    mask[round(y), round(x)] = True
             else:
                 outlines.append(outline_points(record, 0.01))
         if outlines:
             mask |= coverage(outlines, (width, height), lines=1) >= 0.5
     return mask
+
+
+def along(record: ArcRecord) -> np.ndarray:
+    """Points along an open chain of edges, close to each other, (n, 2)."""
+    points = []
+    for edge in record.edges:
+        share = np.linspace(0.0, 1.0, 200)[:, None]
+        if isinstance(edge, Arc):
+            begin, sweep = edge.sweep(y_down=True)
+            angles = (begin + sweep * share)[:, 0]
+            circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+            points.append(np.array(edge.center) + edge.radius * circle)
+        else:
+            points.append(np.array(edge.start) * (1.0 - share) + np.array(edge.end) * share)
+    return np.concatenate(points)
 
 
 def farthest(a: np.ndarray, b: np.ndarray) -> float:
