@@ -1,7 +1,7 @@
 """The running program against its figures: accuracy, clearance, latency, memory.
 
-    python -m benchmarks.daemon [--only arenas,accuracy,wire,replan,memory] [--arenas 200]
-        [--workers 2] [--output benchmarks/results/daemon.md]
+    python -m benchmarks.daemon [--only accuracy,arenas,kills,replan,wire,memory]
+        [--arenas 200] [--kills 200] [--workers 2] [--output benchmarks/results/daemon.md]
 
 - arenas: random arenas in virtual time, wheels wrong by up to 3 %, slip, noise: the least true
   clearance of the driven track, tracking and goal error
@@ -9,6 +9,8 @@
 - wire: configs/simulation.yaml in real time: from a picture's exposure to its pose on the wire
 - replan: in real time, from the exposure of the first picture that shows a new obstacle to the
   hold and to the new plan on its way to the robot
+- kills: the program is killed at random moments of tours in virtual time, the robot power-cycled
+  after every fourth kill, another program started: whether each station was visited once
 - memory: of a patrol of two hours in virtual time, how much the process has grown
 
 In the simulated camera a picture is drawn in part after its exposure (the robots), so that
@@ -43,6 +45,7 @@ from navigation.simulator.virtual_world import VirtualWorld
 from navigation.stages import stations_of
 from navigation.warm_up import warm_up
 from navigation.world import World
+from tests.support.kills import Campaign, drive_under_fire
 from tests.support.random_arenas import RADIUS_M, random_config
 from tests.support.virtual import CONFIGS, short_config
 
@@ -179,6 +182,39 @@ def _measure_replan(config: Config, appears_s: float) -> tuple[float, float]:
             assert at_s < due_s + 10.0, f"no new plan: {now.sentence}"
 
 
+def kills(count: int, workers: int) -> Rows:
+    """Tours under fire until so many kills have come together."""
+    told: list[Campaign] = []
+    with ProcessPoolExecutor(workers) as pool:
+        seeds = iter(range(10_000))
+        while sum(one.kills for one in told) < count:
+            told += pool.map(_tour_under_fire, [next(seeds) for _ in range(workers)])
+            print(f"  {sum(one.kills for one in told)} kills", flush=True)
+    for seed, one in enumerate(told):
+        if one.state is not State.DONE or one.visits != [0, 1, 2]:
+            print(f"  tour {seed}: {one}")
+    well = sum(one.state is State.DONE and one.visits == [0, 1, 2] for one in told)
+    fallen = sum(one.kills for one in told)
+    yield (
+        f"tours with each station visited once and the goal reached, {fallen} kills",
+        f"{well} of {len(told)}", "all", well == len(told),
+    )  # fmt: skip
+    least = min(one.least_clearance_m for one in told)
+    yield (
+        "least clearance on tours under fire, less the radius",
+        f"{(least - RADIUS_M) * 1e3:.1f} mm", ">= 0", least >= RADIUS_M,
+    )  # fmt: skip
+
+
+def _tour_under_fire(seed: int) -> Campaign:
+    places = [(0.20, 0.60), (0.15, 1.15), (0.20, 1.60)]
+    config = short_config(
+        [{"x_m": x, "y_m": y, "dwell_s": 0.5} for x, y in places], simulation={"seed": seed}
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        return drive_under_fire(config, Path(folder) / "journal", seed, 20, power_cycles=0.25)
+
+
 def memory(hours: float) -> Rows:
     """Patrol between two places in virtual time; memory after a tenth and at the end."""
     places = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00}]
@@ -209,8 +245,9 @@ def _resident_mb() -> float:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="accuracy,arenas,replan,wire,memory")
+    parser.add_argument("--only", default="accuracy,arenas,kills,replan,wire,memory")
     parser.add_argument("--arenas", type=int, default=200)
+    parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--hours", type=float, default=2.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--output", type=Path)
@@ -218,6 +255,7 @@ def main() -> int:
     parts: dict[str, Callable[[], Rows]] = {
         "accuracy": lambda: accuracy(10, options.workers),
         "arenas": lambda: arenas(options.arenas, options.workers),
+        "kills": lambda: kills(options.kills, options.workers),
         "replan": lambda: replan(10),
         "wire": lambda: wire(3),
         "memory": lambda: memory(options.hours),
