@@ -426,12 +426,13 @@ def main() -> None:
     results.parent.mkdir(exist_ok=True)
     asked = [one for one in options.only.split(",") if one] or list(tables)
     for name in asked:
-        table = "\n".join(tables[name]())
+        table = f"{count} scenes a cell.\n\n" if name != "speed" else ""
+        table += "\n".join(tables[name]())
         print(f"## {name}\n\n{table}\n", flush=True)
         if cells:
             continue
         last = results.read_text(encoding="utf-8") if results.exists() else ""
-        parts = [f"# Vision, {count} scenes a cell, OpenCV {cv2.__version__}"]
+        parts = [f"# Vision beside OpenCV {cv2.__version__}"]
         for other in tables:
             body = table if other == name else section(last, other)
             if body:
