@@ -5,6 +5,7 @@ stdout, integers little-endian, packed. Request: u32 microseconds to run, i16 an
 steps (left, right) to make meanwhile, u8 flags (bit 0: reset first), u16 count, count bytes for
 the UART. Answer: u8 PWM left, u8 PWM right, u8 bit 0 powered, bit 1 left backwards, bit 2 right
 backwards; u32 cycle of the last power-off, u32 cycle now; u16 count, count bytes from the UART.
+The cycles wrap after 268 s; here they go on, as long as a power-off is asked for within that time.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ FULL_SPEED_M_S = 0.8
 """A wheel's speed at full PWM, as the firmware believes too."""
 TICK_M = 250e-6
 """A wheel's travel from one encoder step to the next."""
+_CYCLES_WRAP = 1 << 32
 _REQUEST = struct.Struct("<IhhBH")
 _ANSWER = struct.Struct("<BBBIIH")
 
@@ -53,6 +55,7 @@ class EmulatedProcessor:
         except OSError as error:
             raise EmulatorError(f"emulator '{command[0]}': {error.strerror}") from None
         self._rest = [0.0, 0.0]
+        self._cycles = 0
 
     def run(
         self,
@@ -81,7 +84,12 @@ class EmulatedProcessor:
             pwm / 255.0 * FULL_SPEED_M_S * (-1.0 if state & backwards else 1.0) if powered else 0.0
             for pwm, backwards in ((left, 2), (right, 4))
         ]
-        motors = Motors(speeds[0], speeds[1], powered, off / CLOCK_HZ, now / CLOCK_HZ)
+        self._cycles += (now - self._cycles) % _CYCLES_WRAP
+        off_cycles = self._cycles - (now - off) % _CYCLES_WRAP
+        left_m_s, right_m_s = speeds
+        motors = Motors(
+            left_m_s, right_m_s, powered, off_cycles / CLOCK_HZ, self._cycles / CLOCK_HZ
+        )
         return motors, self._read(count)
 
     def _read(self, size: int) -> bytes:

@@ -29,9 +29,9 @@ CONTROL_S = 0.01
 
 
 class PacedLine:
-    """Bytes that take their time: ten bits each."""
+    """Bytes that take their time, ten bits each; none where ``baud`` is infinite."""
 
-    def __init__(self, baud: int) -> None:
+    def __init__(self, baud: float) -> None:
         self._byte_s = 10.0 / baud
         self._bytes: deque[tuple[float, bytes]] = deque()
         self._free_s = 0.0

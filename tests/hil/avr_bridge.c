@@ -1,7 +1,10 @@
 /* The real AVR binary on an emulated ATmega328P, stepped by another program. Test only: it is
  * linked with simavr (GPL-3), and no part of the product.
  *
- *     avr_bridge FIRMWARE.elf
+ *     avr_bridge FIRMWARE.elf [MAIN ADDRESS VALUE]
+ *
+ * With the three numbers, the u32 VALUE stands at the data address ADDRESS when the processor
+ * first reaches the code address MAIN: so a test lets the clock begin just before it wraps.
  *
  * Lockstep on stdin and stdout, integers little-endian. Request: u32 microseconds to run, i16
  * and i16 encoder steps (left, right) to make meanwhile, u8 flags (bit 0: reset first), u16
@@ -102,6 +105,19 @@ static void run(uint32_t us, int16_t left, int16_t right)
     }
 }
 
+static void begin_with(char **numbers)
+{
+    avr_flashaddr_t begin = (avr_flashaddr_t)strtoul(numbers[0], NULL, 0);
+    uint32_t address = (uint32_t)strtoul(numbers[1], NULL, 0);
+    uint32_t value = (uint32_t)strtoul(numbers[2], NULL, 0);
+    while (avr->pc != begin) {
+        avr_run(avr);
+    }
+    for (uint32_t byte = 0; byte < 4; byte++) {
+        avr->data[address + byte] = (uint8_t)(value >> (8 * byte));
+    }
+}
+
 static void get(void *to, size_t size)
 {
     if (fread(to, 1, size, stdin) != size) {
@@ -118,7 +134,7 @@ int main(int argc, char **argv)
     }
     elf_firmware_t firmware;
     memset(&firmware, 0, sizeof firmware);
-    if (argc != 2 || elf_read_firmware(argv[1], &firmware) != 0) {
+    if ((argc != 2 && argc != 5) || elf_read_firmware(argv[1], &firmware) != 0) {
         fprintf(stderr, "avr_bridge: cannot read the firmware\n");
         return 2;
     }
@@ -139,6 +155,9 @@ int main(int argc, char **argv)
         if (strcmp(io->kind, "uart") == 0 && ((avr_uart_t *)io)->name == '0') {
             uart = (avr_uart_t *)io;
         }
+    }
+    if (argc == 5) {
+        begin_with(argv + 2);
     }
     for (;;) {
         struct __attribute__((packed)) {
