@@ -107,6 +107,10 @@ class Live:
         """The mission's state."""
         return self.daemon.pilot.mission.state
 
+    def drives(self) -> bool:
+        """Whether the robot is to drive now."""
+        return self.state is State.DRIVING
+
     def place(self) -> tuple[float, float, float]:
         """Where the robot really is."""
         assert self.world.truth is not None

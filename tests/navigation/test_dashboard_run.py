@@ -1,0 +1,73 @@
+"""The dashboard of `clearway run`: said, left out on request, and never in the run's way."""
+
+import re
+import shutil
+import socket
+from pathlib import Path
+
+import pytest
+
+from tests.support.pictures import Told, call
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Path:
+    """The shipped simulation without a mission: with --once it ends after a cycle."""
+    shutil.copytree(CONFIGS, tmp_path, dirs_exist_ok=True)
+    text = (CONFIGS / "simulation.yaml").read_text()
+    text = re.sub(r"^mission:\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
+    file = tmp_path / "empty.yaml"
+    file.write_text(text.replace("runs_dir: runs", f"runs_dir: {tmp_path / 'runs'}"))
+    return file
+
+
+def run(config: Path, *options: str) -> Told:
+    return call("run", config, "--once", "--socket", config.parent / "run" / "c.sock", *options)
+
+
+def test_a_run_says_where_its_dashboard_is(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", "0")
+    told = run(config)
+    assert re.search(r"^dashboard at http://127\.0\.0\.1:\d+/$", told.out, re.MULTILINE), told
+    assert told.err == ""
+
+
+def test_a_log_does_not_get_the_token(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", "0")
+    monkeypatch.setenv("CLEARWAY_DASHBOARD__TOKEN", "a-token-of-some-length")
+    told = run(config)
+    assert "dashboard at" in told.out
+    assert "a-token-of-some-length" not in told.out + told.err
+
+
+@pytest.mark.parametrize("way", ["option", "configuration"])
+def test_a_run_without_a_dashboard_serves_none(
+    way: str, config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = ["--no-dashboard"] if way == "option" else []
+    if way == "configuration":
+        monkeypatch.setenv("CLEARWAY_DASHBOARD__ENABLED", "false")
+    told = run(config, *options)
+    assert "orders at" in told.out
+    assert "dashboard at" not in told.out
+
+
+def test_a_busy_port_does_not_end_a_run(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", str(taken.getsockname()[1]))
+        told = run(config)
+    assert "no dashboard: 127.0.0.1:" in told.out
+    assert "capture to wire" in told.out, "the run went on to its report"
+
+
+def test_an_open_dashboard_without_a_token_is_a_bad_configuration(
+    config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CLEARWAY_DASHBOARD__HOST", "0.0.0.0")
+    told = run(config)
+    assert told.code == 78
+    assert "needs dashboard.token" in told.err
