@@ -112,7 +112,9 @@ def _kind(schema: Mapping[str, Any], root: Mapping[str, Any]) -> str:
     kind = schema.get("type", "")
     if kind == "array":
         items = schema.get("prefixItems", [])
-        return f"list of {len(items)} numbers" if items else "list of sections"
+        if items:
+            return f"list of {len(items)} numbers"
+        return "list of texts" if schema["items"].get("type") == "string" else "list of sections"
     words = {"string": "text", "boolean": "true or false", "integer": "whole number"}
     limits = [f"{sign} {schema[key]:g}" for key, sign in _LIMITS.items() if key in schema]
     return " ".join([words.get(kind, kind), *limits])
