@@ -330,7 +330,7 @@ class Daemon:
         if self._vision_failure is not None:
             return
         try:
-            glimpse: Glimpse = self._eye.look(frame)
+            glimpse: Glimpse = self._eye.look(frame, self._tell_pose)
         except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
             self._vision_failure = in_words(error)
             return
@@ -339,11 +339,6 @@ class Daemon:
         self._frame_s = frame.captured_s
         self._frame, self._poses = frame, glimpse.poses
         self._others.update((i, p) for i, p in glimpse.poses.items() if i in self._radii_m)
-        pose = glimpse.poses.get(self.config.robot.marker_id)
-        if pose is not None:
-            self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
-            self.pose = pose
-            self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene
@@ -354,6 +349,14 @@ class Daemon:
             scene, at_s = glimpse.scene, frame.captured_s
             seen = None if scene is None else SceneSeen(at_s, self._revision, scene)
             self._recorder.saw(frame, glimpse.poses, seen)
+
+    def _tell_pose(self, poses: Mapping[int, RobotPose]) -> None:
+        """The newest thing that anybody knows goes to the robot at once."""
+        pose = poses.get(self.config.robot.marker_id)
+        if pose is not None:
+            self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
+            self.pose = pose
+            self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
     def _note(self, **times_s: float) -> None:
         with self._lock:

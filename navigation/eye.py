@@ -7,8 +7,9 @@ when something did. Units: metres and radians in the arena, seconds.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from vision.change import Change, SceneWatcher
 from vision.marker_search import grey_of
 from vision.markers import MarkerTracker, RobotPose, body_discs_px
 from vision.refit import KnownScene
+
+Poses: TypeAlias = Mapping[int, RobotPose]
+"""By marker id."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +72,10 @@ class Eye:
         self._last_seen: dict[int, RobotPose] = {}
         self._known: KnownScene | None = None
 
-    def look(self, frame: Frame) -> Glimpse:
+    def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
         """Poses in this frame; a scene as soon as the robot was seen and after every change.
+
+        ``tell`` gets the poses before anything else is looked at: they are wanted first.
 
         While the driven robot cannot be seen nobody knows which dark place is its body: the
         scene stays as it was, and the pilot holds the robot anyway.
@@ -77,6 +83,7 @@ class Eye:
         # Markers, changes and obstacles are judged by their grey: it is made once.
         frame = replace(frame, image=grey_of(frame.image))
         poses = {pose.id: pose for pose in self._tracker.update(frame)}
+        tell(poses)
         self._last_seen.update(poses)
         if self.settings.driven_id not in poses:
             return Glimpse(frame.captured_s, poses, None, None)

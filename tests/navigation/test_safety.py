@@ -117,7 +117,7 @@ TABLE: list[tuple[Callable[[Arena], None], State, float, str]] = [
     (unplug_camera, State.HOLDING, 0.2 + FRAME_S, "no picture from the camera for"),
     (cut_cable, State.HOLDING, 0.5 + FRAME_S, "the link to the robot is down"),
     (break_port, State.HOLDING, FRAME_S, "the link to the robot is down: the port virtual broke"),
-    (carry_outside, State.STOPPED, 3 * FRAME_S, "the robot is outside the arena at (-0.05"),
+    (carry_outside, State.STOPPED, 3 * FRAME_S, "the robot is outside the arena at (-0.0"),
     (carry_into_an_obstacle, State.STOPPED, 3 * FRAME_S, "the robot's clearance is -0.0"),
     (carry_near_an_obstacle, State.STOPPED, 3 * FRAME_S, "the robot's clearance is 0.06"),
     (carry_off_the_path, State.HOLDING, 3 * FRAME_S, "m off its path"),
