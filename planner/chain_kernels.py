@@ -285,7 +285,7 @@ def bend_chains(
     place, sides = np.empty((most + 1, 4)), np.empty((most + 1, 2), np.int32)
     run = np.empty((most + 1, 2), np.int64)
     stack = np.empty((HALVINGS + 2, 2))
-    stack_q = np.empty(HALVINGS + 2, np.int64)
+    stack_q, bare = np.empty(HALVINGS + 2, np.int64), np.zeros(HALVINGS + 2, np.bool_)
     n = 0
     for c in range(chains):
         if known[c] >= 0:
@@ -334,7 +334,7 @@ def bend_chains(
             # halve the run where the line bulges or is long
             q_a = run[s, 0]
             stack[0, 0], stack[0, 1] = place[s + 1, 0], place[s + 1, 1]
-            stack_q[0] = run[s, 1]
+            stack_q[0], bare[0] = run[s, 1], False
             top = 1
             ax, ay = place[s, 0], place[s, 1]
             ux, uy, falls = heading(kind, data, left, right, ax, ay)
@@ -343,26 +343,33 @@ def bend_chains(
                 dx, dy = bx - ax, by - ay
                 span = math.sqrt(dx * dx + dy * dy)
                 is_long = span > max(2.0 * half, LONG * out[n - 1, 2])
-                q_m = q_a
-                mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
-                split = top <= HALVINGS and (q_b - q_a >= 2 or span > half)
-                if split and (is_long or not straight):
-                    if q_b - q_a >= 2:
+                split = False
+                # from the sampled vertex in the middle of the run, then from that of the line
+                for guess in range(2 if is_long or not straight else 0):
+                    q_m = q_a
+                    mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+                    if guess == 0 and q_b - q_a >= 2 and not bare[top - 1]:
                         q_m = (q_a + q_b) // 2
                         i = link[q_m] >> 3
                         mx, my = at[i, 0], at[i, 1]
+                    elif guess == 0 or span <= half:
+                        continue
                     mx, my, split = slide_between(kind, data, left, right, mx, my, tolerance)
                     if split and not is_long:
                         bulge, _ = point_to_segment(mx, my, ax, ay, bx, by)
                         split = bulge > BULGE * half
+                    split = split and _is_between(
+                        kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance
+                    )
                     if split:
-                        split = _is_between(
-                            kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance
-                        )
-                    if split:
-                        stack[top, 0], stack[top, 1], stack_q[top] = mx, my, q_m
-                        top += 1
-                        continue
+                        # sampled vertices are in order among themselves only
+                        bare[top] = guess == 1
+                        bare[top - 1] |= guess == 1
+                        break
+                if split and top <= HALVINGS:
+                    stack[top, 0], stack[top, 1], stack_q[top] = mx, my, q_m
+                    top += 1
+                    continue
                 # the link from a to b is short and straight enough
                 top -= 1
                 near = link[q_a] & ~7
