@@ -59,6 +59,7 @@ fuzz: $(VENV)/.installed-dev ## libFuzzer on the firmware's parser and the whole
 	    build/corpus/$$one || exit 1; done
 
 faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmarks/results/faults.md
+	bash .ci/packages firmware
 	$(BIN)/python -m benchmarks.faults
 
 paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
