@@ -1,23 +1,16 @@
 """The AVR binary on an emulated ATmega328P at its true baud rate."""
 
-import random
 from collections.abc import Iterator
 
-import numpy as np
 import pytest
 
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import Event, MissionDone, RobotRebooted
+from firmware_protocol.host_events import MissionDone, RobotRebooted
 from firmware_protocol.messages import RobotState, Waypoint
 from firmware_protocol.mission import Mission
-from navigation.simulator.emulated_processor import Motors
-from navigation.simulator.line_faults import FaultSpec, FaultyLine
+from tests.support.avr_bench import AvrBench
 from tests.support.avr_robot import AvrRobot, missing_tools
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
-
-TICK_S = 0.001
-LAG_S = 0.05
 
 
 @pytest.fixture(scope="module")
@@ -26,42 +19,8 @@ def avr() -> Iterator[AvrRobot]:
         yield robot
 
 
-class Bench:
-    """Host, line, processor, motors and encoders, in lockstep."""
-
-    def __init__(self, avr: AvrRobot, faults: str = "") -> None:
-        self.avr, self.now_s = avr, 0.0
-        self.host = HostConnection(random.Random(1))
-        self.host.open(0.0)
-        rng = np.random.default_rng(1)
-        self.lines = [FaultyLine(FaultSpec.parse(faults), rng) for _ in range(2)]
-        self.waiting = b""
-        self.speed = [0.0, 0.0]
-        self.lease = True
-        self.events: list[Event] = []
-        self.motors = Motors(0.0, 0.0, False, 0.0, 0.0)
-        self.tick(reset=True)
-
-    def tick(self, reset: bool = False) -> None:
-        travel = (self.speed[0] * TICK_S, self.speed[1] * TICK_S)
-        self.motors, data = self.avr.run(TICK_S, self.waiting, travel, reset)
-        for side in (0, 1):
-            self.speed[side] += TICK_S / LAG_S * (self.motors[side] - self.speed[side])
-        self.now_s += TICK_S
-        if round(self.now_s / TICK_S) % 50 == 0 and self.lease:
-            self.host.lease(self.now_s, 0.5, True, odometry=True)
-        self.host.receive_bytes(self.lines[1].carry(data, self.now_s), self.now_s)
-        self.host.tick(self.now_s)
-        self.waiting = self.lines[0].carry(self.host.bytes_to_send(self.now_s), self.now_s)
-        while (event := self.host.next_event()) is not None:
-            self.events.append(event)
-
-    def state(self) -> RobotState | None:
-        return None if self.host.status is None else self.host.status.state
-
-    def run(self, seconds: float) -> None:
-        for _ in range(round(seconds / TICK_S)):
-            self.tick()
+class Bench(AvrBench):
+    """One that begins with a mission."""
 
     def begin(self, mission: Mission) -> None:
         self.run(0.1)
@@ -77,7 +36,7 @@ def line(count: int = 50) -> Mission:
 
 @pytest.mark.parametrize("faults", ["", "drop=0.001,flip=0.0005,dup=0.01"])
 def test_a_mission_is_driven_to_its_end(avr: AvrRobot, faults: str) -> None:
-    bench, mission = Bench(avr, faults), line()
+    bench, mission = Bench(avr, faults=faults), line()
     bench.begin(mission)
     for _ in range(12):
         bench.run(0.5)
@@ -111,8 +70,9 @@ def test_the_dead_man_stops_the_motors(avr: AvrRobot) -> None:
     bench = Bench(avr)
     bench.begin(line())
     bench.lease = False
-    bench.run(0.55)
-    assert bench.state() is RobotState.HOLD
+    bench.until(lambda: bench.state() is RobotState.HOLD, 0.6)
+    # a control step of up to 8 ms before and behind, told within 10 ms by a frame of 8 ms
+    assert 0.5 <= bench.now_s - bench.leased_s < 0.535
     bench.run(1.1)
     assert abs(bench.motors.left_m_s) + abs(bench.motors.right_m_s) == 0.0
 
