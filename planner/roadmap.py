@@ -162,7 +162,14 @@ class Roadmap:
         """
         request = Request.of(start, goal, prefer, via, order, alternatives, margin)
         units = str(getattr(self.scene, "units", ""))
-        answer = plan_request(self.borders, self.chains, self.radius, request, units)
+        answer = plan_request(
+            self.borders,
+            self.chains,
+            self.radius,
+            request,
+            units,
+            chains_only=self.mode == "paper",
+        )
         return self._explain(answer, units) if isinstance(answer, Blocked) else answer
 
     def _finer(self) -> Roadmap:

@@ -58,9 +58,18 @@ class Ways:
 
 
 def plan_request(
-    borders: Borders, chains: Chains, radius: float, request: Request, units: str = ""
+    borders: Borders,
+    chains: Chains,
+    radius: float,
+    request: Request,
+    units: str = "",
+    *,
+    chains_only: bool = False,
 ) -> Path | NoPath | Blocked:
-    """Answer a request on measured chains, for a disc of ``radius``."""
+    """Answer a request on measured chains, for a disc of ``radius``.
+
+    ``chains_only`` believes the chains where they have no way, as the paper does.
+    """
     need = radius + request.margin
     vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
     names = ["the start", *vias, "the goal"]
@@ -74,7 +83,16 @@ def plan_request(
     request = request.in_order(order)
     legs: list[Ways] = []
     for a, b in pairwise(request.stations):
-        found = plan_leg(borders, network, a, b, need, request.preference, request.alternatives)
+        found = plan_leg(
+            borders,
+            network,
+            a,
+            b,
+            need,
+            request.preference,
+            request.alternatives,
+            chains_only=chains_only,
+        )
         if not found.lines:
             return Blocked(a, b, need, request.stations)
         legs.append(found)
@@ -128,6 +146,8 @@ def plan_leg(
     need: float,
     preference: float,
     alternatives: int = 0,
+    *,
+    chains_only: bool = False,
 ) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
@@ -144,6 +164,8 @@ def plan_leg(
     found = _routes(borders, network, start, goal, need, preference, alternatives)
     if clear:
         found.insert(0, np.array([start, goal]))
+    if not found and chains_only:
+        return Ways(())
     if not found:
         # the chains tell ways of this width: a second opinion of another method, and its bound
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
