@@ -56,8 +56,9 @@ class ArenaPlanner:
         self._scene: Scene | None = None
 
     def see(self, scene: Scene, revision: int) -> None:
-        """Build the roadmap of a new scene."""
-        self.roadmap = self._build(scene)
+        """Take over a new scene: what changed in it changes in the roadmap."""
+        known = self.roadmap
+        self.roadmap = self._build(scene) if known is None else known.updated(scene)
         self._scene = scene
         self.revision = revision
 
@@ -92,7 +93,7 @@ class ArenaPlanner:
         those that stand. For those that move the robot waits when it meets them."""
         standing = tuple(disc for disc in request.avoid if not disc.moves)
         for discs in dict.fromkeys((request.avoid, standing)):
-            here = self._build(with_discs(scene, discs)) if discs else roadmap
+            here = roadmap.updated(with_discs(scene, discs)) if discs else roadmap
             path = self._route(here, request)
             if isinstance(path, Path):
                 break

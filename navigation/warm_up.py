@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -120,6 +121,9 @@ def _run_planner(scene: Scene) -> None:
         if isinstance(path, PlannedPath):
             path = smooth_path(path, roadmap.path_clearance, roadmap.clearance)
             planner.time_path(path, default_limits(RADIUS_M), clearance=roadmap.clearance)
+    stranger = SceneObject(len(scene.objects) + 1, (CircleRecord((1.0, 0.4), 0.05),))
+    known = roadmap.updated(replace(scene, objects=(*scene.objects, stranger)))
+    known.updated(scene)
 
 
 def _picture(config: Config) -> tuple[np.ndarray, np.ndarray]:
