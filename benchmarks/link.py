@@ -187,7 +187,8 @@ def main() -> int:
         ("e-stop to motors off, median", "", f"{statistics.median(delays) * 1e3:.1f} ms"),
         (f"e-stop to motors off, p99 of {runs}", "<= 15 ms", f"{p99_s * 1e3:.1f} ms"),
         (
-            f"dead-man: HOLD told behind the lease's limit (up to 10 ms of it the report's wait), {len(late)} runs",
+            "dead-man: HOLD told behind the lease's limit "
+            f"(up to 10 ms of it the report's wait), {len(late)} runs",
             "within 10 ms",
             f"{min(late) * 1e3:.1f} to {max(late) * 1e3:.1f} ms",
         ),
