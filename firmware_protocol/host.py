@@ -14,10 +14,9 @@ from __future__ import annotations
 import math
 import random
 from collections import deque
-from dataclasses import dataclass
 from typing import Final
 
-from firmware_protocol.clock_sync import WRAP_US, ClockEstimate
+from firmware_protocol.clock_sync import ClockEstimate
 from firmware_protocol.commands import Commands
 from firmware_protocol.errors import LocalError, RemoteError
 from firmware_protocol.framing import (
@@ -28,6 +27,7 @@ from firmware_protocol.framing import (
     encode_frame,
     wire_bytes,
 )
+from firmware_protocol.host_counters import HostCounters
 from firmware_protocol.host_events import (
     EstopConfirmed,
     Event,
@@ -39,6 +39,7 @@ from firmware_protocol.host_events import (
     StatusReceived,
 )
 from firmware_protocol.host_state import TRANSITIONS, LinkEvent, LinkState
+from firmware_protocol.line_diagnosis import why_silent
 from firmware_protocol.link import RttEstimate, SendWindow
 from firmware_protocol.messages import (
     ESTOP_FRAME,
@@ -56,6 +57,7 @@ from firmware_protocol.messages import (
     read_message,
 )
 from firmware_protocol.mission import Mission
+from firmware_protocol.sync_schedule import SyncSchedule
 from firmware_protocol.upload import Upload
 
 SILENCE_S: Final = 0.5
@@ -63,29 +65,9 @@ SILENCE_S: Final = 0.5
 HELLO_FIRST_S: Final = 0.05
 HELLO_LAST_S: Final = 0.5
 ESTOP_REPEAT_S: Final = 0.02
-SYNC_FAST_S: Final = 0.1
-SYNC_SLOW_S: Final = 1.0
-SYNC_FAST_COUNT: Final = 8
 PREFETCH_S: Final = 0.001
 """The next frame may be handed out so long before the line is free."""
 FOREIGN_S: Final = 1.0
-
-
-@dataclass(slots=True)
-class HostCounters:
-    """What the host's end did and met, beside the parser's own counters."""
-
-    frames_sent: int = 0
-    bytes_sent: int = 0
-    sessions: int = 0
-    links_lost: int = 0
-    reboots: int = 0
-    naks: int = 0
-    retransmits: int = 0
-    timeouts: int = 0
-    foreign_session: int = 0
-    late_session: int = 0
-    nonsense: int = 0
 
 
 class HostConnection:
@@ -129,9 +111,7 @@ class HostConnection:
         self._pose: tuple[PoseFix, float] | None = None
         self.pose_captured_s = -math.inf
         """When the pose that was sent last was seen: the user's measure of its way here."""
-        self._sync_s = -math.inf
-        self._sync_sent: dict[int, float] = {}
-        self._sync_count = 0
+        self._sync = SyncSchedule()
         self._estop_wanted = False
         self._estop_s = -math.inf
         self._commands = Commands()
@@ -250,25 +230,11 @@ class HostConnection:
             return None
         if self.state is LinkState.CLOSED:
             return self._reason
-        count = self.parser.counters
         if now_s - self._foreign_s < FOREIGN_S and self.state is LinkState.LINK_LOST:
             return "another host has taken the robot over"
-        if now_s - self._bytes_s > SILENCE_S:
-            since = now_s - max(self._bytes_s, self._opened_s)
-            return (
-                f"no byte has come from the robot for {since:.1f} s: "
-                "is it switched on and the cable plugged in?"
-            )
-        if count.echoes and not count.frames:
-            return "the line echoes what is sent: are its two wires connected to each other?"
-        if count.version_errors and not count.frames:
-            return f"the robot speaks another protocol version than {VERSION}"
-        if not count.frames:
-            return (
-                f"{count.bytes} bytes came but no whole frame "
-                f"({count.faults} damaged): is the baud rate right?"
-            )
-        return "a robot was heard, but it does not answer"
+        since_s = now_s - max(self._bytes_s, self._opened_s)
+        silent = now_s - self._bytes_s > SILENCE_S
+        return why_silent(self.parser.counters, since_s if silent else None)
 
     # Bytes in.
 
@@ -311,7 +277,7 @@ class HostConnection:
             case Status():
                 self._take_status(message, frame, now_s)
             case TimeSyncReply(sent_us, received_us, answered_us):
-                sent_s = self._sync_sent.pop(sent_us, None)
+                sent_s = self._sync.sent_s(sent_us)
                 if sent_s is not None:
                     # both stamps of a frame as if it took no time on the wire
                     arrived_s = sent_s + self._wire_s(wire_bytes(TimeSync.LAYOUT.size))
@@ -360,7 +326,7 @@ class HostConnection:
         self.counters.reboots += 1
         assert self.robot is not None
         self.clock = ClockEstimate()
-        self._sync_count = 0
+        self._sync.hurry()
         self._change(LinkEvent.REBOOT, "the robot has rebooted: its mission is gone")
         self._events.append(RobotRebooted(status.boot_id, self.robot.reset_cause))
         if self.upload_state is not None:
@@ -487,14 +453,8 @@ class HostConnection:
         return self._frame(Hello(SCHEMA_HASH))
 
     def _next_sync(self, now_s: float) -> Frame | None:
-        interval_s = SYNC_FAST_S if self._sync_count < SYNC_FAST_COUNT else SYNC_SLOW_S
-        if now_s - self._sync_s < interval_s:
-            return None
-        self._sync_s = now_s
-        self._sync_count += 1
-        sent_us = int(now_s * 1e6) % WRAP_US
-        self._sync_sent = {sent_us: now_s}
-        return self._frame(TimeSync(sent_us))
+        question = self._sync.next_question(now_s)
+        return None if question is None else self._frame(question)
 
     def _frame(self, message: Hello | Lease | PoseFix | TimeSync) -> Frame:
         return Frame(kind=message.TYPE, session=self._session, payload=message.pack())
@@ -528,7 +488,7 @@ class HostConnection:
         self.counters.timeouts += self._window.timeouts
         self._window = SendWindow(0)
         self._lease = self._pose = None
-        self._sync_sent = {}
+        self._sync.forget()
         self._heard_s = -math.inf
         if self.upload_state is not None:
             self.upload_state.new_session()

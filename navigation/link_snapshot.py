@@ -9,7 +9,8 @@ import math
 from dataclasses import dataclass, field, replace
 
 from firmware_protocol.framing import ParserCounters
-from firmware_protocol.host import HostConnection, HostCounters
+from firmware_protocol.host import HostConnection
+from firmware_protocol.host_counters import HostCounters
 from firmware_protocol.host_state import LinkState
 from firmware_protocol.messages import (
     STOP_SENTENCES,

@@ -1,0 +1,22 @@
+"""What the host's end of the link counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(slots=True)
+class HostCounters:
+    """What the host's end did and met, beside the parser's own counters."""
+
+    frames_sent: int = 0
+    bytes_sent: int = 0
+    sessions: int = 0
+    links_lost: int = 0
+    reboots: int = 0
+    naks: int = 0
+    retransmits: int = 0
+    timeouts: int = 0
+    foreign_session: int = 0
+    late_session: int = 0
+    nonsense: int = 0
