@@ -80,7 +80,9 @@ def row(name: str, kinds: list[str], done: list[Run]) -> str:
     for kind in kinds:
         tried = [run for run in done if (run.name, run.robot) == (name, kind)]
         cells.append(f"{sum(not run.failure for run in tried)}/{len(tried)}")
-    outcomes = Counter(run.outcome for run in done if run.name == name and not run.failure)
+    tried = [run for run in done if run.name == name]
+    outcomes = Counter(run.outcome for run in tried if not run.failure)
+    cells += [str(len(tried)), str(sum(not run.failure for run in tried))]
     told = "; ".join(f"{count} x {what}" for what, count in outcomes.most_common())
     return f"| {name} | {' | '.join(cells)} | {told} |"
 
@@ -102,8 +104,8 @@ def table(kinds: list[str], done: list[Run], took_s: float) -> str:
         "",
         "`python -m benchmarks.faults` makes this table again.",
         "",
-        f"| fault | {' | '.join(kinds)} | what happened |",
-        f"|---|{'---|' * len(kinds)}---|",
+        f"| fault | {' | '.join(kinds)} | runs | passed | what happened |",
+        f"|---|{'---|' * len(kinds)}---|---|---|",
         *[row(name, kinds, done) for name in names],
     ]
     if failed:
