@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner import bisector_kernels, distance_kernels
+from planner import bisector_kernels, distance_kernels, finish_kernels
 from planner.bisectors import EQUAL
 from planner.chain_lines import Line
 from planner.chain_search import DETOUR, ROUNDING
@@ -60,42 +60,17 @@ def finish(borders: Borders, line: Line, need: float, preference: float) -> Floa
 def cut_short(borders: Borders, way: FloatArray, need: float, preference: float) -> FloatArray:
     """The way with straight lines put in, from both ends, where they keep their distance.
 
-    It may change to another side of an obstacle.
+    It may change to another side of an obstacle. Never longer.
     """
-    way = _cut_short(borders, way, need, preference)
-    return np.ascontiguousarray(_cut_short(borders, way[::-1], need, preference)[::-1])
-
-
-def _cut_short(borders: Borders, way: FloatArray, need: float, preference: float) -> FloatArray:
-    """The way with straight lines put in where they keep their distance; never longer.
-
-    From each point the line to the last one is tried, then to one half as far, and so on:
-    O(n log n) lines for n points.
-    """
-    way = np.ascontiguousarray(way)
-    rho, _ = borders.distances(way)
-    kept = [0]
-    while kept[-1] < len(way) - 1:
-        here = kept[-1]
-        step = len(way) - 1 - here
-        while step > 1:
-            ends = np.ascontiguousarray(way[[here, here + step]])
-            standing = float(min(rho[here], rho[here + step]))
-            if _keeps(borders, ends, standing, need, preference):
-                break
-            step //= 2
-        kept.append(here + step)
-    return np.ascontiguousarray(way[kept])
+    wish = need * (1.0 + ROOM * preference)
+    rounding = ROUNDING * borders.extent
+    cut: FloatArray = finish_kernels.cut_short(*borders.tree, way, need, wish, rounding)
+    return cut
 
 
 def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
     """What a way costs: its length, and more where it is narrow."""
-    steps = np.hypot(*np.diff(way, axis=0).T)
-    if preference == 0.0:
-        return float(steps.sum())
-    middles = 0.5 * (way[1:] + way[:-1])
-    rho, _ = borders.distances(middles)
-    return float((steps * (1.0 + DETOUR * preference * need / np.maximum(rho, need))).sum())
+    return float(finish_kernels.judge(*borders.tree, way, need, DETOUR * preference))
 
 
 def certain(borders: Borders, line: Line, need: float) -> FloatArray | None:
