@@ -28,6 +28,8 @@ LOST_AXIS_PX = 0.505
 before a pixel counts as lost."""
 NARROW_PX, LONGEST_TIP_PX = 0.75, 12.0
 """Half the width of a tip without a pixel's centre, and how far it may reach back."""
+TIP_STRAY_PX = 1.0
+"""The border of a tip stays as near to its edges; what is farther off is no tip."""
 TIP_PX = 2.5
 """Within this distance of a corner pixels are too coarse to tell where its sides run."""
 RAGGED_SHARE, CRISP_RAGGED_SHARE = 0.15, 0.03
@@ -191,11 +193,13 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     for k in range(lo, hi + 1):
         x = px[k]
         y = py[k]
-        if (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near_begin:
-            continue
-        if (x - rows[next_, 0]) ** 2 + (y - rows[next_, 1]) ** 2 < near_end:
+        beside = (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near_begin
+        beside = beside or (x - rows[next_, 0]) ** 2 + (y - rows[next_, 1]) ** 2 < near_end
+        if beside and not crisp:
             continue
         best, fx, fy = _distance_to_edge(kinds, rows, e, next_, x, y)
+        if beside and best < TIP_STRAY_PX:
+            continue
         if best >= 0.5:
             d, ex, ey = _distance_to_edge(kinds, rows, before, e, x, y)
             if d < best:
