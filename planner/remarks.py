@@ -8,14 +8,19 @@ Rules
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from planner import overlap_kernels
+from planner import distance_kernels, overlap_kernels
 from planner.agvd import Chains
 from planner.generators import SAME_PLACE, Borders
+from planner.scene import FloatArray
 
 MOST = 8
 """So many sentences of a kind are said in full; the others are counted."""
+COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+"""Where a circle reaches farthest along the axes."""
 
 
 def remarks_on(borders: Borders, chains: Chains, radius: float) -> tuple[str, ...]:
@@ -61,16 +66,47 @@ def _relations(borders: Borders) -> list[str]:
 
 
 def _strays(borders: Borders) -> list[str]:
-    """Objects whose boxes reach the bounds' walls, where there are bounds."""
+    """Objects that reach the bounds' walls, where there are bounds."""
     if not (borders.owner < 0).any():
         return []
     x0, y0, x1, y1 = borders.box
-    boxes = borders.object_boxes
-    walls = (boxes[:, 0] <= x0) | (boxes[:, 1] <= y0) | (boxes[:, 2] >= x1) | (boxes[:, 3] >= y1)
-    away = (boxes[:, 2] < x0) | (boxes[:, 3] < y0) | (boxes[:, 0] > x1) | (boxes[:, 1] > y1)
-    return [
-        f"obstacle {o} lies outside the bounds"
-        if away[o]
-        else f"obstacle {o} touches or crosses the bounds"
-        for o in np.flatnonzero(walls).tolist()
-    ]
+    out = []
+    for o, rough in enumerate(borders.object_boxes):
+        if not _reaches(rough, borders.box):
+            continue
+        box = _exact_box(borders, o)
+        if not _reaches(box, borders.box):
+            continue
+        away = box[2] < x0 or box[3] < y0 or box[0] > x1 or box[1] > y1
+        how = "lies outside" if away else "touches or crosses"
+        out.append(f"obstacle {o} {how} the bounds")
+    return out
+
+
+def _reaches(box: FloatArray, bounds: Sequence[float] | FloatArray) -> bool:
+    return bool((box[:2] <= bounds[:2]).any() or (box[2:] >= bounds[2:]).any())
+
+
+def _exact_box(borders: Borders, owner: int) -> FloatArray:
+    """An object's box; `Borders.object_boxes` take an arc's whole circle."""
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    data = borders.data
+    for i in range(*borders.span[owner].tolist()):
+        if borders.owner[i] != owner:
+            continue
+        row, kind = data[i], borders.kind[i]
+        if kind == distance_kernels.SEGMENT:
+            places = [row[:2], row[2:4]]
+        elif kind == distance_kernels.POINT:
+            places = [row[:2]]
+        else:
+            places = [row[:2] + row[2] * way for way in COMPASS]
+            if kind == distance_kernels.ARC:
+                ends = (row[3], row[3] + row[4])
+                places = [p for p in places if distance_kernels.on_sweep(data, i, p[0], p[1])]
+                places += [row[:2] + row[2] * np.array((np.cos(a), np.sin(a))) for a in ends]
+        low, high = (
+            np.minimum(low, np.min(places, axis=0)),
+            np.maximum(high, np.max(places, axis=0)),
+        )
+    return np.array([*low, *high])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import planner
-from planner.scene import CircleRecord, PointRecord, SegmentRecord
+from planner.scene import Arc, CircleRecord, PointRecord, PolygonRecord, Segment, SegmentRecord
 from tests.support.planner_scenes import bay, box, hand_made, scene_of, stadium, with_hole
 
 EXPECTED = {
@@ -70,3 +72,11 @@ def test_many_remarks_are_counted() -> None:
     remarks = planner.build_roadmap(scene, 1.5).remarks
     assert len(remarks) == 9
     assert remarks[-1] == "and 7 more pairs of obstacles that meet or nest"
+
+
+def test_a_flat_arc_inside_the_bounds_does_not_reach_them_with_the_rest_of_its_circle() -> None:
+    lid = Arc((40.0, 60.0), (80.0, 60.0), (60.0, 160.0), math.hypot(20.0, 100.0), ccw=False)
+    floor = Segment((80.0, 60.0), (40.0, 60.0))
+    scene = scene_of(PolygonRecord((lid, floor)))
+    assert scene.bounds.y_max < 160.0
+    assert planner.build_roadmap(scene, 1.5).remarks == ()
