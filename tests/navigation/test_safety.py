@@ -229,7 +229,7 @@ def test_a_planner_that_fails_holds_the_robot_and_is_started_again(
 def test_vision_that_fails_holds_the_robot_and_is_made_anew(
     arena: Arena, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(_frame: object) -> None:
+    def fail(*_given: object) -> None:
         raise RuntimeError("no such picture")
 
     eye = arena.daemon._eye
