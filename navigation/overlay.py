@@ -3,7 +3,8 @@
 Rules and units
 - The scene is in pixels. The picture is enlarged so that half a pixel can be seen, and its
   contrast is lowered so that the lines stand out.
-- Segments are red, arcs blue, circles green, corners black dots.
+- Colours are those of the other pictures (``draw_shapes.py``): segments crimson, arcs violet,
+  circles green, corners dots of ink.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from navigation import draw_shapes as shapes
 from planner.scene import (
     Arc,
     CircleRecord,
@@ -28,7 +30,9 @@ from planner.scene import (
     record_edges,
 )
 
-SEGMENT_BGR, ARC_BGR, CIRCLE_BGR, CORNER_BGR = (0, 0, 220), (220, 60, 0), (0, 140, 0), (0, 0, 0)
+SEGMENT_BGR, ARC_BGR, CIRCLE_BGR, CORNER_BGR = (
+    colour[::-1] for colour in (shapes.BOTTLENECK, shapes.TRACK, shapes.PATH, shapes.INK)
+)
 LARGEST_PX = 4000
 """Width or height that an enlarged picture stays below."""
 SHIFT_BITS = 4
