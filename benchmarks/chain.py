@@ -330,7 +330,8 @@ def main() -> None:
     parts = shares(frames, options.scenes, options.rounds)
     head = (
         "# Picture to path, beside its peers\n\n"
-        f"Medians of processor time in ms (ratio to Clearway), {platform.machine()}, Python {platform.python_version()}, radius {RADIUS_PX:g} px\n"
+        "Medians of processor time in ms (ratio to Clearway),"
+        f" {platform.machine()}, Python {platform.python_version()}, radius {RADIUS_PX:g} px\n"
     )
     middle = "\nWhere the time goes, processor time in ms (Boost's ratio to diagram and roadmap)\n"
     text = "\n".join([head, *rows, middle, *parts]) + "\n"
