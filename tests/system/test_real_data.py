@@ -207,7 +207,8 @@ def test_a_roadmap_of_real_data_keeps_the_radius(
     told = call("roadmap", real_data / name, *options, "-o", file, "--render", tmp_path / "r.svg")
     assert (told.code, told.err) == (0, "")
     graph = json.loads(file.read_text())
-    assert len(graph["edges"]) >= len(graph["nodes"]) >= 3  # around one obstacle a ring at least
+    assert len(graph["nodes"]) >= 3  # around one obstacle a ring, which takes three
+    assert len(graph["edges"]) >= 3
     radius = float(options[-1])
     assert min(edge["clearance"] for edge in graph["edges"]) >= radius * (1.0 - 1e-9)
 
