@@ -15,6 +15,8 @@ export class Goal {
   #clearance = null;
   #stations = [];
   #preview = null;
+  /** Settles when the seat is taken or refused: nothing is asked while that is open. */
+  #taking = Promise.resolve();
   #pressed = null;
   #cursor = null;
   #asked = 0;
@@ -144,7 +146,8 @@ export class Goal {
     this.#preview = null;
     this.#draw();
     this.#show();
-    const taken = await this.seat.takeIfFree();
+    this.#taking = this.seat.takeIfFree();
+    const taken = await this.#taking;
     if (taken.ok) {
       this.#ask();
     } else {
@@ -158,6 +161,8 @@ export class Goal {
     this.#preview = null;
     this.#draw();
     this.#show();
+    await this.#taking;
+    if (number !== this.#asked) return;
     const answer = await this.connection.ask({ type: "preview", stations: this.#stations }, 15000);
     if (number !== this.#asked) return;
     this.#preview = answer;
