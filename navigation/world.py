@@ -91,7 +91,7 @@ class World:
         return self._clock()
 
     def wait(self, seconds: float) -> None:
-        """Let time pass."""
+        """Let time pass: the real world's, where the virtual one's clock is set on."""
         time.sleep(seconds)
 
     def make_frames(self) -> LatestFrame:
