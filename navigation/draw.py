@@ -1,8 +1,9 @@
 """Pictures of a scene and what was made of it, as SVG or PNG, in one visual language.
 
 Dark obstacles on a light floor; the roadmap coloured by clearance, from warm (tight) to cool
-(wide); the planned path green with the corridor that the robot sweeps; waypoints as dots; the
-driven track violet; the narrowest place a red measure across the way; a legend and a scale.
+(wide); the planned path green with the corridor that the robot sweeps, plans that it replaced
+pale green as far as they were driven; waypoints as dots; the driven track violet; the narrowest
+place a red measure across the way; a legend and a scale.
 The same shapes go into both formats (``draw_shapes.py``).
 """
 
@@ -43,17 +44,19 @@ def draw_svg(
     *,
     trajectory: Trajectory | None = None,
     track: ArrayLike | None = None,
+    earlier: Sequence[ArrayLike] = (),
     stations: Sequence[Sequence[float]] = (),
     title: str = "Clearway",
 ) -> str:
     """The picture as SVG text.
 
-    ``track`` (n, 2) is where the robot drove, in the scene's units; ``stations`` are (x, y) or
+    ``track`` (n, 2) is where the robot drove, in the scene's units; ``earlier`` holds the driven
+    stretches (n, 2) of plans that ``path`` replaced; ``stations`` are (x, y) or
     (x, y, heading_rad): start, vias, goal. What is not given is not drawn.
     """
     from navigation.draw_svg import to_svg
 
-    return to_svg(_drawing(scene, roadmap, path, trajectory, track, stations, title))
+    return to_svg(_drawing(scene, roadmap, path, trajectory, track, earlier, stations, title))
 
 
 def draw_png(
@@ -63,13 +66,14 @@ def draw_png(
     *,
     trajectory: Trajectory | None = None,
     track: ArrayLike | None = None,
+    earlier: Sequence[ArrayLike] = (),
     stations: Sequence[Sequence[float]] = (),
     title: str = "Clearway",
 ) -> NDArray[np.uint8]:
     """The same picture as (height, width, 3) uint8 pixels, BGR."""
     from navigation.draw_png import to_pixels
 
-    return to_pixels(_drawing(scene, roadmap, path, trajectory, track, stations, title))
+    return to_pixels(_drawing(scene, roadmap, path, trajectory, track, earlier, stations, title))
 
 
 def save_picture(
@@ -80,12 +84,13 @@ def save_picture(
     *,
     trajectory: Trajectory | None = None,
     track: ArrayLike | None = None,
+    earlier: Sequence[ArrayLike] = (),
     stations: Sequence[Sequence[float]] = (),
     title: str = "Clearway",
 ) -> None:
     """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` where that cannot be done."""
     target = FilePath(file)
-    drawing = _drawing(scene, roadmap, path, trajectory, track, stations, title)
+    drawing = _drawing(scene, roadmap, path, trajectory, track, earlier, stations, title)
     match target.suffix.lower():
         case ".svg":
             from navigation.draw_svg import to_svg
@@ -112,12 +117,14 @@ def _drawing(
     path: Path | NoPath | None,
     trajectory: Trajectory | None,
     track: ArrayLike | None,
+    earlier: Sequence[ArrayLike],
     stations: Sequence[Sequence[float]],
     title: str,
 ) -> Drawing:
     driven = None if track is None else np.asarray(track, dtype=np.float64).reshape(-1, 2)
+    before = tuple(np.asarray(line, dtype=np.float64).reshape(-1, 2) for line in earlier)
     places = tuple(tuple(float(v) for v in station) for station in stations)
-    content = Content(scene, roadmap, path, trajectory, driven, places, title)
+    content = Content(scene, roadmap, path, trajectory, driven, before, places, title)
     window = content.window()
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height

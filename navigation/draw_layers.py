@@ -70,6 +70,7 @@ class Content:
     path: Path | NoPath | None
     trajectory: Trajectory | None
     track: FloatArray | None
+    earlier: tuple[FloatArray, ...]
     stations: tuple[tuple[float, ...], ...]
     title: str
 
@@ -133,6 +134,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("bounds", (_frame(screen),)),
         Layer("roadmap", tuple(_roadmap(content, screen))),
         Layer("alternatives", tuple(_alternatives(content, screen))),
+        Layer("earlier plans", tuple(_earlier(content, screen))),
         Layer("path", tuple(_path(content, screen))),
         Layer("driven track", tuple(_track(content, screen))),
         Layer("waypoints", tuple(_waypoints(content, screen))),
@@ -238,6 +240,13 @@ def _alternatives(content: Content, screen: Screen) -> Iterator[Shape]:
     if content.found:
         for other in content.found.alternatives:
             yield Strokes((screen.points(other.points),), OTHER_PATH, 2.5, dash=(8.0, 5.0))
+
+
+def _earlier(content: Content, screen: Screen) -> Iterator[Shape]:
+    lines = tuple(screen.points(line) for line in content.earlier if len(line) > 1)
+    if lines:
+        yield Strokes(lines, PAGE, 6.5)
+        yield Strokes(lines, OTHER_PATH, 3.5)
 
 
 def _path(content: Content, screen: Screen) -> Iterator[Shape]:

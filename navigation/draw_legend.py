@@ -103,6 +103,12 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
             mark: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 2.5, dash=(8.0, 5.0))]
             yield mark, f"alternatives ({len(found.alternatives)})"
             y += _ROW
+    before = [line for line in content.earlier if len(line) > 1]
+    if before:
+        length = sum(arc_lengths(line)[-1] for line in before)
+        older: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 3.5)]
+        yield older, f"replaced plans ({len(before)}), driven {length:.4g} {units}"
+        y += _ROW
     if content.trajectory:
         waypoints = content.trajectory.waypoints
         dots: list[Shape] = [

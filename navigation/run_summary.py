@@ -7,12 +7,14 @@ from what the camera saw. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from navigation.daemon import Daemon
+from navigation.daemon import Daemon, DrivenPlan
 from navigation.draw import save_picture
 from navigation.mission import State
 from navigation.report import (
@@ -25,7 +27,13 @@ from navigation.report import (
     tracking_error,
 )
 from navigation.stages import stations_of
+from planner.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
+
+REACH_SHARE, REACH_M = 1.1, 0.02
+"""How far along its plan a robot may have come, as a share of the length it drove, and more."""
+STRETCH_STEP_M = 0.005
+"""Driven stretches of replaced plans are drawn with a point this often."""
 
 
 def summarise(daemon: Daemon, state: State, reason: str, duration_s: float) -> Report:
@@ -91,16 +99,36 @@ def write_run(folder: Path, daemon: Daemon, report: Report) -> None:
         for s in stations_of(daemon.config)
     ]
     first = [tuple(track[0, 1:4])] if len(track) else []
-    last_plan = daemon.plans[0] if daemon.plans else None
+    plans = list(daemon.plans)
     save_picture(
         folder / "track.svg",
         daemon.scene,
         daemon.roadmap,
-        None if last_plan is None else last_plan.path,
+        plans[-1].path if plans else None,
         track=track[:, 1:3],
+        earlier=driven_stretches(plans, track),
         stations=[*first, *stations],
         title=f"Clearway: {report.state}",
     )
+
+
+def driven_stretches(plans: Sequence[DrivenPlan], track: FloatArray) -> list[FloatArray]:
+    """Of every plan but the last the points (n, 2) up to where the robot was when it was replaced.
+
+    ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. A plan that crosses itself ends at the
+    pass that the length driven can have reached.
+    """
+    stretches = []
+    for plan, following in pairwise(plans):
+        rows = track[(track[:, 0] >= plan.since_s) & (track[:, 0] <= following.since_s), 1:3]
+        if len(rows) < 2:
+            continue
+        lengths = arc_lengths(plan.path.points)
+        reach = min(REACH_SHARE * arc_lengths(rows)[-1] + REACH_M, lengths[-1])
+        at = np.linspace(0.0, reach, math.ceil(reach / STRETCH_STEP_M) + 1)
+        along = points_at(plan.path.points, lengths, at)
+        stretches.append(along[: int(np.hypot(*(along - rows[-1]).T).argmin()) + 1])
+    return stretches
 
 
 def _least_clearance_m(daemon: Daemon, track: FloatArray) -> float | None:

@@ -16,6 +16,7 @@ from navigation.draw_shapes import (
     CLEARANCE_RAMP,
     FLOOR,
     OBSTACLE,
+    OTHER_PATH,
     PATH,
     RAMP_STEPS,
     TRACK,
@@ -103,6 +104,15 @@ def test_y_points_up_in_metres_and_down_in_pixels():
         assert near(pixel(image, scene, 50, light_y), FLOOR)
     top = draw_png(read_scene_text(METRES))[MARGIN + 25, MARGIN + 25 * 5]
     assert near(tuple(int(v) for v in top[::-1]), FLOOR)
+
+
+def test_replaced_plans_are_drawn_pale_and_named(arena):
+    scene, roadmap, path = arena
+    earlier = [np.array([[0.3, 2.9], [1.3, 2.9]])]
+    image = draw_png(scene, roadmap, path, earlier=earlier)
+    assert near(pixel(image, scene, 0.8, 2.9), OTHER_PATH)
+    assert not near(pixel(draw_png(scene, roadmap, path), scene, 0.8, 2.9), OTHER_PATH)
+    assert "replaced plans (1), driven 1 m" in draw_svg(scene, roadmap, path, earlier=earlier)
 
 
 def test_path_track_and_bottleneck_are_drawn_where_they_are(arena):
