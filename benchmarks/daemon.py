@@ -1,7 +1,8 @@
 """The running program against its figures: accuracy, clearance, latency, memory.
 
     python -m benchmarks.daemon [--only accuracy,arenas,kills,replan,wire,memory]
-        [--arenas 200] [--kills 200] [--workers 2] [--output benchmarks/results/daemon.md]
+        [--arenas 200] [--kept FILE] [--kills 200] [--workers 2]
+        [--output benchmarks/results/daemon.md]
 
 - arenas: random arenas in virtual time, wheels wrong by up to 3 %, slip, noise: the least true
   clearance of the driven track, tracking and goal error
@@ -30,9 +31,11 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -53,16 +56,24 @@ Rows = Iterator[tuple[str, str, str, bool]]
 """What was measured, the value, the target, and whether it was met."""
 
 
-def arenas(count: int, workers: int) -> Rows:
-    """Random arenas, each driven once."""
+def arenas(count: int, workers: int, kept: Path | None) -> Rows:
+    """Random arenas, each driven once; those whose report lies in ``kept`` are not driven again."""
+    known = {} if kept is None else _kept_reports(kept)
     began_s = time.perf_counter()
+    missing = [seed for seed in range(count) if seed not in known]
     with ProcessPoolExecutor(workers) as pool:
-        reports = list(pool.map(_drive_arena, range(count)))
+        for seed, report in zip(missing, pool.map(_drive_arena, missing), strict=True):
+            known[seed] = report
+            clearance = report.min_clearance_m or 0.0
+            if report.state != "done" or clearance < RADIUS_M:
+                told = f"{report.state}, {report.reason}; {clearance:.4f} m"
+                print(f"  arena {seed}: {told}", flush=True)
+            if kept is not None:
+                with kept.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps({"seed": seed, "report": asdict(report)}) + "\n")
+    took_s = time.perf_counter() - began_s
+    reports = [known[seed] for seed in range(count)]
     done = [report for report in reports if report.state == "done"]
-    for seed, report in enumerate(reports):
-        clearance = report.min_clearance_m or 0.0
-        if report.state != "done" or clearance < RADIUS_M:
-            print(f"  arena {seed}: {report.state}, {report.reason}; {clearance:.4f} m")
     least = min(report.min_clearance_m or 0.0 for report in reports)
     yield f"arenas driven to the goal, of {count}", str(len(done)), "all", len(done) == count
     yield (
@@ -70,9 +81,18 @@ def arenas(count: int, workers: int) -> Rows:
         f"{(least - RADIUS_M) * 1e3:.1f} mm", ">= 0", least >= RADIUS_M,
     )  # fmt: skip
     yield from _accuracy_rows(done, "arenas")
-    virtual_s = sum(report.duration_s for report in reports)
-    took_s = time.perf_counter() - began_s
-    yield "virtual time", f"{virtual_s:.0f} s, {virtual_s / took_s:.1f} times as fast", "", True
+    virtual_s = sum(known[seed].duration_s for seed in missing)
+    if missing:
+        yield "virtual time", f"{virtual_s:.0f} s, {virtual_s / took_s:.1f} times as fast", "", True
+
+
+def _kept_reports(path: Path) -> dict[int, Report]:
+    """By seed: the reports of an earlier, interrupted campaign."""
+    if not path.exists():
+        return {}
+    lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    as_report = TypeAdapter(Report)
+    return {line["seed"]: as_report.validate_python(line["report"]) for line in lines}
 
 
 def _drive_arena(seed: int) -> Report:
@@ -253,6 +273,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", default="accuracy,arenas,kills,replan,wire,memory")
     parser.add_argument("--arenas", type=int, default=200)
+    parser.add_argument("--kept", type=Path, help="reports of arenas, to go on after a break")
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--hours", type=float, default=2.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
@@ -260,7 +281,7 @@ def main() -> int:
     options = parser.parse_args()
     parts: dict[str, Callable[[], Rows]] = {
         "accuracy": lambda: accuracy(10, options.workers),
-        "arenas": lambda: arenas(options.arenas, options.workers),
+        "arenas": lambda: arenas(options.arenas, options.workers, options.kept),
         "kills": lambda: kills(options.kills, options.workers),
         "replan": lambda: replan(10),
         "wire": lambda: wire(3),
