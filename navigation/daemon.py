@@ -2,8 +2,9 @@
 
 Threads: the camera's (newest frame wins), the planner's (newest scene and request win), the
 link's, which alone owns the port, and this one, the control loop. A cycle of the control loop
-is: newest frame -> eye -> pilot -> orders to the planner and the link. It runs once a frame,
-and at least every ``LONGEST_CYCLE_S`` without one, so that a lost camera stops the robot too.
+is: newest frame -> eye -> pilot -> orders to the planner and the link. It runs once a frame, at
+once when the planner has news, and at least every ``LONGEST_CYCLE_S`` without either, so that a
+lost camera stops the robot too.
 The lease that lets the robot move is given by this loop only: should it hang, the robot stops.
 
 The clock is the world's: real, or virtual in a simulation that runs as fast as it can.
@@ -304,7 +305,7 @@ class Daemon:
     # The cycle.
 
     def cycle(self) -> DaemonState:
-        """Wait for the next frame, at most ``LONGEST_CYCLE_S``, and decide."""
+        """Wait for a frame or the planner's news, at most ``LONGEST_CYCLE_S``, and decide."""
         self._cycles += 1
         frame = self.camera.take(LONGEST_CYCLE_S)
         if frame is not None:
@@ -451,6 +452,7 @@ class Daemon:
             self._recorder.put(RoadmapBuilt(now_s, check.revision, self.roadmap))
         with self._lock:
             self._checks.append(check)
+        self.camera.wake()
 
     def _on_answer(self, answer: PlanAnswer) -> None:
         now_s = self._clock()
@@ -459,6 +461,7 @@ class Daemon:
             self._recorder.put(PlanAnswered(now_s, answer))
         with self._lock:
             self._answers.append(answer)
+        self.camera.wake()
 
     def _take_checks(self) -> list[SceneCheck]:
         checks = list(self._checks)

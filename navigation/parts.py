@@ -45,7 +45,10 @@ class Frames(Protocol):
         ...
 
     def take(self, timeout_s: float) -> Frame | None:
-        """The newest frame that was not yet taken, waiting for it."""
+        """The newest frame that was not yet taken, waiting for it, or until `wake`."""
+
+    def wake(self) -> None:
+        """End the wait of `take`, the present one or the next: there is other news."""
 
     def status(self) -> CameraStatus:
         """What the camera is doing now."""

@@ -79,6 +79,7 @@ class LatestFrame:
         self._generation = 0
         self._frame: Frame | None = None
         self._taken = True
+        self._woken = False
         self._status = CameraStatus("closed", "", 0.0, 0, 0, 0, None)
         self._reader = _Reader(self, 0)
         self._thread: threading.Thread | None = None
@@ -118,14 +119,24 @@ class LatestFrame:
         return thread is not None and thread.ident is not None and not thread.is_alive()
 
     def take(self, timeout_s: float = 0.0) -> Frame | None:
-        """The newest frame that was not yet taken, waiting up to ``timeout_s`` (real) seconds."""
+        """The newest frame that was not yet taken, waiting up to ``timeout_s`` (real) seconds.
+
+        None where none came in time, or where `wake` was called.
+        """
         self._leave_hung_reader()
         with self._news:
-            self._news.wait_for(lambda: not self._taken, timeout_s)
+            self._news.wait_for(lambda: self._woken or not self._taken, timeout_s)
+            self._woken = False
             if self._taken:
                 return None
             self._taken = True
             return self._frame
+
+    def wake(self) -> None:
+        """End the wait of `take`, the present one or the next: there is other news."""
+        with self._news:
+            self._woken = True
+            self._news.notify_all()
 
     def status(self) -> CameraStatus:
         """What the camera is doing now."""

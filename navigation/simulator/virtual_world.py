@@ -257,6 +257,7 @@ class VirtualFrames:
         limits = WatchLimits(read_timeout_s=WATCH_EVERY_S)
         self._world = world
         self._latest = LatestFrame(world.open_camera, world.clock, limits)
+        self._woken = False
         self.turns = 0
 
     def start(self) -> None:
@@ -271,10 +272,11 @@ class VirtualFrames:
         return False
 
     def take(self, timeout_s: float) -> Frame | None:
-        """The next frame, after the time that vision takes for it; None where none comes."""
+        """The next frame, after the time that vision takes for it; None where none comes, or
+        where `wake` was called."""
         self.turns += 1
         end_s = self._world.clock() + timeout_s
-        while self._world.clock() < end_s:
+        while self._world.clock() < end_s and not self._woken:
             frame = self._latest.take(0.0)
             if frame is not None:
                 self._world.wait(self._world.times.look_s)
@@ -283,7 +285,12 @@ class VirtualFrames:
             if pause_s > 0.0:
                 left_s = end_s - self._world.clock()
                 self._world.wait(max(TICK_S, min(pause_s, left_s)))  # time always passes
+        self._woken = False
         return None
+
+    def wake(self) -> None:
+        """End the wait of `take`, the present one or the next."""
+        self._woken = True
 
     def status(self) -> CameraStatus:
         """What the camera is doing now."""

@@ -82,6 +82,30 @@ def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
     assert math.dist(track[-1, 1:3], (0.20, 1.60)) < 0.02
 
 
+def test_the_planners_news_are_acted_on_at_once_not_with_the_next_picture() -> None:
+    """With eight pictures a second a wait for one, or for the longest cycle, would show."""
+    bucket = {"record": "C (0.10,1.16) 0.08", "from_s": 4.0}
+    config = short_config(
+        [{"x_m": 0.20, "y_m": 1.60}],
+        simulation={"obstacles": (bucket,)},
+        camera={"rate_hz": 8.0},
+        safety={"pose_stale_s": 0.4, "frame_stale_s": 0.4},
+    )
+    world = VirtualWorld(config)
+    slack_s = 0.015
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.give(stations_of(config))
+        cycle_until(daemon, is_driving)
+        plans = daemon.pilot.plans
+        before = daemon.scene
+        seen = cycle_until(daemon, lambda now: daemon.scene is not before)
+        held = cycle_until(daemon, lambda now: now.mission.state is not State.DRIVING)
+        planned = cycle_until(daemon, lambda now: daemon.pilot.plans > plans)
+        sent_s = planned.time_s - seen.time_s
+        assert held.time_s - seen.time_s < world.times.scene_s + slack_s
+        assert sent_s < world.times.scene_s + world.times.plan_s + slack_s
+
+
 def test_a_vanished_obstacle_leaves_the_scene() -> None:
     bucket = {"record": "C (1.30,1.00) 0.10", "until_s": 2.0}
     config = short_config(NEAR, simulation={"obstacles": (bucket,)})

@@ -119,6 +119,27 @@ def test_the_latest_frame_wins_and_drops_are_counted() -> None:
     assert (status.captured, status.dropped, status.state) == (5, 4, "running")
 
 
+def test_a_wait_for_a_frame_ends_at_once_when_it_is_woken() -> None:
+    """With an hour's patience: only the wake-up can end the wait."""
+    reader, _ = reader_of(Clock(), [picture(1)])
+    found: list[Frame | None] = []
+    waiter = threading.Thread(target=lambda: found.append(reader.take(3600.0)), daemon=True)
+    waiter.start()
+    reader.wake()
+    waiter.join(60.0)
+    assert found == [None]
+
+
+def test_a_wake_up_before_the_wait_is_not_lost_and_hides_no_frame() -> None:
+    reader, _ = reader_of(Clock(), [picture(1)])
+    reader.wake()
+    assert reader.take(3600.0) is None
+    for _ in range(2):
+        reader.step()
+    reader.wake()
+    assert reader.take(3600.0) is not None
+
+
 def test_a_lost_source_is_opened_again_with_growing_pauses() -> None:
     clock = Clock()
     lost: list[Event] = [CameraError("camera T: unplugged")]
