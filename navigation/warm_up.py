@@ -1,7 +1,9 @@
-"""Compile every kernel before the robot may move: a first compilation takes a minute or two.
+"""Compile or load every kernel before the robot may move.
 
-A small arena goes through the whole chain once: a marker and an obstacle are seen, a way past
-the obstacle is planned and timed. Loaded from the kernel cache this takes about a second. The
+A small arena goes through the daemon's own parts: a marker and obstacles are seen, a way past
+them is planned, smoothed and timed; then an obstacle appears, goes again, and another robot
+stands in the way, as while the robot drives. A kernel that is first needed there would cost
+half a second of a moving robot's time. Loaded from the kernel cache this takes about a second. The
 first time on a machine the planner's kernels are compiled in a second process beside the eye's,
 and what is going on is said.
 """
@@ -12,7 +14,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,8 +23,12 @@ import numpy as np
 
 import planner
 from navigation.config import Config
+from navigation.cycle import PlanRequest
 from navigation.eye import Body, Eye, EyeSettings
-from planner.path import Path as PlannedPath
+from navigation.mission import Station
+from navigation.planning import ArenaPlanner, PlanSettings
+from navigation.traffic import Disc
+from planner.path import NoPath
 from planner.scene import (
     Arc,
     Bounds,
@@ -32,10 +38,9 @@ from planner.scene import (
     SceneObject,
     Segment,
 )
-from planner.smooth import smooth_path
 from planner.trajectory import default_limits
 from vision.calibration import Calibration
-from vision.camera import Frame
+from vision.camera import Frame, Image
 from vision.markers import MarkedRobot, MarkerTracker, dictionary_by_name
 
 SIZE_PX = (400, 300)
@@ -45,10 +50,16 @@ RADIUS_M = 0.15
 BODY_RADIUS_M = 0.22
 """Holds the marker with its quiet zone."""
 BOUNDS = Bounds(0.0, 0.0, 2.0, 1.5)
+SLIGHT_LENS = (-1e-3, 0.0, 0.0, 0.0, 0.0)
+"""A lens with any distortion at all goes other ways through the calibration than none."""
+EMPTY_FRAMES, CHANGED_FRAMES = 5, 4
+STARTS = ((0.3, 0.3, 0.0), (0.4, 1.2, 0.5))
+GOAL = Station(1.7, 1.2, 0.3)
+WAYSIDE = (Station(1.0, 0.2), Station(0.5, 0.6), Station(1.75, 0.6))
 
 
 def warm_up(config: Config, say: Callable[[str], None]) -> None:
-    """Run eye, roadmap, plan, smoothing and timing once; ``say`` gets a line of news at a time."""
+    """Run eye, roadmap, plan, smoothing and timing; ``say`` gets a line of news at a time."""
     if not kernels_are_cold():
         _run_planner(_see(config))
         return
@@ -57,14 +68,14 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
     code = "from navigation.warm_up import compile_planner; compile_planner()"
     beside = subprocess.Popen([sys.executable, "-c", code])
     try:
-        scene = _see(config)
+        scenes = _see(config)
         say(f"  eye compiled after {time.monotonic() - begin_s:.0f} s")
         beside.wait()
     finally:
         beside.kill()
         beside.wait()
     # loads what the other process has compiled, and compiles what it could not
-    _run_planner(scene)
+    _run_planner(scenes)
     say(f"  planner compiled after {time.monotonic() - begin_s:.0f} s")
 
 
@@ -80,7 +91,9 @@ def compile_planner() -> None:
         SceneObject(0, (CircleRecord((0.8, 0.9), 0.12),)),
         SceneObject(1, (PolygonRecord(ring),)),
     )
-    _run_planner(Scene("m", BOUNDS, objects))
+    scene = Scene("m", BOUNDS, objects)
+    stranger = SceneObject(2, (CircleRecord((1.0, 0.4), 0.05),))
+    _run_planner([scene, replace(scene, objects=(*objects, stranger)), scene])
 
 
 def kernels_are_cold() -> bool:
@@ -91,8 +104,10 @@ def kernels_are_cold() -> bool:
     return next(folder.rglob("insertion_kernels.*.nbi"), None) is None
 
 
-def _see(config: Config) -> Scene:
-    calibration = Calibration.from_scale(METRES_PER_PIXEL, SIZE_PX)
+def _see(config: Config) -> list[Scene]:
+    """The scenes of an arena in which a disc appears and goes again: three of them."""
+    flat = Calibration.from_scale(METRES_PER_PIXEL, SIZE_PX)
+    calibration = replace(flat, distortion=np.array(SLIGHT_LENS))
     robot = MarkedRobot(config.robot.marker_id, MARKER_PX * METRES_PER_PIXEL)
     eye = Eye(
         calibration,
@@ -106,37 +121,47 @@ def _see(config: Config) -> Scene:
             bodies={robot.id: Body(BODY_RADIUS_M, 0.0)},
         ),
     )
-    picture = _picture(config)
-    scene = Scene("m", BOUNDS, ())
-    for number in range(8):
-        glimpse = eye.look(Frame(picture[number % 2], number / 30.0, number, "warm-up"))
-        scene = glimpse.scene or scene
-    return scene
+    rng = np.random.default_rng(0)
+    scenes = []
+    for number in range(EMPTY_FRAMES + 2 * CHANGED_FRAMES):
+        changed = 0 <= number - EMPTY_FRAMES < CHANGED_FRAMES
+        picture = _picture(config, rng, stranger=changed)
+        glimpse = eye.look(Frame(picture, number / 30.0, number, "warm-up"))
+        if glimpse.scene is not None:
+            scenes.append(glimpse.scene)
+    return scenes
 
 
-def _run_planner(scene: Scene) -> None:
-    roadmap = planner.build_roadmap(scene, RADIUS_M)
+def _run_planner(scenes: Sequence[Scene]) -> None:
+    """What the planner's thread does while scenes come in, and another robot is in the way."""
+    in_the_way = Disc(1.0, 0.9, 0.1, 1, moves=False)
     for prefer in (0.0, 0.5, 1.0):
-        path = roadmap.plan((0.3, 0.3), (1.7, 1.2), prefer=prefer)
-        if isinstance(path, PlannedPath):
-            path = smooth_path(path, roadmap.path_clearance, roadmap.clearance)
-            planner.time_path(path, default_limits(RADIUS_M), clearance=roadmap.clearance)
-    stranger = SceneObject(len(scene.objects) + 1, (CircleRecord((1.0, 0.4), 0.05),))
-    known = roadmap.updated(replace(scene, objects=(*scene.objects, stranger)))
-    known.updated(scene)
+        limits = default_limits(RADIUS_M)
+        arena_planner = ArenaPlanner(PlanSettings(RADIUS_M, 0.02, None, prefer, limits))
+        for number, scene in enumerate(scenes, start=1):
+            arena_planner.see(scene, number)
+            for start in STARTS:
+                arena_planner.clearance_m(start[:2])
+                for avoid in ((), (in_the_way,)):
+                    request = PlanRequest(number, start, (GOAL,), number, avoid=avoid)
+                    answer = arena_planner.answer(request)
+                    if not isinstance(answer.path, NoPath):
+                        arena_planner.path_clearance_m(answer.path.points)
+        arena_planner.answer(PlanRequest(0, STARTS[0], (*WAYSIDE, GOAL), 0, any_order=True))
 
 
-def _picture(config: Config) -> tuple[np.ndarray, np.ndarray]:
-    """A floor with the robot's marker, a square and a disc; and the same with more noise."""
-    noise = np.random.default_rng(0).normal(0.0, 2.0, (2, SIZE_PX[1], SIZE_PX[0]))
+def _picture(config: Config, rng: np.random.Generator, *, stranger: bool) -> Image:
+    """A noisy floor with the robot's marker, a square and a disc, and perhaps another disc."""
     picture = np.full((SIZE_PX[1], SIZE_PX[0]), 225, np.uint8)
     picture[130:180, 180:230] = 25
     cv2.circle(picture, (300, 230), 25, 25, -1)
+    if stranger:
+        cv2.circle(picture, (200, 260), 15, 25, -1)
     book = dictionary_by_name(config.robot.dictionary)
     marker = cv2.aruco.generateImageMarker(book, config.robot.marker_id, MARKER_PX)
     if config.vision.polarity == "light":
         picture = 255 - picture
     picture[202:258, 42:98] = 225  # the marker's quiet zone, whatever the floor is
     picture[210 : 210 + MARKER_PX, 50 : 50 + MARKER_PX] = marker
-    first, second = (np.clip(picture + n, 0, 255).astype(np.uint8) for n in noise)
-    return first, second
+    noisy = picture + rng.normal(0.0, 2.0, picture.shape)
+    return np.clip(noisy, 0, 255).astype(np.uint8)

@@ -1,5 +1,7 @@
 """Warming up: every kernel of a run is compiled before the robot may move, and that is said."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -50,7 +52,47 @@ def test_an_empty_cache_is_cold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize("polarity", ["dark", "light"])
-def test_the_drawn_arena_shows_a_robot_and_obstacles(polarity: str) -> None:
+def test_in_the_drawn_arena_a_third_obstacle_comes_and_goes(polarity: str) -> None:
     vision = CONFIG.vision.model_copy(update={"polarity": polarity})
-    scene = warm_up._see(CONFIG.model_copy(update={"vision": vision}))
-    assert len(scene.objects) == 2
+    scenes = warm_up._see(CONFIG.model_copy(update={"vision": vision}))
+    assert [len(scene.objects) for scene in scenes] == [2, 3, 2]
+
+
+KERNELS_LOADED_LATE = """
+import sys
+from numba.core.dispatcher import Dispatcher
+from navigation.simulator.virtual_run import run_virtually
+from navigation.warm_up import warm_up
+from tests.support.virtual import short_config
+
+def loaded():
+    kernels = [module for name, module in sys.modules.items() if name.endswith("_kernels")]
+    functions = [f for module in kernels for f in vars(module).values()]
+    return {
+        f"{f.py_func.__module__}.{f.py_func.__name__}{signature}"
+        for f in functions if isinstance(f, Dispatcher) for signature in f.signatures
+    }
+
+config = short_config(
+    [{"x_m": 0.15, "y_m": 1.15}, {"x_m": 0.20, "y_m": 0.80}, {"x_m": 0.20, "y_m": 1.60}],
+    mission={"order": "best"},
+    simulation={"obstacles": [{"record": "C (0.10,1.50) 0.08", "from_s": 4.0, "until_s": 9.0}]},
+)
+warm_up(config, print)
+before = loaded()
+report = run_virtually(config)
+print(report.state, report.replans > 0, *sorted(loaded() - before), sep="\\n")
+"""
+
+
+def test_no_kernel_is_compiled_or_loaded_while_the_robot_drives() -> None:
+    """Each would cost half a second just when an obstacle has come. In a process of its own."""
+    told = subprocess.run(
+        [sys.executable, "-c", KERNELS_LOADED_LATE],
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        timeout=900,
+    )
+    assert told.returncode == 0, told.stderr
+    assert told.stdout.split("\n")[-3:] == ["done", "True", ""], told.stdout
