@@ -17,7 +17,7 @@ from numba import njit
 
 from vision.joint_kernels import edge_end, onto
 from vision.polish_kernels import polish_edges
-from vision.shape_kernels import HUGE
+from vision.shape_kernels import HALF, HUGE
 
 LINE, ARC_CW, ARC_CCW = 0, 1, 2
 """Kinds of an edge; the turn as seen on the screen."""
@@ -41,7 +41,7 @@ TURNS = 8
 TAU = 2.0 * math.pi
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
     """The circle through both ends that keeps the fitted arc's middle; cx, cy, r.
 
@@ -77,7 +77,7 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
     circle[2] = new_r
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _is_ccw(px, py, lo, hi, cx, cy):
     """Whether the border runs counter-clockwise as seen on the screen about (cx, cy)."""
     total = 0.0
@@ -89,7 +89,7 @@ def _is_ccw(px, py, lo, hi, cx, cy):
     return total < 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
     """Write edge e between its joints into ``rows``; returns its kind."""
     x0 = joints[e, 0]
@@ -115,7 +115,7 @@ def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
     return ARC_CCW if ccw else ARC_CW
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _distance_to_edge(kinds, rows, e, after, x, y):
     """Distance from (x, y) to finished edge e, and its foot: ``(distance, x, y)``."""
     x0 = rows[e, 0]
@@ -157,7 +157,7 @@ def _distance_to_edge(kinds, rows, e, after, x, y):
     return math.sqrt((x - fx) ** 2 + (y - fy) ** 2), fx, fy
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _tip(rows, before, at, after):
     """Within which distance of a joint the border is too narrow to hold a pixel's centre."""
     ax = rows[before, 0] - rows[at, 0]
@@ -171,9 +171,69 @@ def _tip(rows, before, at, after):
     return min(NARROW_PX * slender, LONGEST_TIP_PX)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free):
+    """Whether every point of a stretch lies so near its finished edge that nothing is lost."""
+    xs = px[lo : hi + 1]
+    ys = py[lo : hi + 1]
+    x0 = rows[e, 0]
+    y0 = rows[e, 1]
+    doubts = 0
+    if kinds[e] == LINE:
+        dx = rows[after, 0] - x0
+        dy = rows[after, 1] - y0
+        square = dx * dx + dy * dy
+        if square <= 0.0:
+            return False
+        for k in range(hi + 1 - lo):
+            x = xs[k] - x0
+            y = ys[k] - y0
+            t = min(max((x * dx + y * dy) / square, 0.0), 1.0)
+            ax = abs(x - t * dx)
+            ay = abs(y - t * dy)
+            near = ax * ax + ay * ay
+            if crisp:
+                doubts += (near > LOST_AXIS_PX * max(ax, ay)) | (near >= HALF * HALF)
+            else:
+                doubts += near > free * free
+        return doubts == 0
+    cx = rows[e, 2]
+    cy = rows[e, 3]
+    r = rows[e, 4]
+    ax = x0 - cx
+    ay = y0 - cy
+    bx = rows[after, 0] - cx
+    by = rows[after, 1] - cy
+    if kinds[e] == ARC_CCW:
+        ax, ay, bx, by = bx, by, ax, ay
+    narrow = ax * by - ay * bx >= 0.0
+    for k in range(hi + 1 - lo):
+        dx = xs[k] - cx
+        dy = ys[k] - cy
+        far = math.sqrt(dx * dx + dy * dy)
+        after_a = ax * dy - ay * dx >= 0.0
+        before_b = dx * by - dy * bx >= 0.0
+        within = (after_a & before_b) | ((after_a | before_b) & (not narrow))
+        off = abs(far - r)
+        best = off * off
+        axis = max(abs(dx), abs(dy)) * off / max(far, 1e-9)
+        near_a = (dx - ax) * (dx - ax) + (dy - ay) * (dy - ay)
+        near_b = (dx - bx) * (dx - bx) + (dy - by) * (dy - by)
+        to_a = near_a < near_b
+        end = near_a if to_a else near_b
+        end_axis = max(abs(dx - ax if to_a else dx - bx), abs(dy - ay if to_a else dy - by))
+        best = best if within else end
+        axis = axis if within else end_axis
+        if crisp:
+            doubts += (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
+        else:
+            doubts += best > free * free
+    return doubts == 0
+
+
+@njit(cache=True, nogil=True, _nrt=False)
 def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
-    """What a finished edge misses of its stretch: ``(worst deviation, area lost)``.
+    """What a finished edge misses of its stretch: ``(worst deviation, area lost)``, 0 for little.
 
     A point may lie at a neighbouring edge, which the joint may have lengthened; what blur
     rounds within ``guard`` of a joint, or lies in a tip, does not count. In a picture without
@@ -183,6 +243,8 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     next_ = e + 1 if e + 1 < edges else 0
     before = e - 1 if e > 0 else edges - 1
     behind = next_ + 1 if next_ + 1 < edges else 0
+    if _nothing_lost(px, py, lo, hi, e, next_, kinds, rows, crisp, free):
+        return 0.0, 0.0
     near_begin = max(guard, TIP_PX) ** 2
     near_end = near_begin
     if crisp:
@@ -221,7 +283,7 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     return worst, lost
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _arc_length(kinds, rows, e, after):
     begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
     end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
@@ -229,7 +291,7 @@ def _arc_length(kinds, rows, e, after):
     return sweep * rows[e, 4]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def pass_between_pixels(
     px, py, n, breaks, is_arc, edges, shape, joints, free, allowed, guard,
     ragged, losses, stale, kinds, rows, circle, push,
@@ -255,7 +317,7 @@ def pass_between_pixels(
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _find_losses(
     px, py, n, breaks, edges, crisp, free, allowed, guard, ragged, losses, stale, kinds, rows
 ):
@@ -283,7 +345,7 @@ def _find_losses(
     return strayed, total
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def check_edges(
     px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard, budget,
     ragged, losses, stale, kinds, rows, circle,
@@ -328,7 +390,7 @@ def check_edges(
     _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _end_at_points(px, py, breaks, is_arc, edges, shape, joints, ragged, stale, e):
     """Move both joints of a ragged edge to the border, on their neighbours where these fit."""
     stale[e] = True
@@ -348,7 +410,7 @@ def _end_at_points(px, py, breaks, is_arc, edges, shape, joints, ragged, stale, 
         joints[end, 1] = y
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle):
     for e in range(edges):
         if stale[e]:

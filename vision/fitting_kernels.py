@@ -93,7 +93,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     fresh = np.empty((longest + 1, 2), np.bool_)
     kinds = np.empty(longest + 1, np.int8)
     rows = np.empty((longest + 1, 6), np.float64)
-    active = np.empty(longest + 2, np.int64)
+    active = np.empty((2, longest + 2), np.float64)
     push = np.empty((2 * longest + 2, 6), np.float64)
     circle = np.empty(3, np.float64)
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
@@ -198,7 +198,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, active):
     """The circle through a whole border and its cost; HUGE where it is none."""
     # a sample tells most other shapes from a circle
@@ -217,7 +217,7 @@ def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, ac
     return CIRCLE_PRICE + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _expected_cost(dead_zone, sigma, spread):
     """What noise alone costs a point: the mean of a normal deviation's excess, squared."""
     if spread <= 0.0:

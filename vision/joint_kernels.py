@@ -40,7 +40,7 @@ SLIDE = 8
 """Points by which a break may move towards its corner at a time."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def edge_end(breaks, edges, n, e):
     """The last point of edge e, behind its first one: it may run past the border's end."""
     hi = breaks[e + 1 if e + 1 < edges else 0]
@@ -71,7 +71,7 @@ def fit_and_join(
         _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _clear_of_joints(px, py, lo, hi, joints, e, after, guard):
     """The part of a stretch that keeps ``guard`` pixels from both joints, or its middle."""
     length = hi - lo
@@ -91,7 +91,7 @@ def _clear_of_joints(px, py, lo, hi, joints, e, after, guard):
     return a, b + 1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _fit_edges(
     px, py, n, breaks, is_arc, edges, crisp, guard, joints, shape, ranges, fresh, active
 ):
@@ -127,7 +127,7 @@ def _fit_edges(
     return work
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def onto(shape, e, is_arc, x, y):
     """The point of the fitted line or circle of edge e nearest to (x, y)."""
     if is_arc:
@@ -141,7 +141,7 @@ def onto(shape, e, is_arc, x, y):
     return shape[e, 0] + t * shape[e, 2], shape[e, 1] + t * shape[e, 3]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _crossing(a, a_arc, b, b_arc, x, y, out):
     """The crossing of two neighbouring edges nearest to (x, y); False where there is none.
 
@@ -189,7 +189,7 @@ def _crossing(a, a_arc, b, b_arc, x, y, out):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _touch(a, a_arc, b, b_arc, out):
     """Where an arc and its neighbour come nearest; out = x, y and the gap (crossing: negative).
 
@@ -236,7 +236,7 @@ def _touch(a, a_arc, b, b_arc, out):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def nearest_point(px, py, n, middle, before, after, x, y):
     """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
     best = HUGE
@@ -250,7 +250,7 @@ def nearest_point(px, py, n, middle, before, after, x, y):
     return where - n if where >= n else where, math.sqrt(best)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _deviation(row, is_arc, x, y):
     dx = x - row[0]
     dy = y - row[1]
@@ -259,7 +259,7 @@ def _deviation(row, is_arc, x, y):
     return abs(dx * row[3] - dy * row[2])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _best_split(px, py, n, a, a_arc, b, b_arc, middle, before, after):
     """Where a border changes from edge a to edge b: the split with the least squares."""
     total = 0.0

@@ -18,7 +18,7 @@ import math
 from numba import njit
 
 from vision.joint_kernels import edge_end, nearest_point
-from vision.shape_kernels import HALF, SEPARATION_MARGIN
+from vision.shape_kernels import FAST, HALF, SEPARATION_MARGIN
 
 LINE, ARC_CW = 0, 1
 """Kinds of an edge, as in ``vision.cover_kernels``."""
@@ -34,7 +34,7 @@ STRAY_PX = 6.0
 """A joint that would move farther from where it began stays."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, push):
     """Move the joints and the arcs of finished edges between the pixels.
 
@@ -58,10 +58,10 @@ def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, p
                 push[e, c] = 0.0
             for c in range(3):
                 push[edges + e, c] = 0.0
-        beyond = 0
+        beyond = 0.0
         for e in range(edges):
             beyond += _pushes(px, py, n, breaks, kinds, edges, joints, push, e)
-        if beyond == 0:
+        if beyond == 0.0:
             break
         for e in range(edges):
             xx = push[e, 0] + DAMPING
@@ -82,7 +82,7 @@ def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, p
         _shape_of(is_arc[e], joints, e, after, push[e, 5], shape)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _move_breaks(px, py, n, breaks, edges, joints):
     """Let every edge begin at the point nearest to its joint; edges keep their order."""
     for e in range(edges):
@@ -96,7 +96,7 @@ def _move_breaks(px, py, n, breaks, edges, joints):
         breaks[e] = where
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _rise(rows, e, after, kind):
     """How far an arc's middle lies to the left of its chord, signed; y down."""
     x0 = rows[e, 0]
@@ -111,7 +111,7 @@ def _rise(rows, e, after, kind):
     return c + rows[e, 4] if kind == ARC_CW else c - rows[e, 4]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _circle_through(x0, y0, x1, y1, rise):
     """Centre and radius of the arc that rises so far to the left of its chord."""
     dx = x1 - x0
@@ -124,7 +124,7 @@ def _circle_through(x0, y0, x1, y1, rise):
     return cx, cy, abs(rise - c)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST, _nrt=False)
 def _pushes(px, py, n, breaks, kinds, edges, joints, push, e):
     """Add up what edge e's points demand of its joints and its rise; how many demand."""
     after = e + 1 if e + 1 < edges else 0
@@ -134,57 +134,109 @@ def _pushes(px, py, n, breaks, kinds, edges, joints, push, e):
     dy = joints[after, 1] - y0
     square = dx * dx + dy * dy
     if square < 1e-9:
-        return 0
+        return 0.0
     length = math.sqrt(square)
-    bent = kinds[e] != LINE and abs(push[e, 5]) > 1e-3
-    cx = 0.0
-    cy = 0.0
-    r = 0.0
-    sign = 1.0
-    if bent:
-        cx, cy, r = _circle_through(x0, y0, x0 + dx, y0 + dy, push[e, 5])
-        sign = 1.0 if push[e, 5] > 0.0 else -1.0
-    beyond = 0
-    for k in range(breaks[e], edge_end(breaks, edges, n, e) + 1):
-        # the normal to the left of the way, and how far left the point lies
+    inv = 1.0 / square
+    lo = breaks[e]
+    count = edge_end(breaks, edges, n, e) + 1 - lo
+    xs = px[lo : lo + count]
+    ys = py[lo : lo + count]
+    beyond = 0.0
+    rise_ww = 0.0
+    rise_w = 0.0
+    if kinds[e] == LINE or abs(push[e, 5]) <= 1e-3:
+        # the normal to the left of the way, and how far left a point lies
         nx = dy / length
         ny = -dx / length
-        if bent:
-            nx = sign * (px[k] - cx)
-            ny = sign * (py[k] - cy)
+        limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
+        ww = 0.0
+        tt = 0.0
+        wd = 0.0
+        td = 0.0
+        for k in range(count):
+            x = xs[k] - x0
+            y = ys[k] - y0
+            d = x * nx + y * ny
+            t = (x * dx + y * dy) * inv
+            counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
+            excess = counts * (d + limit if d < 0.0 else d - limit)
+            w = 1.0 - t
+            ww += counts * w * w
+            tt += counts * t * t
+            wd += w * excess
+            td += t * excess
+            middle = 4.0 * t * w
+            rise_ww += counts * middle * middle
+            rise_w += middle * excess
+            beyond += counts
+        push[e, 0] += ww * nx * nx
+        push[e, 1] += ww * nx * ny
+        push[e, 2] += ww * ny * ny
+        push[e, 3] += wd * nx
+        push[e, 4] += wd * ny
+        push[after, 0] += tt * nx * nx
+        push[after, 1] += tt * nx * ny
+        push[after, 2] += tt * ny * ny
+        push[after, 3] += td * nx
+        push[after, 4] += td * ny
+    else:
+        cx, cy, r = _circle_through(x0, y0, x0 + dx, y0 + dy, push[e, 5])
+        sign = 1.0 if push[e, 5] > 0.0 else -1.0
+        a0 = 0.0
+        a1 = 0.0
+        a2 = 0.0
+        a3 = 0.0
+        a4 = 0.0
+        b0 = 0.0
+        b1 = 0.0
+        b2 = 0.0
+        b3 = 0.0
+        b4 = 0.0
+        for k in range(count):
+            nx = sign * (xs[k] - cx)
+            ny = sign * (ys[k] - cy)
             far = math.sqrt(nx * nx + ny * ny)
-            if far < 1e-9:
-                continue
-            nx /= far
-            ny /= far
+            share = 1.0 / max(far, 1e-9)
+            nx *= share
+            ny *= share
             d = sign * (far - r)
-        else:
-            d = (px[k] - x0) * nx + (py[k] - y0) * ny
-        excess = abs(d) - (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
-        if excess <= 0.0:
-            continue
-        t = ((px[k] - x0) * dx + (py[k] - y0) * dy) / square
-        if t < 0.0 or t > 1.0:
-            continue
-        beyond += 1
-        if d < 0.0:
-            excess = -excess
-        w = 1.0 - t
-        for end in range(2):
-            j = e if end == 0 else after
-            push[j, 0] += w * w * nx * nx
-            push[j, 1] += w * w * nx * ny
-            push[j, 2] += w * w * ny * ny
-            push[j, 3] += w * excess * nx
-            push[j, 4] += w * excess * ny
-            w = t
-        w = 4.0 * t * (1.0 - t)
-        push[edges + e, 0] += w * w
-        push[edges + e, 1] += w * excess
+            t = ((xs[k] - x0) * dx + (ys[k] - y0) * dy) * inv
+            limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
+            counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
+            excess = counts * (d + limit if d < 0.0 else d - limit)
+            w = 1.0 - t
+            ww = counts * w * w
+            tt = counts * t * t
+            a0 += ww * nx * nx
+            a1 += ww * nx * ny
+            a2 += ww * ny * ny
+            a3 += w * excess * nx
+            a4 += w * excess * ny
+            b0 += tt * nx * nx
+            b1 += tt * nx * ny
+            b2 += tt * ny * ny
+            b3 += t * excess * nx
+            b4 += t * excess * ny
+            middle = 4.0 * t * w
+            rise_ww += counts * middle * middle
+            rise_w += middle * excess
+            beyond += counts
+        push[e, 0] += a0
+        push[e, 1] += a1
+        push[e, 2] += a2
+        push[e, 3] += a3
+        push[e, 4] += a4
+        push[after, 0] += b0
+        push[after, 1] += b1
+        push[after, 2] += b2
+        push[after, 3] += b3
+        push[after, 4] += b4
+    push[edges + e, 0] += rise_ww
+    push[edges + e, 1] += rise_w
     return beyond
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, _nrt=False)
 def _shape_of(bent, joints, e, after, rise, shape):
     """The line or circle that an edge between its joints now lies on."""
     x0 = joints[e, 0]

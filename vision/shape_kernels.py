@@ -7,7 +7,10 @@ Rules and units
   picture without grey the deviation is taken along the pixels' axis (see ``separate_line``).
 - Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
   (N. Chernov, Circular and Linear Regression, 2010).
-- The sums may be added in any order (``FAST``): no point is ever NaN.
+- The sums may be added in any order (``FAST``): no point is ever NaN. Loops run over a stretch's
+  own slice and without branches, so that they work on several points at a time.
+- ``_nrt=False``: what allocates nothing needs no count of references, which would cost two
+  atomic additions for every array of every call. It may call only its like.
 """
 
 # mypy: allow-untyped-defs
@@ -38,7 +41,7 @@ SETTLED_PX = 1e-6
 """A circle that moves less has converged."""
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def fit_line(px, py, lo, hi, step, out):
     """Total least squares through points lo, lo + step, .. < hi: out = x, y, ux, uy."""
     ox = px[lo]
@@ -50,9 +53,11 @@ def fit_line(px, py, lo, hi, step, out):
     syy = 0.0
     count = (hi - lo + step - 1) // step
     if step == 1:
-        for k in range(lo, hi):
-            x = px[k] - ox
-            y = py[k] - oy
+        xs = px[lo:hi]
+        ys = py[lo:hi]
+        for k in range(count):
+            x = xs[k] - ox
+            y = ys[k] - oy
             sx += x
             sy += y
             sxx += x * x
@@ -91,7 +96,7 @@ def fit_line(px, py, lo, hi, step, out):
     out[3] = uy
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def fit_circle(px, py, lo, hi, step, out):
     """Taubin's circle through points lo, lo + step, .. < hi: out = cx, cy, r.
 
@@ -107,14 +112,16 @@ def fit_circle(px, py, lo, hi, step, out):
     yz = 0.0
     zz = 0.0
     if step == 1:
-        for k in range(lo, hi):
-            mx += px[k]
-            my += py[k]
+        xs = px[lo:hi]
+        ys = py[lo:hi]
+        for k in range(count):
+            mx += xs[k]
+            my += ys[k]
         mx /= count
         my /= count
-        for k in range(lo, hi):
-            x = px[k] - mx
-            y = py[k] - my
+        for k in range(count):
+            x = xs[k] - mx
+            y = ys[k] - my
             z = x * x + y * y
             xx += x * x
             xy += x * y
@@ -180,9 +187,11 @@ def fit_circle(px, py, lo, hi, step, out):
     return out[2] > 0.0
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def refine_circle(px, py, lo, hi, rounds, circle):
     """Gauss-Newton on the distances of points lo .. hi - 1 from a circle, at most so often."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
     cx = circle[0]
     cy = circle[1]
     r = circle[2]
@@ -197,9 +206,9 @@ def refine_circle(px, py, lo, hi, rounds, circle):
         sud = 0.0
         svd = 0.0
         sd = 0.0
-        for k in range(lo, hi):
-            x = px[k] - cx
-            y = py[k] - cy
+        for k in range(hi - lo):
+            x = xs[k] - cx
+            y = ys[k] - cy
             d = math.sqrt(x * x + y * y) + 1e-30
             u = x / d
             v = y / d
@@ -235,173 +244,215 @@ def refine_circle(px, py, lo, hi, rounds, circle):
     circle[2] = r
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
     """The cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    n = hi - lo
     scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
     a = line[3] * scale
     b = -line[2] * scale
     c = -(line[0] * a + line[1] * b)
     bound *= sigma * sigma
     cost = 0.0
-    for first in range(lo, hi, CHUNK):
-        far = 0.0
-        for k in range(first, min(first + CHUNK, hi)):
-            d = abs(px[k] * a + py[k] * b + c)
-            far = max(far, d)
+    for first in range(0, n, CHUNK):
+        beyond = 0
+        for k in range(first, min(first + CHUNK, n)):
+            d = abs(xs[k] * a + ys[k] * b + c)
+            beyond += d > worst
             over = max(d - dead_zone, 0.0)
             cost += over * over
-        if far > worst:
+        if beyond > 0:
             return HUGE
         if cost > bound:
             return BEATEN
     return cost / (sigma * sigma)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
     """The same for a circle."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    n = hi - lo
     cx = circle[0]
     cy = circle[1]
     r = circle[2]
     bound *= sigma * sigma
     cost = 0.0
-    for first in range(lo, hi, CHUNK):
-        far = 0.0
-        last = min(first + CHUNK, hi)
+    for first in range(0, n, CHUNK):
+        beyond = 0
+        last = min(first + CHUNK, n)
         if crisp:
             for k in range(first, last):
-                x = abs(px[k] - cx)
-                y = abs(py[k] - cy)
+                x = abs(xs[k] - cx)
+                y = abs(ys[k] - cy)
                 away = math.sqrt(x * x + y * y)
                 d = abs(away - r) * away / (max(x, y) + 1e-9)
-                far = max(far, d)
+                beyond += d > worst
                 over = max(d - dead_zone, 0.0)
                 cost += over * over
         else:
             for k in range(first, last):
-                x = px[k] - cx
-                y = py[k] - cy
+                x = xs[k] - cx
+                y = ys[k] - cy
                 d = abs(math.sqrt(x * x + y * y) - r)
-                far = max(far, d)
+                beyond += d > worst
                 over = max(d - dead_zone, 0.0)
                 cost += over * over
-        if far > worst:
+        if beyond > 0:
             return HUGE
         if cost > bound:
             return BEATEN
     return cost / (sigma * sigma)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def lost_to_circle(px, py, n, circle):
     """How many pixels beside n points a circle takes for what they are not, without grey."""
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
     lost = 0
     for k in range(n):
-        x = abs(px[k] - circle[0])
-        y = abs(py[k] - circle[1])
+        x = abs(px[k] - cx)
+        y = abs(py[k] - cy)
         away = math.sqrt(x * x + y * y)
-        lost += abs(away - circle[2]) * away > HALF * max(x, y)
+        lost += abs(away - r) * away > HALF * max(x, y)
     return lost
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def line_rms(px, py, lo, hi, line):
     """The rms deviation of points lo .. hi - 1 from a line."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    x0 = line[0]
+    y0 = line[1]
+    ux = line[2]
+    uy = line[3]
     total = 0.0
-    for k in range(lo, hi):
-        d = (px[k] - line[0]) * line[3] - (py[k] - line[1]) * line[2]
+    for k in range(hi - lo):
+        d = (xs[k] - x0) * uy - (ys[k] - y0) * ux
         total += d * d
     return math.sqrt(total / (hi - lo))
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
 def circle_rms(px, py, lo, hi, circle):
     """The rms deviation of points lo .. hi - 1 from a circle."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
     total = 0.0
-    for k in range(lo, hi):
-        x = px[k] - circle[0]
-        y = py[k] - circle[1]
-        d = math.sqrt(x * x + y * y) - circle[2]
+    for k in range(hi - lo):
+        x = xs[k] - cx
+        y = ys[k] - cy
+        d = math.sqrt(x * x + y * y) - r
         total += d * d
     return math.sqrt(total / (hi - lo))
 
 
-@njit(cache=True, nogil=True)
-def separate_line(px, py, lo, hi, line, active):
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+def separate_line(px, py, lo, hi, line, near):
     """Turn and shift a line until it passes between the pixels on its two sides.
 
     In a picture without grey every point is the middle between an obstacle pixel and a free
     one: a line that leaves it by less than half a pixel along the axis keeps both on their
     sides. Least squares on what exceeds that, a few steps from the total-least-squares line;
-    ``active`` is room for the points that may matter.
+    ``near`` (2, hi - lo + 1) is room for the points that may matter.
     """
-    limit = (HALF - SEPARATION_MARGIN) * max(abs(line[2]), abs(line[3]))
-    count = 0
-    beyond = False
-    for k in range(lo, hi):
-        d = abs((py[k] - line[1]) * line[2] - (px[k] - line[0]) * line[3])
-        active[count] = k
-        count += d > limit - ACTIVE_PX
-        beyond |= d > limit
-    if not beyond:
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    near_x = near[0]
+    near_y = near[1]
+    x = line[0]
+    y = line[1]
+    ux = line[2]
+    uy = line[3]
+    limit = (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
+    beyond = 0
+    for k in range(hi - lo):
+        beyond += abs((ys[k] - y) * ux - (xs[k] - x) * uy) > limit
+    if beyond == 0:
         return
+    count = 0
+    for k in range(hi - lo):
+        near_x[count] = xs[k]
+        near_y[count] = ys[k]
+        count += abs((ys[k] - y) * ux - (xs[k] - x) * uy) > limit - ACTIVE_PX
     half = 0.5 * (hi - lo)
     for _ in range(SEPARATION_STEPS):
-        limit = (HALF - SEPARATION_MARGIN) * max(abs(line[2]), abs(line[3]))
+        limit = (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
         w = 0.0
         wt = 0.0
         wtt = 0.0
         b0 = 0.0
         b1 = 0.0
         for i in range(count):
-            k = active[i]
-            dx = px[k] - line[0]
-            dy = py[k] - line[1]
-            d = dy * line[2] - dx * line[3]
-            excess = abs(d) - limit
-            if excess <= 0.0:
-                continue
-            t = dx * line[2] + dy * line[3]
-            if d < 0.0:
-                excess = -excess
-            w += 1.0
-            wt += t
-            wtt += t * t
+            dx = near_x[i] - x
+            dy = near_y[i] - y
+            d = dy * ux - dx * uy
+            excess = max(abs(d) - limit, 0.0)
+            one = 1.0 if excess > 0.0 else 0.0
+            excess = -excess if d < 0.0 else excess
+            t = dx * ux + dy * uy
+            w += one
+            wt += one * t
+            wtt += one * t * t
             b0 += excess
             b1 += excess * t
         if w == 0.0:
-            return
+            break
         # damped: one point alone must not turn the line
         a00 = w + 0.5
         a11 = wtt + 0.15 * half * half
         det = a00 * a11 - wt * wt
         shift = (b0 * a11 - b1 * wt) / det
         turn = (b1 * a00 - b0 * wt) / det
-        line[0] -= shift * line[3]
-        line[1] += shift * line[2]
-        ux = line[2] - turn * line[3]
-        uy = line[3] + turn * line[2]
-        length = math.sqrt(ux * ux + uy * uy)
-        line[2] = ux / length
-        line[3] = uy / length
+        x -= shift * uy
+        y += shift * ux
+        vx = ux - turn * uy
+        vy = uy + turn * ux
+        length = math.sqrt(vx * vx + vy * vy)
+        ux = vx / length
+        uy = vy / length
+    line[0] = x
+    line[1] = y
+    line[2] = ux
+    line[3] = uy
 
 
-@njit(cache=True, nogil=True)
-def separate_circle(px, py, lo, hi, circle, active):
+@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+def separate_circle(px, py, lo, hi, circle, near):
     """The same for a circle: move and grow it until it passes between the pixels."""
-    count = 0
-    beyond = False
-    for k in range(lo, hi):
-        x = abs(px[k] - circle[0])
-        y = abs(py[k] - circle[1])
-        far = math.sqrt(x * x + y * y)
-        excess = abs(far - circle[2]) - (HALF - SEPARATION_MARGIN) * max(x, y) / max(far, 1e-9)
-        active[count] = k
-        count += excess > -ACTIVE_PX
-        beyond |= excess > 0.0
-    if not beyond:
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    near_x = near[0]
+    near_y = near[1]
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    beyond = 0
+    for k in range(hi - lo):
+        dx = abs(xs[k] - cx)
+        dy = abs(ys[k] - cy)
+        far = math.sqrt(dx * dx + dy * dy)
+        beyond += abs(far - r) > (HALF - SEPARATION_MARGIN) * max(dx, dy) / max(far, 1e-9)
+    if beyond == 0:
         return
+    count = 0
+    for k in range(hi - lo):
+        dx = abs(xs[k] - cx)
+        dy = abs(ys[k] - cy)
+        far = math.sqrt(dx * dx + dy * dy)
+        excess = abs(far - r) - (HALF - SEPARATION_MARGIN) * max(dx, dy) / max(far, 1e-9)
+        near_x[count] = xs[k]
+        near_y[count] = ys[k]
+        count += excess > -ACTIVE_PX
     for _ in range(SEPARATION_STEPS):
         suu = 0.0
         suv = 0.0
@@ -413,31 +464,27 @@ def separate_circle(px, py, lo, hi, circle, active):
         bv = 0.0
         b1 = 0.0
         for i in range(count):
-            k = active[i]
-            dx = px[k] - circle[0]
-            dy = py[k] - circle[1]
+            dx = near_x[i] - cx
+            dy = near_y[i] - cy
             far = math.sqrt(dx * dx + dy * dy)
-            if far < 1e-9:
-                return
-            ux = dx / far
-            uy = dy / far
-            d = far - circle[2]
-            excess = abs(d) - (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
-            if excess <= 0.0:
-                continue
-            if d < 0.0:
-                excess = -excess
-            suu += ux * ux
-            suv += ux * uy
-            svv += uy * uy
-            su += ux
-            sv += uy
-            s1 += 1.0
+            inv = 1.0 / max(far, 1e-9)
+            ux = dx * inv
+            uy = dy * inv
+            d = far - r
+            excess = max(abs(d) - (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy)), 0.0)
+            one = 1.0 if excess > 0.0 else 0.0
+            excess = -excess if d < 0.0 else excess
+            suu += one * ux * ux
+            suv += one * ux * uy
+            svv += one * uy * uy
+            su += one * ux
+            sv += one * uy
+            s1 += one
             bu += ux * excess
             bv += uy * excess
             b1 += excess
         if s1 == 0.0:
-            return
+            break
         suu += 0.5
         svv += 0.5
         s1 += 0.5
@@ -449,6 +496,9 @@ def separate_circle(px, py, lo, hi, circle, active):
         c4 = suv * su - suu * sv
         c5 = suu * svv - suv * suv
         det = suu * c0 + suv * c1 + su * c2
-        circle[0] += (c0 * bu + c1 * bv + c2 * b1) / det
-        circle[1] += (c1 * bu + c3 * bv + c4 * b1) / det
-        circle[2] += (c2 * bu + c4 * bv + c5 * b1) / det
+        cx += (c0 * bu + c1 * bv + c2 * b1) / det
+        cy += (c1 * bu + c3 * bv + c4 * b1) / det
+        r += (c2 * bu + c4 * bv + c5 * b1) / det
+    circle[0] = cx
+    circle[1] = cy
+    circle[2] = r
