@@ -386,20 +386,22 @@ def free_vertices(
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, tolerance):
     """Whether a Voronoi edge between two labels belongs to the diagram."""
     if paper:
         return owner[label_a] != owner[label_b]
     if label_a == label_b:
         return False
+    if label_a < k and label_b < k and kind[label_a] != POINT and kind[label_b] != POINT:
+        return True
     return not (
         _is_end(kind, data, label_a, label_b, k, before, after, tolerance)
         or _is_end(kind, data, label_b, label_a, k, before, after, tolerance)
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _is_end(kind, data, p, q, k, before, after, tolerance):
     """Whether p is a point that lies on piece q, as a corner point on its sides."""
     if p >= k:
@@ -407,7 +409,17 @@ def _is_end(kind, data, p, q, k, before, after, tolerance):
             return True
     elif kind[p] != POINT:
         return False
-    return distance(kind, data, q, data[p, 0], data[p, 1]) <= tolerance
+    x, y = data[p, 0], data[p, 1]
+    # most are far away, which takes no root to see
+    if kind[q] == POINT:
+        if abs(x - data[q, 0]) > tolerance or abs(y - data[q, 1]) > tolerance:
+            return False
+    elif kind[q] == SEGMENT:
+        ax, ay = data[q, 0], data[q, 1]
+        dx, dy = data[q, 2] - ax, data[q, 3] - ay
+        if abs((x - ax) * dy - (y - ay) * dx) > 2.0 * tolerance * (abs(dx) + abs(dy)):
+            return False
+    return distance(kind, data, q, x, y) <= tolerance
 
 
 @njit(cache=True, nogil=True)

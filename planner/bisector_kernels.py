@@ -32,7 +32,7 @@ HALVINGS = 20
 """How often one link is halved at most; its bulge falls by four with each."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def _normal(kind, data, i, x, y):
     """Distance from piece i and the unit vector from its foot to (x, y)."""
     fx, fy = foot(kind, data, i, x, y)
@@ -43,7 +43,7 @@ def _normal(kind, data, i, x, y):
     return d, dx / d, dy / d
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     """The place equidistant to three pieces near (x, y): x, y, whether it was found."""
     sx, sy = x, y
@@ -69,7 +69,7 @@ def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     return sx, sy, False
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def slide_between(kind, data, a, b, x, y, tolerance):
     """Slide (x, y) onto the bisector of two pieces: x, y, whether it got there."""
     sx, sy = x, y
@@ -87,7 +87,7 @@ def slide_between(kind, data, a, b, x, y, tolerance):
     return sx, sy, False
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def turn_at(kind, data, corner, side, c, x, y, tolerance):
     """The place on a primitive's normal at its corner point that piece c is as near to."""
     px, py = data[corner, 0], data[corner, 1]
@@ -115,7 +115,7 @@ def turn_at(kind, data, corner, side, c, x, y, tolerance):
     return x, y, False
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def heading(kind, data, left, right, x, y):
     """The direction along the bisector with ``left`` to the left, and how clearance grows.
 
@@ -129,11 +129,14 @@ def heading(kind, data, left, right, x, y):
     if n == 0.0:
         return 0.0, 0.0, 0.0
     tx, ty = tx / n, ty / n
-    _, nx, ny = _normal(kind, data, left, x, y)
-    return tx, ty, nx * tx + ny * ty
+    nx, ny = x - lx, y - ly
+    d = math.sqrt(nx * nx + ny * ny)
+    if d == 0.0:
+        return tx, ty, 0.0
+    return tx, ty, (nx * tx + ny * ty) / d
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
     """The bisector's least clearance between two of its places, if inside: x, y, found."""
     lo, hi = 0.0, 1.0
@@ -155,7 +158,7 @@ def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
     return x, y, found
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def follow(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance):
     """A polyline that follows the bisectors its links stand for, as closely as it must.
 
@@ -211,14 +214,14 @@ def follow(kind, data, order, large, boxes, points, pairs, need, flatness, toler
     return xy[:m], pair[:m]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _grown(a, room):
     out = np.empty((room, 2))
     out[: len(a)] = a
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _grown_pairs(a, room):
     out = np.empty((room, 2), np.int32)
     out[: len(a)] = a

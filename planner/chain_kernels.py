@@ -53,7 +53,7 @@ def trace_chains(tri, mask):
     node = np.empty(n, np.int32)
     nodes, total = 0, 0
     for i in range(n):
-        m = mask[i]
+        m = np.int64(mask[i])
         degree = (m & 1) + ((m >> 1) & 1) + (m >> 2)
         total += degree
         if degree == 1 or degree == 3:
@@ -109,7 +109,7 @@ def solve_rings(mesh, node, at, kind, data, before, after, half, tolerance, xy, 
             x, y, found = at[i, 0], at[i, 1], False
         r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
         d, which = nearest_piece(
-            mesh, kind, data, before, after, 8 * i, x, y, r - 4.0 * tolerance, half
+            mesh, kind, data, before, after, 8 * i, x, y, r - 4.0 * tolerance, half, a, b, -1
         )
         xy[i, 0], xy[i, 1], rho[i] = x, y, r if which < 0 else d
         state[i] = INTRUDED if which >= 0 else (EXACT if found else KEPT)
@@ -220,14 +220,12 @@ def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_on_bisector(kind, data, pair, a, b, tolerance):
-    """Whether both ends are as near to both pieces as to anything."""
-    for side in range(2):
-        if abs(distance(kind, data, pair[side], a[0], a[1]) - a[2]) > 4.0 * tolerance:
-            return False
-        if abs(distance(kind, data, pair[side], b[0], b[1]) - b[2]) > 4.0 * tolerance:
-            return False
-    return True
+def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
+    """Whether a place is as near to both pieces as to anything."""
+    return (
+        abs(distance(kind, data, left, x, y) - rho) <= 4.0 * tolerance
+        and abs(distance(kind, data, right, x, y) - rho) <= 4.0 * tolerance
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -235,6 +233,8 @@ def _known_chains(first, link, old_first, old_link, stale):
     """For every chain the old one that passes the same triangles, none of them stale, or -1."""
     chains = len(first) - 1
     known = np.full(chains, -1, np.int32)
+    if len(old_link) == 0:
+        return known
     begins = np.full(8 * len(stale), -1, np.int32)
     for c in range(len(old_first) - 1):
         begins[old_link[old_first[c]]] = c
@@ -332,7 +332,7 @@ def bend_chains(
             left, right = sides[s, 0], sides[s, 1]
             straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
             # halve the run where the line bulges or is long
-            q_a = run[s, 0]
+            q_a, begin = run[s, 0], n - 1
             stack[0, 0], stack[0, 1] = place[s + 1, 0], place[s + 1, 1]
             stack_q[0], bare[0] = run[s, 1], False
             top = 1
@@ -372,7 +372,7 @@ def bend_chains(
                     continue
                 # the link from a to b is short and straight enough
                 top -= 1
-                near = link[q_a] & ~7
+                near = link[q_b if q_b < hi else q_a] & ~7
                 pair[n - 1, 0], pair[n - 1, 1] = left, right
                 if n + 2 >= len(out):
                     out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
@@ -392,8 +392,9 @@ def bend_chains(
                         break
                     r = distance(kind, data, left, x, y)
                     d, which = nearest_piece(
-                        mesh, kind, data, before, after, near, x, y, r - 4.0 * tolerance, half
-                    )
+                        mesh, kind, data, before, after, near, x, y, r - 4.0 * tolerance, half,
+                        left, right, -1,
+                    )  # fmt: skip
                     if which >= 0 and d >= relevant:
                         if missing + 3 >= len(extra):
                             extra, extra_label, where = _more(extra, extra_label, where)
@@ -410,13 +411,15 @@ def bend_chains(
                     n += 1
                 ax, ay, q_a = bx, by, q_b
                 ux, uy, falls = vx, vy, grows
-        for i in range(start[c], n - 1):
-            proved[i] = (
-                ahead[i]
-                and sure[i]
-                and sure[i + 1]
-                and _is_on_bisector(kind, data, pair[i], out[i], out[i + 1], tolerance)
+            # the places between were slid onto the bisector; the run's ends may be off it
+            ahead[begin] &= _is_on_bisector(
+                kind, data, left, right, place[s, 0], place[s, 1], place[s, 2], tolerance
             )
+            ahead[n - 1] &= _is_on_bisector(
+                kind, data, left, right, bx, by, place[s + 1, 2], tolerance
+            )
+        for i in range(start[c], n - 1):
+            proved[i] = ahead[i] and sure[i] and sure[i + 1]
         proved[n - 1] = False
         start[c + 1] = n
     return (

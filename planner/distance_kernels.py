@@ -31,7 +31,7 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def on_sweep(data, i, x, y):
     """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
     dx, dy = x - data[i, 0], y - data[i, 1]
@@ -55,25 +55,31 @@ def with_middles(kind, data):
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def foot(kind, data, i, x, y):
     """The point of primitive i that is nearest to (x, y)."""
     k = kind[i]
     if k == POINT:
         return data[i, 0], data[i, 1]
     if k == SEGMENT:
-        ax, ay = data[i, 0], data[i, 1]
-        dx, dy = data[i, 2] - ax, data[i, 3] - ay
+        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
+        dx, dy = bx - ax, by - ay
         t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
         if t <= 0.0:
             return ax, ay
         if t >= 1.0:
-            return data[i, 2], data[i, 3]
+            return bx, by
         return ax + t * dx, ay + t * dy
+    return _round_foot(kind, data, i, x, y)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _round_foot(kind, data, i, x, y):
+    """The point of a circle or an arc that is nearest to (x, y)."""
     cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
     dx, dy = x - cx, y - cy
     d = math.sqrt(dx * dx + dy * dy)
-    if k == CIRCLE or on_sweep(data, i, x, y):
+    if kind[i] == CIRCLE or on_sweep(data, i, x, y):
         if d > 0.0:
             return cx + r * dx / d, cy + r * dy / d
         a = data[i, 3]
@@ -87,7 +93,7 @@ def foot(kind, data, i, x, y):
     return x1, y1
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def distance(kind, data, i, x, y):
     """Distance from (x, y) to primitive i."""
     k = kind[i]

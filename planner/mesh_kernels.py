@@ -181,17 +181,19 @@ def largest_sag(kind, data, half):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def nearest_piece(mesh, kind, data, before, after, t, x, y, bound, half, but_a=-1, but_b=-1):
+def nearest_piece(
+    mesh, kind, data, before, after, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=-1
+):  # fmt: skip
     """Distance to and number of the primitive nearest to (x, y), if nearer than ``bound``.
 
-    (bound, -1) where none is. The primitives ``but_a`` and ``but_b`` do not count. ``mesh`` is
-    xy, tri, label, also, stamp (ghost + 2,) int32, a queue (ghost,) int64, ``up`` and ``sag``;
-    ``t`` a triangle to start from, with no site at infinity. Of a primitive that is nearer, the
-    site nearest to its foot is its own or its corner's and within ``half`` of it, and so nearer
-    to (x, y) than the root of bound^2 + half^2 + sag bound: on a round piece of radius R the
-    chord s to that site adds s^2 bound / R, and ``sag`` is the largest s^2 / R of any. The
-    sites in a disc are connected in the triangulation of all, so that those few are all that
-    is looked at.
+    (bound, -1) where none is. The primitives ``but_a``, ``but_b`` and ``but_c`` do not count.
+    ``mesh`` is xy, tri, label, also, stamp (ghost + 2,) int32, a queue (ghost,) int64, ``up``
+    and ``sag``; ``t`` a triangle to start from, with no site at infinity. Of a primitive that
+    is nearer, the site nearest to its foot is its own or its corner's and within ``half`` of
+    it, and so nearer to (x, y) than the root of bound^2 + half^2 + sag bound: on a round piece
+    of radius R the chord s to that site adds s^2 bound / R, and ``sag`` is the largest s^2 / R
+    of any. The sites in a disc are connected in the triangulation of all, so that those few
+    are all that is looked at.
     """
     xy, tri, label, also, stamp, queue, up, sag = mesh
     k = len(kind) - len(before)
@@ -223,7 +225,7 @@ def nearest_piece(mesh, kind, data, before, after, t, x, y, bound, half, but_a=-
                         i = before[known - k] if end == 0 else after[known - k]
                     elif end == 1:
                         break
-                    if i < 0 or i in (but_a, but_b):
+                    if i < 0 or i in (but_a, but_b, but_c):
                         continue
                     d = distance(kind, data, i, x, y)
                     if d < best:

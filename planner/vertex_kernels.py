@@ -27,6 +27,8 @@ from planner.mesh_kernels import FREE, nearest_piece
 
 TURN_TRIES = 4
 """Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
+WAITING, DONE = 0x80, 3
+"""In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
 UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
 """What is known of a vertex: nothing; that it is equidistant to its pieces and its circle is
 empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
@@ -41,16 +43,25 @@ def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tole
     """
     k = len(kind) - len(before)
     for i in changed:
-        mask[i] = 0
+        mask[i] = WAITING
     for i in changed:
-        if np.int64(tri[8 * i]) == DEAD:
+        done = mask[i] >> DONE
+        mask[i] &= 7
+        if side[i] != FREE or np.int64(tri[8 * i]) == DEAD:
+            if np.int64(tri[8 * i]) != DEAD:
+                for j in range(3):
+                    o = np.int64(tri[8 * i + j + 4])
+                    mask[o >> 3] &= ~np.uint8(1 << (o & 3))
             continue
         for j in range(3):
-            e = 8 * i + j
-            o = np.int64(tri[e + 4])
-            n = o >> 3
+            if done >> j & 1:
+                continue
+            o = np.int64(tri[8 * i + j + 4])
+            n, bit = o >> 3, np.uint8(1 << (o & 3))
+            if mask[n] & WAITING:
+                mask[n] |= bit << DONE
             valid = False
-            if side[i] == FREE and side[n] == FREE:
+            if side[n] == FREE:
                 a = label[np.int64(tri[8 * i + ((9 >> (2 * j)) & 3)])]
                 b = label[np.int64(tri[8 * i + ((18 >> (2 * j)) & 3)])]
                 valid = a != b and is_valid(
@@ -58,10 +69,9 @@ def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tole
                 )
             if valid:
                 mask[i] |= np.uint8(1 << j)
-                mask[n] |= np.uint8(1 << (o & 3))
+                mask[n] |= bit
             else:
-                mask[i] &= np.uint8(7 ^ (1 << j))
-                mask[n] &= np.uint8(7 ^ (1 << (o & 3)))
+                mask[n] &= ~bit
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -74,15 +84,18 @@ def is_passage(mask, a, b, c):
 def solve_one(
     mesh, kind, data, before, after, owner, t, a, b, c, x, y, half, tolerance
 ):  # fmt: skip
-    """The exact place of the sampled vertex (x, y) of labels a, b, c: x, y, state."""
+    """The exact place of the sampled vertex (x, y) of labels a, b, c.
+
+    Returns x, y, state and whether its circle is known to be empty.
+    """
     k = len(kind) - len(before)
     if a in (b, c) or b == c:
         if a == b:
             b = c
         if a == b:
-            return x, y, KEPT
+            return x, y, KEPT, False
         qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
-        return qx, qy, EXACT if found else KEPT
+        return qx, qy, EXACT if found else KEPT, False
     ab = is_valid(kind, data, a, b, k, before, after, owner, False, tolerance)
     bc = is_valid(kind, data, b, c, k, before, after, owner, False, tolerance)
     ca = is_valid(kind, data, c, a, k, before, after, owner, False, tolerance)
@@ -90,7 +103,7 @@ def solve_one(
         reach = 4.0 * half + distance(kind, data, a, x, y)
         qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
         if found:
-            return qx, qy, EXACT
+            return qx, qy, EXACT, False
     elif ab + bc + ca == 2:
         if not bc:
             a, b, c = b, c, a
@@ -99,46 +112,35 @@ def solve_one(
         corner, side = (a, b) if a >= k else (b, a)
         if corner >= k and (before[corner - k] == side or after[corner - k] == side):
             qx, qy, found = turn_at(kind, data, corner, side, c, x, y, tolerance)
+            empty = False
             for _ in range(TURN_TRIES):
                 if not found:
                     break
                 s = math.sqrt((qx - data[corner, 0]) ** 2 + (qy - data[corner, 1]) ** 2)
                 _, i = nearest_piece(
-                    mesh, kind, data, before, after, t, qx, qy, s - 4.0 * tolerance, half
-                )
-                if i < 0:
+                    mesh, kind, data, before, after, t, qx, qy, s - 4.0 * tolerance, half,
+                    side, c, -1,
+                )  # fmt: skip
+                empty = i < 0
+                if empty:
                     break
+                c = i
                 qx, qy, found = turn_at(kind, data, corner, side, i, qx, qy, tolerance)
             if found:
-                return qx, qy, EXACT
+                return qx, qy, EXACT, empty
     elif ab + bc + ca == 1:
         for i in (a, b, c):
             if i < k and kind[i] == ARC:
                 gone = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2
                 if gone < (1e-3 * data[i, 2]) ** 2:
-                    return data[i, 0], data[i, 1], EXACT
+                    return data[i, 0], data[i, 1], EXACT, False
         if bc:
             a, b = b, c
         elif ca:
             a, b = c, a
         qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
-        return qx, qy, EXACT if found else KEPT
-    return x, y, KEPT
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _stranger(mesh, kind, data, before, after, t, a, b, c, x, y, far, half):
-    """A primitive nearer than ``far`` to (x, y) that is none of a, b and c, or -1."""
-    one, two = np.int64(-1), np.int64(-1)
-    for _ in range(3):
-        _, i = nearest_piece(mesh, kind, data, before, after, t, x, y, far, half, one, two)
-        if i < 0 or i not in (a, b, c):
-            return i
-        if one < 0:
-            one = np.int64(i)
-        elif two < 0:
-            two = np.int64(i)
-    return -1
+        return qx, qy, EXACT if found else KEPT, False
+    return x, y, KEPT, False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -167,16 +169,18 @@ def solve_vertices(
         if is_passage(mask[i], a, b, c):
             continue
         px, py = at[i, 0], at[i, 1]
-        x, y, got = solve_one(
+        x, y, got, empty = solve_one(
             mesh, kind, data, before, after, owner, t, a, b, c, px, py, half, tolerance
         )  # fmt: skip
         if (x - px) ** 2 + (y - py) ** 2 > 16.0 * half * half:
-            x, y, got = px, py, KEPT
+            x, y, got, empty = px, py, KEPT, False
         r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
         r = min(r, distance(kind, data, c, x, y))
-        near, which = nearest_piece(
-            mesh, kind, data, before, after, t, x, y, r - 4.0 * tolerance, half
-        )
+        near, which = r, -1
+        if not empty:
+            near, which = nearest_piece(
+                mesh, kind, data, before, after, t, x, y, r - 4.0 * tolerance, half, a, b, c
+            )
         if which >= 0:
             r = near
             got = INTRUDED
@@ -192,7 +196,7 @@ def solve_vertices(
             # the pieces do not meet here: one that is nearer than they are has too few sites
             far = max(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
             far = max(far, distance(kind, data, c, x, y))
-            which = _stranger(mesh, kind, data, before, after, t, a, b, c, x, y, far, half)
+            _, which = nearest_piece(mesh, kind, data, before, after, t, x, y, far, half, a, b, c)
             if which >= 0:
                 bad[count, 0], bad[count, 1] = i, which
                 count += 1
@@ -212,7 +216,7 @@ def solve_vertices(
             n += 1
         xy[i, 0], xy[i, 1] = at[i, 0], at[i, 1]
         rho[i], _ = nearest_piece(
-            mesh, kind, data, before, after, 8 * i, at[i, 0], at[i, 1], np.inf, half
+            mesh, kind, data, before, after, 8 * i, at[i, 0], at[i, 1], np.inf, half, -1, -1, -1
         )
     return extra[:n], extra_label[:n], where[:n]
 
