@@ -16,6 +16,7 @@ import numpy as np
 from numba import njit
 
 from vision.joint_kernels import edge_end, onto
+from vision.kernel_options import LEAF
 from vision.polish_kernels import polish_edges
 from vision.shape_kernels import HALF, HUGE
 
@@ -41,7 +42,7 @@ TURNS = 8
 TAU = 2.0 * math.pi
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
     """The circle through both ends that keeps the fitted arc's middle; cx, cy, r.
 
@@ -77,7 +78,7 @@ def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
     circle[2] = new_r
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _is_ccw(px, py, lo, hi, cx, cy):
     """Whether the border runs counter-clockwise as seen on the screen about (cx, cy)."""
     total = 0.0
@@ -89,7 +90,7 @@ def _is_ccw(px, py, lo, hi, cx, cy):
     return total < 0.0
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
     """Write edge e between its joints into ``rows``; returns its kind."""
     x0 = joints[e, 0]
@@ -115,7 +116,7 @@ def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
     return ARC_CCW if ccw else ARC_CW
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _distance_to_edge(kinds, rows, e, after, x, y):
     """Distance from (x, y) to finished edge e, and its foot: ``(distance, x, y)``."""
     x0 = rows[e, 0]
@@ -157,7 +158,7 @@ def _distance_to_edge(kinds, rows, e, after, x, y):
     return math.sqrt((x - fx) ** 2 + (y - fy) ** 2), fx, fy
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _tip(rows, before, at, after):
     """Within which distance of a joint the border is too narrow to hold a pixel's centre."""
     ax = rows[before, 0] - rows[at, 0]
@@ -171,7 +172,7 @@ def _tip(rows, before, at, after):
     return min(NARROW_PX * slender, LONGEST_TIP_PX)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", _nrt=False)
+@njit(**LEAF)
 def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free):
     """Whether every point of a stretch lies so near its finished edge that nothing is lost."""
     xs = px[lo : hi + 1]
@@ -231,7 +232,7 @@ def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free):
     return doubts == 0
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     """What a finished edge misses of its stretch: ``(worst deviation, area lost)``, 0 for little.
 
@@ -283,7 +284,7 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     return worst, lost
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _arc_length(kinds, rows, e, after):
     begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
     end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
@@ -291,7 +292,7 @@ def _arc_length(kinds, rows, e, after):
     return sweep * rows[e, 4]
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def pass_between_pixels(
     px, py, n, breaks, is_arc, edges, shape, joints, free, allowed, guard,
     ragged, losses, stale, kinds, rows, circle, push,
@@ -317,7 +318,7 @@ def pass_between_pixels(
     return total
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _find_losses(
     px, py, n, breaks, edges, crisp, free, allowed, guard, ragged, losses, stale, kinds, rows
 ):
@@ -345,7 +346,7 @@ def _find_losses(
     return strayed, total
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def check_edges(
     px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard, budget,
     ragged, losses, stale, kinds, rows, circle,
@@ -390,7 +391,7 @@ def check_edges(
     _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _end_at_points(px, py, breaks, is_arc, edges, shape, joints, ragged, stale, e):
     """Move both joints of a ragged edge to the border, on their neighbours where these fit."""
     stale[e] = True
@@ -410,7 +411,7 @@ def _end_at_points(px, py, breaks, is_arc, edges, shape, joints, ragged, stale, 
         joints[end, 1] = y
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle):
     for e in range(edges):
         if stale[e]:

@@ -21,6 +21,7 @@ from numba import njit
 
 from vision.cover_kernels import LINE, check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
+from vision.kernel_options import LEAF
 from vision.partition_kernels import CIRCLE_PRICE, LINE_PRICE, partition
 from vision.shape_kernels import (
     HALF,
@@ -198,7 +199,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, active):
     """The circle through a whole border and its cost; HUGE where it is none."""
     # a sample tells most other shapes from a circle
@@ -217,7 +218,7 @@ def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, ac
     return CIRCLE_PRICE + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _expected_cost(dead_zone, sigma, spread):
     """What noise alone costs a point: the mean of a normal deviation's excess, squared."""
     if spread <= 0.0:

@@ -17,6 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.kernel_options import LEAF
 from vision.shape_kernels import (
     HUGE,
     circle_rms,
@@ -40,7 +41,7 @@ SLIDE = 8
 """Points by which a break may move towards its corner at a time."""
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def edge_end(breaks, edges, n, e):
     """The last point of edge e, behind its first one: it may run past the border's end."""
     hi = breaks[e + 1 if e + 1 < edges else 0]
@@ -71,7 +72,7 @@ def fit_and_join(
         _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _clear_of_joints(px, py, lo, hi, joints, e, after, guard):
     """The part of a stretch that keeps ``guard`` pixels from both joints, or its middle."""
     length = hi - lo
@@ -91,7 +92,7 @@ def _clear_of_joints(px, py, lo, hi, joints, e, after, guard):
     return a, b + 1
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _fit_edges(
     px, py, n, breaks, is_arc, edges, crisp, guard, joints, shape, ranges, fresh, active
 ):
@@ -127,7 +128,7 @@ def _fit_edges(
     return work
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def onto(shape, e, is_arc, x, y):
     """The point of the fitted line or circle of edge e nearest to (x, y)."""
     if is_arc:
@@ -141,7 +142,7 @@ def onto(shape, e, is_arc, x, y):
     return shape[e, 0] + t * shape[e, 2], shape[e, 1] + t * shape[e, 3]
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _crossing(a, a_arc, b, b_arc, x, y, out):
     """The crossing of two neighbouring edges nearest to (x, y); False where there is none.
 
@@ -189,7 +190,7 @@ def _crossing(a, a_arc, b, b_arc, x, y, out):
     return True
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _touch(a, a_arc, b, b_arc, out):
     """Where an arc and its neighbour come nearest; out = x, y and the gap (crossing: negative).
 
@@ -236,7 +237,7 @@ def _touch(a, a_arc, b, b_arc, out):
     return True
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def nearest_point(px, py, n, middle, before, after, x, y):
     """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
     best = HUGE
@@ -250,7 +251,7 @@ def nearest_point(px, py, n, middle, before, after, x, y):
     return where - n if where >= n else where, math.sqrt(best)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _deviation(row, is_arc, x, y):
     dx = x - row[0]
     dy = y - row[1]
@@ -259,7 +260,7 @@ def _deviation(row, is_arc, x, y):
     return abs(dx * row[3] - dy * row[2])
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _best_split(px, py, n, a, a_arc, b, b_arc, middle, before, after):
     """Where a border changes from edge a to edge b: the split with the least squares."""
     total = 0.0

@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.kernel_options import LEAF
 from vision.shape_kernels import (
     HUGE,
     circle_cost,
@@ -101,7 +102,7 @@ def seed_breaks(px, py, n, tolerance, is_seed):
         top += 2
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _farthest(px, py, lo, hi):
     """The point between lo and hi farthest from their chord: ``(where, distance)``."""
     x0 = px[lo]
@@ -126,14 +127,14 @@ def _farthest(px, py, lo, hi):
     return where, far / length
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _around(k, n):
     if k < 0:
         return k + n
     return k - n if k >= n else k
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _bulge(px, py, n, k, reach):
     """How far point k lies from the chord of its neighbours ``reach`` points away."""
     p = _around(k - reach, n)
@@ -146,7 +147,7 @@ def _bulge(px, py, n, k, reach):
     return abs((px[k] - px[p]) * dy - (py[k] - py[p]) * dx) / length
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _snap_seeds(px, py, n, seeds, m, reach):
     """Move every seed to where the border bulges most nearby, short of the next seeds."""
     reach = min(reach, n // 4)
@@ -169,7 +170,7 @@ def _snap_seeds(px, py, n, seeds, m, reach):
         seeds[s] = where
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _turn_at(px, py, n, k, reach):
     """How sharply the border turns at point k, in radians."""
     reach = min(reach, n // 4)
@@ -182,7 +183,7 @@ def _turn_at(px, py, n, k, reach):
     return abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by))
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _trim(length, guard):
     """How many points to leave out at each end of a stretch."""
     if length >= 3 * guard + 4:
@@ -192,7 +193,7 @@ def _trim(length, guard):
     return 0
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _hopeless(px, py, a, b, position, i, j, shift, worst):
     """Whether the seeds i + 1 .. j - 1 alone tell that points a .. b are no line and no arc."""
     x0 = px[a]
@@ -237,7 +238,7 @@ def _hopeless(px, py, a, b, position, i, j, shift, worst):
     return False
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _stretch(px, py, a, b, crisp, dead_zone, sigma, worst, bound, line, circle, active):
     """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc)."""
     count = b - a

@@ -18,7 +18,8 @@ import math
 from numba import njit
 
 from vision.joint_kernels import edge_end, nearest_point
-from vision.shape_kernels import FAST, HALF, SEPARATION_MARGIN
+from vision.kernel_options import LEAF, SUMS
+from vision.shape_kernels import HALF, SEPARATION_MARGIN
 
 LINE, ARC_CW = 0, 1
 """Kinds of an edge, as in ``vision.cover_kernels``."""
@@ -34,7 +35,7 @@ STRAY_PX = 6.0
 """A joint that would move farther from where it began stays."""
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, push):
     """Move the joints and the arcs of finished edges between the pixels.
 
@@ -82,7 +83,7 @@ def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, p
         _shape_of(is_arc[e], joints, e, after, push[e, 5], shape)
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _move_breaks(px, py, n, breaks, edges, joints):
     """Let every edge begin at the point nearest to its joint; edges keep their order."""
     for e in range(edges):
@@ -96,7 +97,7 @@ def _move_breaks(px, py, n, breaks, edges, joints):
         breaks[e] = where
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _rise(rows, e, after, kind):
     """How far an arc's middle lies to the left of its chord, signed; y down."""
     x0 = rows[e, 0]
@@ -111,7 +112,7 @@ def _rise(rows, e, after, kind):
     return c + rows[e, 4] if kind == ARC_CW else c - rows[e, 4]
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _circle_through(x0, y0, x1, y1, rise):
     """Centre and radius of the arc that rises so far to the left of its chord."""
     dx = x1 - x0
@@ -124,7 +125,7 @@ def _circle_through(x0, y0, x1, y1, rise):
     return cx, cy, abs(rise - c)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST, _nrt=False)
+@njit(**SUMS)
 def _pushes(px, py, n, breaks, kinds, edges, joints, push, e):
     """Add up what edge e's points demand of its joints and its rise; how many demand."""
     after = e + 1 if e + 1 < edges else 0
@@ -236,7 +237,7 @@ def _pushes(px, py, n, breaks, kinds, edges, joints, push, e):
     return beyond
 
 
-@njit(cache=True, nogil=True, _nrt=False)
+@njit(**LEAF)
 def _shape_of(bent, joints, e, after, rise, shape):
     """The line or circle that an edge between its joints now lies on."""
     x0 = joints[e, 0]

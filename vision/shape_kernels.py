@@ -7,10 +7,8 @@ Rules and units
   picture without grey the deviation is taken along the pixels' axis (see ``separate_line``).
 - Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
   (N. Chernov, Circular and Linear Regression, 2010).
-- The sums may be added in any order (``FAST``): no point is ever NaN. Loops run over a stretch's
-  own slice and without branches, so that they work on several points at a time.
-- ``_nrt=False``: what allocates nothing needs no count of references, which would cost two
-  atomic additions for every array of every call. It may call only its like.
+- Loops run over a stretch's own slice and without branches, so that they work on several points
+  at a time (``vision.kernel_options``).
 """
 
 # mypy: allow-untyped-defs
@@ -21,7 +19,8 @@ import math
 
 from numba import njit
 
-FAST = {"reassoc", "contract", "nsz", "nnan", "arcp"}
+from vision.kernel_options import SUMS
+
 HUGE = 1e18
 """The cost of what may not be."""
 BEATEN = 1e12
@@ -41,7 +40,7 @@ SETTLED_PX = 1e-6
 """A circle that moves less has converged."""
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def fit_line(px, py, lo, hi, step, out):
     """Total least squares through points lo, lo + step, .. < hi: out = x, y, ux, uy."""
     ox = px[lo]
@@ -96,7 +95,7 @@ def fit_line(px, py, lo, hi, step, out):
     out[3] = uy
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def fit_circle(px, py, lo, hi, step, out):
     """Taubin's circle through points lo, lo + step, .. < hi: out = cx, cy, r.
 
@@ -187,7 +186,7 @@ def fit_circle(px, py, lo, hi, step, out):
     return out[2] > 0.0
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def refine_circle(px, py, lo, hi, rounds, circle):
     """Gauss-Newton on the distances of points lo .. hi - 1 from a circle, at most so often."""
     xs = px[lo:hi]
@@ -244,7 +243,7 @@ def refine_circle(px, py, lo, hi, rounds, circle):
     circle[2] = r
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
     """The cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
     xs = px[lo:hi]
@@ -270,7 +269,7 @@ def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
     return cost / (sigma * sigma)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
     """The same for a circle."""
     xs = px[lo:hi]
@@ -308,7 +307,7 @@ def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
     return cost / (sigma * sigma)
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def lost_to_circle(px, py, n, circle):
     """How many pixels beside n points a circle takes for what they are not, without grey."""
     cx = circle[0]
@@ -323,7 +322,7 @@ def lost_to_circle(px, py, n, circle):
     return lost
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def line_rms(px, py, lo, hi, line):
     """The rms deviation of points lo .. hi - 1 from a line."""
     xs = px[lo:hi]
@@ -339,7 +338,7 @@ def line_rms(px, py, lo, hi, line):
     return math.sqrt(total / (hi - lo))
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def circle_rms(px, py, lo, hi, circle):
     """The rms deviation of points lo .. hi - 1 from a circle."""
     xs = px[lo:hi]
@@ -356,7 +355,7 @@ def circle_rms(px, py, lo, hi, circle):
     return math.sqrt(total / (hi - lo))
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def separate_line(px, py, lo, hi, line, near):
     """Turn and shift a line until it passes between the pixels on its two sides.
 
@@ -426,7 +425,7 @@ def separate_line(px, py, lo, hi, line, near):
     line[3] = uy
 
 
-@njit(cache=True, nogil=True, _nrt=False, error_model="numpy", fastmath=FAST)
+@njit(**SUMS)
 def separate_circle(px, py, lo, hi, circle, near):
     """The same for a circle: move and grow it until it passes between the pixels."""
     xs = px[lo:hi]
