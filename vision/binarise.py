@@ -64,6 +64,7 @@ class Binary:
     ``mask`` (h + 2, w') uint8: 1 is obstacle, with a margin of free pixels and rows of a
     multiple of eight bytes; ``grey`` (h, w), obstacles dark, ``level`` in its values;
     ``noise`` its standard deviation and ``contrast`` the step between free and obstacle.
+    ``by_level``: the mask is what lies below the level in ``grey``, no more and no less.
     """
 
     mask: NDArray[np.uint8]
@@ -73,6 +74,7 @@ class Binary:
     contrast: float
     how: Binarisation
     remarks: tuple[str, ...] = ()
+    by_level: bool = False
 
     @property
     def size(self) -> tuple[int, int]:
@@ -194,7 +196,10 @@ def binarise(
     if ignore is not None:
         width = grey.shape[1]
         binary.mask[1:-1, 1 : width + 1][ignore] = 0
-    if cv2.countNonZero(binary.mask) == grey.size:
+        binary = replace(binary, by_level=False)
+    # where the first row has a free pixel the others need not be looked at
+    first_row = binary.inside[0]
+    if first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
         raise PictureError(
             f"the picture has no free space: all {grey.shape[1]} x {grey.shape[0]} pixels are "
             f"{'black' if side == 'dark' else 'white'}, which is what obstacles are"
@@ -453,4 +458,4 @@ def _binary(
         cv2.threshold(compared, bound, 1, cv2.THRESH_BINARY_INV, dst=inside)
     else:
         inside[:] = compared < level
-    return Binary(mask, grey, level, noise, contrast, how, remarks)
+    return Binary(mask, grey, level, noise, contrast, how, remarks, by_level=compared is grey)

@@ -99,6 +99,7 @@ def locate_edges(binary: Binary, borders: Borders) -> EdgePoints:
         binary.grey,
         binary.mask,
         binary.level,
+        binary.by_level,
         borders.x,
         borders.y,
         borders.direction,

@@ -9,6 +9,8 @@ Rules and units
   through the normal distribution's inverse is exact to a few thousandths of a pixel.
 - The half level is taken from both plateaus beside the edge, averaged over a stretch of the
   border, so that objects of different darkness and uneven light do not move the edge.
+- One border at a time: its profiles are gathered from the picture into rows of ``work``, a
+  column a crack, and everything else runs over whole rows, several cracks at once.
 """
 
 # mypy: allow-untyped-defs
@@ -17,6 +19,8 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+
+from vision.kernel_options import LEAF, SUMS
 
 REACH = 3
 """Cracks to either side that tell the border's direction."""
@@ -28,134 +32,130 @@ WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""
 CRISP = 0.95
 """Share of the contrast in one step from which an edge counts as drawn without grey."""
-BEHIND, SAMPLES, ONE = np.int64(4), 10, np.int64(1)
-"""Where in a profile the obstacle pixel lies, its samples, and the step between them; typed, so
-that kernels are compiled for numbers and not once more for these."""
-CHOSEN, SLANTED, CLEAR, INSIDE, OUTSIDE = 1, 2, 4, 8, 16
-"""A crack gives a point; the border runs aslant; both plateaus are there; the profile lies in
-the picture; the free pixel does not."""
+BEHIND, SAMPLES = 3, 8
+"""A profile has so many pixels behind its obstacle pixel, and so many in all."""
 BLOCK = 16
 """Cracks that share their plateaus."""
-OUT_X = np.array([0, 1, 0, -1])
-OUT_Y = np.array([-1, 0, 1, 0])
-"""From a crack's obstacle pixel to its free one, by the walk's direction."""
+MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 8, 9, 10, 11, 12, 13, 14
+NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY, ROWS = 15, 16, 17, 18, 19, 20, 21
+"""Rows of ``work`` behind those of the profile: twice a crack's middle; 1 where both plateaus are
+there, where the crack gives a point, where the border runs aslant; the plateaus beside it; the
+smoothed profile at the obstacle pixel and at the free one; the plateaus of its stretch; where the
+light crosses the half level, in pixels from the obstacle pixel; 1 where that lies farther away."""
 
 
 @njit(cache=True, nogil=True)
-def _probit(w):
-    """The inverse normal distribution near its middle, but for a factor; w in [-0.5, 0.5]."""
-    if w > 0.5:
-        w = 0.5
-    elif w < -0.5:
-        w = -0.5
-    q = w * w
-    return w * (1.0 + q * (1.047198 + q * (2.30291 + q * 6.0)))
-
-
-@njit(cache=True, nogil=True)
-def edge_points(grey, mask, level, xs, ys, directions, starts):
+def edge_points(grey, mask, level, by_level, xs, ys, directions, starts):
     """Sub-pixel points of every border, in order.
 
-    ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold.
+    ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold, and
+    ``by_level`` whether the mask is what lies below it, no more and no less.
     Returns ``(points, point_starts, slope, crispness)``: (k, 2) float64, per border the index
     of its first point, the mean step of the smoothed profile at the edge as a share of the
     contrast, and the share of slanted cracks with a full step.
     """
     borders = starts.shape[0] - 1
-    points = np.empty((xs.shape[0], 2), np.float64)
+    points = np.empty((xs.shape[0] + 1, 2), np.float64)
     point_starts = np.empty(borders + 1, np.int64)
     longest = 0
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
-    dark = np.empty(longest, np.float64)
-    light = np.empty(longest, np.float64)
-    flags = np.empty(longest, np.int8)
+    work = np.empty((ROWS, longest + 2 * REACH), np.float64)
     blocks = longest // BLOCK + 1
     sums = np.empty((blocks, 4), np.float64)
     plateaus = np.empty((blocks, 2), np.float64)
-    profile = np.empty(SAMPLES, grey.dtype)
     totals = np.zeros(4)
-    count = np.int64(0)
+    count = 0
     for b in range(borders):
         first = starts[b]
         n = starts[b + 1] - first
+        x = xs[first : first + n]
+        y = ys[first : first + n]
+        direction = directions[first : first + n]
         point_starts[b] = count
-        _look_beside(grey, mask, level, xs, ys, directions, first, n, profile, flags, dark, light)
-        _find_plateaus(flags, dark, light, n, sums, plateaus)
-        count = _locate(
-            grey, xs, ys, directions, first, n, level, profile, flags, dark, light, plateaus,
-            totals, points, count,
-        )  # fmt: skip
+        _gather(grey, mask, by_level, x, y, direction, n, work)
+        _look_along(direction, n, work)
+        _look_beside(level, by_level, n, work)
+        _find_plateaus(n, work, sums, plateaus)
+        _find_crossings(level, n, work, totals)
+        count = _place(grey, x, y, direction, n, work, totals, points, count)
     point_starts[borders] = count
     slope = totals[0] / totals[1] if totals[1] > 0 else 0.4
     crispness = totals[2] / totals[3] if totals[3] > 0 else 0.0
     return points[:count], point_starts, slope, crispness
 
 
-@njit(cache=True, nogil=True)
-def _look_beside(grey, mask, level, xs, ys, directions, first, n, profile, flags, dark, light):
-    """How every crack lies, and the grey values of the plateaus beside those that are clear."""
+@njit(**LEAF)
+def _out(direction):
+    """From a crack's obstacle pixel to its free one, by the walk's direction: x and y."""
+    return (direction & 1) * (2 - direction), (1 - (direction & 1)) * (direction - 1)
+
+
+@njit(**LEAF)
+def _gather(grey, mask, by_level, xs, ys, directions, n, work):
+    """The profile across every crack, and twice its middle.
+
+    Where the mask was not made from these grey values, or the profile leaves the picture,
+    CLEAR is found here. Where the free pixel lies outside, CROSSING is -1.
+    """
     height, width = grey.shape
     stride = mask.shape[1]
     flat_mask = mask.reshape(-1)
     flat_grey = grey.reshape(-1)
+    middle_x = work[MIDDLE_X]
+    middle_y = work[MIDDLE_Y]
+    clear = work[CLEAR]
+    crossing = work[CROSSING]
     for i in range(n):
-        x = np.int64(xs[first + i])
-        y = np.int64(ys[first + i])
-        direction = directions[first + i]
-        nx = OUT_X[direction]
-        ny = OUT_Y[direction]
-        ahead = i + REACH
-        while ahead >= n:
-            ahead -= n
-        behind = i - REACH
-        while behind < 0:
-            behind += n
-        da = directions[first + ahead]
-        db = directions[first + behind]
-        # twice the way between the cracks' middles
-        dx = 2 * (np.int64(xs[first + ahead]) - xs[first + behind]) + OUT_X[da] - OUT_X[db]
-        dy = 2 * (np.int64(ys[first + ahead]) - ys[first + behind]) + OUT_Y[da] - OUT_Y[db]
-        across = abs(dx * nx + dy * ny)
-        along = abs(dx * ny) + abs(dy * nx)
-        flag = CHOSEN if across <= along else 0
-        if across > 1:
-            flag |= SLANTED
+        x = np.int64(xs[i])
+        y = np.int64(ys[i])
+        nx, ny = _out(np.int64(directions[i]))
+        middle_x[REACH + i] = 2 * x + nx
+        middle_y[REACH + i] = 2 * y + ny
+        crossing[i] = 0.0
         if 4 <= x < width - 5 and 4 <= y < height - 5:
-            flag |= INSIDE
-            step = ny * stride + nx
-            at = (y + 1) * stride + x + 1
-            if (
-                flat_mask[at - step] & flat_mask[at - 2 * step]
-                & ~(flat_mask[at + 2 * step] | flat_mask[at + 3 * step]) & 1
-            ) != 0:  # fmt: skip
-                flag |= CLEAR
-                step = ny * width + nx
-                at = y * width + x
-                dark[i] = _dark(flat_grey, at, step, level)
-                light[i] = _light(flat_grey, at, step, level)
-        else:
-            if not (0 <= x + nx < width and 0 <= y + ny < height):
-                flag |= OUTSIDE
-            if _is_clear(mask, x, y, nx, ny, width, height):
-                flag |= CLEAR
-                _take_profile(grey, x, y, nx, ny, profile)
-                dark[i] = _dark(profile, BEHIND, ONE, level)
-                light[i] = _light(profile, BEHIND, ONE, level)
-        flags[i] = flag
+            # unsigned: no index counts from the end
+            at = np.uint64(y * width + x)
+            step = np.uint64(ny * width + nx)
+            back = at - step
+            work[2, i] = flat_grey[back]
+            back -= step
+            work[1, i] = flat_grey[back]
+            back -= step
+            work[0, i] = flat_grey[back]
+            work[3, i] = flat_grey[at]
+            at += step
+            work[4, i] = flat_grey[at]
+            at += step
+            work[5, i] = flat_grey[at]
+            at += step
+            work[6, i] = flat_grey[at]
+            at += step
+            work[7, i] = flat_grey[at]
+            clear[i] = 1.0
+            if not by_level:
+                here = (y + 1) * stride + x + 1
+                across = ny * stride + nx
+                clear[i] = (
+                    flat_mask[here - across] & flat_mask[here - 2 * across]
+                    & ~(flat_mask[here + 2 * across] | flat_mask[here + 3 * across]) & 1
+                )  # fmt: skip
+            continue
+        for k in range(SAMPLES):
+            px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
+            py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
+            work[k, i] = grey[py, px]
+        clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
+        if not (0 <= x + nx < width and 0 <= y + ny < height):
+            crossing[i] = -1.0
+    for i in range(REACH):
+        middle_x[i] = middle_x[n + i]
+        middle_y[i] = middle_y[n + i]
+        middle_x[n + REACH + i] = middle_x[REACH + i]
+        middle_y[n + REACH + i] = middle_y[REACH + i]
 
 
-@njit(cache=True, nogil=True)
-def _take_profile(grey, x, y, nx, ny, profile):
-    """The grey values across a crack; beyond the picture its last pixel goes on."""
-    height, width = grey.shape
-    for k in range(SAMPLES):
-        px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
-        py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
-        profile[k] = grey[py, px]
-
-
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def _is_clear(mask, x, y, nx, ny, width, height):
     """Three obstacle pixels on one side and three free ones on the other, near the margin."""
     for k in range(1, 3):
@@ -173,54 +173,93 @@ def _is_clear(mask, x, y, nx, ny, width, height):
     return True
 
 
-@njit(cache=True, nogil=True)
-def _dark(values, at, step, level):
-    """The obstacle's own grey beside a clear crack: of two pixels, or one where that is light.
+@njit(**LEAF)
+def _look_along(directions, n, work):
+    """Which cracks give a point, and where the border runs aslant."""
+    middle_x = work[MIDDLE_X]
+    middle_y = work[MIDDLE_Y]
+    chosen = work[CHOSEN]
+    slanted = work[SLANTED]
+    for i in range(n):
+        # twice the way between the cracks' middles
+        dx = abs(middle_x[i + 2 * REACH] - middle_x[i])
+        dy = abs(middle_y[i + 2 * REACH] - middle_y[i])
+        upright = directions[i] & 1 == 1
+        across = dx if upright else dy
+        along = dy if upright else dx
+        chosen[i] = 1.0 if across <= along else 0.0
+        slanted[i] = 1.0 if across > 1.0 else 0.0
 
-    ``values[at]`` is the crack's obstacle pixel, ``step`` leads to the free one.
+
+@njit(**LEAF)
+def _look_beside(level, by_level, n, work):
+    """The plateaus beside every crack, and the profile smoothed at its two pixels.
+
+    A plateau is the mean of two pixels, or the nearer one where that is on the wrong side.
     """
-    near = np.float64(values[at - 2 * step])
-    mean = 0.5 * (near + values[at - 3 * step])
-    return near if mean > level else mean
+    a3 = work[0]
+    a2 = work[1]
+    a1 = work[2]
+    here = work[3]
+    b1 = work[4]
+    b2 = work[5]
+    b3 = work[6]
+    b4 = work[7]
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
+    near = work[NEAR]
+    far = work[FAR]
+    if by_level:
+        for i in range(n):
+            dark_side = (a1[i] < level) & (a2[i] < level)
+            light_side = (b2[i] >= level) & (b3[i] >= level)
+            clear[i] = clear[i] if dark_side & light_side else 0.0
+    for i in range(n):
+        mean = 0.5 * (a2[i] + a3[i])
+        dark[i] = a2[i] if mean > level else mean
+        mean = 0.5 * (b3[i] + b4[i])
+        light[i] = b3[i] if mean < level else mean
+        near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
+        far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
 
 
-@njit(cache=True, nogil=True)
-def _light(values, at, step, level):
-    """The free ground's grey beside a clear crack."""
-    near = np.float64(values[at + 3 * step])
-    mean = 0.5 * (near + values[at + 4 * step])
-    return near if mean < level else mean
-
-
-@njit(cache=True, nogil=True)
-def _find_plateaus(flags, dark, light, n, sums, plateaus):
+@njit(**SUMS)
+def _find_plateaus(n, work, sums, plateaus):
     """Dark and light for every block of cracks, from what lies within STRETCH of it.
 
     Near a corner the plateaus are not reached, so that the second round leaves out what is
-    lighter or darker than the first round's mean. -1 where nothing is clear.
+    lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
     """
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
     blocks = (n + BLOCK - 1) // BLOCK
+    reach = STRETCH // BLOCK
     for again in range(2):
         for j in range(blocks):
+            darkest = plateaus[j, 0] + 1e-9 if again else 1e9
+            lightest = plateaus[j, 1] - 1e-9 if again else -1e9
+            begin = j * BLOCK
+            length = min(BLOCK, n - begin)
+            here = clear[begin : begin + length]
+            below = dark[begin : begin + length]
+            above = light[begin : begin + length]
             d = 0.0
             darks = 0.0
             lt = 0.0
             lights = 0.0
-            darkest = plateaus[j, 0] + 1e-9 if again else 1e9
-            lightest = plateaus[j, 1] - 1e-9 if again else -1e9
-            for i in range(j * BLOCK, min(j * BLOCK + BLOCK, n)):
-                if flags[i] & CLEAR:
-                    if dark[i] <= darkest:
-                        d += dark[i]
-                        darks += 1.0
-                    if light[i] >= lightest:
-                        lt += light[i]
-                        lights += 1.0
+            for i in range(length):
+                counts = here[i] if below[i] <= darkest else 0.0
+                d += counts * below[i]
+                darks += counts
+                counts = here[i] if above[i] >= lightest else 0.0
+                lt += counts * above[i]
+                lights += counts
             sums[j, 0] = d
             sums[j, 1] = darks
             sums[j, 2] = lt
             sums[j, 3] = lights
-        reach = STRETCH // BLOCK
         for j in range(blocks):
             d = 0.0
             darks = 0.0
@@ -243,76 +282,108 @@ def _find_plateaus(flags, dark, light, n, sums, plateaus):
                 lights += sums[m, 3]
             plateaus[j, 0] = d / darks if darks > 0.0 and lights > 0.0 else -1.0
             plateaus[j, 1] = lt / lights if darks > 0.0 and lights > 0.0 else -1.0
+    dark_level = work[DARK_LEVEL]
+    light_level = work[LIGHT_LEVEL]
+    for j in range(blocks):
+        begin = j * BLOCK
+        for i in range(begin, min(begin + BLOCK, n)):
+            known = plateaus[j, 1] >= 0.0
+            dark_level[i] = plateaus[j, 0] if known else dark[i]
+            light_level[i] = plateaus[j, 1] if known else light[i]
 
 
-@njit(cache=True, nogil=True)
-def _locate(
-    grey, xs, ys, directions, first, n, level, profile, flags, dark, light, plateaus,
-    totals, points, count,
-):  # fmt: skip
-    """Where the light crosses the half level at every chosen crack; returns the next count.
+@njit(**SUMS)
+def _find_crossings(level, n, work, totals):
+    """Where the smoothed profile crosses the half level between the crack's own two pixels.
 
     ``totals``: the sum and number of slopes, full steps and slanted cracks.
     """
-    width = grey.shape[1]
-    flat_grey = grey.reshape(-1)
+    here = work[3]
+    beside = work[4]
+    clear = work[CLEAR]
+    chosen = work[CHOSEN]
+    slanted = work[SLANTED]
+    near = work[NEAR]
+    far = work[FAR]
+    dark_level = work[DARK_LEVEL]
+    light_level = work[LIGHT_LEVEL]
+    crossing = work[CROSSING]
+    astray = work[ASTRAY]
+    slopes = 0.0
+    crossed = 0.0
+    steps = 0.0
+    slants = 0.0
     for i in range(n):
-        flag = flags[i]
-        if not flag & CHOSEN:
-            continue
-        x = np.int64(xs[first + i])
-        y = np.int64(ys[first + i])
-        nx = OUT_X[directions[first + i]]
-        ny = OUT_Y[directions[first + i]]
-        t = 0.5
-        if flag & OUTSIDE:
-            t = 0.5
-        elif not flag & CLEAR:
-            g0 = np.float64(grey[y, x])
-            g1 = np.float64(grey[y + ny, x + nx])
-            if g1 > level and g1 > g0 and g0 < level:
-                t = (level - g0) / (g1 - g0)
-        else:
-            d = plateaus[i // BLOCK, 0]
-            lt = plateaus[i // BLOCK, 1]
-            if lt < 0.0:
-                d = dark[i]
-                lt = light[i]
-            if flag & INSIDE:
-                at = y * width + x
-                t = _crossing(flat_grey, at, ny * width + nx, d, lt, flag & SLANTED, totals)
-            else:
-                _take_profile(grey, x, y, nx, ny, profile)
-                t = _crossing(profile, BEHIND, ONE, d, lt, flag & SLANTED, totals)
-        points[count, 0] = x + t * nx
-        points[count, 1] = y + t * ny
-        count += 1
+        g0 = here[i]
+        g1 = beside[i]
+        step = g1 - g0
+        contrast = light_level[i] - dark_level[i]
+        seen = (clear[i] > 0.0) & (contrast > 0.0)
+        counts = chosen[i] * slanted[i] if seen else 0.0
+        slants += counts
+        steps += counts if step >= CRISP * contrast else 0.0
+        share = 1.0 / (contrast if contrast > 0.0 else 1.0)
+        half = 0.5 * (light_level[i] + dark_level[i])
+        p0 = _probit((near[i] - half) * share)
+        p1 = _probit((far[i] - half) * share)
+        rise = p1 - p0
+        between = seen & (near[i] < half) & (half <= far[i])
+        good = between & (rise > 1e-6)
+        counts = chosen[i] if good else 0.0
+        slopes += counts * (far[i] - near[i]) * share
+        crossed += counts
+        plain = (g1 > level) & (step > 0.0) & (g0 < level) & (clear[i] == 0.0)
+        t = (level - g0) / (step if step > 0.0 else 1.0) if plain else 0.5
+        t = -p0 / (rise if rise > 1e-6 else 1.0) if good else t
+        crossing[i] = 0.5 if crossing[i] < 0.0 else t
+        astray[i] = 1.0 if seen & (not between) else 0.0
+    totals[0] += slopes
+    totals[1] += crossed
+    totals[2] += steps
+    totals[3] += slants
+
+
+@njit(**SUMS)
+def _probit(w):
+    """The inverse normal distribution near its middle, but for a factor; w in [-0.5, 0.5]."""
+    w = min(max(w, -0.5), 0.5)
+    q = w * w
+    return w * (1.0 + q * (1.047198 + q * (2.30291 + q * 6.0)))
+
+
+@njit(**LEAF)
+def _place(grey, xs, ys, directions, n, work, totals, points, count):
+    """The points of the chosen cracks, in order; returns the next point's number."""
+    crossing = work[CROSSING]
+    chosen = work[CHOSEN]
+    astray = work[ASTRAY]
+    for i in range(n):
+        nx, ny = _out(np.int64(directions[i]))
+        t = crossing[i]
+        if astray[i] * chosen[i] > 0.0:
+            t = _crossing_beside(grey, xs[i], ys[i], nx, ny, i, work, totals)
+        points[count, 0] = xs[i] + t * nx
+        points[count, 1] = ys[i] + t * ny
+        count += np.int64(chosen[i])
     return count
 
 
-@njit(cache=True, nogil=True)
-def _crossing(values, at, step, dark, light, slanted, totals):
-    """Where the smoothed profile crosses the half level, in pixels from the obstacle pixel."""
-    contrast = light - dark
-    if contrast <= 0.0:
-        return 0.5
-    half = 0.5 * (light + dark)
-    share = 1.0 / contrast
-    if slanted:
-        totals[3] += 1.0
-        if np.float64(values[at + step]) - values[at] >= CRISP * contrast:
-            totals[2] += 1.0
+@njit(**LEAF)
+def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
+    """Where the smoothed profile crosses the half level beside the crack's own two pixels."""
+    half = 0.5 * (work[LIGHT_LEVEL, i] + work[DARK_LEVEL, i])
+    share = 1.0 / (work[LIGHT_LEVEL, i] - work[DARK_LEVEL, i])
     k = 0
-    s0 = _smoothed(values, at, step)
-    s1 = _smoothed(values, at + step, step)
+    s0 = work[NEAR, i]
+    s1 = work[FAR, i]
     while s0 >= half and k > -WANDER:
         k -= 1
         s1 = s0
-        s0 = _smoothed(values, at + k * step, step)
+        s0 = _smoothed(grey, x + k * nx, y + k * ny, nx, ny)
     while s1 < half and k < WANDER:
         k += 1
         s0 = s1
-        s1 = _smoothed(values, at + (k + 1) * step, step)
+        s1 = _smoothed(grey, x + (k + 1) * nx, y + (k + 1) * ny, nx, ny)
     if s0 < half <= s1:
         p0 = _probit((s0 - half) * share)
         p1 = _probit((s1 - half) * share)
@@ -323,10 +394,14 @@ def _crossing(values, at, step, dark, light, slanted, totals):
     return 0.5
 
 
-@njit(cache=True, nogil=True)
-def _smoothed(values, at, step):
-    """The profile across the crack, smoothed."""
-    value = TAP0 * values[at]
-    value += TAP1 * (np.float64(values[at - step]) + values[at + step])
-    value += TAP2 * (np.float64(values[at - 2 * step]) + values[at + 2 * step])
+@njit(**LEAF)
+def _smoothed(grey, x, y, nx, ny):
+    """The profile across a crack, smoothed at one pixel; the picture goes on beyond its edge."""
+    height, width = grey.shape
+    value = 0.0
+    for k in range(-2, 3):
+        px = min(max(x + k * nx, 0), width - 1)
+        py = min(max(y + k * ny, 0), height - 1)
+        tap = TAP0 if k == 0 else (TAP1 if abs(k) == 1 else TAP2)
+        value += tap * grey[py, px]
     return value
