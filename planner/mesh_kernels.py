@@ -225,7 +225,9 @@ def nearest_piece(
                         i = before[known - k] if end == 0 else after[known - k]
                     elif end == 1:
                         break
-                    if i < 0 or i in (but_a, but_b, but_c):
+                    # no `in`: the numbers are of different widths
+                    is_other = i != but_a and i != but_b and i != but_c
+                    if i < 0 or not is_other:
                         continue
                     d = distance(kind, data, i, x, y)
                     if d < best:
