@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Self
+from typing import Final, NamedTuple, Self
+
+WHEEL_MAX_MM_S: Final = 2_000
+"""Of speed and of turning, each: their eighths of mm/s fit 16 bits together."""
 
 
 @dataclass(frozen=True, slots=True)
 class DriveSettings:
     """What the robot is and can do.
 
-    Every value > 0; the firmware takes a track up to 1 m, a turn acceleration up to 15 rad/s2,
-    and the others up to 8 of their units, and keeps to these where more is asked for.
+    Every value > 0. The firmware computes with a track up to 1 m, a speed up to 2 m/s, turning
+    that gives the wheels no more than 2 m/s, 15 rad/s2, 8 m/s2, looking ahead by 1 m and 0.5 s,
+    and a deviation up to 2 m, and keeps to these where more is asked for.
     """
 
     track_m: float = 0.12
@@ -26,41 +30,44 @@ class DriveSettings:
 
     def whole_numbers(self) -> tuple[int, ...]:
         """``cw_settings`` of the firmware: um, then mm, mrad and ms, each in its range."""
+        track_um = max(10_000, min(1_000_000, round(self.track_m * 1e6)))
         thousandths = (
-            (self.max_speed_m_s, 8_000),
+            (self.max_speed_m_s, WHEEL_MAX_MM_S),
             (self.acceleration_m_s2, 8_000),
             (self.lateral_m_s2, 8_000),
-            (self.max_turn_rad_s, 8_000),
+            (self.max_turn_rad_s, min(8_000, WHEEL_MAX_MM_S * 20_000 // (track_um // 100))),
             (self.turn_acceleration_rad_s2, 15_000),
-            (self.lookahead_m, 8_000),
-            (self.lookahead_s, 8_000),
-            (self.max_deviation_m, 8_000),
+            (self.lookahead_m, 1_000),
+            (self.lookahead_s, 500),
+            (self.max_deviation_m, 2_000),
         )
-        track_um = max(10_000, min(1_000_000, round(self.track_m * 1e6)))
         return track_um, *(max(1, min(most, round(value * 1e3))) for value, most in thousandths)
 
 
 class DriveConstants(NamedTuple):
-    """What the follower computes with; the same expressions stand in ``firmware/follower.c``."""
+    """What the follower computes with; the same expressions stand in ``firmware/follower.c``.
 
-    track_eighths: int
+    Lengths are counts of 64 um, speeds in eighths of mm/s unless their names say otherwise.
+    """
+
+    track: int
     max_speed_mm_s: int
     max_spin_mm_s: int
-    min_spin_q10: int
+    min_spin: int
     brake_mm_s2: int
     spin_brake_mm_s2: int
-    perimeter_um: int
+    perimeter: int
     """Of a turn on the spot."""
     speed_per_cycle: int
     spin_per_cycle: int
     bend_limit: int
-    lookahead_um: int
+    lookahead: int
     lookahead_ms: int
-    max_deviation_um: int
+    max_deviation: int
     angle_per_um: int
     """Turned for a micrometre that the wheels differ by."""
     turning_per_spin: int
-    """65536 times mrad/s for 1/1024 mm/s of spin."""
+    """256 times mrad/s for an eighth of mm/s of spin."""
 
     @classmethod
     def of(cls, settings: DriveSettings) -> Self:
@@ -71,19 +78,19 @@ class DriveConstants(NamedTuple):
         hundredths = track_um // 100
         spin_brake = turn_acceleration * hundredths // 20_000
         return cls(
-            track_eighths=track_um >> 3,
+            track=track_um // 64,
             max_speed_mm_s=speed,
             max_spin_mm_s=turn * hundredths // 20_000,
-            min_spin_q10=hundredths,
+            min_spin=hundredths // 128 + 1,
             brake_mm_s2=acceleration * 8 // 5,
             spin_brake_mm_s2=spin_brake,
-            perimeter_um=hundredths * 31_416 // 100,
-            speed_per_cycle=acceleration * 4194 // 1000,
-            spin_per_cycle=spin_brake * 4194 // 1000,
+            perimeter=hundredths * 31_416 // 6400,
+            speed_per_cycle=acceleration * 4194 // 8000,
+            spin_per_cycle=spin_brake * 4194 // 8000,
             bend_limit=lateral * (track_um // 2000) * 1024,
-            lookahead_um=lookahead_mm * 1000,
+            lookahead=lookahead_mm * 1000 // 64,
             lookahead_ms=lookahead_ms,
-            max_deviation_um=deviation_mm * 1000,
+            max_deviation=deviation_mm * 1000 // 64,
             angle_per_um=(683_565_276 + track_um // 2) // track_um,
-            turning_per_spin=128_000_000 // track_um,
+            turning_per_spin=64_000_000 // track_um,
         )

@@ -1,31 +1,27 @@
 """Whole-number geometry, as a processor without floating point does it.
 
-The twin of ``firmware/fixed.c``, bit for bit: the same additions and shifts in the same order,
-so that both robots can be compared exactly.
+The twin of ``firmware/fixed.c``, bit for bit: the same sums, products and shifts, so that both
+robots can be compared exactly.
 
-- Places are micrometres. Angles are 32-bit binary angles: 2**32 is a full turn, so that sums
-  wrap by themselves.
-- Speeds are mm/s times 1024, "q10".
-- A vector's x and y are within 2**29 micrometres; :func:`between` keeps to that.
+- Places are micrometres. Headings are 32-bit binary angles: 2**32 is a full turn, so that sums
+  wrap by themselves; all other angles are their upper 16 bits, 2**16 a turn.
+- Parts of a whole are of 16384, signed, or of 65536, unsigned.
+- A vector between two places is in quarters: 4 um, so that the whole range of the wire fits.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import isqrt
 from typing import Final, NamedTuple
 
-FULL_TURN: Final = 1 << 32
-ANGLE_PER_MRAD: Final = 683_565
-GAIN: Final = 39_797
-"""65536 over the length that the steps of turning add."""
-_LARGE_BITS: Final = 29
-_FAR: Final = 1 << 27
-_STEP_ANGLES: Final = (
-    *(536870912, 316933406, 167458907, 85004756, 42667331, 21354465, 10679838, 5340245),
-    *(2670163, 1335087, 667544, 333772, 166886, 83443, 41722, 20861),
-)
-"""atan(2**-i) as binary angles."""
-_STEPS: Final = tuple(enumerate(_STEP_ANGLES))
+FULL_TURN: Final = 1 << 16
+HALF_TURN: Final = 1 << 15
+QUARTER_TURN: Final = 1 << 14
+_SINE: Final = (51_455, 42_078, 4_709)
+_ARC: Final = (41_528, 24_095, 6_627)
+"""Odd polynomials on 0..1, the coefficients fitted for the least largest error: the sine of a
+quarter turn, and the arc tangent as a part of an eighth of a turn."""
 
 
 class Place(NamedTuple):
@@ -36,8 +32,8 @@ class Place(NamedTuple):
 
 
 def mrad(milliradians: int) -> int:
-    """A binary angle."""
-    return milliradians * ANGLE_PER_MRAD
+    """An angle of 2**16 a turn."""
+    return milliradians * 10_430 // 1000
 
 
 def wrapped(number: int) -> int:
@@ -45,9 +41,29 @@ def wrapped(number: int) -> int:
     return ((number + 0x80000000) & 0xFFFFFFFF) - 0x80000000
 
 
+def wrapped_short(number: int) -> int:
+    """Modulo 2**16, as a signed number."""
+    return ((number + 0x8000) & 0xFFFF) - 0x8000
+
+
+def aside(angle: int) -> int:
+    """How far an angle of 2**16 a turn is from 0, either way round."""
+    return abs(((angle + 0x8000) & 0xFFFF) - 0x8000)
+
+
+def clip(number: int, most: int) -> int:
+    """The nearest number within plus and minus ``most``."""
+    return most if number > most else -most if number < -most else number
+
+
+def part_of(number: int, part: int) -> int:
+    """``number * part / 65536``, rounded down."""
+    return number * part >> 16
+
+
 def scale(number: int, part: int) -> int:
-    """``number * part / 65536``, to the nearest; 0 <= part < 65536."""
-    return (number * part + 0x8000) >> 16
+    """``number * part / 16384``, to the nearest."""
+    return (number * part + 0x2000) >> 14
 
 
 def root(square: int) -> int:
@@ -55,58 +71,62 @@ def root(square: int) -> int:
     return isqrt(square)
 
 
+def _series(z: int, coefficients: tuple[int, int, int]) -> int:
+    """``z (c0 - z**2 (c1 - z**2 c2))``, of 32768; z of 65536."""
+    first, second, third = coefficients
+    square = z * z >> 16
+    return z * (first - ((square * (second - (square * third >> 16)) >> 16) >> 1)) >> 16
+
+
+@lru_cache(maxsize=FULL_TURN)
+def sine(angle: int) -> int:
+    """The sine, of 16384, of an angle in 0 .. 65535."""
+    up = angle << 1 & 0xFFFF
+    if up & 0x8000:
+        up = min(0x10000 - up, 0x7FFF)
+    size = (_series(up << 1, _SINE) + 1) >> 1
+    return -size if angle & 0x8000 else size
+
+
 def between(start: Place, end: Place) -> tuple[int, int]:
-    """The vector from one place to another; further than 536 m counts as 536 m."""
-    return _apart(start.x_um, end.x_um), _apart(start.y_um, end.y_um)
-
-
-def _apart(start: int, end: int) -> int:
-    coarse = (end >> 2) - (start >> 2)
-    if coarse >= _FAR:
-        return 4 * _FAR
-    if coarse <= -_FAR:
-        return -4 * _FAR
-    return end - start
+    """The vector from one place to another, in quarters."""
+    return (end[0] >> 2) - (start[0] >> 2), (end[1] >> 2) - (start[1] >> 2)
 
 
 def turned(x: int, y: int, angle: int) -> tuple[int, int]:
-    """The vector turned by an angle: Volder's algorithm (CORDIC, 1959)."""
-    if x == 0 == y:
-        return 0, 0
-    up = max(0, _LARGE_BITS - (abs(x) | abs(y)).bit_length())
-    x, y = x << up, y << up
-    if abs(angle) > 0x40000000:
-        x, y, angle = -x, -y, wrapped(angle + 0x80000000)
-    for i, step in _STEPS:
-        if angle >= 0:
-            x, y, angle = x - (y >> i), y + (x >> i), angle - step
-        else:
-            x, y, angle = x + (y >> i), y - (x >> i), angle + step
-    half = (1 << up) >> 1
-    return (scale(x, GAIN) + half) >> up, (scale(y, GAIN) + half) >> up
+    """The vector turned by an angle."""
+    s, c = sine(angle & 0xFFFF), sine((angle + QUARTER_TURN) & 0xFFFF)
+    return (
+        ((x * c + 0x2000) >> 14) - ((y * s + 0x2000) >> 14),
+        ((x * s + 0x2000) >> 14) + ((y * c + 0x2000) >> 14),
+    )
 
 
 def measured(x: int, y: int) -> tuple[int, int]:
-    """A vector's length and bearing, by turning it onto the x axis."""
-    if x == 0 == y:
-        return 0, 0
-    up = max(0, _LARGE_BITS - (abs(x) | abs(y)).bit_length())
-    x, y, angle = x << up, y << up, 0
+    """A vector's length, and its bearing in 0 .. 65535."""
+    large, small = abs(x), abs(y)
+    steep = small > large
+    if steep:
+        large, small = small, large
+    down = max(0, large.bit_length() - 16)
+    large, small = large >> down, small >> down
+    ratio = (small << 16) // large if small != large else 0xFFFF
+    angle = (_series(ratio, _ARC) + 2) >> 2
+    if steep:
+        angle = QUARTER_TURN - angle
     if x < 0:
-        x, y, angle = -x, -y, 0x80000000
-    for i, step in _STEPS:
-        if y < 0:
-            x, y, angle = x - (y >> i), y + (x >> i), angle - step
-        else:
-            x, y, angle = x + (y >> i), y - (x >> i), angle + step
-    return (scale(x, GAIN) + ((1 << up) >> 1)) >> up, wrapped(angle)
+        angle = HALF_TURN - angle
+    if y < 0:
+        angle = -angle
+    s, c = sine(-angle & 0xFFFF), sine((QUARTER_TURN - angle) & 0xFFFF)
+    return ((x * c + 0x2000) >> 14) - ((y * s + 0x2000) >> 14), angle & 0xFFFF
 
 
 def angle_of(heading: int) -> int:
-    """A heading of the wire, 1e-4 rad, as a binary angle: 2**32 over 20000 pi is 68356.53."""
-    return wrapped(heading * 68356 + (heading >> 1))
+    """A heading of the wire, 1e-4 rad, as an angle of 2**16 a turn, in 0 .. 65535."""
+    return scale(heading, 17_089) & 0xFFFF
 
 
 def heading_of(angle: int) -> int:
-    """A binary angle as a heading of the wire."""
-    return (scale(angle, 62832) + 0x8000) >> 16
+    """An angle as a heading of the wire."""
+    return scale(wrapped_short(angle), 15_708)

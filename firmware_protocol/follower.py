@@ -6,9 +6,10 @@
   the queue, and in between no more than the brakes can take back.
 - A corner sharper than TURN_ENTER is taken standing. At a stop the robot settles, drives the
   last millimetres where needed, turns to the heading asked for, and dwells.
-- Whole numbers only, the same as in ``firmware/follower.c``: micrometres, binary angles, speeds
-  in mm/s times 1024 (``fixed_point``). Turning is half the difference of the wheels' speeds,
-  "spin", positive to the left. No clock, no I/O: one :meth:`Follower.step` per control cycle.
+- Whole numbers only, the same as in ``firmware/follower.c``: lengths are counts of 64 um and end
+  at 2 m, further than any brake or look ahead; angles 2**16 a turn (``fixed_point``); speeds
+  eighths of mm/s. Turning is half the difference of the wheels' speeds, "spin", positive to the
+  left. No clock, no I/O: one :meth:`Follower.step` per control cycle.
 """
 
 from __future__ import annotations
@@ -16,47 +17,70 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from firmware_protocol.drive_settings import DriveConstants, DriveSettings
 from firmware_protocol.fixed_point import (
+    HALF_TURN,
     Place,
     angle_of,
+    aside,
     between,
+    clip,
     measured,
     mrad,
+    part_of,
     root,
-    scale,
+    sine,
     turned,
-    wrapped,
 )
 from firmware_protocol.pose_estimate import RobotPose
 from firmware_protocol.waypoint_record import HEADING_FREE, Target
 
+
+def length(micrometres: int) -> int:
+    """A count of 64 um."""
+    return micrometres // 64
+
+
 TURN_ENTER: Final = mrad(800)
 TURN_STANDING: Final = mrad(200)
 """A robot that stands turns first where it would otherwise swing out."""
-STANDING_Q10: Final = 20 << 10
+STANDING: Final = 20 * 8
 TURN_EXIT: Final = mrad(40)
-PASS_RADIUS_UM: Final = 5_000
+PASS_RADIUS: Final = length(5_000)
 """A waypoint without a radius of its own counts as passed within this distance."""
-START_RADIUS_UM: Final = 20_000
+START_RADIUS: Final = length(20_000)
 """The first waypoint after START counts as passed within this distance: a plan begins where
 the robot stood a moment ago."""
-STOP_TOLERANCE_UM: Final = 3_000
-TURNED_TOLERANCE_UM: Final = 4_500
+STOP_TOLERANCE: Final = length(3_000)
+TURNED_TOLERANCE: Final = length(4_500)
 HEADING_TOLERANCE: Final = mrad(6)
 SETTLE_US: Final = 250_000
+STOOD_UM: Final = 1_000
+"""A robot that travels further while it settles does not stand: 4 mm/s. One late step of both
+encoders, 250 um, is no movement."""
+CLEARLY_UM: Final = 2_000
+"""What counts as the travel of wheels that clearly turn."""
 STUCK_US: Final = 3_000_000
+PROGRESS: Final = 12
+"""Of 256 um: 3 mm."""
+PROGRESS_ANGLE: Final = mrad(30)
 DOCK_ATTEMPTS: Final = 8
-CRAWL_Q10: Final = 10 << 10
-DOCK_SPEED_Q10: Final = 60 << 10
+CRAWL: Final = 10 * 8
+DOCK_SPEED: Final = 60 * 8
 DOCK_BEARING: Final = mrad(150)
-SHORT_UM: Final = 1_000
+SIDEWAYS: Final = length(900)
+DOCKED: Final = length(700)
+SHORT: Final = length(1_000)
 """A line shorter than this has no direction."""
-FAR_UM: Final = 1 << 28
-"""268 m; a line counts as no longer."""
-BRAKES_FAR_UM: Final = 0x3FFFFF
+NOWHERE: Final = length(128)
+"""A line shorter than this is none."""
+FAR: Final = 32_000
+"""2 m; a length counts as no longer."""
+MOST_SPIN: Final = 2_000 * 8
+BEND_MAX: Final = 0x7FFF
 
 
 class Phase(IntEnum):
@@ -96,11 +120,11 @@ class _Sight(NamedTuple):
 
     leg: tuple[int, int]
     """Length and direction."""
-    distance_um: int
+    distance: int
     """Of the robot from the waypoint."""
-    remaining_um: int
+    remaining: int
     """Along the leg; negative behind the waypoint."""
-    beside_um: int
+    beside: int
     """Beside the leg, or behind its beginning."""
 
 
@@ -110,16 +134,19 @@ class Follower:
     def __init__(self, settings: DriveSettings) -> None:
         self.constants = DriveConstants.of(settings)
         self.phase = Phase.TRACK
-        self.speed_q10 = 0
-        self.spin_q10 = 0
+        self.speed = 0
+        self.spin = 0
         self._bend = 0
         """Spin over speed, times 16384: as steered last."""
+        self._dt_us = 0
         self._from = Place(0, 0)
         self._from_speed_mm_s = 0
         self._first = True
         self._attempts = 0
         self._docking = False
         self._still_us = 0
+        self._stood_um = 0
+        """Travelled while standing."""
         self._progress = RobotPose(Place(0, 0), 0)
         self._progress_us = 0
 
@@ -134,59 +161,66 @@ class Follower:
 
     def halt(self, dt_us: int, pose: RobotPose, targets: Sequence[Target]) -> Step:
         """A stop under control: slow down, along the line as long as there is one."""
-        if self.speed_q10 <= 0 or self.phase is not Phase.TRACK:
-            self._stand(0, dt_us)
-            return Step()
+        self._dt_us = dt_us
+        if self.speed <= 0 or self.phase is not Phase.TRACK:
+            self._stand()
+            return _NOTHING
         executed, sight = self._pass_waypoints(pose, targets)
         if sight is not None and self.phase is Phase.TRACK:
             self._steer(pose, targets[executed:], sight)
-        self._drive_along(0, dt_us)
+        self._drive_along(0)
         return Step(executed)
 
     def freeze(self) -> None:
         """An emergency stop: zero at once."""
-        self.speed_q10 = self.spin_q10 = 0
+        self.speed = self.spin = 0
 
-    def step(self, dt_us: int, pose: RobotPose, still: bool, targets: Sequence[Target]) -> Step:
+    def step(
+        self, dt_us: int, pose: RobotPose, ahead_um: int | None, targets: Sequence[Target]
+    ) -> Step:
         """One control cycle towards ``targets``, of which the first is next.
 
-        ``still``: the wheels stand, as their encoders say.
+        ``ahead_um``: what the wheels have travelled in it; None where they clearly turn.
         """
+        self._dt_us = dt_us
         executed, sight = self._pass_waypoints(pose, targets)
-        targets = targets[executed:]
-        trouble = None
         if sight is None:
             self._progress_us = 0
-            self._stand(0, dt_us)
+            self._stand()
             return Step(executed)
+        targets = targets[executed:] if executed else targets
+        target, trouble = targets[0], None
         match self.phase:
             case Phase.TRACK | Phase.TURN:
-                trouble = self._track(dt_us, pose, targets, sight)
+                trouble = self._track(pose, targets, sight)
             case Phase.SETTLE:
-                self._settle(dt_us, still, targets[0], sight)
+                if self._has_settled(ahead_um, target, sight, STOP_TOLERANCE):
+                    self.phase = Phase.DWELL if target.heading == HEADING_FREE else Phase.ALIGN
             case Phase.DOCK:
-                self._dock(dt_us, pose, targets[0])
+                self._dock(pose, target)
             case Phase.ALIGN:
-                self._align(dt_us, pose, still, targets[0], sight)
+                self._align(pose, ahead_um, target, sight)
             case Phase.DWELL:
-                self._stand(0, dt_us)
+                self._stand()
                 self._still_us += dt_us
-                if self._still_us > targets[0].dwell * 100_000:
+                if self._still_us >= target.dwell * 100_000:
                     executed += 1
                     self.phase = Phase.TRACK
-                    self._leave(targets[0])
-        stuck = trouble is None and (self._attempts > DOCK_ATTEMPTS or self._is_stuck(dt_us, pose))
-        return Step(executed, Trouble.STUCK if stuck else trouble)
+                    self._leave(target)
+        if trouble is None and (self._attempts > DOCK_ATTEMPTS or self._is_stuck(pose)):
+            trouble = Trouble.STUCK
+        return Step(executed, trouble) if executed or trouble else _NOTHING
 
     # The line.
 
     def _look(self, pose: RobotPose, target: Target) -> _Sight:
-        distance, _ = measured(*between(pose.place, target.place))
-        length, direction = measured(*between(self._from, target.place))
-        if length < SHORT_UM // 10:
-            return _Sight((length, direction), distance, 0, 0)
-        along, beside = turned(*between(self._from, pose.place), wrapped(-direction))
-        return _Sight((length, direction), distance, length - along, max(abs(beside), -along))
+        leg = leg_between(self._from, target.place)
+        distance, bearing = measured(*between(target.place, pose.place))
+        if leg[0] < NOWHERE:
+            return _Sight(leg, clip(distance >> 4, FAR), 0, 0)
+        x, y = turned(distance, 0, bearing - leg[1])
+        remaining, beside = -clip(x >> 4, FAR), abs(clip(y >> 4, FAR))
+        return _Sight(leg, clip(distance >> 4, FAR), remaining, max(beside, remaining - leg[0]))
 
     def _pass_waypoints(
         self, pose: RobotPose, targets: Sequence[Target]
@@ -199,178 +233,162 @@ class Follower:
             if self.phase > Phase.TURN:
                 return passed, sight
             if target.flags:
-                if self._first and sight.distance_um <= START_RADIUS_UM:
+                if self._first and sight.distance <= START_RADIUS:
                     self.phase = Phase.SETTLE
                 return passed, sight
-            radius = max(target.acceptance * 100, PASS_RADIUS_UM)
-            if self._first:
-                radius = max(radius, START_RADIUS_UM)
+            radius = max(target.acceptance * 25 >> 4, PASS_RADIUS)
             if passed + 1 < len(targets) and _next_leg(sight.leg, target, targets[passed + 1])[0]:
-                radius = START_RADIUS_UM if self._first else STOP_TOLERANCE_UM
-            if sight.distance_um > radius and sight.remaining_um > 0:
+                radius = STOP_TOLERANCE
+            if self._first:
+                radius = max(radius, START_RADIUS)
+            if sight.distance > radius and sight.remaining > 0:
                 return passed, sight
             self._leave(target)
             self._first = False
             passed += 1
         return passed, None
 
-    def _track(
-        self, dt_us: int, pose: RobotPose, targets: Sequence[Target], sight: _Sight
-    ) -> Trouble | None:
-        if targets[0].flags and sight.remaining_um <= SHORT_UM:
+    def _track(self, pose: RobotPose, targets: Sequence[Target], sight: _Sight) -> Trouble | None:
+        if targets[0].flags and sight.remaining <= SHORT:
             self.phase = Phase.SETTLE
-            self._stand(0, dt_us)
+            self._stand()
             return None
-        if sight.beside_um > self.constants.max_deviation_um:
+        if sight.beside > self.constants.max_deviation:
             return Trouble.OFF_PATH
         speed, off = self._steer(pose, targets, sight)
-        enter = TURN_STANDING if self.speed_q10 < STANDING_Q10 else TURN_ENTER
-        if abs(off) > (TURN_EXIT if self.phase is Phase.TURN else enter):
+        enter = TURN_STANDING if self.speed < STANDING else TURN_ENTER
+        if aside(off) > (TURN_EXIT if self.phase is Phase.TURN else enter):
             self.phase = Phase.TURN
-            self._stand(self._turn_towards(off), dt_us)
+            self._turn_towards(off)
             return None
         self.phase = Phase.TRACK
         self._first = False
-        self._drive_along(max(speed, CRAWL_Q10), dt_us)
+        self._drive_along(max(speed, CRAWL))
         return None
 
     def _steer(self, pose: RobotPose, targets: Sequence[Target], sight: _Sight) -> tuple[int, int]:
         """Steer to the pursued point (``_bend``); the speed allowed, and the point's bearing."""
-        pursued, speed = self._walk(targets, sight)
-        distance, bearing = measured(*between(pose.place, pursued))
-        off = wrapped(bearing - pose.heading)
-        _, sine = turned(32768, 0, abs(off) if off != -0x80000000 else off)
+        constants = self.constants
+        pursued, square, stop = self._walk(pose, targets, sight)
+        distance, bearing = measured(*pursued)
+        off = bearing - (pose.heading >> 16) & 0xFFFF
         # pure pursuit: the bend is twice the bearing's sine over the distance
-        bend = (self.constants.track_eighths * _unsigned(sine) >> 1) // max(1, distance >> 3)
-        bend = min(bend, 0xFFFF)
-        self._bend = -bend if off < 0 else bend
-        coarse = bend >> 4
-        if coarse:
-            speed = min(
-                speed,
-                root(self.constants.bend_limit // coarse) * 1024,
-                (self.constants.max_spin_mm_s << 20) // coarse,
-            )
-        return speed, off
+        bend = constants.track * sine(aside(off)) // (clip(distance >> 4, FAR) or 1)
+        bend = min(bend, BEND_MAX)
+        self._bend = -bend if off & HALF_TURN else bend
+        coarse = (bend >> 4) + 1
+        speed = approach(min(square, constants.bend_limit // coarse), stop)
+        return min(speed, (constants.max_spin_mm_s << 13) // coarse), off
 
-    def _walk(self, targets: Sequence[Target], sight: _Sight) -> tuple[Place, int]:
-        """Along the line ahead: the point that is pursued, and what speed the waypoints allow.
+    def _walk(
+        self, pose: RobotPose, targets: Sequence[Target], sight: _Sight
+    ) -> tuple[tuple[int, int], int, int]:
+        """Along the line ahead: the way to the pursued point, and what the waypoints allow: the
+        square of the speed in mm/s, and the way to a stop, 0xFFFF where there is none yet.
 
         Each waypoint allows its own speed plus what the brakes take back on the way there.
         """
         constants = self.constants
-        lookahead = constants.lookahead_um
-        lookahead += scale(abs(self.speed_q10), constants.lookahead_ms) * 64
+        lookahead = constants.lookahead + (abs(self.speed) * constants.lookahead_ms >> 9)
         either = max(self._from_speed_mm_s, targets[0].speed_mm_s)
         fast = constants.max_speed_mm_s
         # a line is driven at the speed of its faster end
         fast = min(fast, either) if either else fast
         square = fast * fast
-        leg, ahead = sight.leg, sight.remaining_um
-        pursued: Place | None = None
+        leg, ahead = sight.leg, max(0, sight.remaining)
+        pursued: tuple[int, int] | None = None
         for index, target in enumerate(targets):
             corner, following = False, leg
             last = index + 1 >= len(targets) or target.flags != 0
             if not last:
                 corner, following = _next_leg(leg, target, targets[index + 1])
             last = last or corner
-            ahead = max(0, min(FAR_UM, ahead))
-            if pursued is None and (last or ahead >= lookahead):
-                dx, dy = turned(lookahead - ahead, 0, leg[1])
-                pursued = Place(wrapped(target.place.x_um + dx), wrapped(target.place.y_um + dy))
             allowed = braked(ahead, constants.brake_mm_s2)
-            if last:
-                assert pursued is not None
-                return pursued, approach(min(allowed, square), ahead)
-            if pursued is not None and allowed >= square:
-                return pursued, root(square) * 1024
+            if pursued is None and (last or ahead >= lookahead):
+                dx, dy = turned((lookahead - ahead) * 16, 0, leg[1])
+                x, y = between(pose.place, target.place)
+                pursued = x + dx, y + dy
+            if pursued is not None and (last or allowed >= square):
+                return pursued, min(allowed, square), ahead if last else 0xFFFF
             square = min(square, allowed + target.speed_mm_s * target.speed_mm_s)
-            ahead += following[0]
+            ahead = min(FAR, ahead + following[0])
             leg = following
         raise AssertionError("a line without an end")
 
     # The stop.
 
-    def _stands_long_enough(self, dt_us: int, still: bool) -> bool:
-        self._stand(0, dt_us)
-        if not still or self.speed_q10 != 0 or self.spin_q10 != 0:
+    def _has_settled(
+        self, ahead_um: int | None, target: Target, sight: _Sight, tolerance: int
+    ) -> bool:
+        """Whether the robot has stood long enough, and stands near enough; otherwise it docks."""
+        self._stand()
+        stood_um = self._stood_um if self._still_us else 0
+        stood_um += ahead_um if ahead_um is not None else CLEARLY_UM
+        if abs(stood_um) > STOOD_UM or self.speed != 0 or self.spin != 0:
             self._still_us = 0
             return False
-        self._still_us += dt_us
-        return self._still_us >= SETTLE_US
-
-    def _is_there(self, target: Target, sight: _Sight, tolerance_um: int) -> bool:
-        """Whether the robot stands near enough; otherwise it docks."""
+        self._stood_um = stood_um
+        self._still_us += self._dt_us
+        if self._still_us < SETTLE_US:
+            return False
         self._still_us = 0
-        if sight.distance_um <= max(target.acceptance * 100, tolerance_um):
+        if sight.distance <= max(target.acceptance * 25 >> 4, tolerance):
             return True
         self.phase, self._docking = Phase.DOCK, False
         self._attempts += 1
         return False
 
-    def _settle(self, dt_us: int, still: bool, target: Target, sight: _Sight) -> None:
-        if self._stands_long_enough(dt_us, still) and self._is_there(
-            target, sight, STOP_TOLERANCE_UM
-        ):
-            self.phase = Phase.DWELL if target.heading == HEADING_FREE else Phase.ALIGN
-
-    def _dock(self, dt_us: int, pose: RobotPose, target: Target) -> None:
+    def _dock(self, pose: RobotPose, target: Target) -> None:
         """Drive straight to the target, forwards or backwards, turning towards it first."""
-        forward, sideways = turned(*between(pose.place, target.place), wrapped(-pose.heading))
-        back = forward < 0
+        x, y = turned(*between(pose.place, target.place), -(pose.heading >> 16))
+        back = x < 0
         if back:
-            forward, sideways = -forward, -sideways
-        if not self._docking and abs(sideways) > STOP_TOLERANCE_UM * 3 // 10:
-            _, off = measured(forward, sideways)
-            if abs(off) > DOCK_BEARING:
-                self._stand(self._turn_towards(off), dt_us)
+            x, y = -x, -y
+        forward = clip(x >> 4, FAR)
+        if not self._docking and abs(clip(y >> 4, FAR)) > SIDEWAYS:
+            _, off = measured(x, y)
+            if aside(off) > DOCK_BEARING:
+                self._turn_towards(off)
                 return
         self._docking = True
-        if forward < 700:
-            self._stand(0, dt_us)
+        if forward < DOCKED:
+            self._stand()
             self.phase, self._still_us = Phase.SETTLE, 0
             return
-        speed = max(CRAWL_Q10, min(DOCK_SPEED_Q10, 4 * forward))
-        self._slew_speed(-speed if back else speed, dt_us)
-        self._slew_spin(0, dt_us)
+        speed = max(CRAWL, min(DOCK_SPEED, 2 * forward))
+        self._move(-speed if back else speed, 0)
 
-    def _align(
-        self, dt_us: int, pose: RobotPose, still: bool, target: Target, sight: _Sight
-    ) -> None:
-        off = wrapped(angle_of(target.heading) - pose.heading)
-        if abs(off) > HEADING_TOLERANCE:
+    def _align(self, pose: RobotPose, ahead_um: int | None, target: Target, sight: _Sight) -> None:
+        off = angle_of(target.heading) - (pose.heading >> 16) & 0xFFFF
+        if aside(off) > HEADING_TOLERANCE:
             self._still_us = 0
-            self._stand(self._turn_towards(off), dt_us)
-        elif self._stands_long_enough(dt_us, still) and self._is_there(
-            target, sight, TURNED_TOLERANCE_UM
-        ):
+            self._turn_towards(off)
+        elif self._has_settled(ahead_um, target, sight, TURNED_TOLERANCE):
             self.phase = Phase.DWELL
 
     # Both.
 
-    def _turn_towards(self, off: int) -> int:
-        arc_um = scale(self.constants.perimeter_um, abs(off) >> 16)
-        spin = approach(braked(arc_um, self.constants.spin_brake_mm_s2), arc_um)
-        spin = max(min(spin, self.constants.max_spin_mm_s * 1024), self.constants.min_spin_q10)
-        return -spin if off < 0 else spin
+    def _turn_towards(self, off: int) -> None:
+        constants = self.constants
+        arc = part_of(constants.perimeter, aside(off))
+        spin = approach(braked(arc, constants.spin_brake_mm_s2), arc)
+        spin = max(min(spin, constants.max_spin_mm_s * 8), constants.min_spin)
+        self._move(0, -spin if off & HALF_TURN else spin)
 
-    def _slew_speed(self, wanted: int, dt_us: int) -> None:
-        """Move the commanded speed towards this, no faster than the settings allow."""
-        step = dt_us * self.constants.speed_per_cycle >> 12
-        self.speed_q10 += max(-step, min(step, wanted - self.speed_q10))
+    def _move(self, speed: int, spin: int) -> None:
+        """Move the commanded speeds towards these, no faster than the settings allow."""
+        step = self._dt_us * self.constants.speed_per_cycle >> 16
+        self.speed += clip(speed - self.speed, step)
+        step = self._dt_us * self.constants.spin_per_cycle >> 16
+        self.spin += clip(spin - self.spin, step)
 
-    def _slew_spin(self, wanted: int, dt_us: int) -> None:
-        step = dt_us * self.constants.spin_per_cycle >> 12
-        self.spin_q10 += max(-step, min(step, wanted - self.spin_q10))
+    def _stand(self) -> None:
+        self._move(0, 0)
 
-    def _stand(self, spin: int, dt_us: int) -> None:
-        self._slew_speed(0, dt_us)
-        self._slew_spin(spin, dt_us)
-
-    def _drive_along(self, speed: int, dt_us: int) -> None:
-        self._slew_speed(speed, dt_us)
-        spin = scale(self.speed_q10, abs(self._bend)) * 4
-        self._slew_spin(-spin if self._bend < 0 else spin, dt_us)
+    def _drive_along(self, speed: int) -> None:
+        step = self._dt_us * self.constants.speed_per_cycle >> 16
+        self.speed += clip(speed - self.speed, step)
+        self._move(self.speed, clip(self.speed * self._bend >> 14, MOST_SPIN))
 
     def _leave(self, target: Target) -> None:
         """``target`` is executed: the line to the next one begins there."""
@@ -383,18 +401,28 @@ class Follower:
         self._still_us = 0
         self._docking = False
 
-    def _is_stuck(self, dt_us: int, pose: RobotPose) -> bool:
+    def _is_stuck(self, pose: RobotPose) -> bool:
         was = self._progress
         if (
             self.phase in (Phase.SETTLE, Phase.DWELL)
-            or abs(wrapped(pose.place.x_um - was.place.x_um)) > 3_000
-            or abs(wrapped(pose.place.y_um - was.place.y_um)) > 3_000
-            or abs(wrapped(pose.heading - was.heading)) > mrad(30)
+            or aside((pose.place.x_um >> 8) - (was.place.x_um >> 8)) > PROGRESS
+            or aside((pose.place.y_um >> 8) - (was.place.y_um >> 8)) > PROGRESS
+            or aside((pose.heading >> 16) - (was.heading >> 16)) > PROGRESS_ANGLE
         ):
             self._progress, self._progress_us = pose, 0
             return False
-        self._progress_us += dt_us
+        self._progress_us += self._dt_us
         return self._progress_us > STUCK_US
+
+
+_NOTHING: Final = Step()
+
+
+@lru_cache(maxsize=4096)
+def leg_between(start: Place, end: Place) -> tuple[int, int]:
+    """Length and direction of the line from one place to another."""
+    distance, direction = measured(*between(start, end))
+    return clip(distance >> 4, FAR), direction
 
 
 def _next_leg(
@@ -404,29 +432,25 @@ def _next_leg(
 
     A short leg keeps the direction of the one before.
     """
-    length, direction = measured(*between(target.place, following.place))
-    if length < SHORT_UM:
-        direction = leg[1]
-    corner = leg[0] >= SHORT_UM and abs(wrapped(direction - leg[1])) > TURN_ENTER
-    return corner, (length, direction)
+    leg_length, direction = ahead = leg_between(target.place, following.place)
+    if leg_length < SHORT:
+        return False, (leg_length, leg[1])
+    return leg[0] >= SHORT and aside(direction - leg[1]) > TURN_ENTER, ahead
 
 
-def braked(distance_um: int, brake_mm_s2: int) -> int:
+def braked(distance: int, brake_mm_s2: int) -> int:
     """The square of the speed in mm/s that brakes take back within a distance.
 
     Brakes are believed to be 2 % weaker than they are, so that a thousand may be 1024.
     """
-    return ((min(distance_um, BRAKES_FAR_UM) >> 6) * brake_mm_s2) >> 4
+    return distance * brake_mm_s2 >> 4
 
 
-def approach(square: int, distance_um: int) -> int:
+def approach(square: int, distance: int) -> int:
     """The speed towards a stop, from the square of what the brakes allow.
 
     The square root alone would arrive with a jerk that slow motors cannot follow, so near the
     stop the speed is four times the distance left, a second.
     """
-    return min(root(square) * 1024, 4 * distance_um)
-
-
-def _unsigned(number: int) -> int:
-    return number & 0xFFFFFFFF
+    speed = root(square) * 8
+    return distance << 1 if distance < speed >> 1 else speed

@@ -3,7 +3,7 @@
 ``RobotController`` knows no bytes: ``robot_connection`` feeds it with messages and reports
 its state. Time is the robot's own clock in seconds, passed in; distances are metres, as the
 wheel encoders measure them. Inside are whole numbers, the same as in ``firmware/robot.c``:
-microseconds, micrometres, mm/s times 1024. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
+microseconds, micrometres, eighths of mm/s. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 from firmware_protocol.crc import crc32c
 from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.fixed_point import scale, wrapped
+from firmware_protocol.fixed_point import clip, scale, wrapped
 from firmware_protocol.follower import Follower, Trouble
 from firmware_protocol.messages import (
     CommandResult,
@@ -31,7 +31,6 @@ from firmware_protocol.mission import mission_seed
 from firmware_protocol.pose_estimate import PoseEstimate
 from firmware_protocol.robot_state import TRANSITIONS, RobotEvent
 from firmware_protocol.waypoint_record import Target
-from firmware_protocol.wire_values import saturated
 
 QUEUE_SIZE: Final = 32
 LEASE_MAX_US: Final = 500_000
@@ -44,11 +43,13 @@ LEAP_UM: Final = 1 << 20
 CYCLE_MAX_US: Final = 60_000
 """A cycle that took longer moves the commands no further than this."""
 SMOOTHING_US: Final = 30_000
-STANDING_Q10: Final = 9 << 10
-"""One step of both encoders (250 um) reads as 8.3 mm/s: a late one is no movement."""
-Q10_PER_M: Final = 1_024_000
-"""Speeds inside are mm/s times 1024."""
-_SPEED_MAX: Final = 32_767
+EIGHTHS_PER_M: Final = 8_000
+"""Speeds inside are eighths of mm/s."""
+MOVING: Final = 2
+"""What is slower does not move: a quarter of a millimetre a second."""
+TURNING: Final = 9 * 8
+"""One late step of both encoders reads as 8.3 mm/s; from here on the wheels clearly turn."""
+_MOST: Final = 32_767
 
 
 class WheelSpeeds(NamedTuple):
@@ -77,8 +78,10 @@ class RobotController:
         self.prefix_crc = mission_seed(0)
         self.exec_crc = mission_seed(0)
         self.done = False
-        self._speed_q10 = 0
-        self._spin_q10 = 0
+        self.news = False
+        """Something that STATUS should tell at once; whoever tells it sets this back."""
+        self._speed = 0
+        self._spin = 0
         self.wheels = _OFF
         """What the motors are to do now: as :meth:`step` said, or zero since an e-stop."""
         self._records: deque[bytes] = deque(maxlen=QUEUE_SIZE)
@@ -206,27 +209,28 @@ class RobotController:
         else:
             dt_us = max(0, min(CYCLE_MAX_US, now_us - self._step_us))
         self._step_us = now_us
-        ahead_um = (left + right) >> 1
+        ahead_um = left + ((right - left) >> 1)
         turn = wrapped((right - left) * self.follower.constants.angle_per_um)
         self.estimate.advance(ahead_um, turn, now_us)
-        if dt_us > 0:
-            self._measure(dt_us, ahead_um, (right - left) >> 1)
+        self._measure(dt_us, ahead_um, (right - left) >> 1)
         self._watch(now_us)
         if self.state is RobotState.ESTOP:
             return self.wheels
         targets, pose = tuple(self._targets), self.estimate.now
         if self.state is RobotState.RUN:
-            still = abs(self._speed_q10) < STANDING_Q10
-            step = self.follower.step(dt_us, pose, still, targets)
+            turning = abs(self._speed) >= TURNING
+            step = self.follower.step(dt_us, pose, None if turning else ahead_um, targets)
             self._execute(step.executed)
             if step.trouble is not None and self.state is RobotState.RUN:
                 self._change(RobotEvent.HALT, _TROUBLE[step.trouble])
         else:
             step = self.follower.halt(dt_us, pose, targets)
             self._execute(step.executed)
-        speed, spin = self.follower.speed_q10, self.follower.spin_q10
+        speed, spin = self.follower.speed, self.follower.spin
         powered = bool(speed or spin) or self.state in (RobotState.RUN, RobotState.HOLD)
-        self.wheels = WheelSpeeds((speed - spin) / Q10_PER_M, (speed + spin) / Q10_PER_M, powered)
+        self.wheels = WheelSpeeds(
+            (speed - spin) / EIGHTHS_PER_M, (speed + spin) / EIGHTHS_PER_M, powered
+        )
         return self.wheels
 
     def tick(self, now_s: float) -> None:
@@ -238,7 +242,7 @@ class RobotController:
     def status_flags(self, now_s: float) -> StatusFlag:
         """The flags of STATUS."""
         flags = StatusFlag.NONE
-        if self._speed_q10 or self._spin_q10:
+        if abs(self._speed) > MOVING or abs(self._spin) > MOVING:
             flags |= StatusFlag.MOVING
         if self._lease_runs(_us(now_s)):
             flags |= StatusFlag.LEASE_VALID
@@ -255,13 +259,12 @@ class RobotController:
     @property
     def speed_m_s(self) -> float:
         """Measured at the wheels, to the wire's resolution."""
-        return saturated((self._speed_q10 + 512) >> 10, _SPEED_MAX) / 1000
+        return ((self._speed + 4) >> 3) / 1000
 
     @property
     def turn_rad_s(self) -> float:
         """The same for turning."""
-        turning = scale(self._spin_q10, self.follower.constants.turning_per_spin)
-        return saturated(turning, _SPEED_MAX) / 1000
+        return clip(self._spin * self.follower.constants.turning_per_spin >> 8, _MOST) / 1000
 
     def lease_left_s(self, now_s: float) -> float:
         """How long the lease still runs, in whole milliseconds."""
@@ -309,12 +312,11 @@ class RobotController:
         return max(-LEAP_UM, min(LEAP_UM, travel_um))
 
     def _measure(self, dt_us: int, ahead_um: int, spin_um: int) -> None:
-        part = dt_us * 35790 >> 14 if dt_us < SMOOTHING_US else 0xFFFF
-        # 34.1 is 1.024 over 30 ms
-        self._speed_q10 += ahead_um * 34 - scale(self._speed_q10, part)
-        self._spin_q10 += spin_um * 34 - scale(self._spin_q10, part)
-        if abs(self._speed_q10) < 102 and abs(self._spin_q10) < 62:
-            self._speed_q10 = self._spin_q10 = 0
+        part = dt_us * 35790 >> 16 if dt_us < SMOOTHING_US else 1 << 14
+        # 17/64 is 8 over 30
+        speed, spin = self._speed, self._spin
+        self._speed = clip(speed + (ahead_um * 17 >> 6) - scale(speed, part), _MOST)
+        self._spin = clip(spin + (spin_um * 17 >> 6) - scale(spin, part), _MOST)
 
     def _execute(self, count: int) -> None:
         for _ in range(count):
@@ -323,7 +325,7 @@ class RobotController:
             self.exec_crc = crc32c(record, self.exec_crc)
             self.exec_next += 1
             if record[-1] & WaypointFlag.END:
-                self.done = True
+                self.done = self.news = True
                 self._change(RobotEvent.DONE, StopReason.MISSION_DONE)
 
     def _forget_mission(self, mission: int) -> None:
@@ -333,6 +335,7 @@ class RobotController:
         self.accept_next = self.exec_next = 0
         self.prefix_crc = self.exec_crc = mission_seed(mission)
         self.done = self._ended = False
+        self.news = True
 
     def _change(self, event: RobotEvent, reason: StopReason) -> None:
         state = TRANSITIONS.get((self.state, event))
@@ -342,6 +345,7 @@ class RobotController:
         self.state = state
         if not kept:
             self.reason = reason
+            self.news = True
 
 
 _TROUBLE: Final = {Trouble.OFF_PATH: StopReason.OFF_PATH, Trouble.STUCK: StopReason.STUCK}

@@ -90,7 +90,6 @@ class RobotConnection:
         self._nak_s = -math.inf
         self._sync: tuple[int, int] | None = None
         self._status_s = -math.inf
-        self._told: tuple[object, ...] = ()
 
     # Bytes in.
 
@@ -201,6 +200,7 @@ class RobotConnection:
 
     def _answer(self, command: int, result: CommandResult) -> None:
         self._command, self._result = command, result
+        self.controller.news = True
 
     # Bytes out.
 
@@ -224,7 +224,7 @@ class RobotConnection:
             return self._frame(TimeSyncReply(sent_us, received_us, _clock_us(now_s)))
         if self._status_due(now_s):
             self._status_s = now_s
-            self._told = self._news()
+            self.controller.news = False
             return self._frame(self.status(now_s))
         return b""
 
@@ -232,12 +232,7 @@ class RobotConnection:
         waited_s = now_s - self._status_s
         if waited_s >= STATUS_INTERVAL_S:
             return True
-        return waited_s >= STATUS_SPACING_S and self._news() != self._told
-
-    def _news(self) -> tuple[object, ...]:
-        """What is worth a STATUS before its time."""
-        control = self.controller
-        return (control.state, control.reason, self._command, control.mission, control.done)
+        return waited_s >= STATUS_SPACING_S and self.controller.news
 
     def status(self, now_s: float) -> Status:
         """The robot's present state."""

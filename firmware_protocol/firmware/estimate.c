@@ -2,134 +2,98 @@
 
 #include <string.h>
 
-#define HEADING_GAIN 13107u /* of 65536: a fifth */
-#define DRIFT_MAX 419904l   /* 0.6 rad/m */
-#define HISTORY_STEP_US 40000ul
+#define DRIFT_MAX 419904ul /* 0.6 rad/m */
+#define HISTORY_STEP 156u  /* 40 ms */
 #define JUMP_UM 150000ul
-#define JUMP_ANGLE 5215u /* 0.5 rad, of 65536 */
 #define JUMPS_BELIEVED 5u
 
-void cw_estimate_init(cw_estimate *estimate)
+static void add(int32_t *to, const int32_t *by)
 {
-    memset(estimate, 0, sizeof *estimate);
-}
-
-void cw_estimate_advance(cw_estimate *estimate, int32_t travel_um, int32_t turn, uint32_t now_us)
-{
-    cw_pose *pose = &estimate->pose;
-    cw_past *history = estimate->history;
-    if (travel_um != 0 || turn != 0) {
-        cw_vector step;
-        int32_t drift = estimate->drift >> 4;
-        int32_t drifted = cw_scale(travel_um, (uint16_t)cw_size(drift)) * 1024;
-        turn = drift < 0 ? cw_difference(turn, drifted) : cw_sum(turn, drifted);
-        step.x = travel_um;
-        step.y = 0;
-        step.angle = cw_sum(pose->heading, turn >> 1);
-        cw_turn(&step);
-        estimate->travel_um = cw_sum(estimate->travel_um, travel_um);
-        pose->place.x_um = cw_sum(pose->place.x_um, step.x);
-        pose->place.y_um = cw_sum(pose->place.y_um, step.y);
-        pose->heading = cw_sum(pose->heading, turn);
-    }
-    if (estimate->kept == 0u || now_us - history->time_us >= HISTORY_STEP_US) {
-        memmove(history + 1, history, sizeof *history * (CW_HISTORY - 1u));
-        history->pose = *pose;
-        history->time_us = now_us;
-        if (estimate->kept < CW_HISTORY) {
-            estimate->kept++;
-        }
+    uint8_t i;
+    for (i = 0; i < 3u; i++) {
+        to[i] = cw_sum(to[i], by[i]);
     }
 }
 
-/* A part of the way from `from` towards `to`. */
-static int32_t blended(int32_t from, int32_t to, uint16_t part)
+void cw_estimate_advance(cw_estimate *estimate, int32_t travel_um, int32_t turn, uint16_t now)
 {
-    return cw_sum(from, cw_scale(cw_difference(to, from), part));
+    cw_past *past = estimate->history;
+    int32_t step[3];
+    if ((uint16_t)(past->time - past[1].time) >= HISTORY_STEP) {
+        memmove(past + 1, past, sizeof *past * (CW_HISTORY - 1u));
+    }
+    estimate->travel_um = cw_sum(estimate->travel_um, travel_um);
+    step[0] = travel_um;
+    step[1] = 0;
+    step[2] = cw_sum(
+        turn,
+        (int32_t)((uint32_t)cw_scale(travel_um, (int16_t)(estimate->drift >> 4)) << 8));
+    cw_turn(step, (uint16_t)(cw_sum(estimate->pose[2], step[2] >> 1) >> 16));
+    add(estimate->pose, step);
+    add(estimate->moved, step);
+    past->moved[0] = (uint16_t)(estimate->moved[0] >> 8);
+    past->moved[1] = (uint16_t)(estimate->moved[1] >> 8);
+    past->moved[2] = (uint16_t)(estimate->moved[2] >> 16);
+    past->time = now;
 }
 
-/* The estimate at a past time, interpolated; false where it is forgotten. */
-static bool pose_then(const cw_estimate *estimate, uint32_t time_us, uint32_t now_us,
-                      cw_pose *out_pose)
+bool cw_estimate_correct(cw_estimate *estimate, const int32_t seen[3], uint32_t seen_us)
 {
     const cw_past *past = estimate->history;
-    uint8_t left = estimate->kept;
-    *out_pose = estimate->pose;
-    for (; left > 0u; left--, past++) {
-        uint32_t since_us = time_us - past->time_us;
-        uint32_t span_us = now_us - past->time_us;
-        if ((int32_t)since_us >= 0) {
-            uint16_t part = 0xFFFFu;
-            while (span_us > 0xFFFFu) {
-                span_us >>= 1;
-                since_us >>= 1;
-            }
-            if (since_us < span_us) {
-                part = (uint16_t)((since_us << 16) / span_us);
-            }
-            out_pose->place.x_um = blended(past->pose.place.x_um, out_pose->place.x_um, part);
-            out_pose->place.y_um = blended(past->pose.place.y_um, out_pose->place.y_um, part);
-            out_pose->heading = blended(past->pose.heading, out_pose->heading, part);
-            return true;
+    int32_t shift[3];
+    int16_t since, turn;
+    int16_t part = 0;
+    bool near = true;
+    uint8_t i = CW_HISTORY;
+    while ((since = (int16_t)((uint16_t)(seen_us >> 8) - past->time)) < 0) {
+        if (--i == 0u) {
+            return false; /* forgotten */
         }
-        *out_pose = past->pose;
-        now_us = past->time_us;
+        past++;
     }
-    return estimate->kept == 0u || (int32_t)(time_us + HISTORY_STEP_US - now_us) >= 0;
-}
-
-/* Turn a pose about a place and shift it: the motion between both is kept. */
-static void move_about(cw_pose *pose, cw_place about, const cw_vector *shift)
-{
-    cw_vector arm;
-    cw_between(about, pose->place, &arm);
-    arm.angle = shift->angle;
-    cw_turn(&arm);
-    pose->place.x_um = cw_sum(cw_sum(about.x_um, shift->x), arm.x);
-    pose->place.y_um = cw_sum(cw_sum(about.y_um, shift->y), arm.y);
-    pose->heading = cw_sum(pose->heading, shift->angle);
-}
-
-bool cw_estimate_correct(cw_estimate *estimate, const cw_pose *seen, uint32_t age_us,
-                         uint32_t now_us)
-{
-    cw_pose then;
-    cw_vector shift;
-    int16_t turn;
-    uint8_t i;
-    age_us = now_us - age_us; /* when the camera saw it */
-    if (!pose_then(estimate, age_us, now_us, &then)) {
-        return false;
+    if (past != estimate->history) {
+        part = (int16_t)(((uint32_t)(uint16_t)since << 14) /
+                         (uint16_t)(past[-1].time - past->time));
     }
-    cw_between(then.place, seen->place, &shift);
-    shift.angle = cw_difference(seen->heading, then.heading);
-    turn = (int16_t)(shift.angle >> 16);
+    /* what the wheels have done since is laid on top of what was seen */
+    for (i = 0; i < 3u; i++) {
+        uint16_t before = past->moved[i];
+        uint32_t limit = JUMP_UM;
+        uint8_t up = 8;
+        if (i == 2u) {
+            limit = (uint32_t)CW_MRAD(500) << 16;
+            up = 16;
+        }
+        if (part != 0) {
+            before = (uint16_t)(before + cw_scale((int16_t)(past[-1].moved[i] - before), part));
+        }
+        before = (uint16_t)(estimate->history->moved[i] - before);
+        shift[i] = cw_sum(cw_difference(seen[i], estimate->pose[i]),
+                          (int32_t)((uint32_t)(int32_t)(int16_t)before << up));
+        if (cw_size(shift[i]) > limit) {
+            near = false;
+        }
+    }
     if (estimate->known) {
-        uint16_t turn_size = (uint16_t)cw_size(turn);
-        if (cw_size(shift.x) > JUMP_UM || cw_size(shift.y) > JUMP_UM || turn_size > JUMP_ANGLE) {
-            estimate->jumps++;
-            if (estimate->jumps < JUMPS_BELIEVED) {
-                return false;
+        if (near) {
+            turn = (int16_t)(shift[2] >> 16);
+            estimate->travel_um =
+                estimate->drift + (cw_scale(estimate->travel_um, turn) >> 1);
+            if (cw_size(estimate->travel_um) <= DRIFT_MAX) {
+                estimate->drift = estimate->travel_um;
             }
-        } else {
-            int32_t learned = cw_scale(estimate->travel_um, turn_size);
-            learned = estimate->drift + 2 * (turn < 0 ? -learned : learned);
-            estimate->drift = learned > DRIFT_MAX    ? DRIFT_MAX
-                              : learned < -DRIFT_MAX ? -DRIFT_MAX
-                                                     : learned;
-            shift.x = (shift.x + 2) >> 2;
-            shift.y = (shift.y + 2) >> 2;
-            shift.angle = cw_scale(shift.angle, HEADING_GAIN);
+            for (i = 0; i < 3u; i++) {
+                shift[i] = (shift[i] + 2) >> 2;
+            }
+        } else if (++estimate->jumps < JUMPS_BELIEVED) {
+            return false;
         }
     }
+    add(estimate->pose, shift);
     estimate->jumps = 0;
     estimate->travel_um = 0;
-    move_about(&estimate->pose, then.place, &shift);
-    for (i = 0; i < estimate->kept; i++) {
-        move_about(&estimate->history[i].pose, then.place, &shift);
-    }
-    if (!estimate->fix_recent || (int32_t)(age_us - estimate->fix_us) > 0) {
-        estimate->fix_us = age_us;
+    if (!estimate->fix_recent || (int32_t)(seen_us - estimate->fix_us) > 0) {
+        estimate->fix_us = seen_us;
     }
     estimate->known = true;
     estimate->fix_recent = true;

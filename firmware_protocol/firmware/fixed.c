@@ -2,21 +2,42 @@
 
 #include "flash.h"
 
-#define STEPS 16u
-#define GAIN 39797u            /* 65536 over the length that the steps add */
-#define LARGE 0x10000000ul     /* 2^28: what a vector is blown up to */
-#define FAR 0x8000000l         /* 2^27 times 4 um: 536 m */
-#define HALF_TURN ((int32_t)-2147483647l - 1l)
+/* Odd polynomials on 0..1, the coefficients fitted for the least largest error: the sine of a
+ * quarter turn, and the arc tangent as a part of an eighth of a turn. */
+static const uint16_t sine_series[3] CW_IN_FLASH = {51455u, 42078u, 4709u};
+static const uint16_t arc_series[3] CW_IN_FLASH = {41528u, 24095u, 6627u};
 
-/* atan(2^-i) as binary angles. */
-static const int32_t step_angles[STEPS] CW_IN_FLASH = {
-    536870912l, 316933406l, 167458907l, 85004756l, 42667331l, 21354465l, 10679838l, 5340245l,
-    2670163l,   1335087l,   667544l,    333772l,   166886l,   83443l,    41722l,    20861l};
-
-int32_t cw_scale(int32_t a, uint16_t part)
+uint32_t cw_size(int32_t a)
 {
-    uint32_t low = (uint32_t)(uint16_t)a * part;
-    return (int32_t)(int16_t)(a >> 16) * (int32_t)part + (int32_t)((low + 0x8000u) >> 16);
+    return a < 0 ? 0ul - (uint32_t)a : (uint32_t)a;
+}
+
+uint16_t cw_short_size(int16_t a)
+{
+    return a < 0 ? (uint16_t)(0u - (uint16_t)a) : (uint16_t)a;
+}
+
+int16_t cw_clip(int32_t a, int16_t most)
+{
+    if (a > most) {
+        return most;
+    }
+    if (a < -most) {
+        return (int16_t)-most;
+    }
+    return (int16_t)a;
+}
+
+uint16_t cw_part(uint16_t a, uint16_t part)
+{
+    return (uint16_t)((uint32_t)a * part >> 16);
+}
+
+int32_t cw_scale(int32_t a, int16_t part)
+{
+    int32_t low = (int32_t)(uint16_t)a * part;
+    int32_t high = (int32_t)(int16_t)(a >> 16) * part;
+    return (int32_t)((uint32_t)high << 2) + ((low + 0x2000) >> 14);
 }
 
 uint16_t cw_root(uint32_t square)
@@ -33,75 +54,74 @@ uint16_t cw_root(uint32_t square)
     return root;
 }
 
-static int32_t apart(int32_t from, int32_t to)
+/* z (c0 - z^2 (c1 - z^2 c2)), of 32768; z of 65536. */
+static uint16_t series(uint16_t z, const uint16_t *c)
 {
-    /* in quarters first, where no difference overflows */
-    int32_t coarse = (to >> 2) - (from >> 2);
-    if (coarse >= FAR) {
-        return FAR * 4;
-    }
-    if (coarse <= -FAR) {
-        return -FAR * 4;
-    }
-    return to - from;
+    uint16_t square = cw_part(z, z);
+    uint16_t inner = (uint16_t)(CW_FLASH_SHORT(c + 1) - cw_part(square, CW_FLASH_SHORT(c + 2)));
+    return cw_part(z, (uint16_t)(CW_FLASH_SHORT(c) - (cw_part(square, inner) >> 1)));
 }
 
-void cw_between(cw_place from, cw_place to, cw_vector *out_vector)
+int16_t cw_sine(uint16_t angle)
 {
-    out_vector->x = apart(from.x_um, to.x_um);
-    out_vector->y = apart(from.y_um, to.y_um);
-    out_vector->angle = 0;
-}
-
-/* Volder's algorithm (CORDIC, 1959): turns by atan(2^-i) need additions and shifts only. */
-static void turn(cw_vector *vector, bool measure)
-{
-    int32_t x = vector->x;
-    int32_t y = vector->y;
-    int32_t angle = vector->angle;
-    uint32_t half = 0;
-    uint8_t i, up = 0;
-    if ((x | y) == 0) {
-        return;
-    }
-    while ((cw_size(x) | cw_size(y)) < LARGE) {
-        x += x;
-        y += y;
-        up++;
-    }
-    if (measure ? x < 0 : cw_size(angle) > 0x40000000ul) {
-        x = -x;
-        y = -y;
-        angle = cw_sum(angle, HALF_TURN);
-    }
-    for (i = 0; i < STEPS; i++) {
-        int32_t dx = y >> i;
-        int32_t dy = x >> i;
-        int32_t step = (int32_t)CW_FLASH_WORD(&step_angles[i]);
-        if (measure ? y < 0 : angle >= 0) {
-            dx = -dx;
-            dy = -dy;
-            step = -step;
+    uint16_t up = (uint16_t)(angle << 1); /* half a turn is 65536 */
+    int16_t sine;
+    if ((up & 0x8000u) != 0u) {
+        up = (uint16_t)(0u - up);
+        if ((up & 0x8000u) != 0u) {
+            up--;
         }
-        x += dx;
-        y -= dy;
-        angle = cw_sum(angle, step);
     }
-    if (up > 0u) {
-        half = (uint32_t)1u << (up - 1u);
-    }
-    vector->x = (cw_scale(x, GAIN) + (int32_t)half) >> up;
-    vector->y = (cw_scale(y, GAIN) + (int32_t)half) >> up;
-    vector->angle = angle;
+    sine = (int16_t)((uint16_t)(series((uint16_t)(up << 1), sine_series) + 1u) >> 1);
+    return (angle & 0x8000u) != 0u ? (int16_t)-sine : sine;
 }
 
-void cw_turn(cw_vector *vector)
+void cw_between(const int32_t *from, const int32_t *to, int32_t *out_vector)
 {
-    turn(vector, false);
+    uint8_t i;
+    for (i = 0; i < 2u; i++) {
+        out_vector[i] = (to[i] >> 2) - (from[i] >> 2);
+    }
 }
 
-void cw_measure(cw_vector *vector)
+void cw_turn(int32_t *vector, uint16_t angle)
 {
-    vector->angle = 0;
-    turn(vector, true);
+    int16_t sine = cw_sine(angle);
+    int16_t cosine = cw_sine((uint16_t)(angle + 0x4000u));
+    int32_t x = vector[0];
+    int32_t y = vector[1];
+    vector[0] = cw_scale(x, cosine) - cw_scale(y, sine);
+    vector[1] = cw_scale(x, sine) + cw_scale(y, cosine);
+}
+
+uint16_t cw_measure(int32_t *vector)
+{
+    uint32_t large = cw_size(vector[0]);
+    uint32_t small = cw_size(vector[1]);
+    uint16_t angle = 0xFFFFu;
+    bool steep = small > large;
+    if (steep) {
+        uint32_t other = large;
+        large = small;
+        small = other;
+    }
+    while (large > 0xFFFFu) {
+        large >>= 1;
+        small >>= 1;
+    }
+    if (small != large) {
+        angle = (uint16_t)((small << 16) / large);
+    }
+    angle = (uint16_t)((uint16_t)(series(angle, arc_series) + 2u) >> 2);
+    if (steep) {
+        angle = (uint16_t)(0x4000u - angle);
+    }
+    if (vector[0] < 0) {
+        angle = (uint16_t)(0x8000u - angle);
+    }
+    if (vector[1] < 0) {
+        angle = (uint16_t)(0u - angle);
+    }
+    cw_turn(vector, (uint16_t)(0u - angle));
+    return angle;
 }

@@ -6,77 +6,98 @@
 
 #define TURN_ENTER CW_MRAD(800)
 #define TURN_STANDING CW_MRAD(200)
-#define STANDING_Q10 20480l /* 20 mm/s */
 #define TURN_EXIT CW_MRAD(40)
-#define PASS_RADIUS_UM 5000
-#define START_RADIUS_UM 20000
-#define STOP_TOLERANCE_UM 3000
-#define TURNED_TOLERANCE_UM 4500
 #define HEADING_TOLERANCE CW_MRAD(6)
-#define SETTLE_US 250000ul
-#define STUCK_US 3000000ul
-#define DOCK_ATTEMPTS 8u
-#define CRAWL_Q10 10240l
-#define DOCK_SPEED_Q10 61440l
 #define DOCK_BEARING CW_MRAD(150)
-#define SHORT_UM 1000 /* a line shorter than this has no direction */
-
-#define FAR_UM 0x10000000l /* 268 m; a line counts as no longer */
+#define STANDING (20 * 8)
+#define CRAWL (10 * 8)
+#define DOCK_SPEED (60 * 8)
+#define LENGTH(um) ((um) / 64)
+#define PASS_RADIUS LENGTH(5000)
+#define START_RADIUS LENGTH(20000)
+#define STOP_TOLERANCE LENGTH(3000)
+#define TURNED_TOLERANCE LENGTH(4500)
+#define SIDEWAYS LENGTH(900)
+#define DOCKED LENGTH(700)
+#define SHORT LENGTH(1000)  /* a line shorter than this has no direction */
+#define NOWHERE LENGTH(128) /* a line shorter than this is none */
+#define FAR 32000           /* 2 m */
+#define MOST_SPIN (2000 * 8)
+#define SETTLE_US 250000ul
+#define STOOD_UM 1000u /* in that time: 4 mm/s */
+#define STUCK_US 3000000ul
+#define PROGRESS 12u /* of 256 um */
+#define DOCK_ATTEMPTS 8u
 
 /* Of the settings; a compiler that knows them computes these. */
 #define TRACK_HUNDREDTHS (cw_robot_settings.track_um / 100u)
 #define SPIN_OF(milliradians) ((uint32_t)(milliradians) * TRACK_HUNDREDTHS / 20000u) /* mm/s */
-#define MAX_SPIN_MM_S SPIN_OF(cw_robot_settings.max_turn_mrad_s)
+#define MAX_SPIN_MM_S ((uint16_t)SPIN_OF(cw_robot_settings.max_turn_mrad_s))
 #define SPIN_BRAKE_MM_S2 ((uint16_t)SPIN_OF(cw_robot_settings.turn_acceleration_mrad_s2))
 #define BRAKE_MM_S2 ((uint16_t)((uint32_t)cw_robot_settings.acceleration_mm_s2 * 8u / 5u))
-#define PERIMETER_UM ((int32_t)(TRACK_HUNDREDTHS * 31416u / 100u)) /* of a turn on the spot */
-#define MIN_SPIN_Q10 ((int32_t)TRACK_HUNDREDTHS)                   /* 20 mrad/s */
-#define PER_CYCLE(mm_s2) ((uint16_t)((uint32_t)(mm_s2) * 4194u / 1000u))
+#define TRACK ((uint16_t)LENGTH(cw_robot_settings.track_um))
+#define PERIMETER ((uint16_t)(TRACK_HUNDREDTHS * 31416u / 6400u)) /* of a turn on the spot */
+#define MIN_SPIN ((int16_t)(TRACK_HUNDREDTHS / 128u + 1u))         /* 20 mrad/s */
+#define PER_CYCLE(mm_s2) ((uint16_t)((uint32_t)(mm_s2) * 4194u / 8000u))
 #define BEND_LIMIT                                                                               \
     ((uint32_t)cw_robot_settings.lateral_mm_s2 * (cw_robot_settings.track_um / 2000u) * 1024u)
 
-/* The way to the waypoint at the queue's head, and where the robot is on it. */
-typedef struct {
-    cw_vector leg;        /* x: its length, angle: its direction */
-    int32_t distance_um;  /* of the robot from the waypoint */
-    int32_t remaining_um; /* along the leg; negative behind the waypoint */
-    int32_t beside_um;    /* beside the leg, or behind its beginning */
-} sight;
-
-static void look(const cw_follower *follower, const cw_pose *pose, cw_place at, sight *out)
+/* Quarters as a length. */
+static int16_t length_of(int32_t quarters)
 {
-    cw_vector vector;
-    cw_between(pose->place, at, &vector);
-    cw_measure(&vector);
-    out->distance_um = vector.x;
-    cw_between(follower->from, at, &out->leg);
-    cw_measure(&out->leg);
-    out->remaining_um = 0;
-    out->beside_um = 0;
-    if (out->leg.x >= SHORT_UM / 10) {
-        cw_between(follower->from, pose->place, &vector);
-        vector.angle = cw_difference(0, out->leg.angle);
-        cw_turn(&vector);
-        out->remaining_um = out->leg.x - vector.x;
-        out->beside_um = vector.y < 0 ? -vector.y : vector.y;
-        if (-vector.x > out->beside_um) {
-            out->beside_um = -vector.x;
+    return cw_clip(quarters >> 4, FAR);
+}
+
+static uint16_t heading_of(const int32_t *pose)
+{
+    return (uint16_t)(pose[2] >> 16);
+}
+
+static uint16_t aside(uint16_t angle)
+{
+    return cw_short_size((int16_t)angle);
+}
+
+static void look(cw_follower *follower, const int32_t *pose, const int32_t *at)
+{
+    int32_t vector[2];
+    uint16_t bearing;
+    cw_between(follower->from, at, vector);
+    follower->leg.direction = cw_measure(vector);
+    follower->leg.length = (uint16_t)length_of(vector[0]);
+    cw_between(at, pose, vector);
+    bearing = cw_measure(vector);
+    follower->distance = length_of(vector[0]);
+    follower->remaining = 0;
+    follower->beside = 0;
+    if (follower->leg.length >= NOWHERE) {
+        vector[1] = 0;
+        cw_turn(vector, (uint16_t)(bearing - follower->leg.direction));
+        follower->remaining = (int16_t)-length_of(vector[0]);
+        follower->beside = (int16_t)cw_short_size(length_of(vector[1]));
+        if (follower->remaining > 0 &&
+            follower->remaining - (int16_t)follower->leg.length > follower->beside) {
+            follower->beside = (int16_t)(follower->remaining - (int16_t)follower->leg.length);
         }
     }
 }
 
-/* Whether the line bends at the end of `leg`, on the way to waypoint `next`, too much to be
- * driven; `leg` becomes the way there. A short one keeps the direction of the one before. */
-static bool next_leg(cw_vector *leg, const cw_waypoint *at, const cw_waypoint *next)
+/* Whether the line bends at the end of a leg, on the way to the next waypoint, too much to be
+ * driven; the leg becomes the way there. A short one keeps the direction of the one before. */
+static bool next_leg(cw_leg *leg, const cw_waypoint *at, const cw_waypoint *next)
 {
-    bool was_short = leg->x < SHORT_UM;
-    int32_t before = leg->angle;
-    cw_between(at->place, next->place, leg);
-    cw_measure(leg);
-    if (leg->x < SHORT_UM) {
-        leg->angle = before;
+    int32_t vector[2];
+    bool was_short = leg->length < SHORT;
+    uint16_t before = leg->direction;
+    uint16_t direction;
+    cw_between(at->place, next->place, vector);
+    direction = cw_measure(vector);
+    leg->length = (uint16_t)length_of(vector[0]);
+    if (leg->length < SHORT) {
+        return false;
     }
-    return !was_short && cw_size(cw_difference(leg->angle, before)) > (uint32_t)TURN_ENTER;
+    leg->direction = direction;
+    return !was_short && aside((uint16_t)(direction - before)) > TURN_ENTER;
 }
 
 static void new_target(cw_follower *follower)
@@ -88,9 +109,17 @@ static void new_target(cw_follower *follower)
 
 static void leave(cw_follower *follower, const cw_waypoint *at)
 {
-    follower->from = at->place;
+    memcpy(follower->from, at->place, sizeof follower->from);
     follower->from_speed_mm_s = at->speed_mm_s;
     new_target(follower);
+}
+
+static void progress(cw_follower *follower, const int32_t *pose)
+{
+    follower->progress[0] = (uint16_t)(pose[0] >> 8);
+    follower->progress[1] = (uint16_t)(pose[1] >> 8);
+    follower->progress[2] = heading_of(pose);
+    follower->progress_us = 0;
 }
 
 void cw_follower_init(cw_follower *follower)
@@ -99,125 +128,115 @@ void cw_follower_init(cw_follower *follower)
     follower->first = true;
 }
 
-void cw_follower_begin(cw_follower *follower, const cw_pose *pose)
+void cw_follower_begin(cw_follower *follower, const int32_t *pose)
 {
     follower->phase = CW_PHASE_TRACK;
-    follower->from = pose->place;
+    memcpy(follower->from, pose, sizeof follower->from);
     follower->from_speed_mm_s = 0;
     follower->first = true;
     new_target(follower);
-    follower->progress = *pose;
-    follower->progress_us = 0;
-}
-
-void cw_follower_freeze(cw_follower *follower)
-{
-    follower->speed_q10 = 0;
-    follower->spin_q10 = 0;
+    progress(follower, pose);
 }
 
 /* Speeds. */
 
-static void slew(int32_t *speed, int32_t wanted, uint16_t dt_us, uint16_t per_cycle)
+static void slew(int16_t *speed, int16_t wanted, uint16_t dt_us, uint16_t per_cycle)
 {
-    int32_t step = (int32_t)((uint32_t)dt_us * per_cycle >> 12);
-    int32_t change = wanted - *speed;
-    *speed += change > step ? step : change < -step ? -step : change;
+    *speed = (int16_t)(*speed +
+                       cw_clip((int32_t)wanted - *speed, (int16_t)cw_part(dt_us, per_cycle)));
 }
 
-static void slew_speed(cw_follower *follower, int32_t speed_q10, uint16_t dt_us)
+static void slew_speed(cw_follower *follower, int16_t speed)
 {
-    slew(&follower->speed_q10, speed_q10, dt_us,
+    slew(&follower->speed, speed, follower->dt_us,
          PER_CYCLE(cw_robot_settings.acceleration_mm_s2));
 }
 
-static void slew_spin(cw_follower *follower, int32_t spin_q10, uint16_t dt_us)
+static void slew_spin(cw_follower *follower, int16_t spin)
 {
-    slew(&follower->spin_q10, spin_q10, dt_us, PER_CYCLE(SPIN_BRAKE_MM_S2));
+    slew(&follower->spin, spin, follower->dt_us, PER_CYCLE(SPIN_BRAKE_MM_S2));
 }
 
-static void stand(cw_follower *follower, int32_t spin_q10, uint16_t dt_us)
+static void move(cw_follower *follower, int16_t speed, int16_t spin)
 {
-    slew_speed(follower, 0, dt_us);
-    slew_spin(follower, spin_q10, dt_us);
+    slew_speed(follower, speed);
+    slew_spin(follower, spin);
 }
 
-static void drive_along(cw_follower *follower, int32_t speed_q10, uint16_t dt_us)
+static void stand(cw_follower *follower)
 {
-    int32_t bend = follower->bend;
-    int32_t spin;
-    slew_speed(follower, speed_q10, dt_us);
-    spin = cw_scale(follower->speed_q10, (uint16_t)cw_size(bend)) * 4;
-    slew_spin(follower, bend < 0 ? -spin : spin, dt_us);
+    move(follower, 0, 0);
+}
+
+static void drive_along(cw_follower *follower, int16_t speed)
+{
+    slew_speed(follower, speed);
+    slew_spin(follower, cw_clip((int32_t)follower->speed * follower->bend >> 14, MOST_SPIN));
 }
 
 /* The square of the speed in mm/s that brakes take back within a distance; brakes are believed
  * to be 2 % weaker than they are, so that a thousand may be 1024. */
-static uint32_t braked(int32_t distance_um, uint16_t brake_mm_s2)
+static uint32_t braked(uint16_t distance, uint16_t brake_mm_s2)
 {
-    if (distance_um > 0x3FFFFF) {
-        distance_um = 0x3FFFFF; /* 4 m */
-    }
-    return ((uint32_t)(uint16_t)(distance_um >> 6) * brake_mm_s2) >> 4;
+    return (uint32_t)distance * brake_mm_s2 >> 4;
 }
 
 /* The speed towards a stop: the square root alone would arrive with a jerk that slow motors
  * cannot follow, so near it the speed is four times the distance left, a second. */
-static int32_t approach(uint32_t square, int32_t distance_um)
+static int16_t approach(uint32_t square, uint16_t distance)
 {
-    int32_t speed = (int32_t)cw_root(square) * 1024;
-    if (distance_um < 0x1000000 && distance_um * 4 < speed) {
-        speed = distance_um * 4;
+    uint16_t speed = (uint16_t)(cw_root(square) << 3);
+    if (distance < speed >> 1) {
+        speed = (uint16_t)(distance << 1);
     }
-    return speed;
+    return (int16_t)speed;
 }
 
-static int32_t turn_towards(int32_t off)
+static void turn_towards(cw_follower *follower, uint16_t off)
 {
-    uint16_t part = (uint16_t)(cw_size(off) >> 16);
-    int32_t arc_um = cw_scale(PERIMETER_UM, part);
-    int32_t spin = approach(braked(arc_um, SPIN_BRAKE_MM_S2), arc_um);
-    if (spin > (int32_t)(MAX_SPIN_MM_S * 1024u)) {
-        spin = (int32_t)(MAX_SPIN_MM_S * 1024u);
+    uint16_t arc = cw_part(PERIMETER, aside(off));
+    int16_t spin = approach(braked(arc, SPIN_BRAKE_MM_S2), arc);
+    if (spin > (int16_t)(MAX_SPIN_MM_S * 8u)) {
+        spin = (int16_t)(MAX_SPIN_MM_S * 8u);
     }
-    if (spin < MIN_SPIN_Q10) {
-        spin = MIN_SPIN_Q10;
+    if (spin < MIN_SPIN) {
+        spin = MIN_SPIN;
     }
-    return off < 0 ? -spin : spin;
+    move(follower, 0, (off & 0x8000u) != 0u ? (int16_t)-spin : spin);
 }
 
 /* Following the line. */
 
-static uint8_t pass_waypoints(cw_follower *follower, const cw_pose *pose, cw_queue *queue,
-                              sight *out)
+static uint8_t pass_waypoints(cw_follower *follower, const int32_t *pose, cw_queue *queue)
 {
     uint8_t passed = 0;
     while (passed < queue->count) {
         const cw_waypoint *at = cw_queue_at(queue, passed);
-        int32_t radius = (int32_t)at->acceptance * 100;
-        look(follower, pose, at->place, out);
+        uint16_t radius;
+        cw_leg leg;
+        look(follower, pose, at->place);
         if (follower->phase > CW_PHASE_TURN) {
             break;
         }
         if (at->flags != 0u) {
-            if (follower->first && out->distance_um <= START_RADIUS_UM) {
+            if (follower->first && follower->distance <= START_RADIUS) {
                 follower->phase = CW_PHASE_SETTLE;
             }
             break;
         }
-        if (radius < PASS_RADIUS_UM) {
-            radius = PASS_RADIUS_UM;
+        radius = cw_radius(at);
+        if (radius < PASS_RADIUS) {
+            radius = PASS_RADIUS;
         }
-        if (follower->first && radius < START_RADIUS_UM) {
-            radius = START_RADIUS_UM;
+        leg = follower->leg;
+        if (passed + 1u < queue->count &&
+            next_leg(&leg, at, cw_queue_at(queue, (uint8_t)(passed + 1u)))) {
+            radius = STOP_TOLERANCE;
         }
-        if (passed + 1u < queue->count) {
-            cw_vector leg = out->leg;
-            if (next_leg(&leg, at, cw_queue_at(queue, (uint8_t)(passed + 1u)))) {
-                radius = follower->first ? START_RADIUS_UM : STOP_TOLERANCE_UM;
-            }
+        if (follower->first && radius < START_RADIUS) {
+            radius = START_RADIUS;
         }
-        if (out->distance_um > radius && out->remaining_um > 0) {
+        if ((uint16_t)follower->distance > radius && follower->remaining > 0) {
             break;
         }
         leave(follower, at);
@@ -230,144 +249,126 @@ static uint8_t pass_waypoints(cw_follower *follower, const cw_pose *pose, cw_que
 /* Walk along the line ahead: find the point that is pursued, steer to it (`bend`), and see what
  * speed the waypoints allow here, each its own plus what the brakes take back. Returns the speed
  * towards the line's next stop; `out_off` is the bearing of the pursued point. */
-static int32_t steer(cw_follower *follower, const cw_pose *pose, cw_queue *queue, uint8_t begin,
-                     const sight *seen, int32_t *out_off)
+static int16_t steer(cw_follower *follower, const int32_t *pose, cw_queue *queue, uint8_t begin,
+                     uint16_t *out_off)
 {
     const cw_waypoint *at = cw_queue_at(queue, begin);
-    cw_vector leg = seen->leg, point;
-    cw_place pursued;
+    int32_t to[2];
     bool found = false;
-    int32_t ahead_um = seen->remaining_um;
-    int32_t lookahead_um =
-        (int32_t)cw_robot_settings.lookahead_mm * 1000 +
-        (int32_t)cw_scale((int32_t)cw_size(follower->speed_q10), cw_robot_settings.lookahead_ms) *
-            64;
+    uint16_t ahead = follower->remaining < 0 ? 0u : (uint16_t)follower->remaining;
+    uint16_t lookahead =
+        (uint16_t)(LENGTH(cw_robot_settings.lookahead_mm * 1000ul) +
+                   ((uint32_t)cw_short_size(follower->speed) * cw_robot_settings.lookahead_ms >> 9));
     uint16_t fast = cw_robot_settings.max_speed_mm_s;
     uint16_t either = follower->from_speed_mm_s > at->speed_mm_s ? follower->from_speed_mm_s
                                                                  : at->speed_mm_s;
-    uint32_t square, bend;
-    int32_t speed;
+    uint32_t square, allowed;
+    uint16_t speed, bend, distance;
+    bool last;
     if (either != 0u && either < fast) {
         fast = either; /* a line is driven at the speed of its faster end */
     }
     square = (uint32_t)fast * fast;
-    pursued = at->place;
     for (;;) {
-        cw_vector next = leg;
-        const cw_waypoint *after = cw_queue_at(queue, (uint8_t)(begin + 1u));
-        bool last = begin + 1u >= queue->count || at->flags != 0u || next_leg(&next, at, after);
-        uint32_t allowed;
-        if (ahead_um < 0) {
-            ahead_um = 0;
-        } else if (ahead_um > FAR_UM) {
-            ahead_um = FAR_UM;
-        }
-        if (!found && (last || ahead_um >= lookahead_um)) {
+        const cw_waypoint *after = cw_queue_at(queue, ++begin);
+        uint16_t direction = follower->leg.direction;
+        last = begin >= queue->count || at->flags != 0u ||
+               next_leg(&follower->leg, at, after);
+        if (!found && (last || ahead >= lookahead)) {
+            int32_t point[2];
             found = true;
-            point.x = lookahead_um - ahead_um;
-            point.y = 0;
-            point.angle = leg.angle;
-            cw_turn(&point);
-            pursued.x_um = cw_sum(at->place.x_um, point.x);
-            pursued.y_um = cw_sum(at->place.y_um, point.y);
+            point[0] = ((int32_t)lookahead - ahead) * 16;
+            point[1] = 0;
+            cw_turn(point, direction);
+            cw_between(pose, at->place, to);
+            to[0] += point[0];
+            to[1] += point[1];
         }
-        allowed = braked(ahead_um, BRAKE_MM_S2);
-        if (last) {
-            speed = approach(allowed < square ? allowed : square, ahead_um);
-            break;
-        }
-        if (found && allowed >= square) {
-            speed = (int32_t)cw_root(square) * 1024;
+        allowed = braked(ahead, BRAKE_MM_S2);
+        if (last || (found && allowed >= square)) {
             break;
         }
         allowed += (uint32_t)at->speed_mm_s * at->speed_mm_s;
         if (allowed < square) {
             square = allowed;
         }
-        ahead_um += next.x;
-        leg = next;
+        ahead = (uint16_t)(ahead + follower->leg.length);
+        if (ahead > FAR) {
+            ahead = FAR;
+        }
         at = after;
-        begin++;
     }
-    cw_between(pose->place, pursued, &point);
-    cw_measure(&point);
-    *out_off = cw_difference(point.angle, pose->heading);
-    square = (uint32_t)point.x >> 3;
-    if (square == 0u) {
-        square = 1;
+    if (allowed < square) {
+        square = allowed;
     }
-    point.x = 32768;
-    point.y = 0;
-    point.angle = (int32_t)cw_size(*out_off);
-    cw_turn(&point);
+    *out_off = (uint16_t)(cw_measure(to) - heading_of(pose));
+    distance = (uint16_t)length_of(to[0]);
     /* pure pursuit: the bend is twice the bearing's sine over the distance */
-    bend = ((cw_robot_settings.track_um >> 3) * (uint32_t)point.y >> 1) / square;
-    if (bend > 0xFFFFu) {
-        bend = 0xFFFFu;
+    allowed = (uint32_t)TRACK * (uint16_t)cw_sine(aside(*out_off));
+    if (distance != 0u) {
+        allowed /= distance;
     }
-    follower->bend = *out_off < 0 ? -(int32_t)bend : (int32_t)bend;
-    bend >>= 4;
-    if (bend != 0u) {
-        uint32_t limit = (uint32_t)cw_root(BEND_LIMIT / bend) * 1024u;
-        if ((uint32_t)speed > limit) {
-            speed = (int32_t)limit;
-        }
-        limit = (MAX_SPIN_MM_S << 20) / bend;
-        if ((uint32_t)speed > limit) {
-            speed = (int32_t)limit;
-        }
-    }
-    return speed;
+    bend = allowed > 0x7FFFu ? 0x7FFFu : (uint16_t)allowed;
+    follower->bend = (*out_off & 0x8000u) != 0u ? (int16_t)-(int16_t)bend : (int16_t)bend;
+    bend = (uint16_t)((bend >> 4) + 1u);
+    allowed = BEND_LIMIT / bend;
+    speed = (uint16_t)approach(allowed < square ? allowed : square, last ? ahead : 0xFFFFu);
+    allowed = ((uint32_t)MAX_SPIN_MM_S << 13) / bend;
+    return (int16_t)(speed > allowed ? (uint16_t)allowed : speed);
 }
 
-static cw_trouble track(cw_follower *follower, uint16_t dt_us, const cw_pose *pose,
-                        cw_queue *queue, uint8_t begin, const sight *seen)
+static cw_trouble track(cw_follower *follower, const int32_t *pose, cw_queue *queue, uint8_t begin)
 {
-    int32_t off, speed, enter;
-    if (cw_queue_at(queue, begin)->flags != 0u && seen->remaining_um <= SHORT_UM) {
+    int16_t speed;
+    uint16_t off, enter;
+    if (cw_queue_at(queue, begin)->flags != 0u && follower->remaining <= SHORT) {
         follower->phase = CW_PHASE_SETTLE;
-        stand(follower, 0, dt_us);
+        stand(follower);
         return CW_TROUBLE_NONE;
     }
-    if (seen->beside_um > (int32_t)cw_robot_settings.max_deviation_mm * 1000) {
+    if (follower->beside > (int16_t)LENGTH(cw_robot_settings.max_deviation_mm * 1000ul)) {
         return CW_TROUBLE_OFF_PATH;
     }
-    speed = steer(follower, pose, queue, begin, seen, &off);
-    enter = follower->speed_q10 < STANDING_Q10 ? TURN_STANDING : TURN_ENTER;
+    speed = steer(follower, pose, queue, begin, &off);
+    enter = follower->speed < STANDING ? TURN_STANDING : TURN_ENTER;
     if (follower->phase == CW_PHASE_TURN) {
         enter = TURN_EXIT;
     }
-    if (cw_size(off) > (uint32_t)enter) {
+    if (aside(off) > enter) {
         follower->phase = CW_PHASE_TURN;
-        stand(follower, turn_towards(off), dt_us);
+        turn_towards(follower, off);
         return CW_TROUBLE_NONE;
     }
     follower->phase = CW_PHASE_TRACK;
     follower->first = false;
-    drive_along(follower, speed > CRAWL_Q10 ? speed : CRAWL_Q10, dt_us);
+    drive_along(follower, speed > CRAWL ? speed : CRAWL);
     return CW_TROUBLE_NONE;
 }
 
 /* Stopping. */
 
-static bool stands_long_enough(cw_follower *follower, uint16_t dt_us, bool still)
+/* Whether the robot has stood long enough, and whether it stands near enough; otherwise it
+ * docks. */
+static bool has_settled(cw_follower *follower, int32_t ahead_um, const cw_waypoint *at,
+                        uint16_t tolerance)
 {
-    stand(follower, 0, dt_us);
-    if (!still || follower->speed_q10 != 0 || follower->spin_q10 != 0) {
+    uint16_t radius = cw_radius(at);
+    stand(follower);
+    if (follower->still_us == 0u) {
+        follower->stood_um = 0;
+    }
+    ahead_um += follower->stood_um;
+    if (cw_size(ahead_um) > STOOD_UM || follower->speed != 0 || follower->spin != 0) {
         follower->still_us = 0;
         return false;
     }
-    follower->still_us += dt_us;
-    return follower->still_us >= SETTLE_US;
-}
-
-/* Whether the robot stands near enough; otherwise it docks. */
-static bool is_there(cw_follower *follower, const cw_waypoint *at, const sight *seen,
-                     int32_t tolerance_um)
-{
-    int32_t radius = (int32_t)at->acceptance * 100;
+    follower->stood_um = (int16_t)ahead_um;
+    follower->still_us += follower->dt_us;
+    if (follower->still_us < SETTLE_US) {
+        return false;
+    }
     follower->still_us = 0;
-    if (seen->distance_um <= (radius > tolerance_um ? radius : tolerance_um)) {
+    if ((uint16_t)follower->distance <= (radius > tolerance ? radius : tolerance)) {
         return true;
     }
     follower->phase = CW_PHASE_DOCK;
@@ -376,130 +377,116 @@ static bool is_there(cw_follower *follower, const cw_waypoint *at, const sight *
     return false;
 }
 
-static void settle(cw_follower *follower, uint16_t dt_us, bool still, const cw_waypoint *at,
-                   const sight *seen)
-{
-    if (stands_long_enough(follower, dt_us, still) &&
-        is_there(follower, at, seen, STOP_TOLERANCE_UM)) {
-        follower->phase = at->heading == CW_HEADING_FREE ? CW_PHASE_DWELL : CW_PHASE_ALIGN;
-    }
-}
-
 /* Drive straight to the target, forwards or backwards, turning towards it first. */
-static void dock(cw_follower *follower, uint16_t dt_us, const cw_pose *pose, cw_place place)
+static void dock(cw_follower *follower, const int32_t *pose, const int32_t *place)
 {
-    cw_vector to;
-    int32_t speed, off;
+    int32_t to[2];
+    int16_t ahead, speed;
+    uint16_t beside, off;
     bool back;
-    cw_between(pose->place, place, &to);
-    to.angle = cw_difference(0, pose->heading);
-    cw_turn(&to);
-    back = to.x < 0;
+    cw_between(pose, place, to);
+    cw_turn(to, (uint16_t)(0u - heading_of(pose)));
+    back = to[0] < 0;
     if (back) {
-        to.x = -to.x;
-        to.y = -to.y;
+        to[0] = -to[0];
+        to[1] = -to[1];
     }
-    if (!follower->docking && cw_size(to.y) > STOP_TOLERANCE_UM * 3 / 10) {
-        cw_vector copy = to;
-        cw_measure(&copy);
-        off = copy.angle;
-        if (cw_size(off) > (uint32_t)DOCK_BEARING) {
-            stand(follower, turn_towards(off), dt_us);
-            return;
-        }
+    ahead = length_of(to[0]);
+    beside = cw_short_size(length_of(to[1]));
+    off = cw_measure(to);
+    if (!follower->docking && beside > SIDEWAYS && aside(off) > DOCK_BEARING) {
+        turn_towards(follower, off);
+        return;
     }
     follower->docking = true;
-    if (to.x < 700) {
-        stand(follower, 0, dt_us);
+    if (ahead < DOCKED) {
+        stand(follower);
         follower->phase = CW_PHASE_SETTLE;
         follower->still_us = 0;
         return;
     }
-    speed = to.x > DOCK_SPEED_Q10 / 4 ? DOCK_SPEED_Q10 : to.x * 4;
-    if (speed < CRAWL_Q10) {
-        speed = CRAWL_Q10;
+    speed = ahead > DOCK_SPEED / 2 ? DOCK_SPEED : (int16_t)(ahead * 2);
+    if (speed < CRAWL) {
+        speed = CRAWL;
     }
-    slew_speed(follower, back ? -speed : speed, dt_us);
-    slew_spin(follower, 0, dt_us);
+    move(follower, back ? (int16_t)-speed : speed, 0);
 }
 
-static void align(cw_follower *follower, uint16_t dt_us, const cw_pose *pose, bool still,
-                  const cw_waypoint *at, const sight *seen)
+static bool is_stuck(cw_follower *follower, const int32_t *pose)
 {
-    int32_t off = cw_difference(cw_angle_of(at->heading), pose->heading);
-    if (cw_size(off) > (uint32_t)HEADING_TOLERANCE) {
-        follower->still_us = 0;
-        stand(follower, turn_towards(off), dt_us);
-    } else if (stands_long_enough(follower, dt_us, still) &&
-               is_there(follower, at, seen, TURNED_TOLERANCE_UM)) {
-        follower->phase = CW_PHASE_DWELL;
-    }
-}
-
-static bool is_stuck(cw_follower *follower, uint16_t dt_us, const cw_pose *pose)
-{
-    const cw_pose *was = &follower->progress;
     if (follower->phase == CW_PHASE_SETTLE || follower->phase == CW_PHASE_DWELL ||
-        cw_size(cw_difference(pose->place.x_um, was->place.x_um)) > 3000u ||
-        cw_size(cw_difference(pose->place.y_um, was->place.y_um)) > 3000u ||
-        cw_size(cw_difference(pose->heading, was->heading)) > (uint32_t)CW_MRAD(30)) {
-        follower->progress = *pose;
-        follower->progress_us = 0;
+        aside((uint16_t)((uint16_t)(pose[0] >> 8) - follower->progress[0])) > PROGRESS ||
+        aside((uint16_t)((uint16_t)(pose[1] >> 8) - follower->progress[1])) > PROGRESS ||
+        aside((uint16_t)(heading_of(pose) - follower->progress[2])) > CW_MRAD(30)) {
+        progress(follower, pose);
         return false;
     }
-    follower->progress_us += dt_us;
+    follower->progress_us += follower->dt_us;
     return follower->progress_us > STUCK_US;
 }
 
-uint8_t cw_follower_halt(cw_follower *follower, uint16_t dt_us, const cw_pose *pose,
-                         cw_queue *queue)
+uint8_t cw_follower_halt(cw_follower *follower, const int32_t *pose, cw_queue *queue)
 {
     uint8_t executed = 0;
-    if (follower->speed_q10 <= 0 || follower->phase != CW_PHASE_TRACK) {
-        stand(follower, 0, dt_us);
+    if (follower->speed <= 0 || follower->phase != CW_PHASE_TRACK) {
+        stand(follower);
     } else {
-        sight seen;
-        int32_t off;
-        executed = pass_waypoints(follower, pose, queue, &seen);
+        uint16_t off;
+        executed = pass_waypoints(follower, pose, queue);
         if (executed < queue->count && follower->phase == CW_PHASE_TRACK) {
-            (void)steer(follower, pose, queue, executed, &seen, &off);
+            (void)steer(follower, pose, queue, executed, &off);
         }
-        drive_along(follower, 0, dt_us);
+        drive_along(follower, 0);
     }
     return executed;
 }
 
-uint8_t cw_follower_step(cw_follower *follower, uint16_t dt_us, const cw_pose *pose, bool still,
+uint8_t cw_follower_step(cw_follower *follower, const int32_t *pose, int32_t ahead_um,
                          cw_queue *queue, cw_trouble *out_trouble)
 {
-    sight seen;
-    uint8_t executed = pass_waypoints(follower, pose, queue, &seen);
+    uint8_t executed = pass_waypoints(follower, pose, queue);
     const cw_waypoint *at = cw_queue_at(queue, executed);
+    uint16_t off = 0;
     *out_trouble = CW_TROUBLE_NONE;
     if (executed == queue->count) {
         follower->progress_us = 0;
-        stand(follower, 0, dt_us);
+        stand(follower);
         return executed;
     }
-    if (follower->phase <= CW_PHASE_TURN) {
-        *out_trouble = track(follower, dt_us, pose, queue, executed, &seen);
-    } else if (follower->phase == CW_PHASE_SETTLE) {
-        settle(follower, dt_us, still, at, &seen);
-    } else if (follower->phase == CW_PHASE_DOCK) {
-        dock(follower, dt_us, pose, at->place);
-    } else if (follower->phase == CW_PHASE_ALIGN) {
-        align(follower, dt_us, pose, still, at, &seen);
-    } else {
-        stand(follower, 0, dt_us);
-        follower->still_us += dt_us;
-        if (follower->still_us > (uint32_t)at->dwell * 100000u) {
+    switch (follower->phase) {
+    case CW_PHASE_TRACK:
+    case CW_PHASE_TURN:
+        *out_trouble = track(follower, pose, queue, executed);
+        break;
+    case CW_PHASE_DOCK:
+        dock(follower, pose, at->place);
+        break;
+    case CW_PHASE_DWELL:
+        stand(follower);
+        follower->still_us += follower->dt_us;
+        if (follower->still_us >= (uint32_t)at->dwell * 100000u) {
             executed++;
             follower->phase = CW_PHASE_TRACK;
             leave(follower, at);
         }
+        break;
+    case CW_PHASE_ALIGN:
+        off = (uint16_t)(cw_angle_of(at->heading) - heading_of(pose));
+        if (aside(off) > HEADING_TOLERANCE) {
+            follower->still_us = 0;
+            turn_towards(follower, off);
+        } else if (has_settled(follower, ahead_um, at, TURNED_TOLERANCE)) {
+            follower->phase = CW_PHASE_DWELL;
+        }
+        break;
+    default:
+        if (has_settled(follower, ahead_um, at, STOP_TOLERANCE)) {
+            follower->phase = at->heading == CW_HEADING_FREE ? CW_PHASE_DWELL : CW_PHASE_ALIGN;
+        }
+        break;
     }
     if (*out_trouble == CW_TROUBLE_NONE &&
-        (follower->attempts > DOCK_ATTEMPTS || is_stuck(follower, dt_us, pose))) {
+        (follower->attempts > DOCK_ATTEMPTS || is_stuck(follower, pose))) {
         *out_trouble = CW_TROUBLE_STUCK;
     }
     return executed;

@@ -20,7 +20,7 @@ static cw_robot robot;
 static cw_link line;
 static uint32_t now_us;
 static uint32_t leased_us;
-static uint32_t travel_um[2];
+static int32_t travel_um[2];
 
 static void require(bool holds, const char *rule)
 {
@@ -39,8 +39,8 @@ static void check(void)
     require(robot.accept_next != robot.exec_next || robot.prefix_crc == robot.exec_crc,
             "all executed: the fingerprints agree");
     if (robot.state == CW_STATE_ESTOP) {
-        require(!robot.wheels.powered && robot.wheels.left_q10 == 0 &&
-                    robot.wheels.right_q10 == 0,
+        require(!robot.wheels.powered && robot.wheels.left == 0 &&
+                    robot.wheels.right == 0,
                 "no power after an emergency stop");
     }
     if (robot.state == CW_STATE_RUN) {
@@ -71,7 +71,6 @@ static void begin(void)
     cw_link_init(&line, &robot, &identity);
     now_us = 4294000000ul; /* the clock wraps in every run */
     leased_us = now_us - (uint32_t)(2u * CW_LEASE_MAX_US);
-    travel_um[0] = travel_um[1] = 0;
 }
 
 /* A whole frame as a host would send it. */
@@ -152,7 +151,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         data += part;
         size -= part;
         now_us += 5000u;
-        cw_robot_step(&robot, now_us, 0, 0);
+        cw_robot_step(&robot, now_us, travel_um);
         check();
     }
     return 0;
@@ -186,14 +185,14 @@ static void drive(uint8_t cycles, bool obey, int16_t slip)
     while (cycles-- > 0u) {
         now_us += 10000u;
         if (obey) {
-            /* q10 speeds are um/s but for 2 %: a hundredth of a second of them */
-            travel_um[0] += (uint32_t)(robot.wheels.left_q10 / 100 + slip);
-            travel_um[1] += (uint32_t)(robot.wheels.right_q10 / 100);
+            /* an eighth of mm/s is 1.25 um in a hundredth of a second */
+            travel_um[0] = robot.wheels.left * 5 / 4 + slip;
+            travel_um[1] = robot.wheels.right * 5 / 4;
         } else {
-            travel_um[0] += (uint32_t)((int32_t)slip * 40);
-            travel_um[1] += (uint32_t)-(int32_t)slip;
+            travel_um[0] = slip < -0x6000 ? -CW_LEAP_UM : (int32_t)slip * 32;
+            travel_um[1] = -(int32_t)slip;
         }
-        cw_robot_step(&robot, now_us, travel_um[0], travel_um[1]);
+        cw_robot_step(&robot, now_us, travel_um);
         check();
         talk();
     }

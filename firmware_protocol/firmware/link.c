@@ -36,8 +36,7 @@ static uint32_t frame_crc(uint8_t sender, const uint8_t *body, uint8_t length)
     return cw_crc32c(body, length, cw_crc32c(&sender, 1, 0));
 }
 
-static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8_t length,
-                  uint32_t now_us)
+static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8_t length)
 {
     uint8_t i;
     for (i = 0; i < link->old_count; i++) {
@@ -58,7 +57,7 @@ static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8
     if (link->has_session && link->session == session) {
         return;
     }
-    cw_robot_open_session(link->robot, now_us);
+    cw_robot_open_session(link->robot);
     if (link->has_session) {
         link->old_sessions[link->old_next] = link->session;
         link->old_next = (uint8_t)((link->old_next + 1u) % CW_SESSIONS_REMEMBERED);
@@ -140,18 +139,19 @@ static void answer(cw_link *link, const uint8_t *payload, cw_result result)
 {
     link->command = cw_get_u16(payload);
     link->result = (uint8_t)result;
+    link->robot->news = true;
 }
 
-static void see_pose(cw_link *link, const uint8_t *payload, uint32_t now_us)
+static void see_pose(cw_link *link, const uint8_t *payload)
 {
-    cw_pose seen;
-    memcpy(&seen.place, payload, sizeof seen.place);
-    seen.heading = cw_angle_of((int16_t)cw_get_u16(payload + 8));
-    cw_robot_pose(link->robot, &seen, (uint32_t)cw_get_u16(payload + 10) * 100u, now_us);
+    int32_t seen[3];
+    memcpy(seen, payload, 8);
+    seen[2] = (int32_t)((uint32_t)cw_angle_of((int16_t)cw_get_u16(payload + 8)) << 16);
+    cw_robot_pose(link->robot, seen, (uint32_t)cw_get_u16(payload + 10) * 100u);
 }
 
 /* Do what a sound message says; false where it cannot be taken now. */
-static bool act(cw_link *link, uint8_t type, const uint8_t *payload, uint32_t now_us)
+static bool act(cw_link *link, uint8_t type, const uint8_t *payload)
 {
     cw_robot *robot = link->robot;
     switch (type) {
@@ -160,7 +160,7 @@ static bool act(cw_link *link, uint8_t type, const uint8_t *payload, uint32_t no
                                payload + 10);
     case CW_START:
         answer(link, payload,
-               cw_robot_start(robot, cw_get_u32(payload + 2), cw_get_u32(payload + 6), now_us));
+               cw_robot_start(robot, cw_get_u32(payload + 2), cw_get_u32(payload + 6)));
         break;
     case CW_PAUSE:
         answer(link, payload, cw_robot_pause(robot));
@@ -172,23 +172,23 @@ static bool act(cw_link *link, uint8_t type, const uint8_t *payload, uint32_t no
         answer(link, payload, cw_robot_reset_estop(robot));
         break;
     case CW_LEASE:
-        cw_robot_lease(robot, cw_get_u16(payload), payload[2], cw_get_u16(payload + 3), now_us);
+        cw_robot_lease(robot, cw_get_u16(payload), payload[2], cw_get_u16(payload + 3));
         link->ack_due = true;
         break;
     case CW_POSE:
-        see_pose(link, payload, now_us);
+        see_pose(link, payload);
         break;
     case CW_TIMESYNC:
     default:
         link->sync_due = true;
         link->sync_host_us = cw_get_u32(payload);
-        link->sync_robot_us = now_us;
+        link->sync_robot_us = robot->now_us;
         break;
     }
     return true;
 }
 
-static void take_message(cw_link *link, const uint8_t *frame, uint8_t length, uint32_t now_us)
+static void take_message(cw_link *link, const uint8_t *frame, uint8_t length)
 {
     bool reliable = (frame[0] & CW_FLAG_RELIABLE) != 0u;
     uint8_t type = frame[1];
@@ -208,7 +208,7 @@ static void take_message(cw_link *link, const uint8_t *frame, uint8_t length, ui
         return;
     }
     if (!reliable) {
-        (void)act(link, type, payload, now_us);
+        (void)act(link, type, payload);
         return;
     }
     link->ack_due = true;
@@ -217,7 +217,7 @@ static void take_message(cw_link *link, const uint8_t *frame, uint8_t length, ui
     } else if (ahead > 0u) {
         link->count.gaps++;
         link->nak_due = true;
-    } else if (act(link, type, payload, now_us)) {
+    } else if (act(link, type, payload)) {
         link->expected++;
     } else {
         link->count.rejected++;
@@ -263,7 +263,7 @@ static void take_byte(cw_link *link, uint8_t byte)
 }
 
 /* A zero has ended what may be a frame. */
-static void take_frame(cw_link *link, uint32_t now_us)
+static void take_frame(cw_link *link)
 {
     const uint8_t *frame = link->buffer;
     uint8_t length, type;
@@ -292,16 +292,17 @@ static void take_frame(cw_link *link, uint32_t now_us)
     if (type == CW_ESTOP_TYPE) {
         cw_robot_emergency_stop(link->robot, CW_REASON_ESTOP_HOST);
     } else if (type == CW_HELLO) {
-        greet(link, session, frame + CW_HEADER_BYTES, length, now_us);
+        greet(link, session, frame + CW_HEADER_BYTES, length);
     } else if (!link->has_session || session != link->session) {
         link->count.session_errors++;
     } else {
-        take_message(link, frame, length, now_us);
+        take_message(link, frame, length);
     }
 }
 
 void cw_link_receive(cw_link *link, const uint8_t *data, uint16_t length, uint32_t now_us)
 {
+    link->robot->now_us = now_us;
     while (length-- > 0u) {
         uint8_t byte = *data++;
         if (byte != 0u) {
@@ -309,7 +310,7 @@ void cw_link_receive(cw_link *link, const uint8_t *data, uint16_t length, uint32
             continue;
         }
         if (link->encoded > 0u && link->encoded <= CW_MAX_ENCODED) {
-            take_frame(link, now_us);
+            take_frame(link);
         }
         link->encoded = 0;
     }
@@ -384,54 +385,47 @@ static uint8_t send_ack(cw_link *link, uint8_t *out, uint8_t flags)
     return end_frame(out, cw_put_u32(at, link->robot->accept_next));
 }
 
-static uint8_t send_time(cw_link *link, uint8_t *out, uint32_t now_us)
+static uint8_t send_time(cw_link *link, uint8_t *out)
 {
     uint8_t *at = begin_frame(link, out, CW_TIMESYNC_REPLY, link->session, 0);
     at = cw_put_u32(at, link->sync_host_us);
     at = cw_put_u32(at, link->sync_robot_us);
-    return end_frame(out, cw_put_u32(at, now_us));
+    return end_frame(out, cw_put_u32(at, link->robot->now_us));
 }
 
-static uint8_t send_status(cw_link *link, uint8_t *out, uint32_t now_us)
+static uint8_t send_status(cw_link *link, uint8_t *out)
 {
     const cw_robot *robot = link->robot;
-    const cw_pose *pose = &robot->estimate.pose;
+    const int32_t *pose = robot->estimate.pose;
     uint8_t *at = begin_frame(link, out, CW_STATUS, link->session, 0);
-    at = cw_put_u32(at, now_us);
+    at = cw_put_u32(at, robot->now_us);
     at = cw_put_u32(at, link->identity.boot_id);
     at = put(at, &robot->mission, 20);
     *at++ = robot->state;
-    *at++ = cw_robot_flags(robot, now_us);
+    *at++ = cw_robot_flags(robot);
     *at++ = robot->reason;
     *at++ = link->result;
     at = cw_put_u16(at, link->command);
-    at = put(at, &pose->place, sizeof pose->place);
-    at = cw_put_u16(at, (uint16_t)cw_heading_of(pose->heading));
+    at = put(at, pose, 8);
+    at = cw_put_u16(at, (uint16_t)cw_heading_of((uint16_t)(pose[2] >> 16)));
     at = cw_put_u16(at, (uint16_t)cw_robot_speed_mm_s(robot));
     at = cw_put_u16(at, (uint16_t)cw_robot_turning_mrad_s(robot));
-    at = cw_put_u16(at, cw_robot_pose_age_ms(robot, now_us));
-    at = cw_put_u16(at, cw_robot_lease_left_ms(robot, now_us));
+    at = cw_put_u16(at, cw_robot_pose_age_ms(robot));
+    at = cw_put_u16(at, cw_robot_lease_left_ms(robot));
     at = put(at, &link->count, sizeof link->count);
     return end_frame(out, at);
 }
 
-static bool has_news(const cw_link *link)
+static bool status_is_due(const cw_link *link)
 {
-    const cw_robot *robot = link->robot;
-    return link->told_state != robot->state || link->told_reason != robot->reason ||
-           link->told_done != robot->done || link->told_command != link->command ||
-           link->told_mission != robot->mission;
-}
-
-static bool status_is_due(const cw_link *link, uint32_t now_us)
-{
-    uint32_t waited_us = now_us - link->status_us;
+    uint32_t waited_us = link->robot->now_us - link->status_us;
     return !link->status_sent || waited_us >= CW_STATUS_INTERVAL_US ||
-           (waited_us >= CW_STATUS_SPACING_US && has_news(link));
+           (waited_us >= CW_STATUS_SPACING_US && link->robot->news);
 }
 
 uint8_t cw_link_next_frame(cw_link *link, uint8_t out_frame[CW_MAX_WIRE], uint32_t now_us)
 {
+    link->robot->now_us = now_us;
     if (link->hello_due) {
         link->hello_due = false;
         return send_hello_ack(link, out_frame);
@@ -452,17 +446,13 @@ uint8_t cw_link_next_frame(cw_link *link, uint8_t out_frame[CW_MAX_WIRE], uint32
     }
     if (link->sync_due) {
         link->sync_due = false;
-        return send_time(link, out_frame, now_us);
+        return send_time(link, out_frame);
     }
-    if (status_is_due(link, now_us)) {
+    if (status_is_due(link)) {
         link->status_sent = true;
         link->status_us = now_us;
-        link->told_state = link->robot->state;
-        link->told_reason = link->robot->reason;
-        link->told_done = link->robot->done;
-        link->told_command = link->command;
-        link->told_mission = link->robot->mission;
-        return send_status(link, out_frame, now_us);
+        link->robot->news = false;
+        return send_status(link, out_frame);
     }
     return 0;
 }

@@ -72,11 +72,6 @@ typedef struct {
     uint32_t sync_robot_us;
     bool status_sent;
     uint32_t status_us;
-    uint8_t told_state; /* what the last STATUS told of the robot */
-    uint8_t told_reason;
-    bool told_done;
-    uint16_t told_command;
-    uint32_t told_mission;
     uint8_t buffer[CW_MAX_DECODED]; /* the frame that is arriving, decoded */
 } cw_link;
 

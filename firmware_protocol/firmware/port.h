@@ -34,8 +34,9 @@ void cw_port_write(const uint8_t *data, uint8_t length);
 /* Whether the receive interrupt, or a button, has seen an emergency stop since the last call. */
 bool cw_port_estop_seen(void);
 
-/* The wheels' travel since boot, in micrometres modulo 2^32. */
-void cw_port_travel(uint32_t *out_left_um, uint32_t *out_right_um);
+/* What the wheels, left and right, have travelled since the last call, in micrometres: within
+ * plus and minus CW_LEAP_UM. */
+void cw_port_travel(int32_t out_travel_um[2]);
 
 void cw_port_drive(cw_wheels wheels);
 

@@ -18,6 +18,8 @@
 #if BAUD_MADE * 1000ul > CW_BAUD * 1025ul || BAUD_MADE * 1000ul < CW_BAUD * 975ul
 #error "the processor's clock cannot make this baud rate to 2.5 %"
 #endif
+/* 65536 times the PWM's steps for an eighth of mm/s. */
+#define DUTY_PER_SPEED ((uint16_t)(255ul * 8192u / CW_FULL_SPEED_MM_S))
 #define RING 128u /* a power of two */
 
 /* Left motor: PWM on D6 (OC0A), direction on D7. Right: PWM on D5 (OC0B), direction on D8.
@@ -34,7 +36,7 @@ static uint8_t estop_matched;
 static const uint8_t *volatile sending;
 static volatile uint8_t left_to_send;
 static volatile uint32_t overflows; /* of Timer1: 32.768 ms each */
-static volatile int32_t ticks[2];
+static volatile int16_t ticks[2]; /* since they were asked for last */
 static uint8_t pins_before;
 static uint8_t reset_flags __attribute__((section(".noinit")));
 static uint32_t boots __attribute__((section(".noinit")));
@@ -91,22 +93,25 @@ ISR(TIMER1_OVF_vect)
     overflows++;
 }
 
-/* One step from the old and the new A (bit 0) and B (bit 1) of a wheel; forwards A leads. */
-static int8_t quadrature(uint8_t old, uint8_t now)
-{
-    uint8_t changed = (uint8_t)(old ^ now);
-    if (changed == 0u || changed == 3u) {
-        return 0; /* nothing, or a step was missed */
-    }
-    return ((old & 1u) ^ (now >> 1)) != 0u ? -1 : 1;
-}
-
+/* A and B of a wheel are two bits; one step forwards makes A lead. */
 ISR(PCINT1_vect)
 {
-    uint8_t pins = PINC;
-    ticks[0] += quadrature(pins_before & 3u, pins & 3u);
-    ticks[1] += quadrature((pins_before >> 2) & 3u, (pins >> 2) & 3u);
-    pins_before = pins;
+    uint8_t now = PINC & 0x0Fu;
+    uint8_t old = pins_before;
+    uint8_t wheel;
+    pins_before = now;
+    for (wheel = 0; wheel < 2u; wheel++) {
+        uint8_t changed = (uint8_t)(old ^ now) & 3u;
+        if (changed == 1u || changed == 2u) { /* else nothing, or a step was missed */
+            if ((((uint8_t)(now >> 1) ^ old) & 1u) != 0u) {
+                ticks[wheel]--;
+            } else {
+                ticks[wheel]++;
+            }
+        }
+        old >>= 2;
+        now >>= 2;
+    }
 }
 
 bool cw_port_begin(int argc, char **argv)
@@ -118,7 +123,7 @@ bool cw_port_begin(int argc, char **argv)
     motors_off();
     TCCR0B = _BV(CS01) | _BV(CS00); /* 977 Hz */
     PORTC |= 0x0Fu;                 /* pull-ups */
-    pins_before = PINC;
+    pins_before = PINC & 0x0Fu;
     PCICR = _BV(PCIE1);
     PCMSK1 = 0x0Fu;
     TCCR1B = _BV(CS11); /* 2 ticks a microsecond */
@@ -135,7 +140,7 @@ bool cw_port_begin(int argc, char **argv)
 void cw_port_identity(cw_identity *out_identity)
 {
     /* memory that survives a reset counts boots; after power on its garbage is the seed */
-    boots = boots * 1664525ul + 1013904223ul + TCNT1;
+    boots += 0x9E3779B9ul + TCNT1;
     out_identity->schema = CW_SCHEMA_HASH;
     out_identity->firmware = 1;
     out_identity->boot_id = boots;
@@ -203,25 +208,29 @@ bool cw_port_estop_seen(void)
     return true;
 }
 
-void cw_port_travel(uint32_t *out_left_um, uint32_t *out_right_um)
+void cw_port_travel(int32_t out_travel_um[2])
 {
-    uint8_t interrupts = SREG;
-    int32_t left, right;
-    cli();
-    left = ticks[0];
-    right = ticks[1];
-    SREG = interrupts;
-    *out_left_um = (uint32_t)(left * CW_UM_PER_STEP);
-    *out_right_um = (uint32_t)(right * CW_UM_PER_STEP);
+    uint8_t wheel;
+    for (wheel = 0; wheel < 2u; wheel++) {
+        uint8_t interrupts = SREG;
+        int16_t steps;
+        cli();
+        steps = ticks[wheel];
+        ticks[wheel] = 0;
+        SREG = interrupts;
+        out_travel_um[wheel] = steps * CW_UM_PER_STEP;
+    }
 }
 
 /* What a step of the PWM (3.1 mm/s) is too coarse for is carried on to the next round, so that
  * slow wheels turn at all: without it the robot cannot end a turn at a stop. */
-static uint8_t duty(int32_t speed_q10, uint8_t *carry)
+static uint8_t duty(int16_t speed, uint8_t *carry)
 {
-    uint32_t part = cw_size(speed_q10) * 255u / (CW_FULL_SPEED_MM_S * 4u);
-    uint16_t fine = (uint16_t)((part > 0xFF00u ? 0xFF00u : (uint16_t)part) + *carry);
-    *carry = (uint8_t)(fine & 0xFFu);
+    uint32_t fine = ((uint32_t)cw_short_size(speed) * DUTY_PER_SPEED >> 8) + *carry;
+    if (fine > 0xFF00u) {
+        fine = 0xFF00u;
+    }
+    *carry = (uint8_t)fine;
     return (uint8_t)(fine >> 8);
 }
 
@@ -229,18 +238,18 @@ void cw_port_drive(cw_wheels wheels)
 {
     uint8_t interrupts = SREG;
     static uint8_t carry[2];
-    uint8_t left = duty(wheels.left_q10, &carry[0]);
-    uint8_t right = duty(wheels.right_q10, &carry[1]);
+    uint8_t left = duty(wheels.left, &carry[0]);
+    uint8_t right = duty(wheels.right, &carry[1]);
     if (!wheels.powered) {
         motors_off();
         return;
     }
-    if (wheels.left_q10 < 0) {
+    if (wheels.left < 0) {
         PORTD |= _BV(LEFT_BACK);
     } else {
         PORTD &= (uint8_t)~_BV(LEFT_BACK);
     }
-    if (wheels.right_q10 < 0) {
+    if (wheels.right < 0) {
         PORTB |= _BV(RIGHT_BACK);
     } else {
         PORTB &= (uint8_t)~_BV(RIGHT_BACK);

@@ -12,6 +12,8 @@ typedef struct {
     cw_robot robot;
     cw_link link;
     cw_settings settings;
+    uint32_t wheels_um[2];
+    bool stepped;
 } cw_twin;
 
 typedef struct {
@@ -23,8 +25,8 @@ typedef struct {
     int32_t x_um;
     int32_t y_um;
     int32_t heading;
-    int32_t left_q10;
-    int32_t right_q10;
+    int16_t left;
+    int16_t right;
     uint16_t session_errors;
     uint16_t session;
     uint8_t state;
@@ -68,6 +70,7 @@ void cw_twin_init(cw_twin *twin, uint32_t boot_id, uint8_t reset_cause, uint32_t
     identity.reset_cause = reset_cause;
     memset(twin, 0xA5, sizeof *twin); /* init has to set every field */
     twin->settings = *settings;
+    twin->stepped = false;
     cw_robot_settings = *settings;
     cw_robot_init(&twin->robot);
     cw_link_init(&twin->link, &twin->robot, &identity);
@@ -85,10 +88,25 @@ uint8_t cw_twin_next_frame(cw_twin *twin, uint8_t *out_frame, uint32_t now_us)
     return cw_link_next_frame(&twin->link, out_frame, now_us);
 }
 
+static int32_t travelled(uint32_t *total_um, uint32_t now_um)
+{
+    int32_t travel_um = cw_difference((int32_t)now_um, (int32_t)*total_um);
+    *total_um = now_um;
+    return travel_um > CW_LEAP_UM ? CW_LEAP_UM : travel_um < -CW_LEAP_UM ? -CW_LEAP_UM : travel_um;
+}
+
 void cw_twin_step(cw_twin *twin, uint32_t now_us, uint32_t left_um, uint32_t right_um)
 {
+    int32_t travel_um[2];
     cw_robot_settings = twin->settings;
-    cw_robot_step(&twin->robot, now_us, left_um, right_um);
+    if (!twin->stepped) {
+        twin->stepped = true;
+        twin->wheels_um[0] = left_um;
+        twin->wheels_um[1] = right_um;
+    }
+    travel_um[0] = travelled(&twin->wheels_um[0], left_um);
+    travel_um[1] = travelled(&twin->wheels_um[1], right_um);
+    cw_robot_step(&twin->robot, now_us, travel_um);
 }
 
 void cw_twin_tick(cw_twin *twin, uint32_t now_us)
@@ -110,11 +128,11 @@ void cw_twin_view(const cw_twin *twin, cw_view *out_view)
     out_view->exec_next = robot->exec_next;
     out_view->prefix_crc = robot->prefix_crc;
     out_view->exec_crc = robot->exec_crc;
-    out_view->x_um = robot->estimate.pose.place.x_um;
-    out_view->y_um = robot->estimate.pose.place.y_um;
-    out_view->heading = robot->estimate.pose.heading;
-    out_view->left_q10 = robot->wheels.left_q10;
-    out_view->right_q10 = robot->wheels.right_q10;
+    out_view->x_um = robot->estimate.pose[0];
+    out_view->y_um = robot->estimate.pose[1];
+    out_view->heading = robot->estimate.pose[2];
+    out_view->left = robot->wheels.left;
+    out_view->right = robot->wheels.right;
     out_view->session_errors = twin->link.count.session_errors;
     out_view->session = twin->link.session;
     out_view->state = robot->state;

@@ -19,7 +19,7 @@
 
 #define BYTE_US 87u /* ten bits at 115200 */
 #define MOTOR_LAG_S 0.05f
-#define Q10_PER_M 1024000.0f
+#define EIGHTHS_PER_M 8000.0f
 
 static int line = -1;
 static int keep_open = -1; /* the other end, so that the line outlives its user */
@@ -142,20 +142,20 @@ bool cw_port_estop_seen(void)
     return false; /* the main loop sees the frame soon enough here */
 }
 
-void cw_port_travel(uint32_t *out_left_um, uint32_t *out_right_um)
+void cw_port_travel(int32_t out_travel_um[2])
 {
     uint32_t now_us = cw_port_now_us();
     float dt_s = (float)(now_us - moved_us) * 1e-6f;
     float blend = dt_s / (MOTOR_LAG_S + dt_s);
     int side;
     moved_us = now_us;
-    speed[0] += blend * ((wanted.powered ? (float)wanted.left_q10 / Q10_PER_M : 0.0f) - speed[0]);
-    speed[1] += blend * ((wanted.powered ? (float)wanted.right_q10 / Q10_PER_M : 0.0f) - speed[1]);
+    speed[0] += blend * ((wanted.powered ? (float)wanted.left / EIGHTHS_PER_M : 0.0f) - speed[0]);
+    speed[1] += blend * ((wanted.powered ? (float)wanted.right / EIGHTHS_PER_M : 0.0f) - speed[1]);
     for (side = 0; side < 2; side++) {
         travel_um[side] += (double)(speed[side] * dt_s) * 1e6;
+        out_travel_um[side] = (int32_t)travel_um[side];
+        travel_um[side] -= out_travel_um[side];
     }
-    *out_left_um = (uint32_t)(int64_t)travel_um[0];
-    *out_right_um = (uint32_t)(int64_t)travel_um[1];
 }
 
 void cw_port_drive(cw_wheels wheels)

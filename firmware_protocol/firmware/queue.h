@@ -16,7 +16,7 @@
 
 /* One waypoint as the wire has it: no padding anywhere. */
 typedef struct {
-    cw_place place;
+    int32_t place[2]; /* um */
     int16_t heading; /* 1e-4 rad, or CW_HEADING_FREE */
     uint16_t speed_mm_s;
     uint16_t acceptance; /* 0.1 mm */
@@ -34,6 +34,12 @@ typedef struct {
 static inline cw_waypoint *cw_queue_at(cw_queue *queue, uint8_t index)
 {
     return &queue->ring[(uint8_t)(queue->head + index) % CW_QUEUE_SIZE];
+}
+
+/* The acceptance radius as a length of 64 um: 100 um are 25/16 of it. */
+static inline uint16_t cw_radius(const cw_waypoint *at)
+{
+    return (uint16_t)((uint32_t)at->acceptance * 25u >> 4);
 }
 
 #endif

@@ -2,16 +2,16 @@
 
 #include <string.h>
 
-#define LEAP_UM 0x100000l /* 1 m; wheels travel no further in a cycle */
 #define DT_MAX_US 60000ul
 #define SMOOTHING_US 30000u
-#define STANDING_Q10 9216u /* 9 mm/s: a late step of both encoders reads as 8.3 */
+#define TURNING 72u /* 9 mm/s: one late step of both encoders reads as 8.3 */
 
 static void change(cw_robot *robot, cw_state to, cw_reason reason)
 {
     if (robot->state != (uint8_t)to) {
         robot->state = (uint8_t)to;
         robot->reason = (uint8_t)reason;
+        robot->news = true;
     }
 }
 
@@ -40,6 +40,7 @@ static void forget_mission(cw_robot *robot, uint32_t mission)
     robot->exec_crc = robot->prefix_crc;
     robot->done = false;
     robot->ended = false;
+    robot->news = true;
 }
 
 static void motors_off(cw_robot *robot)
@@ -53,14 +54,13 @@ void cw_robot_init(cw_robot *robot)
     robot->reason = CW_REASON_BOOTED;
     robot->host_pose_age_ms = CW_NO_POSE_MS;
     forget_mission(robot, 0);
-    cw_estimate_init(&robot->estimate);
     cw_follower_init(&robot->follower);
 }
 
-void cw_robot_open_session(cw_robot *robot, uint32_t now_us)
+void cw_robot_open_session(cw_robot *robot)
 {
     robot->lease_valid = false;
-    robot->leased_us = now_us;
+    robot->leased_us = robot->now_us;
     robot->lease_flags = 0;
     robot->session_after_estop = true;
     if (robot->state == CW_STATE_BOOT) {
@@ -97,24 +97,24 @@ bool cw_robot_accept(cw_robot *robot, uint32_t mission, uint32_t first, uint8_t 
     return true;
 }
 
-static uint32_t pose_age_us(const cw_robot *robot, uint32_t now_us)
+static uint32_t pose_age_us(const cw_robot *robot)
 {
-    int32_t age = (int32_t)(now_us - robot->estimate.fix_us);
+    int32_t age = (int32_t)(robot->now_us - robot->estimate.fix_us);
     if (!robot->estimate.fix_recent) {
         return UINT32_MAX;
     }
     return age < 0 ? 0u : (uint32_t)age;
 }
 
-static bool pose_is_stale(const cw_robot *robot, uint32_t now_us)
+static bool pose_is_stale(const cw_robot *robot)
 {
     return (uint32_t)robot->host_pose_age_ms * 1000u > CW_POSE_STALE_US ||
-           pose_age_us(robot, now_us) > CW_POSE_STALE_US;
+           pose_age_us(robot) > CW_POSE_STALE_US;
 }
 
-static bool lease_runs(const cw_robot *robot, uint32_t now_us)
+static bool lease_runs(const cw_robot *robot)
 {
-    return robot->lease_valid && (int32_t)(robot->lease_end_us - now_us) > 0;
+    return robot->lease_valid && (int32_t)(robot->lease_end_us - robot->now_us) > 0;
 }
 
 static bool blind_is_allowed(const cw_robot *robot)
@@ -122,7 +122,7 @@ static bool blind_is_allowed(const cw_robot *robot)
     return (robot->lease_flags & CW_LEASE_ODOMETRY) != 0u;
 }
 
-cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next, uint32_t now_us)
+cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next)
 {
     if (robot->state == CW_STATE_RUN && mission == robot->mission) {
         return CW_RESULT_DONE;
@@ -136,13 +136,13 @@ cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next, 
     if (exec_next != robot->exec_next) {
         return CW_RESULT_WRONG_INDEX;
     }
-    if (!lease_runs(robot, now_us) || (robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
+    if (!lease_runs(robot) || (robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
         return CW_RESULT_NO_LEASE;
     }
-    if (!blind_is_allowed(robot) && pose_is_stale(robot, now_us)) {
+    if (!blind_is_allowed(robot) && pose_is_stale(robot)) {
         return CW_RESULT_NO_POSE;
     }
-    cw_follower_begin(&robot->follower, &robot->estimate.pose);
+    cw_follower_begin(&robot->follower, robot->estimate.pose);
     change(robot, CW_STATE_RUN, CW_REASON_NONE);
     return CW_RESULT_DONE;
 }
@@ -179,21 +179,20 @@ cw_result cw_robot_reset_estop(cw_robot *robot)
     return CW_RESULT_DONE;
 }
 
-void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms,
-                    uint32_t now_us)
+void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms)
 {
     uint32_t ttl_us = (uint32_t)ttl_ms * 1000u;
-    robot->lease_end_us = now_us + (ttl_us < CW_LEASE_MAX_US ? ttl_us : CW_LEASE_MAX_US);
+    robot->lease_end_us = robot->now_us + (ttl_us < CW_LEASE_MAX_US ? ttl_us : CW_LEASE_MAX_US);
     robot->lease_valid = true;
-    robot->leased_us = now_us;
+    robot->leased_us = robot->now_us;
     robot->lease_flags = flags;
     robot->host_pose_age_ms = pose_age_ms;
-    cw_robot_tick(robot, now_us);
+    (void)cw_robot_tick(robot, robot->now_us);
 }
 
-void cw_robot_pose(cw_robot *robot, const cw_pose *seen, uint32_t age_us, uint32_t now_us)
+void cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t age_us)
 {
-    (void)cw_estimate_correct(&robot->estimate, seen, age_us, now_us);
+    (void)cw_estimate_correct(&robot->estimate, seen, robot->now_us - age_us);
 }
 
 void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason)
@@ -202,30 +201,32 @@ void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason)
         robot->session_after_estop = false;
     }
     change(robot, CW_STATE_ESTOP, reason);
-    cw_follower_freeze(&robot->follower);
+    robot->follower.speed = 0;
+    robot->follower.spin = 0;
     motors_off(robot);
 }
 
-void cw_robot_tick(cw_robot *robot, uint32_t now_us)
+bool cw_robot_tick(cw_robot *robot, uint32_t now_us)
 {
-    if (robot->lease_valid && !lease_runs(robot, now_us)) {
+    uint8_t before = robot->state;
+    robot->now_us = now_us;
+    if (!lease_runs(robot)) {
         robot->lease_valid = false;
     }
-    if (pose_age_us(robot, now_us) >= 65535000ul) {
+    if (pose_age_us(robot) >= 65535000ul) {
         robot->estimate.fix_recent = false;
     }
-    if (robot->state == CW_STATE_RUN) {
-        if (!robot->lease_valid) {
-            halt(robot, CW_REASON_LEASE_LAPSED);
-        } else if ((robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
-            halt(robot, CW_REASON_NO_PERMIT);
-        } else if (!blind_is_allowed(robot) && pose_is_stale(robot, now_us)) {
-            halt(robot, CW_REASON_POSE_STALE);
-        }
+    if (!robot->lease_valid) {
+        halt(robot, CW_REASON_LEASE_LAPSED);
+    } else if ((robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
+        halt(robot, CW_REASON_NO_PERMIT);
+    } else if (!blind_is_allowed(robot) && pose_is_stale(robot)) {
+        halt(robot, CW_REASON_POSE_STALE);
     }
-    if (robot->state == CW_STATE_HOLD && now_us - robot->leased_us >= CW_DISARM_US) {
+    if (robot->state == CW_STATE_HOLD && robot->now_us - robot->leased_us >= CW_DISARM_US) {
         change(robot, CW_STATE_IDLE, CW_REASON_DISARMED);
     }
+    return robot->state != before;
 }
 
 static void execute(cw_robot *robot, uint8_t count)
@@ -238,6 +239,7 @@ static void execute(cw_robot *robot, uint8_t count)
         robot->exec_next++;
         if ((at->flags & CW_WAYPOINT_END) != 0u) {
             robot->done = true;
+            robot->news = true;
             if (robot->state == CW_STATE_RUN) {
                 change(robot, CW_STATE_IDLE, CW_REASON_MISSION_DONE);
             }
@@ -247,75 +249,59 @@ static void execute(cw_robot *robot, uint8_t count)
     }
 }
 
-/* Towards what the wheels did in this cycle, 30 ms smooth; 34.1 is 1.024 over 30 ms. */
-static void smooth(int32_t *speed_q10, int32_t travel_um, uint16_t part)
+/* Towards what the wheels did in this cycle, 30 ms smooth; 17/64 is 8 over 30. */
+static void smooth(int16_t *speed, int32_t travel_um, uint16_t part)
 {
-    *speed_q10 += travel_um * 34 - cw_scale(*speed_q10, part);
+    *speed = cw_clip(*speed + (travel_um * 17 >> 6) - cw_scale(*speed, (int16_t)part), INT16_MAX);
 }
 
-static void measure(cw_robot *robot, uint16_t dt_us, int32_t ahead_um, int32_t spin_um)
+static void drive(cw_robot *robot, int32_t ahead_um)
 {
-    uint16_t part = dt_us < SMOOTHING_US ? (uint16_t)((uint32_t)dt_us * 35790u >> 14) : 0xFFFFu;
-    smooth(&robot->speed_q10, ahead_um, part);
-    smooth(&robot->spin_q10, spin_um, part);
-    if (cw_size(robot->speed_q10) < 102u && cw_size(robot->spin_q10) < 62u) {
-        robot->speed_q10 = 0; /* below 0.1 mm/s */
-        robot->spin_q10 = 0;
-    }
-}
-
-static void drive(cw_robot *robot, uint16_t dt_us)
-{
-    const cw_pose *pose = &robot->estimate.pose;
+    const int32_t *pose = robot->estimate.pose;
+    cw_follower *follower = &robot->follower;
     cw_trouble trouble = CW_TROUBLE_NONE;
     if (robot->state == CW_STATE_RUN) {
-        bool still = cw_size(robot->speed_q10) < STANDING_Q10;
-        execute(robot, cw_follower_step(&robot->follower, dt_us, pose, still, &robot->queue,
-                                        &trouble));
+        if (cw_short_size(robot->speed) >= TURNING) {
+            ahead_um = CW_CLEARLY;
+        }
+        execute(robot, cw_follower_step(follower, pose, ahead_um, &robot->queue, &trouble));
         if (trouble != CW_TROUBLE_NONE) {
             halt(robot, trouble == CW_TROUBLE_STUCK ? CW_REASON_STUCK : CW_REASON_OFF_PATH);
         }
     } else {
-        execute(robot, cw_follower_halt(&robot->follower, dt_us, pose, &robot->queue));
+        execute(robot, cw_follower_halt(follower, pose, &robot->queue));
     }
 }
 
-/* What a wheel travelled since the last cycle; more than a leap counts as one. */
-static int32_t travelled(int32_t *total_um, uint32_t now_um)
+void cw_robot_step(cw_robot *robot, uint32_t now_us, const int32_t travel_um[2])
 {
-    int32_t travel_um = cw_difference((int32_t)now_um, *total_um);
-    *total_um = (int32_t)now_um;
-    return travel_um > LEAP_UM ? LEAP_UM : travel_um < -LEAP_UM ? -LEAP_UM : travel_um;
-}
-
-void cw_robot_step(cw_robot *robot, uint32_t now_us, uint32_t left_um, uint32_t right_um)
-{
-    const cw_follower *follower = &robot->follower;
-    int32_t left = travelled(&robot->left_um, left_um);
-    int32_t right = travelled(&robot->right_um, right_um);
+    cw_follower *follower = &robot->follower;
+    int32_t across = travel_um[1] - travel_um[0];
+    int32_t ahead = travel_um[0] + (across >> 1);
     uint32_t dt_us = now_us - robot->step_us;
+    uint16_t part;
     if (!robot->stepped) {
         robot->stepped = true;
-        left = right = 0;
         dt_us = 0;
     }
     if (dt_us > DT_MAX_US) {
         dt_us = DT_MAX_US;
     }
+    follower->dt_us = (uint16_t)dt_us;
     robot->step_us = now_us;
-    cw_estimate_advance(&robot->estimate, (left + right) >> 1,
-                        (int32_t)((uint32_t)(right - left) * CW_ANGLE_PER_UM), now_us);
-    if (dt_us > 0u) {
-        measure(robot, (uint16_t)dt_us, (left + right) >> 1, (right - left) >> 1);
-    }
-    cw_robot_tick(robot, now_us);
+    cw_estimate_advance(&robot->estimate, ahead, (int32_t)((uint32_t)across * CW_ANGLE_PER_UM),
+                        (uint16_t)(now_us >> 8));
+    part = (uint16_t)dt_us < SMOOTHING_US ? cw_part((uint16_t)dt_us, 35790u) : 16384u;
+    smooth(&robot->speed, ahead, part);
+    smooth(&robot->spin, across >> 1, part);
+    (void)cw_robot_tick(robot, now_us);
     if (robot->state == CW_STATE_ESTOP) {
         return;
     }
-    drive(robot, (uint16_t)dt_us);
-    robot->wheels.left_q10 = follower->speed_q10 - follower->spin_q10;
-    robot->wheels.right_q10 = follower->speed_q10 + follower->spin_q10;
-    robot->wheels.powered = follower->speed_q10 != 0 || follower->spin_q10 != 0 ||
+    drive(robot, ahead);
+    robot->wheels.left = (int16_t)(follower->speed - follower->spin);
+    robot->wheels.right = (int16_t)(follower->speed + follower->spin);
+    robot->wheels.powered = follower->speed != 0 || follower->spin != 0 ||
                             robot->state == CW_STATE_RUN || robot->state == CW_STATE_HOLD;
 }
 
@@ -324,13 +310,13 @@ uint8_t cw_robot_credit(const cw_robot *robot)
     return (uint8_t)(CW_QUEUE_SIZE - robot->queue.count);
 }
 
-uint8_t cw_robot_flags(const cw_robot *robot, uint32_t now_us)
+uint8_t cw_robot_flags(const cw_robot *robot)
 {
     uint8_t flags = 0;
-    if (robot->speed_q10 != 0 || robot->spin_q10 != 0) {
+    if ((uint16_t)(robot->speed + 2) > 4u || (uint16_t)(robot->spin + 2) > 4u) {
         flags |= CW_STATUS_MOVING;
     }
-    if (lease_runs(robot, now_us)) {
+    if (lease_runs(robot)) {
         flags |= CW_STATUS_LEASE_VALID;
         if ((robot->lease_flags & CW_LEASE_PERMIT) != 0u) {
             flags |= CW_STATUS_PERMIT;
@@ -348,29 +334,24 @@ uint8_t cw_robot_flags(const cw_robot *robot, uint32_t now_us)
     return flags;
 }
 
-static int16_t told(int32_t value)
-{
-    return (int16_t)(value > 32767 ? 32767 : value < -32767 ? -32767 : value);
-}
-
 int16_t cw_robot_speed_mm_s(const cw_robot *robot)
 {
-    return told((robot->speed_q10 + 512) >> 10);
+    return (int16_t)(((int32_t)robot->speed + 4) >> 3);
 }
 
 int16_t cw_robot_turning_mrad_s(const cw_robot *robot)
 {
-    return told(cw_scale(robot->spin_q10, CW_TURNING_PER_SPIN));
+    return cw_clip((int32_t)robot->spin * CW_TURNING_PER_SPIN >> 8, INT16_MAX);
 }
 
-uint16_t cw_robot_lease_left_ms(const cw_robot *robot, uint32_t now_us)
+uint16_t cw_robot_lease_left_ms(const cw_robot *robot)
 {
-    return lease_runs(robot, now_us) ? (uint16_t)((robot->lease_end_us - now_us + 500u) / 1000u)
+    return lease_runs(robot) ? (uint16_t)((robot->lease_end_us - robot->now_us + 500u) / 1000u)
                                      : 0u;
 }
 
-uint16_t cw_robot_pose_age_ms(const cw_robot *robot, uint32_t now_us)
+uint16_t cw_robot_pose_age_ms(const cw_robot *robot)
 {
-    uint32_t age_us = pose_age_us(robot, now_us);
+    uint32_t age_us = pose_age_us(robot);
     return age_us >= 65535000ul ? CW_NO_POSE_MS : (uint16_t)((age_us + 500u) / 1000u);
 }

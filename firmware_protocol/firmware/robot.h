@@ -1,9 +1,10 @@
 /* The robot's decisions: queue, states, lease, emergency stop. The manual of the C side.
  *
  * - No malloc, no clock, no I/O: the caller owns a cw_robot and passes in time and wheel travel.
- * - Times are microseconds of any free-running 32-bit clock; they may wrap.
- * - Inside: micrometres, binary angles, mm/s times 1024; whole numbers only (fixed.h). Travel
- *   comes as cumulative micrometres, modulo 2^32.
+ * - Times are microseconds of any free-running 32-bit clock; they may wrap. Set now_us before a
+ *   call; cw_robot_step and cw_robot_tick, and the link, do so themselves.
+ * - Inside: micrometres, binary angles, eighths of mm/s; whole numbers only (fixed.h). Travel
+ *   comes as micrometres since the last cycle.
  * - cw_robot_init sets every field. Not for use from an interrupt, but for the emergency stop:
  *   set a flag there and call cw_robot_emergency_stop from the main loop, motors off at once.
  */
@@ -19,10 +20,11 @@
 #define CW_LEASE_MAX_US 500000ul
 #define CW_DISARM_US 2000000ul
 #define CW_POSE_STALE_US 500000ul
+#define CW_LEAP_UM 0x100000l /* 1 m */
 
 typedef struct {
-    int32_t left_q10; /* speed of the wheel's rim in mm/s times 1024 */
-    int32_t right_q10;
+    int16_t left; /* speed of the wheel's rim in eighths of mm/s */
+    int16_t right;
     bool powered; /* false: switch the motors off */
 } cw_wheels;
 
@@ -35,6 +37,7 @@ typedef struct cw_robot {
     bool lease_valid;
     uint8_t lease_flags;
     bool stepped;
+    bool news; /* something that STATUS should tell at once */
     uint16_t host_pose_age_ms;
     /* these five in the order of STATUS and HELLO_ACK */
     uint32_t mission;
@@ -44,11 +47,10 @@ typedef struct cw_robot {
     uint32_t exec_crc;
     uint32_t lease_end_us;
     uint32_t leased_us;
+    uint32_t now_us; /* as told last */
     uint32_t step_us;
-    int32_t left_um;
-    int32_t right_um;
-    int32_t speed_q10; /* measured */
-    int32_t spin_q10;
+    int16_t speed; /* measured */
+    int16_t spin;
     cw_wheels wheels; /* what the motors are to do now */
     cw_follower follower;
     cw_estimate estimate;
@@ -59,40 +61,41 @@ typedef struct cw_robot {
 void cw_robot_init(cw_robot *robot);
 
 /* A host has opened a session: the old lease is void, a running robot holds. */
-void cw_robot_open_session(cw_robot *robot, uint32_t now_us);
+void cw_robot_open_session(cw_robot *robot);
 
 /* Queue `count` checked records of 16 bytes from index `first` on. False where the queue is
  * full. */
 bool cw_robot_accept(cw_robot *robot, uint32_t mission, uint32_t first, uint8_t count,
                      const uint8_t *records);
 
-cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next, uint32_t now_us);
+cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next);
 cw_result cw_robot_pause(cw_robot *robot);
 cw_result cw_robot_clear(cw_robot *robot, uint32_t mission);
 cw_result cw_robot_reset_estop(cw_robot *robot);
 
 /* The control loop lives: prolong, or withdraw, the permit. */
-void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms,
-                    uint32_t now_us);
+void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms);
 
 /* The camera saw the robot `age_us` ago. */
-void cw_robot_pose(cw_robot *robot, const cw_pose *seen, uint32_t age_us, uint32_t now_us);
+void cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t age_us);
 
 /* Wheels to zero at once, latched. */
 void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason);
 
-/* One control cycle, 100 a second; the answer is in robot->wheels. */
-void cw_robot_step(cw_robot *robot, uint32_t now_us, uint32_t left_um, uint32_t right_um);
+/* One control cycle, 100 a second; the answer is in robot->wheels. `travel_um`: of the wheels, left
+ * and right, since the last one, each within plus and minus CW_LEAP_UM. */
+void cw_robot_step(cw_robot *robot, uint32_t now_us, const int32_t travel_um[2]);
 
-/* Watch lease and pose between two steps; cheap. */
-void cw_robot_tick(cw_robot *robot, uint32_t now_us);
+/* Watch lease and pose between two steps; cheap. True where a limit has just been passed: then the
+ * next step should follow at once. */
+bool cw_robot_tick(cw_robot *robot, uint32_t now_us);
 
 /* What STATUS tells. */
 uint8_t cw_robot_credit(const cw_robot *robot);
-uint8_t cw_robot_flags(const cw_robot *robot, uint32_t now_us);
+uint8_t cw_robot_flags(const cw_robot *robot);
 int16_t cw_robot_speed_mm_s(const cw_robot *robot);
 int16_t cw_robot_turning_mrad_s(const cw_robot *robot);
-uint16_t cw_robot_lease_left_ms(const cw_robot *robot, uint32_t now_us);
-uint16_t cw_robot_pose_age_ms(const cw_robot *robot, uint32_t now_us);
+uint16_t cw_robot_lease_left_ms(const cw_robot *robot);
+uint16_t cw_robot_pose_age_ms(const cw_robot *robot);
 
 #endif

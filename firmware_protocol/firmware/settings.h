@@ -12,8 +12,9 @@
 #include CW_SETTINGS_FILE
 #endif
 
-/* Every value > 0 and at most 8000, but for the track, up to 1 m, and the turn acceleration, up
- * to 15000. */
+/* Every value > 0. At most: the track 1 m, speed and turning as far as they give the wheels 2 m/s
+ * each, turn acceleration 15 rad/s2, accelerations 8 m/s2, looking ahead 1 m and 0.5 s, deviation
+ * 2 m. */
 typedef struct {
     uint32_t track_um; /* between the wheels */
     uint16_t max_speed_mm_s;
@@ -48,8 +49,9 @@ extern const cw_settings cw_robot_settings;
 #endif
 
 /* Binary angle that the robot turns by for a micrometre that its wheels differ by, and what
- * 65536 times mrad/s it turns at for 1/1024 mm/s of spin. */
-#define CW_ANGLE_PER_UM ((683565276ul + cw_robot_settings.track_um / 2u) / cw_robot_settings.track_um)
-#define CW_TURNING_PER_SPIN ((uint16_t)(128000000ul / cw_robot_settings.track_um))
+ * 256 times mrad/s it turns at for an eighth of mm/s of spin. */
+#define CW_ANGLE_PER_UM                                                                          \
+    ((683565276ul + cw_robot_settings.track_um / 2u) / cw_robot_settings.track_um)
+#define CW_TURNING_PER_SPIN ((int16_t)(64000000ul / cw_robot_settings.track_um))
 
 #endif

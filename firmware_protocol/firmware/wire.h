@@ -100,9 +100,9 @@ uint32_t cw_get_u32(const uint8_t *from);
 uint8_t *cw_put_u16(uint8_t *to, uint16_t value); /* returns the place behind */
 uint8_t *cw_put_u32(uint8_t *to, uint32_t value);
 
-/* Headings of the wire, 1e-4 rad, as binary angles (fixed.h) and back. */
-int32_t cw_angle_of(int16_t heading);
-int16_t cw_heading_of(int32_t angle);
+/* Headings of the wire, 1e-4 rad, as binary angles of 2^16 a turn, and back. */
+uint16_t cw_angle_of(int16_t heading);
+int16_t cw_heading_of(uint16_t angle);
 
 /* CRC-32C of `length` bytes continued from `running` (0 to begin). */
 uint32_t cw_crc32c(const uint8_t *data, uint16_t length, uint32_t running);

@@ -11,6 +11,8 @@
  * count, count bytes for the UART. Answer: u8 PWM left, u8 PWM right, u8 bit 0 powered, bit 1
  * left backwards, bit 2 right backwards; u32 cycle of the last power-off, u32 cycle now;
  * u16 count, count bytes from the UART.
+ * Where the environment names a file as AVR_ROUNDS, it says at the end how long the main loop's
+ * rounds took, from one watchdog reset to the next: lines of microseconds / 100 and how many.
  * The UART runs at its true rate in both directions: simavr counts a parity bit that is not
  * there, so the cycles of a byte are set from here.
  */
@@ -30,6 +32,7 @@
 #define OCR0A_AT 0x47
 #define OCR0B_AT 0x48
 #define TCCR0A_AT 0x44
+#define WDR 0x95A8 /* the watchdog's reset instruction */
 
 static avr_t *avr;
 static avr_uart_t *uart;
@@ -41,6 +44,8 @@ static avr_cycle_count_t next_in, off_at;
 static uint8_t phase[2];
 static avr_irq_t *uart_in;
 static bool was_powered;
+static avr_cycle_count_t round_at;
+static uint32_t rounds[1000];
 
 static void sent(struct avr_irq_t *irq, uint32_t value, void *param)
 {
@@ -73,6 +78,15 @@ static bool powered(void)
     return (avr->data[TCCR0A_AT] & 0xA0) != 0;
 }
 
+static void count_round(void)
+{
+    if ((avr->flash[avr->pc] | avr->flash[avr->pc + 1u] << 8) == WDR) {
+        avr_cycle_count_t bin = (avr->cycle - round_at) / (100u * CYCLES_US);
+        rounds[bin < 999u ? bin : 999u]++;
+        round_at = avr->cycle;
+    }
+}
+
 static void run(uint32_t us, int16_t left, int16_t right)
 {
     avr_cycle_count_t begin = avr->cycle, end = begin + (avr_cycle_count_t)us * CYCLES_US;
@@ -93,6 +107,7 @@ static void run(uint32_t us, int16_t left, int16_t right)
                 done[wheel]++;
             }
         }
+        count_round();
         int state = avr_run(avr);
         if (state == cpu_Done || state == cpu_Crashed) {
             fprintf(stderr, "avr_bridge: the processor stopped\n");
@@ -118,9 +133,24 @@ static void begin_with(char **numbers)
     }
 }
 
+static void tell_rounds(void)
+{
+    const char *name = getenv("AVR_ROUNDS");
+    FILE *file = name == NULL ? NULL : fopen(name, "w");
+    for (unsigned bin = 0; file != NULL && bin < 1000u; bin++) {
+        if (rounds[bin] > 0u) {
+            fprintf(file, "%u %u\n", bin, rounds[bin]);
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}
+
 static void get(void *to, size_t size)
 {
     if (fread(to, 1, size, stdin) != size) {
+        tell_rounds();
         exit(0);
     }
 }

@@ -18,7 +18,7 @@ from pathlib import Path
 from firmware_protocol.drive_settings import DriveSettings
 from firmware_protocol.framing import MAX_WIRE
 from firmware_protocol.messages import SCHEMA_HASH, RobotState, StopReason
-from firmware_protocol.robot import Q10_PER_M, WheelSpeeds
+from firmware_protocol.robot import EIGHTHS_PER_M, WheelSpeeds
 from firmware_protocol.robot_connection import Identity
 
 FIRMWARE = Path(__file__).parents[2] / "firmware_protocol" / "firmware"
@@ -31,7 +31,7 @@ class View(ctypes.Structure):
         *((name, ctypes.c_uint32) for name in ("mission", "accept_next", "exec_next")),
         *((name, ctypes.c_uint32) for name in ("prefix_crc", "exec_crc")),
         *((name, ctypes.c_int32) for name in ("x_um", "y_um", "heading")),
-        *((name, ctypes.c_int32) for name in ("left_q10", "right_q10")),
+        *((name, ctypes.c_int16) for name in ("left", "right")),
         *((name, ctypes.c_uint16) for name in ("session_errors", "session_number")),
         *((name, ctypes.c_uint8) for name in ("state", "reason", "credit", "powered", "done")),
         *((name, ctypes.c_uint8) for name in ("expected", "has_session", "phase")),
@@ -132,7 +132,7 @@ class CController:
     def wheels(self) -> WheelSpeeds:
         view = self._robot.view()
         return WheelSpeeds(
-            view.left_q10 / Q10_PER_M, view.right_q10 / Q10_PER_M, bool(view.powered)
+            view.left / EIGHTHS_PER_M, view.right / EIGHTHS_PER_M, bool(view.powered)
         )
 
     def tick(self, now_s: float) -> None:
