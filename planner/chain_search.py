@@ -8,19 +8,23 @@ Rules and units
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
-from planner import bisector_kernels, distance_kernels, search_kernels
+from planner import alternative_kernels, attach_kernels, route_kernels, search_kernels
 from planner.agvd import Chains
 from planner.bisectors import EQUAL
-from planner.chain_lines import Line, along, join, to_end
-from planner.generators import Borders
+from planner.generators import BoolArray, Borders
 from planner.scene import FloatArray, IntArray, Vec
 
+Graph: TypeAlias = tuple[
+    IntArray, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray,
+    IntArray, BoolArray, FloatArray, FloatArray,
+]  # fmt: skip
+"""What the kernels that search for routes begin with."""
 DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
 NEAR = 0.25
@@ -29,6 +33,8 @@ ENTRIES = 8
 """Chains tried as a station's way onto the roadmap."""
 ROUNDING = 1e-9
 """Clearances are equal within this share of the scene's extent."""
+PENALTY = 1.4
+"""How much dearer a chain becomes with every route that took it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,155 +59,100 @@ class Network:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """A station's way onto chain ``chain`` at point ``link`` + ``part`` of its link.
+class Gates:
+    """A station's m ways onto the chains, the nearest first.
 
-    ``access`` (n, 2) runs from the station to the place on the chain; ``gap`` is its exact
-    clearance. ``to_end`` are cost and clearance from there to the chain's two ends.
+    ``where`` (m, 2) are chain and link; ``access`` (m, 3, 2) runs from the station over the
+    retracted place to the one on the chain; ``price`` (m, 7) is the part of the link gone, the
+    access's length and exact clearance, and cost and clearance to the chain's two ends.
     """
 
-    chain: int
-    link: int
-    part: float
+    where: IntArray
     access: FloatArray
-    cost: float
-    gap: float
-    to_end: tuple[tuple[float, float], tuple[float, float]]
+    price: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.where)
+
+    def costs(self, network: Network, floor: float) -> tuple[IntArray, FloatArray]:
+        """Node and cost (2 m,) of both ways along the chain, infinity below ``floor``."""
+        same = np.ones(len(network.total))
+        gates: tuple[IntArray, FloatArray] = route_kernels.gates_of(
+            self.where, self.price, network.chains.ends, floor, same
+        )
+        return gates
 
 
 @dataclass(frozen=True, slots=True)
-class Gates:
-    """All entries of a station as ways to nodes (2 n,): ``node``, ``access`` and ``gap``.
+class Lines:
+    """Routes laid out, one behind the other: route i is ``points[begin[i] : begin[i + 1]]``.
 
-    ``access`` is what it costs to get to the entry's place on its chain.
+    ``pairs`` (n, 2) are the pieces left and right of the link to the next point, -1 where that
+    is straight.
     """
 
-    entries: tuple[Entry, ...]
-    node: IntArray
-    access: FloatArray
-    gap: FloatArray
+    points: FloatArray
+    pairs: IntArray
+    begin: IntArray
 
-    @classmethod
-    def of(cls, chains: Chains, entries: Sequence[Entry]) -> Gates:
-        """Gate 2 i + end leads from entry i to that end of its chain."""
-        both = [(e, end) for e in entries for end in range(2)]
-        return cls(
-            tuple(entries),
-            np.array([chains.ends[e.chain, end] for e, end in both], np.int32),
-            np.array([e.cost for e, _ in both]),
-            np.array([min(e.gap, e.to_end[end][1]) for e, end in both]),
-        )
-
-    def costs(self, floor: float, dearer: FloatArray | None = None) -> FloatArray:
-        """(2 n,) the gates' costs, infinity where their clearance is below ``floor``.
-
-        ``dearer`` are factors for what is walked of each chain.
-        """
-        cost = self.access.copy()
-        for i, entry in enumerate(self.entries):
-            factor = 1.0 if dearer is None else dearer[entry.chain]
-            cost[2 * i] += factor * entry.to_end[0][0]
-            cost[2 * i + 1] += factor * entry.to_end[1][0]
-        return np.where(self.gap >= floor, cost, np.inf)
+    def __len__(self) -> int:
+        return len(self.begin) - 1
 
 
 def attach(
     borders: Borders, network: Network, place: Vec, floor: float, anywhere: bool = False
 ) -> Gates:
-    """Ways from a place onto the chains, each with clearance >= ``floor``; the nearest first.
+    """Ways from a place onto the chains, each with clearance >= ``floor``.
 
     Where retraction meets a chain that chain is the way; with ``anywhere``, or where it meets
     none, any of the nearest chains that a straight line reaches.
     """
-    chains = network.chains
-    x, y, _, _, _ = search_kernels.retract(*borders.tree, *place, 2.0 * borders.extent)
-    ridge = (x, y)
-    usable = np.ones(len(chains), dtype=np.bool_)
-    found = search_kernels.nearest_links(chains.points, chains.first, usable, x, y, ENTRIES)
-    entries: list[Entry] = []
-    for chain, link, part, away in zip(*(a.tolist() for a in found), strict=True):
-        if chain < 0:
-            break
-        met = found[3][0] <= NEAR * floor and not anywhere
-        if met and entries and away > found[3][0] + ROUNDING * borders.extent:
-            break
-        a, b = chains.points[link], chains.points[min(link + 1, chains.first[chain + 1] - 1)]
-        foot = a + part * (b - a)
-        if chains.proved[link]:
-            left, right = chains.pieces[link]
-            foot[0], foot[1], _ = bisector_kernels.slide_between(
-                borders.kind, borders.data, left, right, foot[0], foot[1], EQUAL * borders.extent
-            )
-        access = np.array([place, ridge, foot])
-        gap = distance_kernels.polyline_clearance(*borders.tree, access)[0]
-        if gap < floor:
-            continue
-        ends = _to_ends(network, chain, link, part)
-        length = math.dist(place, ridge) + away
-        entries.append(Entry(chain, link, part, access, length, gap, ends))
-    return Gates.of(chains, entries)
-
-
-def _to_ends(
-    network: Network, chain: int, link: int, part: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Cost and clearance from a place inside a chain to its first and to its last point."""
-    chains, cost = network.chains, network.cost
-    lo, hi = int(chains.first[chain]), int(chains.first[chain + 1]) - 1
-    if lo == hi:
-        return ((0.0, float(chains.rho[lo])),) * 2
-    back = float(cost[lo:link].sum() + part * cost[link])
-    ahead = float(cost[link + 1 : hi].sum() + (1.0 - part) * cost[link])
-    return (
-        (back, float(chains.gap[lo : link + 1].min())),
-        (ahead, float(chains.gap[link:hi].min())),
-    )
+    chains, extent = network.chains, borders.extent
+    found = attach_kernels.attach(
+        *borders.tree, chains.points, chains.first, chains.pieces, chains.proved, chains.rho,
+        chains.gap, network.cost, *place, floor, -1.0 if anywhere else NEAR * floor,
+        ROUNDING * extent, EQUAL * extent, 2.0 * extent, ENTRIES,
+    )  # fmt: skip
+    return Gates(*found)
 
 
 def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
     """The largest clearance a way from any entry to any exit can keep, -inf where none leads."""
     chains = network.chains
-    best = search_kernels.widest(
-        network.around, network.leaving, chains.ends, chains.clearance,
-        start.node, start.gap, goal.node, goal.gap,
+    best = route_kernels.widest_way(
+        network.around, network.leaving, chains.ends, chains.clearance, chains.first, chains.rho,
+        chains.gap, network.cost, start.where, start.price, goal.where, goal.price,
     )  # fmt: skip
-    return max(float(best), *(gap for gap, _, _, _ in _direct(network, start, goal)), -math.inf)
+    return float(best)
 
 
-def cheapest(
-    network: Network, start: Gates, goal: Gates, floor: float, dearer: FloatArray | None = None
-) -> tuple[Line, frozenset[int]] | None:
-    """The route and its chains: the cheapest way from any entry to any exit, or None.
+def routes(
+    network: Network, start: Gates, goal: Gates, least: float, floor: float, tries: int
+) -> Lines:
+    """The cheapest route that keeps ``least``, and then others that keep ``floor``.
 
-    ``dearer`` are factors >= 1, one a chain.
+    A chain gets dearer with every route that took it: ``tries`` searches find as many routes or
+    fewer.
     """
-    chains = network.chains
-    best, entry, out, steps = search_kernels.cheapest(
-        network.around, network.leaving, chains.ends,
-        network.total if dearer is None else network.total * dearer, chains.clearance, floor,
-        start.node, start.costs(floor, dearer), goal.node, goal.costs(floor, dearer),
+    found = route_kernels.routes(
+        *_graph(network), least, floor, start.where, start.access, start.price,
+        goal.where, goal.access, goal.price, tries, PENALTY,
     )  # fmt: skip
-    direct: tuple[Entry, Entry] | None = None
-    for gap, apart, a, b in _direct(network, start, goal):
-        here = a.cost + b.cost + apart * (1.0 if dearer is None else float(dearer[a.chain]))
-        if gap >= floor and here < best:
-            best, direct = here, (a, b)
-    if not math.isfinite(best):
-        return None
-    if direct is not None:
-        a, b = direct
-        inner = along(chains, (a.link, a.part), (b.link, b.part), a.access[-1], b.access[-1])
-        lines = [Line.straight(a.access), inner, Line.straight(b.access).reversed()]
-        return join(lines), frozenset({a.chain})
-    (a, a_end), (b, b_end) = _gate(start, entry), _gate(goal, out)
-    lines = [Line.straight(a.access), to_end(chains, a.chain, a.link, a.access[-1], a_end)]
-    for step in steps.tolist():
-        c, end = divmod(step, 2)
-        line = Line.part(chains, chains.first[c], chains.first[c + 1])
-        lines.append(line if end == 0 else line.reversed())
-    lines.append(to_end(chains, b.chain, b.link, b.access[-1], b_end).reversed())
-    lines.append(Line.straight(b.access).reversed())
-    return join(lines), frozenset([a.chain, b.chain, *(steps // 2).tolist()])
+    return Lines(*found)
+
+
+def cheapest_routes(
+    borders: Borders, network: Network, start: Gates, goal: Gates, floor: float, wanted: int
+) -> Lines:
+    """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
+
+    Fewer only where there are no more.
+    """
+    found = alternative_kernels.cheapest_routes(
+        *_graph(network), floor, start.where, start.access, start.price,
+        goal.where, goal.access, goal.price, wanted, ROUNDING * borders.extent,
+    )  # fmt: skip
+    return Lines(*found)
 
 
 def costs_between(network: Network, stations: Sequence[Gates], floor: float) -> FloatArray:
@@ -212,40 +163,27 @@ def costs_between(network: Network, stations: Sequence[Gates], floor: float) -> 
     chains = network.chains
     m = len(stations)
     matrix = np.zeros((m, m))
+    gates = [station.costs(network, floor) for station in stations]
     for i, start in enumerate(stations):
         far = search_kernels.costs_from(
             network.around, network.leaving, chains.ends, network.total, chains.clearance, floor,
-            start.node, start.costs(floor),
+            *gates[i], np.empty(0, np.int32), np.empty(0),
         )  # fmt: skip
         for j in range(i + 1, m):
-            goal = stations[j]
-            best = float((far[goal.node] + goal.costs(floor)).min(initial=np.inf))
-            for gap, apart, a, b in _direct(network, start, goal):
-                if gap >= floor:
-                    best = min(best, a.cost + b.cost + apart)
-            matrix[i, j] = matrix[j, i] = best
+            node, cost = gates[j]
+            best = float((far[node] + cost).min(initial=np.inf))
+            inside = route_kernels.cheapest_inside(
+                chains.first, chains.rho, chains.gap, network.cost, floor,
+                start.where, start.price, stations[j].where, stations[j].price,
+            )  # fmt: skip
+            matrix[i, j] = matrix[j, i] = min(best, inside)
     return matrix
 
 
-def _gate(gates: Gates, number: int) -> tuple[Entry, int]:
-    return gates.entries[number // 2], number % 2
-
-
-def _direct(network: Network, start: Gates, goal: Gates) -> list[tuple[float, float, Entry, Entry]]:
-    """Ways within one chain: clearance, cost from place to place, entry and exit."""
-    chains = network.chains
-    found = []
-    for a in start.entries:
-        for b in goal.entries:
-            if a.chain != b.chain:
-                continue
-            lo, hi = min(a.link, b.link), max(a.link, b.link)
-            alone = chains.first[a.chain + 1] - chains.first[a.chain] == 1
-            between = chains.rho[lo] if alone else chains.gap[lo : hi + 1].min()
-            apart = abs(_position(network.cost, a) - _position(network.cost, b))
-            found.append((min(a.gap, b.gap, float(between)), apart, a, b))
-    return found
-
-
-def _position(cost: FloatArray, entry: Entry) -> float:
-    return float(cost[: entry.link].sum() + entry.part * cost[entry.link])
+def _graph(network: Network) -> Graph:
+    """What every search for routes starts with."""
+    c = network.chains
+    return (
+        network.around, network.leaving, c.ends, network.total, network.cost, c.clearance,
+        c.points, c.first, c.pieces, c.proved, c.rho, c.gap,
+    )  # fmt: skip

@@ -1,6 +1,7 @@
-"""Cutting a way short and judging it, on flat arrays: many straight lines tried in one call.
+"""From routes to polylines: taut, cut short, judged, on flat arrays.
 
 Rules and units
+- Every polyline is proved against all borders: its exact distance is at least what is needed.
 - A straight line is kept where its exact distance to every border is at least what is asked.
 - A way's points stand where they stand: where both ends of a line are nearer to a border than is
   wished for, the line may be as near as they are, but never nearer than is needed.
@@ -16,7 +17,54 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.distance_kernels import nearest, segment_clearance
+from planner.bisector_kernels import follow
+from planner.clear_kernels import blocker, keeps, spare
+from planner.corridor_kernels import pull_taut
+from planner.distance_kernels import nearest
+
+
+@njit(cache=True, nogil=True)
+def certain(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding):
+    """The route as it is, so close to its bisectors that it keeps ``need``; else empty."""
+    way, _ = follow(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance)
+    if keeps(kind, data, order, large, boxes, way, need - rounding):
+        return way.copy()
+    return np.empty((0, 2))
+
+
+@njit(cache=True, nogil=True)
+def finish(
+    kind, data, order, large, boxes, line, pair, begin, wish, need, flatness, tolerance, rounding
+):
+    """Every route taut, or as it is where that cannot be proved, one behind the other.
+
+    Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``; those that cannot be proved
+    at all are left out. Taut ways keep ``wish`` where there is room; none is pulled taut where
+    ``wish`` is infinite. Returns the points (n, 2) and where each way begins (m + 1,).
+    """
+    out = np.empty((256, 2))
+    first = np.zeros(len(begin), np.int32)
+    count = 0
+    for i in range(len(begin) - 1):
+        points, pairs = line[begin[i] : begin[i + 1]], pair[begin[i] : begin[i + 1]]
+        way = np.empty((0, 2))
+        if wish < np.inf:
+            way = pull_taut(kind, data, order, large, boxes, points, pairs, wish, need, tolerance)
+        if len(way) == 0:
+            way = certain(
+                kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding
+            )
+        if len(way) == 0:
+            continue
+        lo, hi = first[count], first[count] + len(way)
+        if hi > len(out):
+            more = np.empty((2 * hi, 2))
+            more[:lo] = out[:lo]
+            out = more
+        out[lo:hi] = way
+        count += 1
+        first[count] = hi
+    return out[: first[count]].copy(), first[: count + 1].copy()
 
 
 @njit(cache=True, nogil=True)
@@ -30,21 +78,23 @@ def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
     xy = way.copy()
     rho = np.empty(len(way))
     for i in range(len(way)):
-        rho[i], _ = nearest(kind, data, order, large, boxes, xy[i, 0], xy[i, 1], np.inf)
+        rho[i] = spare(kind, data, order, large, boxes, xy[i, 0], xy[i, 1], wish)
     n = len(way)
+    guess = -1
     for _ in range(2):
         here, m = 0, 1
         while here < n - 1:
             step = n - 1 - here
             while step > 1:
                 there = here + step
-                keep = max(need, min(wish, min(rho[here], rho[there]))) - rounding
-                _, _, which = segment_clearance(
+                met = blocker(
                     kind, data, order, large, boxes,
-                    xy[here, 0], xy[here, 1], xy[there, 0], xy[there, 1], keep,
+                    xy[here, 0], xy[here, 1], xy[there, 0], xy[there, 1],
+                    max(need, min(rho[here], rho[there])) - rounding, guess,
                 )  # fmt: skip
-                if which < 0:
+                if met < 0:
                     break
+                guess = met
                 step //= 2
             here += step
             xy[m, 0], xy[m, 1], rho[m] = xy[here, 0], xy[here, 1], rho[here]
@@ -59,15 +109,38 @@ def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
 
 
 @njit(cache=True, nogil=True)
-def judge(kind, data, order, large, boxes, way, need, weight):
-    """The way's length, each step 1 + ``weight * need / clearance`` as dear, there >= need."""
+def judge(kind, data, order, large, boxes, way, need, weight, most):
+    """The way's length, each step 1 + ``weight * need / clearance`` as dear, there >= need.
+
+    Infinity where that is ``most`` or more, found as soon as it is sure.
+    """
     total = 0.0
     for i in range(len(way) - 1):
+        total += math.hypot(way[i + 1, 0] - way[i, 0], way[i + 1, 1] - way[i, 1])
+    for i in range(len(way) - 1):
+        if total >= most:
+            return np.inf
+        if weight <= 0.0:
+            break
         ax, ay, bx, by = way[i, 0], way[i, 1], way[i + 1, 0], way[i + 1, 1]
-        step = math.hypot(bx - ax, by - ay)
-        if weight > 0.0:
-            x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
-            rho, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
-            step *= 1.0 + weight * need / max(rho, need)
-        total += step
-    return total
+        x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
+        rho, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
+        total += math.hypot(bx - ax, by - ay) * weight * need / max(rho, need)
+    return total if total < most else np.inf
+
+
+@njit(cache=True, nogil=True)
+def best_cut(kind, data, order, large, boxes, ways, first, need, wish, weight, rounding):
+    """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` when they are cut short.
+
+    A cut may change to another side of an obstacle; it is never longer.
+    """
+    best, least = ways[:0].copy(), np.inf
+    for i in range(len(first) - 1):
+        way = cut_short(
+            kind, data, order, large, boxes, ways[first[i] : first[i + 1]], need, wish, rounding
+        )
+        cost = judge(kind, data, order, large, boxes, way, need, weight, least)
+        if cost < least:
+            best, least = way, cost
+    return best

@@ -16,7 +16,7 @@ import numpy as np
 
 from planner import distance_kernels
 from planner.agvd import Chains
-from planner.chain_search import ROUNDING, Network, attach, cheapest, widest_gap
+from planner.chain_search import ROUNDING, Network, attach, routes, widest_gap
 from planner.finish import certain
 from planner.generators import Borders
 from planner.path import Bottleneck, NoPath
@@ -74,14 +74,13 @@ def widest_way(
         gap = widest_gap(network, entries, exits)
         if gap <= least:
             return None
-        route = cheapest(network, entries, exits, gap * (1.0 - 1e-12))
-        if route is None:
+        least_gap = gap * (1.0 - 1e-12)
+        route = routes(network, entries, exits, least_gap, least_gap, 1)
+        if not len(route):
             return None
-        way = certain(borders, route[0], gap)
-        line = route[0].points if way is None else way
-        wide, x, y, _, _ = distance_kernels.polyline_clearance(
-            *borders.tree, np.ascontiguousarray(line)
-        )
+        way = certain(borders, route, gap)
+        line = route.points if way is None else way
+        wide, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, line)
         if wide <= least:
             return None
         if narrowest is None or wide < narrowest[0]:
@@ -96,9 +95,13 @@ def why_not(borders: Borders, name: str, place: Vec, need: float, units: str = "
     if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
         return f"{name} {_at(place)} lies outside the bounds"
     distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
-    inside = np.flatnonzero(borders.owners_around(x, y, distance))
-    if len(inside):
-        return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
+    if distance_kernels.in_object(
+        borders.kind, borders.data, borders.owner, borders.solid, borders.object_boxes,
+        borders.span, x, y, distance,
+    ):  # fmt: skip
+        inside = np.flatnonzero(borders.owners_around(x, y, distance))
+        if len(inside):
+            return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
     if distance < need - ROUNDING * borders.extent:
         owner = borders.owner[which]
         what = "the bounds" if owner < 0 else f"obstacle {owner}"

@@ -151,6 +151,7 @@ class Roadmap:
         order: Literal["fixed", "best"] = "fixed",
         alternatives: int = 0,
         margin: float = 0.0,
+        near: Path | None = None,
     ) -> Path | NoPath:
         """A path from start to goal for this roadmap's robot, or why there is none.
 
@@ -158,7 +159,9 @@ class Roadmap:
         "clearance" (the widest way, along the middle), "length" (the shortest that keeps the
         radius), "balanced", or a number from 0 (length) to 1 (clearance). ``margin`` is kept
         on top of the radius. No path ever comes nearer to a border than the radius and the
-        margin. Raises ``ValueError`` on options that make no sense.
+        margin. ``near`` is the last path, on which the robot is: while it is clear, and within
+        2 % as good as the best, the answer is that path from here on, so that noise does not make
+        plans jump. Raises ``ValueError`` on options that make no sense.
         """
         request = Request.of(start, goal, prefer, via, order, alternatives, margin)
         units = str(getattr(self.scene, "units", ""))
@@ -169,6 +172,7 @@ class Roadmap:
             request,
             units,
             chains_only=self.mode == "paper",
+            near=near,
         )
         return self._explain(answer, units) if isinstance(answer, Blocked) else answer
 

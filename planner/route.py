@@ -18,19 +18,20 @@ import numpy as np
 
 from planner import distance_kernels
 from planner.agvd import Chains
-from planner.chain_lines import Line
 from planner.chain_search import (
     ROUNDING,
     Gates,
     Network,
     attach,
-    cheapest,
+    cheapest_routes,
     costs_between,
+    routes,
     widest_gap,
 )
-from planner.finish import cut_short, finish, is_clear, judge
+from planner.finish import best_cut, finish, is_clear, judge
 from planner.generators import Borders
 from planner.homotopy import Word, anchors, word
+from planner.hysteresis import continued, is_kept, last_legs, preferred
 from planner.no_way import Blocked, why_not
 from planner.path import NoPath, Path
 from planner.request import Request
@@ -40,10 +41,12 @@ from planner.tour import best_tour
 
 ROUTES = 4
 """Routes over different chains that are compared."""
-TRIES = 8
-"""Searches made for every alternative wanted: many of them find a way that is known already."""
-PENALTY = 1.4
-"""How much dearer a chain becomes with every route that took it."""
+SPARE_ROUTES = 2
+"""Routes made taut for every alternative wanted, so that the best of them are told."""
+MOST_ROUTES = 512
+"""No more routes are compared than so many, or what the alternatives wanted take."""
+OTHERS = 3
+"""Ways looked at besides the best for one on the sides of the last one."""
 SECOND_OPINION = 4_000_000
 """Tangents tried before it is believed that there is no way: about 0.2 s."""
 GAVE_UP = "the search for the shortest path reached its limit: there may be a shorter one"
@@ -57,6 +60,18 @@ class Ways:
     remarks: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """From one station to the next, for a disc of radius ``need``."""
+
+    borders: Borders
+    network: Network
+    start: Vec
+    goal: Vec
+    need: float
+    preference: float
+
+
 def plan_request(
     borders: Borders,
     chains: Chains,
@@ -65,10 +80,12 @@ def plan_request(
     units: str = "",
     *,
     chains_only: bool = False,
+    near: Path | None = None,
 ) -> Path | NoPath | Blocked:
     """Answer a request on measured chains, for a disc of ``radius``.
 
-    ``chains_only`` believes the chains where they have no way, as the paper does.
+    ``chains_only`` believes the chains where they have no way, as the paper does. ``near`` is the
+    last answer, which is stayed with as ``hysteresis.py`` says.
     """
     need = radius + request.margin
     vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
@@ -82,19 +99,14 @@ def plan_request(
         order = _best_order(borders, network, request, need)
     request = request.in_order(order)
     legs: list[Ways] = []
-    for a, b in pairwise(request.stations):
-        found = plan_leg(
-            borders,
-            network,
-            a,
-            b,
-            need,
-            request.preference,
-            request.alternatives,
-            chains_only=chains_only,
-        )
+    lasts = last_legs(near, len(request.stations) - 1)
+    for (a, b), last in zip(pairwise(request.stations), lasts, strict=True):
+        leg = Leg(borders, network, a, b, need, request.preference)
+        found = plan_leg(leg, request.alternatives, chains_only=chains_only)
         if not found.lines:
             return Blocked(a, b, need, request.stations)
+        if last is not None and a != b:
+            found = _staying(leg, last, found, request.alternatives)
         legs.append(found)
     best = _as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
     best = replace(best, remarks=tuple(dict.fromkeys(r for leg in legs for r in leg.remarks)))
@@ -138,17 +150,7 @@ def _best_order(
     return tuple(i - 1 for i in tour.order)
 
 
-def plan_leg(
-    borders: Borders,
-    network: Network,
-    start: Vec,
-    goal: Vec,
-    need: float,
-    preference: float,
-    alternatives: int = 0,
-    *,
-    chains_only: bool = False,
-) -> Ways:
+def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
     Every further one passes some obstacle on another side than those before it. With the
@@ -156,12 +158,13 @@ def plan_leg(
     ``1 + ROOM * preference`` radii off the borders where there is room; with 1 the widest
     route itself. None where there is no way.
     """
+    borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
         return Ways((np.array([start, goal]),))
-    clear = is_clear(borders, start, goal, need, preference)
+    clear = is_clear(borders, start, goal, need, leg.preference)
     if clear and not alternatives:
         return Ways((np.array([start, goal]),))
-    found = _routes(borders, network, start, goal, need, preference, alternatives)
+    found = _routes(leg, alternatives)
     if clear:
         found.insert(0, np.array([start, goal]))
     if not found and chains_only:
@@ -170,7 +173,7 @@ def plan_leg(
         # the chains tell ways of this width: a second opinion of another method, and its bound
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
         return Ways(() if exact.way is None else (exact.way,))
-    if preference > 0.0 or clear:
+    if leg.preference > 0.0 or clear:
         return Ways(_distinct(borders, found, alternatives))
     exact = shortest_way(borders, start, goal, need, _length(found[0]))
     if exact.way is not None:
@@ -178,65 +181,64 @@ def plan_leg(
     return Ways(_distinct(borders, found, alternatives), () if exact.certain else (GAVE_UP,))
 
 
-def _routes(
-    borders: Borders,
-    network: Network,
-    start: Vec,
-    goal: Vec,
-    need: float,
-    preference: float,
-    alternatives: int,
-) -> list[FloatArray]:
+def _routes(leg: Leg, alternatives: int) -> list[FloatArray]:
     """Ways over different chains, the preferred one first; some may be the same but for a shift.
 
-    The first may be cut short across to another side of an obstacle.
+    The first may be cut short across to another side of an obstacle. For alternatives the
+    cheapest routes of all are made taut, and come the best first.
     """
+    borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent
     for anywhere in (False, True):
-        entries = attach(borders, network, start, floor, anywhere)
-        exits = attach(borders, network, goal, floor, anywhere)
-        found: list[tuple[float, FloatArray]] = []
-        for line in _lines(network, entries, exits, floor, preference, alternatives):
-            way = finish(borders, line, need, preference)
-            if way is not None:
-                found.append((judge(borders, way, need, preference), way))
-        if not found:
+        entries = attach(borders, network, leg.start, floor, anywhere)
+        exits = attach(borders, network, leg.goal, floor, anywhere)
+        if not (len(entries) and len(exits)):
             continue
         if preference >= 1.0:
-            return [way for _, way in found]
-        found.sort(key=lambda pair: pair[0])
-        cuts = [cut_short(borders, way, need, preference) for _, way in found[:ROUTES]]
-        best = min(cuts, key=lambda way: judge(borders, way, need, preference))
-        return [best, *(way for _, way in found)] if alternatives else [best]
+            least = max(floor, widest_gap(network, entries, exits) * (1.0 - 1e-12))
+            lines = routes(network, entries, exits, least, floor, 1)
+        else:
+            lines = routes(network, entries, exits, floor, floor, ROUTES)
+        ways, first = finish(borders, lines, need, preference)
+        if len(first) == 1:
+            continue
+        best = ways if preference >= 1.0 else best_cut(borders, ways, first, need, preference)
+        if not alternatives:
+            return [best]
+        return [best, *_others_than(leg, best, entries, exits, alternatives)]
     return []
 
 
-def _lines(
-    network: Network,
-    entries: Gates,
-    exits: Gates,
-    floor: float,
-    preference: float,
-    alternatives: int,
-) -> Iterator[Line]:
-    """The cheapest route, and then others: a chain gets dearer with every route that took it."""
-    least = floor
-    tries = TRIES * alternatives + ROUTES
-    if preference >= 1.0:
-        least = max(floor, widest_gap(network, entries, exits) * (1.0 - 1e-12))
-        tries -= ROUTES - 1
-    seen: set[frozenset[int]] = set()
-    dearer = np.ones(len(network.total))
-    for _ in range(tries):
-        route = cheapest(network, entries, exits, least, dearer)
-        if route is None:
-            return
-        line, used = route
-        dearer[list(used)] *= PENALTY
-        least = floor
-        if used not in seen:
-            seen.add(used)
-            yield line
+def _others_than(
+    leg: Leg, best: FloatArray, entries: Gates, exits: Gates, alternatives: int
+) -> list[FloatArray]:
+    """The cheapest routes made taut, the best first: enough for so many that are distinct.
+
+    Routes that begin or end on different chains may be shifts of one another, though they are
+    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``.
+    """
+    borders, need, preference = leg.borders, leg.need, leg.preference
+    wanted = ROUTES + SPARE_ROUTES * alternatives
+    while True:
+        floor = need - ROUNDING * borders.extent
+        lines = cheapest_routes(borders, leg.network, entries, exits, floor, wanted)
+        ways, first = finish(borders, lines, need, preference)
+        found = [ways[a:b] for a, b in pairwise(first.tolist())]
+        enough = len(_distinct(borders, [best, *found], alternatives)) > alternatives
+        if enough or len(lines) < wanted or wanted >= MOST_ROUTES:
+            return sorted(found, key=lambda way: judge(borders, way, need, preference))
+        wanted *= 2
+
+
+def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways:
+    """The ways found, behind the last way continued where that is as good."""
+    borders, need = leg.borders, leg.need
+    way = continued(borders, last, leg.start, leg.goal, need)
+    lines = found.lines
+    if len(lines) == 1 and not is_kept(borders, way, need):
+        lines = plan_leg(leg, OTHERS).lines
+    best = preferred(borders, way, lines, need, leg.preference)
+    return replace(found, lines=_distinct(borders, [best, *lines], alternatives))
 
 
 def _distinct(

@@ -1,4 +1,4 @@
-"""Attaching a place to the roadmap, and searching the roadmap, on flat arrays.
+"""The roadmap's chains as a graph with costs, and how far everything is, on flat arrays.
 
 Rules and units
 - Chains are numbered as :func:`planner.agvd_kernels.trace_chains` leaves them; chain c's points
@@ -15,77 +15,6 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-
-from planner.distance_kernels import foot, nearest, point_to_segment
-
-SHRINKS = 60
-"""Steps of the shrinking ball; it took at most 12 on random scenes."""
-
-
-@njit(cache=True, nogil=True)
-def retract(kind, data, order, large, boxes, x, y, reach):
-    """Move (x, y) away from the nearest border until a second border is as near.
-
-    The shrinking ball of Ma, Bae and Choi (2012): a ball through the nearest foot, centred
-    on the ray from it through (x, y), shrinks until no border is inside. Returns the centre,
-    its radius and the two primitives. ``reach`` is the first ball's radius, larger than any
-    clearance in the scene.
-    """
-    d, a = nearest(kind, data, order, large, boxes, x, y, np.inf)
-    fx, fy = foot(kind, data, a, x, y)
-    if d <= 0.0:
-        return x, y, d, a, a
-    nx, ny = (x - fx) / d, (y - fy) / d
-    r, b = max(reach, d), a
-    for _ in range(SHRINKS):
-        cx, cy = fx + r * nx, fy + r * ny
-        _, i = nearest(kind, data, order, large, boxes, cx, cy, r * (1.0 - 1e-12))
-        if i < 0:
-            break
-        qx, qy = foot(kind, data, i, cx, cy)
-        wx, wy = qx - fx, qy - fy
-        along = nx * wx + ny * wy
-        if along <= 0.0:
-            break
-        smaller = 0.5 * (wx * wx + wy * wy) / along
-        if smaller < d:
-            r, b = d, i
-            break
-        if smaller >= r:
-            break
-        r, b = smaller, i
-    return fx + r * nx, fy + r * ny, r, a, b
-
-
-@njit(cache=True, nogil=True)
-def nearest_links(points, first, usable, x, y, count):
-    """The links nearest to (x, y), at most one a chain: chain, point index, part, distance."""
-    chain = np.full(count, -1, np.int32)
-    link = np.zeros(count, np.int32)
-    part = np.zeros(count)
-    away = np.full(count, np.inf)
-    for c in range(len(first) - 1):
-        if not usable[c]:
-            continue
-        best, bi, bt = np.inf, -1, 0.0
-        for i in range(first[c], max(first[c] + 1, first[c + 1] - 1)):
-            j = min(i + 1, first[c + 1] - 1)
-            d, t = point_to_segment(x, y, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
-            if d < best:
-                best, bi, bt = d, i, t
-        if best >= away[count - 1]:
-            continue
-        k = count - 1
-        while k > 0 and away[k - 1] > best:
-            chain[k], link[k], part[k], away[k] = (
-                chain[k - 1],
-                link[k - 1],
-                part[k - 1],
-                away[k - 1],
-            )
-            k -= 1
-        chain[k], link[k], part[k], away[k] = c, bi, bt, best
-    return chain, link, part, away
 
 
 @njit(cache=True, nogil=True)
@@ -151,75 +80,46 @@ def pop(keys, items, size):
 
 
 @njit(cache=True, nogil=True)
-def cheapest(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_node, g_cost):
-    """The cheapest way from the start's gates to the goal's over chains not below ``floor``.
-
-    Dijkstra. Returns the total (inf where there is none), the start's and the goal's gate,
-    and the chains in order as chain * 2 + end walked from.
-    """
-    n = len(around) - 1
-    far = np.full(n, np.inf)
-    came = np.full(n, -1, np.int32)
-    gate = np.full(n, -1, np.int32)
-    room = len(leaving) + len(s_node) + 1
-    keys = np.empty(room)
-    items = np.empty(room, np.int32)
-    size = 0
-    for i in range(len(s_node)):
-        if s_cost[i] < far[s_node[i]]:
-            far[s_node[i]], gate[s_node[i]] = s_cost[i], i
-            push(keys, items, size, s_cost[i], s_node[i])
-            size += 1
-    best, out, exit_node = np.inf, -1, -1
-    while size > 0:
-        d, u = pop(keys, items, size)
-        size -= 1
-        if d > far[u]:
-            continue
-        if d >= best:
-            break
-        for i in range(len(g_node)):
-            if g_node[i] == u and d + g_cost[i] < best:
-                best, out, exit_node = d + g_cost[i], i, u
-        for k in range(around[u], around[u + 1]):
-            c, end = leaving[k] // 2, leaving[k] % 2
-            if clearance[c] < floor:
-                continue
-            v = ends[c, 1 - end]
-            if d + cost[c] < far[v]:
-                far[v], came[v], gate[v] = d + cost[c], leaving[k], -1
-                push(keys, items, size, far[v], v)
-                size += 1
-    steps = np.empty(n, np.int32)
-    count = 0
-    u = exit_node
-    while u >= 0 and gate[u] < 0:
-        steps[count] = came[u]
-        count += 1
-        u = ends[came[u] // 2, came[u] % 2]
-    entry = gate[u] if u >= 0 else -1
-    return best, entry, out, steps[:count][::-1].copy()
+def pushed(keys, items, size, key, item):
+    """Put an item into the heap, which grows where it is full; the heap."""
+    if size == len(keys):
+        more, others = np.empty(2 * size + 8), np.empty(2 * size + 8, np.int32)
+        more[:size], others[:size] = keys, items
+        keys, items = more, others
+    push(keys, items, size, key, item)
+    return keys, items
 
 
 @njit(cache=True, nogil=True)
-def costs_from(around, leaving, ends, cost, clearance, floor, s_node, s_cost):
-    """What the cheapest way from the gates to every node costs (n,), inf where there is none."""
+def costs_from(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_node, g_cost):
+    """What the cheapest way from the gates to every node costs (n,), inf where there is none.
+
+    Dijkstra. Where there are goal's gates the search ends at the first of them, and what lies
+    farther is said to cost as much as the farthest that was reached: no more than it does.
+    """
     n = len(around) - 1
     far = np.full(n, np.inf)
-    room = len(leaving) + len(s_node) + 1
-    keys = np.empty(room)
-    items = np.empty(room, np.int32)
+    keys = np.empty(n + 8)
+    items = np.empty(n + 8, np.int32)
     size = 0
+    best = np.inf
     for i in range(len(s_node)):
         if s_cost[i] < far[s_node[i]]:
             far[s_node[i]] = s_cost[i]
-            push(keys, items, size, s_cost[i], s_node[i])
+            keys, items = pushed(keys, items, size, s_cost[i], s_node[i])
             size += 1
     while size > 0:
         d, u = pop(keys, items, size)
         size -= 1
         if d > far[u]:
             continue
+        for i in range(len(g_node)):
+            if g_node[i] == u:
+                best = min(best, d + g_cost[i])
+        if d >= best:
+            for v in range(n):
+                far[v] = min(far[v], d)
+            break
         for k in range(around[u], around[u + 1]):
             c, end = leaving[k] // 2, leaving[k] % 2
             if clearance[c] < floor:
@@ -227,42 +127,6 @@ def costs_from(around, leaving, ends, cost, clearance, floor, s_node, s_cost):
             v = ends[c, 1 - end]
             if d + cost[c] < far[v]:
                 far[v] = d + cost[c]
-                push(keys, items, size, far[v], v)
+                keys, items = pushed(keys, items, size, far[v], v)
                 size += 1
     return far
-
-
-@njit(cache=True, nogil=True)
-def widest(around, leaving, ends, clearance, s_node, s_gap, g_node, g_gap):
-    """The largest least clearance of any way from the start's gates to the goal's, or -inf."""
-    n = len(around) - 1
-    wide = np.full(n, -np.inf)
-    room = len(leaving) + len(s_node) + 1
-    keys = np.empty(room)
-    items = np.empty(room, np.int32)
-    size = 0
-    for i in range(len(s_node)):
-        if s_gap[i] > wide[s_node[i]]:
-            wide[s_node[i]] = s_gap[i]
-            push(keys, items, size, -s_gap[i], s_node[i])
-            size += 1
-    best = -np.inf
-    while size > 0:
-        d, u = pop(keys, items, size)
-        size -= 1
-        if -d < wide[u]:
-            continue
-        if -d <= best:
-            break
-        for i in range(len(g_node)):
-            if g_node[i] == u:
-                best = max(best, min(-d, g_gap[i]))
-        for k in range(around[u], around[u + 1]):
-            c, end = leaving[k] // 2, leaving[k] % 2
-            v = ends[c, 1 - end]
-            w = min(-d, clearance[c])
-            if w > wide[v]:
-                wide[v] = w
-                push(keys, items, size, -w, v)
-                size += 1
-    return best

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner.chain_lines import Line, edge_curve, join
+from planner.chain_lines import edge_curve
 from planner.scene import CircleRecord
 from tests.support.planner_scenes import box, scene_of
 
@@ -52,9 +52,3 @@ def test_middles_of_a_curves_chords_are_as_near_to_a_second_border(
             walls = (x + 0.5, 159.5 - x, y + 0.5, 119.5 - y)
             nearest, second = sorted([box_, circle, small, *walls])[:2]
             assert second - nearest <= 4.0 * FLATNESS
-
-
-def test_lines_that_meet_are_joined_without_repeats() -> None:
-    a = Line.straight(np.array([[0.0, 0.0], [1.0, 0.0]]))
-    b = Line.straight(np.array([[1.0, 0.0], [1.0, 0.0], [2.0, 1.0]]))
-    assert join([a, b]).points.tolist() == [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]]
