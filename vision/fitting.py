@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.contours import EdgePoints
+from vision.edge_prices import edge_prices
 from vision.fitting_kernels import fit_borders
 from vision.structure import FittedBorders
 
@@ -20,8 +21,11 @@ SMOOTHING = 0.5311
 """The noise left by the profile's five-pixel Gaussian."""
 FLOOR_PX = 0.05
 """The smallest spread of edge points that is believed: lenses, prints and edges are no lines."""
-CALM_PX = 0.12
-"""Deviation that costs nothing in a picture with grey."""
+CALM_PX, NOISY_CALM_PX = 0.12, 0.06
+"""Deviation that costs nothing in a picture with grey; less of it where noise moves points much:
+it would hide true corners there, and hardly spares a false one."""
+QUIET_PX, NOISY_PX = 0.1, 0.2
+"""From where to where in the noise of a point the one becomes the other."""
 STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only."""
 
@@ -32,7 +36,8 @@ class Tolerance:
     ``crisp``: the picture has no grey at its edges; ``spread_px``: what noise does to a point.
 
     ``blur_px`` is how far light spreads at an edge (sigma), ``guard_px`` how far from a corner
-    it bends the border: what is nearer takes no part in a fit.
+    it bends the border: what is nearer takes no part in a fit. ``trim_px`` is the same while
+    the corners are still being looked for.
     """
 
     crisp: bool
@@ -41,6 +46,12 @@ class Tolerance:
     spread_px: float
     blur_px: float
     guard_px: float
+    trim_px: float
+
+    @property
+    def prices(self) -> NDArray[np.float64]:
+        """What a line, an arc and a circle have to save, (3,)."""
+        return edge_prices(self.dead_zone_px, self.sigma_px, self.spread_px, self.crisp)
 
 
 def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
@@ -49,14 +60,18 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     spread = SMOOTHING * noise / (slope * max(contrast, 1.0))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
     blur = float(np.sqrt(max((0.3989 / slope) ** 2 - 1.0, 0.08)))
-    sigmas = 2.1 - 0.65 * min(1.0, spread / 0.15)
+    noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
+    calm = CALM_PX + (NOISY_CALM_PX - CALM_PX) * noisy
+    # noise outweighs what little of the bend is left so far out
+    loud = min(1.0, spread / 0.15)
     return Tolerance(
         crisp=crisp > 0.5,
-        dead_zone_px=CALM_PX + (STAIRCASE_PX - CALM_PX) * crisp,
+        dead_zone_px=calm + (STAIRCASE_PX - calm) * crisp,
         sigma_px=float(np.hypot(FLOOR_PX, spread)),
         spread_px=spread,
         blur_px=blur,
-        guard_px=max(1.0, sigmas * blur),
+        guard_px=max(1.0, (2.1 - 1.1 * loud) * blur),
+        trim_px=max(1.0, (2.1 - 0.65 * loud) * blur),
     )
 
 
@@ -77,5 +92,7 @@ def fit_edges(
         tolerance.spread_px,
         tolerance.blur_px,
         tolerance.guard_px,
+        tolerance.trim_px,
+        tolerance.prices,
     )
     return FittedBorders(kind, edge_starts, edge_kind, data)

@@ -22,7 +22,7 @@ from numba import njit
 from vision.cover_kernels import LINE, check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
-from vision.partition_kernels import CIRCLE_PRICE, LINE_PRICE, partition
+from vision.partition_kernels import partition
 from vision.shape_kernels import (
     HALF,
     HUGE,
@@ -60,14 +60,18 @@ NONE, ONE = np.int64(0), np.int64(1)
 
 
 @njit(cache=True, nogil=True)
-def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, blur, guard):
+def fit_borders(
+    points, point_starts, areas, crisp, dead_zone, sigma, spread, blur, guard, trim, prices
+):
     """Lines, arcs and circles of every border.
 
     ``areas`` (b,): the pixels that each border encloses, holes negative; ``crisp``: a picture
-    without grey; ``spread``: what noise does to a point. Returns ``(border_kind, edge_starts,
-    kind, data)``: per border POLYGON, CIRCLE or TINY and its first edge; per edge LINE, ARC_CW
-    or ARC_CCW and data (k, 6): the edge's first point x, y, then cx, cy, r of an arc, and the
-    rms deviation. A circle is one edge of kind LINE with its centre and radius in the data.
+    without grey; ``spread``: what noise does to a point; ``guard``, ``trim``: how far a fit, and
+    the search, keep from corners; ``prices`` (3,) of a line, an arc and a circle. Returns
+    ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
+    edge; per edge LINE, ARC_CW or ARC_CCW and data (k, 6): the edge's first point x, y, then
+    cx, cy, r of an arc, and the rms deviation. A circle is one edge of kind LINE with its centre
+    and radius in the data.
     TINY borders have no edges.
     """
     borders = point_starts.shape[0] - 1
@@ -100,7 +104,7 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
-    skip = math.ceil(guard)
+    skip = math.ceil(trim)
     chord = CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread
     tangent = CRISP_TANGENT_PX if crisp else TANGENT_PX + spread
     seed_tolerance = 0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma
@@ -125,15 +129,15 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
         budget = max(LOSS_SHARE * abs(areas[b]), LEAST_LOSS)
         strict = sigma
         round_cost = _circle_of_all(
-            px, py, n, crisp, dead_zone, sigma, worst, budget, circle, active
+            px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active
         )
         edges = 0
         for _ in range(STRICTER if crisp else 1):
-            if round_cost <= 3.0 * LINE_PRICE + expected * n:
+            if round_cost <= 3.0 * prices[0] + expected * n:
                 break
             edges, cost = partition(
                 px, py, n, skip, crisp, dead_zone, strict, worst, seed_tolerance, round_cost,
-                is_seed, seeds, breaks, is_arc, active,
+                prices, is_seed, seeds, breaks, is_arc, active,
             )  # fmt: skip
             if round_cost <= cost:
                 edges = 0
@@ -200,8 +204,8 @@ def fit_borders(points, point_starts, areas, crisp, dead_zone, sigma, spread, bl
 
 
 @njit(**LEAF)
-def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, active):
-    """The circle through a whole border and its cost; HUGE where it is none."""
+def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, price, circle, active):
+    """The circle through a whole border and its cost with its price; HUGE where it is none."""
     # a sample tells most other shapes from a circle
     if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
         return HUGE
@@ -214,8 +218,8 @@ def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, circle, ac
         if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
             lost = lost_to_circle(px, py, n, circle)
             if lost <= budget:
-                return CIRCLE_PRICE
-    return CIRCLE_PRICE + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
+                return price
+    return price + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
 
 
 @njit(**LEAF)

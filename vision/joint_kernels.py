@@ -73,22 +73,47 @@ def fit_and_join(
 
 
 @njit(**LEAF)
-def _clear_of_joints(px, py, lo, hi, joints, e, after, guard):
+def onto(shape, e, is_arc, x, y):
+    """The point of the fitted line or circle of edge e nearest to (x, y)."""
+    if is_arc:
+        dx = x - shape[e, 0]
+        dy = y - shape[e, 1]
+        d = math.sqrt(dx * dx + dy * dy)
+        if d == 0.0:
+            return x, y
+        return shape[e, 0] + dx * shape[e, 2] / d, shape[e, 1] + dy * shape[e, 2] / d
+    t = (x - shape[e, 0]) * shape[e, 2] + (y - shape[e, 1]) * shape[e, 3]
+    return shape[e, 0] + t * shape[e, 2], shape[e, 1] + t * shape[e, 3]
+
+
+@njit(**LEAF)
+def _away(shape, e, is_arc, known, x, y, joints, j):
+    """How far (x, y) lies from joint j, squared: along the edge where that has been fitted.
+
+    A point's deviation must not decide whether it takes part: those that lie far off would.
+    """
+    if known:
+        x, y = onto(shape, e, is_arc, x, y)
+    return (x - joints[j, 0]) ** 2 + (y - joints[j, 1]) ** 2
+
+
+@njit(**LEAF)
+def _clear_of_joints(px, py, lo, hi, joints, shape, e, is_arc, known, after, guard):
     """The part of a stretch that keeps ``guard`` pixels from both joints, or its middle."""
     length = hi - lo
     least = max(3, (2 * length) // 5)
     a = lo
     b = hi
     near = guard * guard
-    while b - a > least:
-        d = (px[a] - joints[e, 0]) ** 2 + (py[a] - joints[e, 1]) ** 2
-        f = (px[b] - joints[after, 0]) ** 2 + (py[b] - joints[after, 1]) ** 2
-        if d >= near and f >= near:
-            break
+    d = _away(shape, e, is_arc, known, px[a], py[a], joints, e)
+    f = _away(shape, e, is_arc, known, px[b], py[b], joints, after)
+    while b - a > least and (d < near or f < near):
         if d < near:
             a += 1
+            d = _away(shape, e, is_arc, known, px[a], py[a], joints, e)
         if f < near:
             b -= 1
+            f = _away(shape, e, is_arc, known, px[b], py[b], joints, after)
     return a, b + 1
 
 
@@ -105,7 +130,10 @@ def _fit_edges(
     for e in range(edges):
         lo = breaks[e]
         hi = edge_end(breaks, edges, n, e)
-        a, b = _clear_of_joints(px, py, lo, hi, joints, e, e + 1 if e + 1 < edges else 0, guard)
+        a, b = _clear_of_joints(
+            px, py, lo, hi, joints, shape, e, is_arc[e], ranges[e, 0] >= 0,
+            e + 1 if e + 1 < edges else 0, guard,
+        )  # fmt: skip
         fresh[e, 0] = a != ranges[e, 0] or b != ranges[e, 1]
         work = work or fresh[e, 0] or fresh[e, 1]
         if not fresh[e, 0]:
@@ -126,20 +154,6 @@ def _fit_edges(
                 separate_line(px, py, a, b, row, active)
             row[4] = line_rms(px, py, a, b, row)
     return work
-
-
-@njit(**LEAF)
-def onto(shape, e, is_arc, x, y):
-    """The point of the fitted line or circle of edge e nearest to (x, y)."""
-    if is_arc:
-        dx = x - shape[e, 0]
-        dy = y - shape[e, 1]
-        d = math.sqrt(dx * dx + dy * dy)
-        if d == 0.0:
-            return x, y
-        return shape[e, 0] + dx * shape[e, 2] / d, shape[e, 1] + dy * shape[e, 2] / d
-    t = (x - shape[e, 0]) * shape[e, 2] + (y - shape[e, 1]) * shape[e, 3]
-    return shape[e, 0] + t * shape[e, 2], shape[e, 1] + t * shape[e, 3]
 
 
 @njit(**LEAF)

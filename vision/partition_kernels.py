@@ -2,8 +2,8 @@
 
 Rules and units
 - ``px``, ``py`` as in ``vision.shape_kernels``: one border's n points, twice over.
-- A partition's cost is the cost of its lines and arcs plus their prices: a minimum
-  description length, which the best partition minimises.
+- A partition's cost is the cost of its lines and arcs plus their ``prices`` (see
+  ``vision.edge_prices``): a minimum description length, which the best partition minimises.
 """
 
 # mypy: allow-untyped-defs
@@ -16,21 +16,13 @@ import numpy as np
 from numba import njit
 
 from vision.kernel_options import LEAF
-from vision.shape_kernels import (
-    HUGE,
-    circle_cost,
-    fit_circle,
-    fit_line,
-    line_cost,
-    separate_circle,
-)
+from vision.moment_kernels import FIRST, ROOM, circle_of, grow, line_of
+from vision.shape_kernels import HUGE, circle_cost, line_cost, separate_circle
 
-LINE_PRICE, ARC_PRICE, CIRCLE_PRICE = 10.0, 20.0, 16.0
-"""What an edge costs, in units of sigma squared: more than noise gains by one more break."""
-SAMPLES = 24
-"""At most about so many points shape a stretch in the search; all of them judge it."""
-CRISP_SAMPLES = 192
-"""The same in a picture without grey, whose points are off by up to half a pixel."""
+LINE, ARC = 0, 1
+"""Where the prices of a line and of an arc stand."""
+FAILED = 4.0
+"""A stretch between two seeds that is no line costs as many."""
 NEAR_MISS = 1.6
 """Share of the worst deviation up to which an arc is worth turning between the pixels."""
 SPAN = 160
@@ -239,26 +231,30 @@ def _hopeless(px, py, a, b, position, i, j, shift, worst):
 
 
 @njit(**LEAF)
-def _stretch(px, py, a, b, crisp, dead_zone, sigma, worst, bound, line, circle, active):
-    """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc)."""
-    count = b - a
-    step = max(1, count // (CRISP_SAMPLES if crisp else SAMPLES))
-    fit_line(px, py, a, b, step, line)
-    straight = LINE_PRICE + line_cost(
-        px, py, a, b, line, crisp, dead_zone, sigma, worst, bound - LINE_PRICE
+def _stretch(
+    px, py, a, b, crisp, dead_zone, sigma, worst, bound, prices, sums, line, circle, active
+):
+    """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc).
+
+    ``sums`` are those of the search's last stretch (see ``vision.moment_kernels``).
+    """
+    grow(px, py, a, b, sums)
+    line_of(px, py, sums, line)
+    straight = prices[LINE] + line_cost(
+        px, py, a, b, line, crisp, dead_zone, sigma, worst, bound - prices[LINE]
     )
-    if count < 6 or straight < ARC_PRICE or bound <= ARC_PRICE:
+    if b - a < 6 or straight < prices[ARC] or bound <= prices[ARC]:
         return straight, False
     bent = HUGE
-    if fit_circle(px, py, a, b, step, circle):
-        bound -= ARC_PRICE
+    if circle_of(px, py, sums, circle):
+        bound -= prices[ARC]
         for again in range(2):
             limit = NEAR_MISS * worst if crisp and again == 0 else worst
-            bent = ARC_PRICE + circle_cost(
+            bent = prices[ARC] + circle_cost(
                 px, py, a, b, circle, crisp, dead_zone, sigma, limit,
                 HUGE if crisp and again == 0 else bound,
             )  # fmt: skip
-            if not crisp or again == 1 or not ARC_PRICE < bent < HUGE:
+            if not crisp or again == 1 or not prices[ARC] < bent < HUGE:
                 break
             # the staircase alone may have turned the fit: let it pass between the pixels
             separate_circle(px, py, a, b, circle, active)
@@ -269,8 +265,9 @@ def _stretch(px, py, a, b, crisp, dead_zone, sigma, worst, bound, line, circle, 
 
 @njit(cache=True, nogil=True)
 def best_partition(
-    px, py, n, seeds, m, start, guard, crisp, dead_zone, sigma, worst, limit, breaks, is_arc, active
-):
+    px, py, n, seeds, m, start, guard, crisp, dead_zone, sigma, worst, limit, prices, breaks,
+    is_arc, active,
+):  # fmt: skip
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     ``seeds`` holds m ascending indices; the first break is seed number ``start``. Fills
@@ -283,6 +280,7 @@ def best_partition(
     arc = np.zeros(m + 1, np.bool_)
     line = np.empty(4, np.float64)
     circle = np.empty(3, np.float64)
+    sums = np.zeros(ROOM, np.float64)
     position = np.empty(m + 1, np.int64)
     for t in range(m + 1):
         s = start + t
@@ -291,18 +289,19 @@ def best_partition(
     for i in range(m):
         if best[i] >= limit:
             # dearer than what is known: only the next seed is joined, so that all are reached
-            if best[i] + 4.0 * LINE_PRICE < best[i + 1]:
-                best[i + 1] = best[i] + 4.0 * LINE_PRICE
+            if best[i] + FAILED * prices[LINE] < best[i + 1]:
+                best[i + 1] = best[i] + FAILED * prices[LINE]
                 came[i + 1] = i
                 arc[i + 1] = False
             continue
         failed = 0
+        sums[FIRST] = -1.0
         shift = n if position[i] >= n else 0
         for j in range(i + 1, min(m, i + SPAN) + 1):
             if i == 0 and j == m:
                 break
             bound = best[j] - best[i]
-            if bound <= LINE_PRICE:
+            if bound <= prices[LINE]:
                 continue
             lo = position[i] - shift
             hi = position[j] - shift
@@ -313,11 +312,12 @@ def best_partition(
             bent = False
             if j == i + 1 or not _hopeless(px, py, a, b, position, i, j, shift, worst):
                 cost, bent = _stretch(
-                    px, py, a, b + 1, crisp, dead_zone, sigma, worst, bound, line, circle, active
-                )
+                    px, py, a, b + 1, crisp, dead_zone, sigma, worst, bound, prices, sums, line,
+                    circle, active,
+                )  # fmt: skip
             if cost >= HUGE:
                 if j == i + 1:
-                    cost = 4.0 * LINE_PRICE
+                    cost = FAILED * prices[LINE]
                     bent = False
                 else:
                     failed += 1
@@ -346,7 +346,7 @@ def best_partition(
 @njit(cache=True, nogil=True)
 def partition(
     px, py, n, skip, crisp, dead_zone, sigma, worst, tolerance, limit,
-    is_seed, seeds, breaks, is_arc, active,
+    prices, is_seed, seeds, breaks, is_arc, active,
 ):  # fmt: skip
     """Seeds, then the cheapest partition that breaks at some of them: (edges, cost)."""
     seed_breaks(px, py, n, tolerance, is_seed)
@@ -369,7 +369,7 @@ def partition(
     for _ in range(2):
         edges, cost = best_partition(
             px, py, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst, limit,
-            breaks, is_arc, active,
+            prices, breaks, is_arc, active,
         )  # fmt: skip
         if sharpest >= sharp or edges < 2 or cost >= limit:
             break
