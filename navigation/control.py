@@ -155,6 +155,10 @@ class ControlServer:
 
     def __exit__(self, *_exc: object) -> None:
         self._stopping.set()
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as waker:
+            waker.setblocking(False)
+            with contextlib.suppress(OSError):  # then the wait for a client ends by itself
+                waker.connect(str(self.path))
         self._thread.join()
         self._socket.close()
         with contextlib.suppress(FileNotFoundError):
@@ -167,6 +171,8 @@ class ControlServer:
             except TimeoutError:
                 continue
             with connection:
+                if self._stopping.is_set():
+                    return
                 connection.settimeout(PATIENCE_S)
                 # a client that hangs up in the middle has its order dropped, nothing more
                 with contextlib.suppress(OSError):

@@ -159,6 +159,7 @@ class Daemon:
         self._frame_s = -math.inf
         self._leased_s = -math.inf
         self._permitted = False
+        self._stands_s = -math.inf
         self._journal = journal
         self._journalled: Mission | None = None
         self._recorder = recorder
@@ -184,20 +185,25 @@ class Daemon:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._let_the_robot_stop()
+        self.let_the_robot_stop()
         self.camera.stop()
         self._planner.stop()
         self.link.close()
         self.world.stop()
 
-    def _let_the_robot_stop(self) -> None:
-        """Withdraw the lease and wait until the robot says that it stands, or should by now."""
+    def halt(self) -> None:
+        """Withdraw the lease: the robot begins to brake. No `cycle` may follow."""
         if self._permitted:
             self.link.lease(permit=False)
             self.link.pause()
-        braking_s = self.config.robot.speed_m_s / self.config.robot.acceleration_m_s2
-        until_s = self._clock() + braking_s + STOP_GRACE_S
-        while self._clock() < until_s and self.link.snapshot().moving:
+            self._permitted = False
+            braking_s = self.config.robot.speed_m_s / self.config.robot.acceleration_m_s2
+            self._stands_s = self._clock() + braking_s + STOP_GRACE_S
+
+    def let_the_robot_stop(self) -> None:
+        """`halt`, and wait until the robot says that it stands, or should by now."""
+        self.halt()
+        while self._clock() < self._stands_s and self.link.snapshot().moving:
             self.world.wait(0.01)
 
     # Restarts after errors of the program; the supervisor says when.

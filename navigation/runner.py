@@ -27,7 +27,7 @@ from navigation.logs import EventLog, RunLog
 from navigation.mission import State
 from navigation.report import Report
 from navigation.restart import unfinished_mission
-from navigation.run_summary import make_run_folder, summarise, write_run
+from navigation.run_summary import make_run_folder, prepare_picture, summarise, write_run
 from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
@@ -125,6 +125,9 @@ class Runner:
             self._log.write("info", "ready", camera=self.config.camera.source, port=world.port)
             open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive(daemon, recorder)
+            daemon.halt()
+            prepare_picture(daemon)  # while the robot brakes
+            daemon.let_the_robot_stop()
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
             self._log.write(

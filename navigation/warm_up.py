@@ -148,6 +148,8 @@ def _run_planner(scenes: Sequence[Scene]) -> None:
                     if not isinstance(answer.path, NoPath):
                         arena_planner.path_clearance_m(answer.path.points)
         arena_planner.answer(PlanRequest(0, STARTS[0], (*WAYSIDE, GOAL), 0, any_order=True))
+    assert arena_planner.roadmap is not None
+    _ = arena_planner.roadmap.graph  # loads networkx, which pages and the final picture want
 
 
 def _picture(config: Config, rng: np.random.Generator, *, stranger: bool) -> Image:
