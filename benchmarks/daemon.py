@@ -1,6 +1,6 @@
 """The running program against its figures: accuracy, clearance, latency, memory.
 
-    python -m benchmarks.daemon [--only accuracy,arenas,kills,replan,wire,memory]
+    python -m benchmarks.daemon [--only accuracy,arenas,kills,replan,wire,shutdown,memory,stretch]
         [--arenas 200] [--kept FILE] [--kills 200] [--workers 2]
         [--output benchmarks/results/daemon.md]
 
@@ -12,7 +12,9 @@
   hold and to the new plan on its way to the robot
 - kills: the program is killed at random moments of tours in virtual time, the robot power-cycled
   after every fourth kill, another program started: whether each station was visited once
+- shutdown: from SIGTERM to the end of the process, with dashboard and recording
 - memory: of a patrol of two hours in virtual time, how much the process has grown
+- stretch: the same for some minutes of the whole program in real time
 
 In the simulated camera a picture is drawn in part after its exposure (the robots), so that
 `wire` and `replan` hold about a millisecond that a real camera would not take. Times of this
@@ -25,11 +27,10 @@ import argparse
 import json
 import os
 import platform
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
@@ -39,7 +40,8 @@ from pydantic import TypeAdapter
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from navigation.config import Config, load_config
+from benchmarks.daemon_in_real_time import Rows, replan, resident_mb, shutdown, stretch, wire
+from navigation.config import load_config
 from navigation.daemon import Daemon
 from navigation.mission import State
 from navigation.report import Report
@@ -47,13 +49,9 @@ from navigation.simulator.virtual_run import run_virtually
 from navigation.simulator.virtual_world import VirtualWorld
 from navigation.stages import stations_of
 from navigation.warm_up import warm_up
-from navigation.world import World
 from tests.support.kills import Campaign, drive_under_fire
 from tests.support.random_arenas import RADIUS_M, random_config
 from tests.support.virtual import CONFIGS, short_config
-
-Rows = Iterator[tuple[str, str, str, bool]]
-"""What was measured, the value, the target, and whether it was met."""
 
 
 def arenas(count: int, workers: int, kept: Path | None) -> Rows:
@@ -132,82 +130,6 @@ def _accuracy_rows(reports: list[Report], where: str) -> Rows:
         yield f"{name} ({where})", f"{told} {unit}", f"<= {limit:g}", values.max() <= limit
 
 
-def wire(runs: int) -> Rows:
-    """`clearway run` in real time, as a user starts it."""
-    found = []
-    for number in range(runs):
-        with tempfile.TemporaryDirectory() as folder:
-            report = Path(folder) / "report.json"
-            subprocess.run(
-                [sys.executable, "-c", "from navigation.cli.main import main; main()", "run",
-                 str(CONFIGS / "simulation.yaml"), "--once", "--no-dashboard", "--quiet",
-                 "--socket", str(Path(folder) / "c.sock"), "--report", str(report)],
-                check=True, stdout=subprocess.DEVNULL, timeout=300,
-                env={**os.environ, "CLEARWAY_RECORDING__RUNS_DIR": folder},
-            )  # fmt: skip
-            told = json.loads(report.read_text())
-        found.append(told["latency_ms"]["capture_to_wire"])
-        print(f"  run {number}: {found[-1]}, goal {told['goal_error_m']:.4f} m", flush=True)
-    for name, limit in (("p50", 8.0), ("p99", 20.0)):
-        values = [one[name] for one in found]
-        yield (
-            f"capture to wire {name}, 1280x960, 30 a second, best of {runs} runs",
-            f"{min(values):.1f} ms (worst run {max(values):.1f})", f"<= {limit:g}",
-            min(values) <= limit,
-        )  # fmt: skip
-
-
-def replan(runs: int) -> Rows:
-    """An obstacle appears on the path of a robot that drives, in real time."""
-    config = load_config(CONFIGS / "simulation.yaml", {})
-    assert config.simulation is not None
-    times: list[tuple[float, float]] = []
-    for number in range(2 * runs):
-        if len(times) == runs:
-            break
-        appears_s = 4.0 + 0.11 * number
-        obstacle = {"record": "C (0.10,1.16) 0.08", "from_s": appears_s}
-        data = config.model_dump()
-        data["simulation"]["obstacles"] = (obstacle,)
-        data["mission"]["stations"] = ({"x_m": 0.20, "y_m": 1.60},)
-        measured = _measure_replan(Config.model_validate(data), appears_s)
-        if measured is None:
-            continue  # the robot held just then, for want of a processor
-        times.append(measured)
-        print(f"  replan {number}: hold {times[-1][0]:.1f}, plan {times[-1][1]:.1f} ms", flush=True)
-    hold, plan = (np.array(column) for column in zip(*times, strict=True))
-    for name, values in (("the robot is told to stop", hold), ("its new plan is sent", plan)):
-        told = f"{np.median(values):.1f} median, {values.max():.1f} worst ms"
-        yield (
-            f"from the picture with the obstacle until {name}, {runs} times",
-            told, "<= 100", float(np.median(values)) <= 100.0,
-        )  # fmt: skip
-
-
-def _measure_replan(config: Config, appears_s: float) -> tuple[float, float] | None:
-    """Milliseconds from the exposure of the first picture with it to the hold and to the plan."""
-    world = World(config)
-    shown_s = held_s = 0.0
-    with Daemon(config, world, first_mission_id=1) as daemon:
-        assert world.truth is not None
-        daemon.give(stations_of(config))
-        plans = 0
-        while True:
-            now = daemon.cycle()
-            at_s = world.clock()
-            frame = now.frame
-            due_s = world.truth.began_s + appears_s
-            if shown_s == 0.0 and frame is not None and frame.captured_s >= due_s:
-                if now.mission.state is not State.DRIVING:
-                    return None
-                shown_s, plans = frame.captured_s, len(daemon.plans)
-            if shown_s and held_s == 0.0 and now.mission.state is not State.DRIVING:
-                held_s = at_s
-            if held_s and len(daemon.plans) > plans:
-                return (held_s - shown_s) * 1e3, (at_s - shown_s) * 1e3
-            assert at_s < due_s + 10.0, f"no new plan: {now.sentence}"
-
-
 def kills(count: int, workers: int) -> Rows:
     """Tours under fire until so many kills have come together."""
     told: list[Campaign] = []
@@ -255,8 +177,8 @@ def memory(hours: float) -> Rows:
             if now.mission.state in (State.IDLE, State.DONE):
                 daemon.give(stations_of(config))
             if not early_mb and world.clock() - begun_s > 0.1 * hours * 3600.0:
-                early_mb = _resident_mb()
-        grown_mb = _resident_mb() - early_mb
+                early_mb = resident_mb(os.getpid())
+        grown_mb = resident_mb(os.getpid()) - early_mb
         missions = daemon.pilot.plans
     yield (
         f"memory grown over {hours:g} h of patrol in virtual time, {missions} plans",
@@ -264,18 +186,16 @@ def memory(hours: float) -> Rows:
     )  # fmt: skip
 
 
-def _resident_mb() -> float:
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="accuracy,arenas,kills,replan,wire,memory")
+    parser.add_argument(
+        "--only", default="accuracy,arenas,kills,replan,wire,shutdown,memory,stretch"
+    )
     parser.add_argument("--arenas", type=int, default=200)
     parser.add_argument("--kept", type=Path, help="reports of arenas, to go on after a break")
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--hours", type=float, default=2.0)
+    parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--output", type=Path)
     options = parser.parse_args()
@@ -285,7 +205,9 @@ def main() -> int:
         "kills": lambda: kills(options.kills, options.workers),
         "replan": lambda: replan(10),
         "wire": lambda: wire(3),
+        "shutdown": lambda: shutdown(5),
         "memory": lambda: memory(options.hours),
+        "stretch": lambda: stretch(options.minutes),
     }
     warm_up(load_config(CONFIGS / "simulation.yaml", {}), print)
     lines = ["| part | figure | measured | target | met |", "|---|---|---|---|---|"]
