@@ -53,8 +53,8 @@ def trace_chains(tri, mask):
     node = np.empty(n, np.int32)
     nodes, total = 0, 0
     for i in range(n):
-        m = np.int64(mask[i])
-        degree = (m & 1) + ((m >> 1) & 1) + (m >> 2)
+        m = mask[i]
+        degree = int(m & 1) + int((m >> 1) & 1) + int(m >> 2)
         total += degree
         if degree == 1 or degree == 3:
             number[i], node[nodes] = nodes, i
@@ -235,7 +235,10 @@ def _known_chains(first, link, old_first, old_link, stale):
     known = np.full(chains, -1, np.int32)
     if len(old_link) == 0:
         return known
-    begins = np.full(8 * len(stale), -1, np.int32)
+    # read where chains begin only, so that the rest need not be filled
+    begins = np.empty(8 * len(stale), np.int32)
+    for c in range(chains):
+        begins[link[first[c]]] = -1
     for c in range(len(old_first) - 1):
         begins[old_link[old_first[c]]] = c
     for c in range(chains):

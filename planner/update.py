@@ -40,7 +40,9 @@ def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
         return _anew(roadmap, scene)
     kept = match_objects(old_scene.objects, scene.objects)
     came = np.flatnonzero(kept < 0)
-    went = np.setdiff1d(np.arange(len(old_scene.objects)), kept)
+    stays = np.zeros(len(old_scene.objects), np.bool_)
+    stays[kept[kept >= 0]] = True
+    went = np.flatnonzero(~stays)
     if len(came) + len(went) > MOST * (len(scene.objects) + len(old_scene.objects)):
         return _anew(roadmap, scene)
     old = roadmap.borders
@@ -71,19 +73,24 @@ def _anew(roadmap: Roadmap, scene: Scene) -> Roadmap:
 
 def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDArray[np.int64]:
     """(n,) which old object every new one is, -1 where it is none; each old one once at most."""
-    same = {id(o.records): i for i, o in enumerate(old)}
-    kept = np.full(len(new), -1, np.int64)
-    left = set(range(len(old)))
-    for j, o in enumerate(new):
-        i = same.get(id(o.records), -1)
-        if i in left and old[i].holes == o.holes:
-            kept[j] = i
-            left.discard(i)
-    if len(left) and (kept < 0).any():
+    # most are the very same objects, or share their records
+    same = dict(zip(map(id, old), range(len(old)), strict=True))
+    kept = np.array([same.pop(key, -1) for key in map(id, new)], np.int64)
+    left = set(range(len(old))).difference(kept.tolist())
+    unknown = np.flatnonzero(kept < 0)
+    if len(left) and len(unknown):
+        shared = {id(old[i].records): i for i in left}
+        for k in unknown.tolist():
+            i = shared.get(id(new[k].records), -1)
+            if i in left and old[i].holes == new[k].holes:
+                kept[k] = i
+                left.discard(i)
+        unknown = unknown[kept[unknown] < 0]
+    if len(left) and len(unknown):
         equal: dict[Hashable, list[int]] = {}
         for i in left:
             equal.setdefault((old[i].records, old[i].holes), []).append(i)
-        for k in np.flatnonzero(kept < 0).tolist():
+        for k in unknown.tolist():
             waiting = equal.get((new[k].records, new[k].holes))
             if waiting:
                 kept[k] = waiting.pop()
@@ -92,31 +99,19 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDA
 
 def _gather(old: Borders, scene: Scene, kept: NDArray[np.int64]) -> Borders:
     """The new scene's borders; the kept objects' primitives are copied from the old ones."""
-    count = len(kept)
     came = np.flatnonzero(kept < 0)
-    fresh = replace(scene, objects=tuple(scene.objects[j] for j in came))
-    parts = old.flat, fresh.primitives(include_bounds=False)
-    old_first, old_count = _ranges(old.flat.owner, len(old.span))
-    new_first, new_count = _ranges(parts[1].owner, len(came))
-    here = kept >= 0
-    first, size = np.empty(count + 1, np.int64), np.empty(count + 1, np.int64)
-    first[:-1][here], size[:-1][here] = old_first[kept[here]], old_count[kept[here]]
-    first[came], size[came] = len(old.flat.kind) + new_first[:-1], new_count[:-1]
-    first[-1], size[-1] = old_first[-1], old_count[-1]
-    rows = _spread(first, size)
-    owner = np.repeat([*range(count), -1], size).astype(np.int32)
-    most = int(old.flat.border.max(initial=0)) + 1
-    border = np.concatenate([old.flat.border, parts[1].border + np.int32(most)])[rows]
-    kind, data, is_hole, backwards = (
-        np.concatenate([getattr(part, name) for part in parts])[rows]
-        for name in ("kind", "data", "is_hole", "reversed")
+    fresh = replace(scene, objects=tuple(scene.objects[j] for j in came)).primitives(
+        include_bounds=False
     )
-    return borders_of(Primitives(kind, data, owner, border, is_hole, backwards))
-
-
-def _spread(first: NDArray[np.int64], size: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The ranges that begin at ``first`` and are ``size`` long, one after the other."""
-    return np.repeat(first - np.cumsum(size) + size, size) + np.arange(size.sum())
+    flat = old.flat
+    arrays = update_kernels.gather_kept(
+        kept, len(old.span), flat.kind, flat.data, flat.owner, flat.border, flat.is_hole,
+        flat.reversed, fresh.kind, fresh.data, fresh.owner, fresh.border, fresh.is_hole,
+        fresh.reversed,
+    )  # fmt: skip
+    for array in arrays:
+        array.setflags(write=False)  # as a scene's: kernels are compiled for either kind
+    return borders_of(Primitives(*arrays))
 
 
 def _relabelled(old: Borders, new: Borders, kept: NDArray[np.int64]) -> IntArray | None:
@@ -124,25 +119,10 @@ def _relabelled(old: Borders, new: Borders, kept: NDArray[np.int64]) -> IntArray
 
     The last entry is -1, for pieces that are none. None where they do not correspond.
     """
-    label = np.full(len(old.kind) + 1, -1, np.int32)
-    k, m = old.primitive_count, new.primitive_count
-    here = np.append(np.flatnonzero(kept >= 0), len(kept))
-    there = np.append(kept[kept >= 0], len(old.span))
-    for start, stop, offset, end in ((0, k, 0, m), (k, len(old.kind), m, len(new.kind))):
-        old_first, old_count = _ranges(old.owner[start:stop], len(old.span))
-        new_first, new_count = _ranges(new.owner[offset:end], len(kept))
-        size = old_count[there]
-        if (size != new_count[here]).any():
-            return None
-        label[start + _spread(old_first[there], size)] = offset + _spread(new_first[here], size)
-    return label
-
-
-def _ranges(owner: IntArray, objects: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First index and count of every object's pieces; the last ones are the bounds'."""
-    who = np.where(owner < 0, objects, owner)
-    count = np.bincount(who, minlength=objects + 1)
-    return np.cumsum(count) - count, count
+    label, fits = update_kernels.relabel(
+        kept, len(old.span), old.owner, old.primitive_count, new.owner, new.primitive_count
+    )
+    return label if fits else None
 
 
 def _change_sites(
@@ -173,14 +153,9 @@ def _generators_of_object(
 ) -> tuple[FloatArray, IntArray]:
     """The generators of one object, and the pieces that they are on."""
     k = borders.primitive_count
-    lo, hi = (int(v) for v in borders.span[owner])
-    corners = np.flatnonzero(borders.owner[k:] == owner)
-    if not len(corners):
-        corners = np.zeros(0, np.int64)
-    c_lo, c_hi = (int(corners[0]), int(corners[-1]) + 1) if len(corners) else (0, 0)
-    before, after = (
-        np.where(a[c_lo:c_hi] >= 0, a[c_lo:c_hi] - lo, -1).astype(np.int32)
-        for a in (borders.before, borders.after)
+    lo, hi = borders.span[owner].tolist()
+    c_lo, c_hi, before, after = update_kernels.corners_of(
+        owner, borders.owner, k, borders.before, borders.after, lo
     )
     kind, data = borders.kind[lo:hi], borders.data[lo:hi]
     room = int(agvd_kernels.count_generators(kind, data, spacing)) + len(before)

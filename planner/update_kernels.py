@@ -94,3 +94,113 @@ def unlink_sites(label, new_label, alias, also, used):
                 last = other
             other = after
     return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _ranges(owner, begin, end, objects):
+    """First index and count of every object's pieces among ``begin`` to ``end``; bounds last."""
+    first, count = np.zeros(objects + 1, np.int64), np.zeros(objects + 1, np.int64)
+    for i in range(end - 1, begin - 1, -1):
+        o = owner[i] if owner[i] >= 0 else objects
+        first[o] = i
+        count[o] += 1
+    return first, count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def gather_kept(
+    kept, objects, kind, data, owner, border, is_hole, backwards,
+    new_kind, new_data, new_owner, new_border, new_is_hole, new_backwards
+):  # fmt: skip
+    """Flat primitives of objects that were there before, of new ones, and of the old bounds.
+
+    ``kept`` (n,) is which of the old ``objects`` each one is, -1 for the new ones in turn.
+    Returns kind, data, owner, border, is_hole, reversed as in
+    :class:`planner.scene.Primitives`.
+    """
+    n = len(kept)
+    came = 0
+    for j in range(n):
+        came += kept[j] < 0
+    first, count = _ranges(owner, 0, len(owner), objects)
+    new_first, new_count = _ranges(new_owner, 0, len(new_owner), came)
+    total, came = count[objects], 0
+    for j in range(n):
+        if kept[j] >= 0:
+            total += count[kept[j]]
+        else:
+            total += new_count[came]
+            came += 1
+    most = 0
+    for i in range(len(border)):
+        most = max(most, border[i] + 1)
+    out_kind, out = np.empty(total, np.int8), np.empty((total, 6))
+    out_owner, out_border = np.empty(total, np.int32), np.empty(total, np.int32)
+    out_hole, out_backwards = np.empty(total, np.bool_), np.empty(total, np.bool_)
+    m, came = 0, 0
+    for j in range(n + 1):
+        if j < n and kept[j] < 0:
+            for i in range(new_first[came], new_first[came] + new_count[came]):
+                out_kind[m], out_owner[m], out_border[m] = new_kind[i], j, most + new_border[i]
+                out_hole[m], out_backwards[m] = new_is_hole[i], new_backwards[i]
+                for c in range(6):
+                    out[m, c] = new_data[i, c]
+                m += 1
+            came += 1
+            continue
+        old = kept[j] if j < n else objects
+        for i in range(first[old], first[old] + count[old]):
+            out_kind[m], out_owner[m], out_border[m] = kind[i], j if j < n else -1, border[i]
+            out_hole[m], out_backwards[m] = is_hole[i], backwards[i]
+            for c in range(6):
+                out[m, c] = data[i, c]
+            m += 1
+    return out_kind, out, out_owner, out_border, out_hole, out_backwards
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def relabel(kept, objects, old_owner, old_k, new_owner, new_k):
+    """Where the pieces of kept objects and of the bounds are now, and whether they correspond.
+
+    ``kept`` as in :func:`gather_kept`, of the old and new pieces the first ``old_k`` and
+    ``new_k`` are primitives. The labels (p + 1,) are -1 for pieces that are no more, and at
+    the end.
+    """
+    label = np.full(len(old_owner) + 1, -1, np.int32)
+    n = len(kept)
+    for part in range(2):
+        if part == 0:
+            first, count = _ranges(old_owner, 0, old_k, objects)
+            new_first, new_count = _ranges(new_owner, 0, new_k, n)
+        else:
+            first, count = _ranges(old_owner, old_k, len(old_owner), objects)
+            new_first, new_count = _ranges(new_owner, new_k, len(new_owner), n)
+        for j in range(n + 1):
+            old = objects
+            if j < n:
+                old = kept[j]
+            if old < 0:
+                continue
+            if count[old] != new_count[j]:
+                return label, False
+            for i in range(count[old]):
+                label[first[old] + i] = new_first[j] + i
+    return label, True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def corners_of(which, owner, k, before, after, offset):
+    """An object's corner points: first, last + 1, and what meets there less ``offset``."""
+    lo, hi = 0, 0
+    for c in range(len(before)):
+        if owner[k + c] == which:
+            if hi == 0:
+                lo = c
+            hi = c + 1
+    before, after = before[lo:hi].copy(), after[lo:hi].copy()
+    for c in range(hi - lo):
+        if before[c] >= 0:
+            before[c] -= offset
+        if after[c] >= 0:
+            after[c] -= offset
+    return lo, hi, before, after
