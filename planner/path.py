@@ -65,7 +65,8 @@ class Limits:
     ``chord_tolerance`` bounds how far the straight line between two waypoints may leave the
     path; ``spacing`` is the largest distance between waypoints. ``turns_on_spot`` is True
     for a differential drive. ``slow_clearance``: below this clearance the speed falls
-    linearly to ``slow_speed`` at the robot's radius.
+    linearly to ``slow_speed`` at the robot's radius. ``turning_radius`` >= 0 is that of the
+    tightest bend the robot can drive: a tighter one is turned on the spot, standing, or refused.
     """
 
     speed: float
@@ -79,6 +80,7 @@ class Limits:
     slow_clearance: float
     slow_speed: float
     turns_on_spot: bool = True
+    turning_radius: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

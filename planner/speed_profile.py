@@ -10,6 +10,8 @@ Method. With T = 2 a / j:
    (p(t + T/2) - p(t - T/2)) / T for a window whose way I contains s. Were that more than V(s),
    I would be longer than V(s) T, so that at least V(s) T of it, next to s, would be driven at
    no more than W <= V(s): that alone takes the time T. So every speed limit holds exactly.
+4. So does a lower limit of the acceleration in single cells: at s the average is taken over
+   places within V(s) T of it, and there the raw profile keeps the limit of s.
 """
 
 from __future__ import annotations
@@ -107,16 +109,26 @@ class SpeedProfile:
 
 
 def plan_speed(
-    lengths: FloatArray, limits: FloatArray, acceleration: float, jerk: float
+    lengths: FloatArray,
+    limits: FloatArray,
+    acceleration: float,
+    jerk: float,
+    gentle: FloatArray | None = None,
 ) -> SpeedProfile:
     """The profile along cells that end at ``lengths`` (n + 1,) with speed ``limits`` (n,) > 0.
 
-    ``lengths`` grow strictly from 0. O(n log n).
+    ``lengths`` grow strictly from 0. ``gentle`` (n,) > 0 are limits of the acceleration in single
+    cells, below ``acceleration``. O(n log n).
     """
     window = 2.0 * acceleration / jerk
-    lowered = _reach_out(lengths, limits, window)
+    reach = limits * window
+    lowered = _reach_out(lengths, limits, reach)
     node = np.concatenate([[0.0], np.minimum(lowered[:-1], lowered[1:]), [0.0]])
     cone = 2.0 * acceleration * lengths
+    if gentle is not None:
+        gentle = _reach_out(lengths, np.minimum(gentle, acceleration), reach)
+        cone = np.concatenate([[0.0], np.cumsum(2.0 * gentle * np.diff(lengths))])
+        acceleration = float(gentle[0])
     squared = node * node
     squared = np.minimum.accumulate(squared - cone) + cone
     squared = np.minimum.accumulate((squared + cone)[::-1])[::-1] - cone
@@ -140,10 +152,9 @@ def _with_middle(
     return np.array([0.0, middle, lengths[1]]), np.array([0.0, top, 0.0])
 
 
-def _reach_out(lengths: FloatArray, limits: FloatArray, window: float) -> FloatArray:
-    """Each cell's limit, lowered to that of every slower cell u within V(u) T of it."""
+def _reach_out(lengths: FloatArray, limits: FloatArray, reach: FloatArray) -> FloatArray:
+    """Each cell's limit, lowered to that of every cell that is lower within its own ``reach``."""
     lowered = limits.copy()
-    reach = limits * window
     first = np.searchsorted(lengths, lengths[:-1] - reach, side="right") - 1
     last = np.searchsorted(lengths, lengths[1:] + reach, side="left")
     top = limits.max()

@@ -17,8 +17,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields, replace
 
-import numpy as np
-
 from planner.legs import Clearance, Leg, Stop, Track, speed_cells, wrap_angle
 from planner.path import Limits, Path, Trajectory, Waypoint
 from planner.polyline import points_at
@@ -67,14 +65,23 @@ def time_path(
     the path's points too; without it the path's own clearances are interpolated.
     ``dwell_s`` has one entry a station, start and goal included; empty means none.
     Times never fall, and grow wherever place or heading changes. Raises
-    :class:`TrajectoryError` on limits that are not > 0, dwells that are not >= 0, and on a
-    station's heading that a robot which cannot turn on the spot does not have.
+    :class:`TrajectoryError` on limits that are not > 0, dwells that are not >= 0, and where a
+    robot that cannot turn on the spot would have to: for a station's heading, or in a bend
+    tighter than its turning radius.
     """
     _check(path, limits, dwell_s)
     dwells = tuple(dwell_s) or (0.0,) * len(path.stations)
     track = Track(path, limits, clearance, dwells)
     clock = _Clock(limits)
     legs = track.legs()
+    for leg in legs:
+        if tight := track.too_tight(leg):
+            x, y, radius = tight
+            raise TrajectoryError(
+                f"at ({x:g}, {y:g}) the path bends with a radius of {radius:.3g}, but"
+                f" limits.turning_radius = {limits.turning_radius:g} and the robot cannot turn on"
+                " the spot"
+            )
     first = path.headings_rad[0]
     facing = next((float(leg.heading[0]) for leg in legs if len(leg.heading)), 0.0)
     clock.begin(track.points[0], first if first is not None else facing)
@@ -88,7 +95,11 @@ def time_path(
 def _check(path: Path, limits: Limits, dwell_s: Sequence[float]) -> None:
     for item in fields(limits):
         value = getattr(limits, item.name)
-        if item.name != "turns_on_spot" and not (math.isfinite(value) and value > 0.0):
+        if item.name == "turns_on_spot":
+            continue
+        if item.name == "turning_radius" and value == 0.0:
+            continue
+        if not (math.isfinite(value) and value > 0.0):
             raise TrajectoryError(f"limits.{item.name} = {value:g}: must be > 0 and finite")
     if len(dwell_s) not in (0, len(path.stations)):
         raise TrajectoryError(
@@ -137,13 +148,12 @@ class _Clock:
             return
         self._turn(float(leg.heading[0]))
         nodes = speed_cells(leg, self.limits.spacing)
-        profile = plan_speed(
-            nodes, track.speed_limits(leg, nodes), self.limits.acceleration, self.limits.jerk
-        )
+        speed, gentle = track.speed_limits(leg, nodes)
+        profile = plan_speed(nodes, speed, self.limits.acceleration, self.limits.jerk, gentle)
         at = track.waypoint_lengths(leg)
         times = profile.time_at(at)
         speeds = profile.speed(times)
-        headings = np.interp(at, leg.turn_at, leg.heading)
+        headings = leg.headings(at)
         points = points_at(leg.points, leg.lengths, at)
         speeds[-1] = 0.0
         rows = zip(at, points.tolist(), headings.tolist(), speeds.tolist(), times, strict=True)

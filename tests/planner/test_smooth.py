@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,6 +15,7 @@ from planner.path import Path
 from planner.roadmap import build_roadmap
 from planner.scene_io import read_scene_text
 from planner.smooth import SmoothError, smooth_path
+from planner.trajectory import default_limits, time_path
 
 RADIUS = 1.0
 
@@ -167,3 +168,63 @@ def test_a_planned_path_is_smoothed_against_the_scene_itself():
             math.hypot(max(x0 - x, 0, x - x1), max(y0 - y, 0, y - y1)) for x0, y0, x1, y1 in boxes
         ]
         assert min(*gaps, x, y, 100 - x, 80 - y) >= path.min_clearance - 1e-9
+
+
+def bends(path: Path) -> np.ndarray:
+    """The radius at every inner point: that of the circle through it and its neighbours."""
+    a, b, c = path.points[:-2], path.points[1:-1], path.points[2:]
+    u, v, w = b - a, c - b, c - a
+    area2 = np.abs(u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0])
+    sides = np.hypot(*u.T) * np.hypot(*v.T) * np.hypot(*w.T)
+    return np.where(area2 > 1e-9, sides / (2.0 * np.maximum(area2, 1e-300)), np.inf)
+
+
+@pytest.mark.parametrize("turn_deg", [10.0, 45.0, 90.0, 120.0])
+@pytest.mark.parametrize("turning_radius", [0.5, 2.0, 5.0])
+def test_cuts_are_no_tighter_than_the_turning_radius(turn_deg, turning_radius):
+    a = math.radians(turn_deg)
+    corner = [(0, 0), (20, 0), (20 + 20 * math.cos(a), 20 * math.sin(a))]
+    path = make_path(corner, FAR)
+    smooth = smooth_path(
+        path, FAR.path_clearance, FAR.clearance, keep=RADIUS, turning_radius=turning_radius
+    )
+    assert len(smooth.points) > 4
+    assert bends(smooth).min() >= turning_radius
+    assert smooth.length < path.length
+    limits = replace(default_limits(RADIUS), turning_radius=turning_radius)
+    driven = time_path(smooth, limits).waypoints
+    assert all(w.speed > 0.0 for w in driven[1:-1])
+
+
+def test_a_corner_without_room_for_the_turning_radius_stays():
+    path = make_path([(0, 0), (3, 0), (3, 3)], FAR)
+    smooth = smooth_path(path, FAR.path_clearance, FAR.clearance, keep=RADIUS, turning_radius=4.0)
+    assert smooth.points.tolist() == path.points.tolist()
+    limits = replace(default_limits(RADIUS), turning_radius=4.0)
+    standing = [(w.x, w.y) for w in time_path(smooth, limits).waypoints[1:-1] if w.speed == 0.0]
+    assert set(standing) == {(3.0, 0.0)}
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=3, max_size=7),
+    st.floats(0.3, 4.0),
+)
+def test_no_cut_of_any_path_is_too_tight_or_too_near(corners, turning_radius):
+    points = [p for i, p in enumerate(corners) if i == 0 or p != corners[i - 1]]
+    assume(len(points) >= 3)
+    pins = Pins(np.array([[2.3, 1.7], [-4.1, 3.3], [30.0, 30.0]]))
+    path = make_path([(3.0 * x, 3.0 * y) for x, y in points], pins)
+    assume(path.min_clearance >= RADIUS)
+    smooth = smooth_path(path, pins.path_clearance, pins.clearance, turning_radius=turning_radius)
+    assert smooth.min_clearance >= path.min_clearance - 1e-9
+    corners_left = {tuple(p) for p in path.points.tolist()}
+    tight = bends(smooth) < turning_radius * (1 - 1e-6)
+    assert {tuple(p) for p in smooth.points[1:-1][tight].tolist()} <= corners_left
+
+
+@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
+def test_a_turning_radius_that_is_none_is_refused(value):
+    path = make_path([(0, 0), (3, 0), (3, 3)], FAR)
+    with pytest.raises(SmoothError, match="turning_radius = "):
+        smooth_path(path, FAR.path_clearance, FAR.clearance, turning_radius=value)
