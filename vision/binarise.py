@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from planner.scene import Binarisation
 from vision.binarise_kernels import noise_sigma, sampled_histogram, split_histogram
+from vision.room import Room
 
 Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
 Polarity: TypeAlias = Literal["dark", "light", "auto"]
@@ -110,8 +111,9 @@ class Classes:
 class _Look:
     """A grey picture, its noise and its histogram; smoothed once for every sigma asked for."""
 
-    def __init__(self, grey: NDArray[Any]) -> None:
+    def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
         self.grey = grey
+        self.room = Room() if room is None else room
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
         # two values only: drawn, not taken; what looks like noise is texture
         drawn = np.count_nonzero(self.counts) <= 2
@@ -164,12 +166,14 @@ def binarise(
     method: Method = "auto",
     threshold: float | None = None,
     ignore: NDArray[np.bool_] | None = None,
+    room: Room | None = None,
 ) -> Binary:
     """Decide for every pixel whether it is obstacle.
 
     ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: a
     dark obstacle's pixels lie below it, a light one's at it or above. Pixels of ``ignore``
-    (h, w) are free whatever they look like. Raises ``PictureError`` where there is no free
+    (h, w) are free whatever they look like. ``room`` is where the mask is made, which then
+    stays only until the room is used again. Raises ``PictureError`` where there is no free
     pixel, or an option is wrong. O(pixels).
     """
     if method not in METHODS:
@@ -188,7 +192,7 @@ def binarise(
     if side == "light":
         grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
         threshold = None if threshold is None else 255.0 - threshold + 1e-6
-    binary = _by_method(_Look(grey), side, method, threshold)
+    binary = _by_method(_Look(grey, room), side, method, threshold)
     if why_side:
         how = binary.how
         how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
@@ -337,7 +341,7 @@ def _adaptive(look: _Look, classes: Classes | None, side: Literal["dark", "light
     )
     contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
     centred = centred.astype(np.float32, copy=False)
-    return _binary(_Look(centred), 127.5, contrast, how, noise=look.noise)
+    return _binary(_Look(centred, look.room), 127.5, contrast, how, noise=look.noise)
 
 
 def _divided(
@@ -345,7 +349,7 @@ def _divided(
 ) -> tuple[Binary, Classes | None]:
     light = light_surface(look.grey)
     flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0).astype(np.float32)
-    divided = _Look(flat)
+    divided = _Look(flat, look.room)
     divided.noise = float(noise_sigma(flat))
     # where there is little light, division makes the noise stronger
     strongest = max(divided.noise, float(noise_sigma(look.grey)) * FREE_LEVEL / float(light.min()))
@@ -451,7 +455,11 @@ def _binary(
             f"the picture was smoothed by {sigma:.0f} px before the level was applied",
         )
     height, width = grey.shape
-    mask = np.zeros((height + 2, (width + 2 + 7) // 8 * 8), np.uint8)
+    stride = (width + 2 + 7) // 8 * 8
+    mask = look.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
+    mask[0] = mask[-1] = 0
+    mask[:, 0] = 0
+    mask[:, width + 1 :] = 0
     inside = mask[1:-1, 1 : width + 1]
     bound = float(np.ceil(level) - 1.0) if compared.dtype == np.uint8 else float(level)
     if compared.dtype == np.uint8:

@@ -20,6 +20,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from vision.kernel_options import LEAF
+
 OBSTACLE = np.uint8(1)
 """Bit 0 of a mask byte: the pixel belongs to an obstacle."""
 SEEN = np.uint8(2)
@@ -28,14 +30,18 @@ LOW_BITS = np.uint64(0x0101010101010101)
 BYTE = np.uint64(8)
 LAST_BYTE = np.uint64(56)
 ONE = np.uint64(1)
-NORTH = np.int64(12)
-"""The walk's direction 3, times four."""
+TWO = np.uint64(2)
+NORTH, EAST_OF_IT = np.uint64(12), np.uint64(4)
+"""The walk's directions 3 and 1, times four; in the latter the free pixel lies in the east."""
+AT_A_TIME = 16
+"""Words of eight pixels that are looked at for new borders together."""
 
 
 @njit(cache=True, nogil=True)
-def follow_borders(mask):
-    """Walk every border of the padded mask (h + 2, w') uint8; the mask's bit 1 is used up.
+def follow_borders(mask, xs, ys, directions):
+    """Walk every border of the padded mask (h + 2, w') uint8, which is left as it was.
 
+    ``xs``, ``ys``, ``directions`` are room for the cracks; where it does not do, there is more.
     Returns ``(x, y, direction, starts, area)``: per crack the obstacle pixel and the walk's
     direction, per border the index of its first crack (one more entry than borders) and the
     pixels it encloses, negative for a hole.
@@ -45,10 +51,7 @@ def follow_borders(mask):
     words = flat.view(np.uint64)
     per_row = stride // 8
     tables = _walk_tables(stride)
-    room = max(4096, height * stride // 16)
-    xs = np.empty(room, np.int32)
-    ys = np.empty(room, np.int32)
-    directions = np.empty(room, np.int8)
+    room = xs.shape[0]
     count = np.int64(0)
     border_room = 64
     starts = np.empty(border_room + 1, np.int64)
@@ -56,15 +59,12 @@ def follow_borders(mask):
     borders = 0
 
     for row in range(1, height - 1):
-        before = np.uint64(0)
-        for word_index in range(row * per_row, (row + 1) * per_row):
-            word = words[word_index]
-            west = word & ~((word << BYTE) | before | (word >> ONE)) & LOW_BITS
-            before = word >> LAST_BYTE & LOW_BITS
-            if west == 0:
+        row_end = (row + 1) * per_row
+        for begin in range(row * per_row, row_end, AT_A_TIME):
+            end = min(begin + AT_A_TIME, row_end)
+            if not _any_new(words[begin - 1 : end]):
                 continue
-            for byte in range(8):
-                start = word_index * 8 + byte
+            for start in range(8 * begin, 8 * end):
                 if flat[start] & 3 != 1 or flat[start - 1] & 1 != 0:
                     continue
                 if borders == border_room:
@@ -73,18 +73,19 @@ def follow_borders(mask):
                     areas = _grown_long(areas, border_room)
                 starts[borders] = count
                 x = start - row * stride - 1
-                end, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
-                while end < 0:
+                last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
+                while last < 0:
                     # no room: walk it again where there is
                     room *= 2
                     xs = _grown_int(xs, room)
                     ys = _grown_int(ys, room)
                     directions = _grown_byte(directions, room)
-                    end, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
-                count = end
+                    last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
+                count = last
                 areas[borders] = area
                 borders += 1
     starts[borders] = count
+    _forget_seen(mask, xs, ys, directions, count)
     return (
         xs[:count],
         ys[:count],
@@ -94,29 +95,52 @@ def follow_borders(mask):
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
+def _any_new(words):
+    """Whether a west crack that was not walked yet lies in any word but the first."""
+    before = words[:-1]
+    here = words[1:]
+    new = np.uint64(0)
+    for i in range(here.shape[0]):
+        word = here[i]
+        new |= word & ~((word << BYTE) | (before[i] >> LAST_BYTE) | (word >> ONE))
+    return new & LOW_BITS != 0
+
+
+@njit(**LEAF)
+def _forget_seen(mask, xs, ys, directions, count):
+    """Take the marks of the walk off the mask again."""
+    for i in range(count):
+        if directions[i] == 3:
+            mask[ys[i] + 1, xs[i] + 1] = OBSTACLE
+
+
+@njit(**LEAF)
 def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     """Walk one border: ``(where its cracks end, area)``, or -1 where the room does not do."""
     diagonal, forward, move, step_x, step_y, turn, seen, area_of_x = tables
     room = xs.shape[0]
-    at = start
-    # the walk's direction times four; the two pixels ahead decide the next one
+    # unsigned: no index counts from the end
+    at = np.uint64(start)
+    begin = at
     state = NORTH
     area = 0
     while count < room:
-        way = state >> 2
+        # the walk's direction times four; the two pixels ahead decide the next one
         xs[count] = x
         ys[count] = y
-        directions[count] = way
+        directions[count] = state >> TWO
         count += 1
-        flat[at] |= seen[way]
-        area += area_of_x[way] * (x + 1) + (way == 1)
-        case = state | (flat[at + diagonal[way]] & 1) << 1 | (flat[at + forward[way]] & 1)
+        flat[at] |= seen[state]
+        area += area_of_x[state] * (x + 1) + (state == EAST_OF_IT)
+        left = np.uint64(flat[at + diagonal[state]] & OBSTACLE)
+        ahead = np.uint64(flat[at + forward[state]] & OBSTACLE)
+        case = state | left << ONE | ahead
         at += move[case]
         x += step_x[case]
         y += step_y[case]
         state = turn[case]
-        if at == start and state == NORTH:
+        if at == begin and state == NORTH:
             return count, area
     return -1, area
 
@@ -125,39 +149,38 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
 def _walk_tables(stride):
     """The walk without branches: what follows from a direction and the two pixels ahead.
 
-    By direction: the offsets of the pixel ahead on the left and of the one ahead, the bit to
-    set, the factor of x in the area. By direction * 4 + left * 2 + ahead: how far to move, in
-    bytes and in x and y, and the next direction * 4.
+    By direction * 4: the offsets of the pixel ahead on the left and of the one ahead, the bit
+    to set, the factor of x in the area. By direction * 4 + left * 2 + ahead: how far to move, in
+    bytes and in x and y, and the next direction * 4. Offsets are unsigned and wrap.
     """
     ahead = (1, stride, -1, -stride)
     across = (1, 0, -1, 0)
     down = (0, 1, 0, -1)
-    diagonal = np.empty(4, np.int64)
-    forward = np.empty(4, np.int64)
-    seen = np.zeros(4, np.uint8)
-    seen[3] = SEEN
-    area_of_x = np.array([0, 1, 0, -1])
-    move = np.empty(16, np.int64)
-    step_x = np.empty(16, np.int32)
-    step_y = np.empty(16, np.int32)
-    turn = np.empty(16, np.int64)
+    diagonal = np.zeros(16, np.uint64)
+    forward = np.zeros(16, np.uint64)
+    seen = np.zeros(16, np.uint8)
+    area_of_x = np.zeros(16, np.int64)
+    move = np.zeros(16, np.uint64)
+    step_x = np.zeros(16, np.int64)
+    step_y = np.zeros(16, np.int64)
+    turn = np.empty(16, np.uint64)
+    seen[12] = SEEN
+    area_of_x[4] = 1
+    area_of_x[12] = -1
     for way in range(4):
         left = (way + 3) & 3
-        diagonal[way] = ahead[way] + ahead[left]
-        forward[way] = ahead[way]
+        diagonal[4 * way] = np.uint64(ahead[way] + ahead[left])
+        forward[4 * way] = np.uint64(ahead[way])
         for pixels in range(4):
             case = 4 * way + pixels
-            move[case] = 0
-            step_x[case] = 0
-            step_y[case] = 0
             turn[case] = 4 * ((way + 1) & 3)
             if pixels >= 2:
-                move[case] = diagonal[way]
+                move[case] = diagonal[4 * way]
                 step_x[case] = across[way] + across[left]
                 step_y[case] = down[way] + down[left]
                 turn[case] = 4 * left
             elif pixels == 1:
-                move[case] = forward[way]
+                move[case] = forward[4 * way]
                 step_x[case] = across[way]
                 step_y[case] = down[way]
                 turn[case] = 4 * way
@@ -224,18 +247,18 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
     return owners
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def count_contour_pixels(xs, ys, starts):
     """How many pixels ``contour_pixels`` gives, but for a turn at a border's very end."""
     count = 0
     for b in range(starts.shape[0] - 1):
-        last_x = -1
-        last_y = -1
-        for i in range(starts[b], starts[b + 1]):
-            if xs[i] != last_x or ys[i] != last_y:
-                count += 1
-                last_x = xs[i]
-                last_y = ys[i]
+        first = starts[b]
+        n = starts[b + 1] - first
+        x = xs[first : first + n]
+        y = ys[first : first + n]
+        count += 1
+        for i in range(1, n):
+            count += (x[i] != x[i - 1]) | (y[i] != y[i - 1])
     return count
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from vision import contour_kernels as kernels
 from vision.binarise import Binary
 from vision.edge_kernels import edge_points
+from vision.room import Room
 
 LAPLACIAN = np.array([[0, -1, 0], [-1, 4, -1], [0, -1, 0]], dtype=np.float32)
 """The mask M of the paper's section 3.1."""
@@ -82,19 +83,33 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
     return border
 
 
-def follow_borders(mask: NDArray[np.uint8]) -> Borders:
+def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders:
     """Follow every border of a padded mask (see ``vision.binarise.Binary``).
+
+    The mask is marked on the way and is the same again afterwards. With a ``room`` the borders
+    stay only until it is used again.
 
     O(pixels / 8) to find them and O(border) to follow them.
     """
-    used = mask & 1
-    x, y, direction, starts, area = kernels.follow_borders(used)
-    owner = kernels.hole_owners(used, x, y, direction, starts, area)
+    room = Room() if room is None else room
+    likely = max(4096, mask.size // 16)
+    x, y, direction, starts, area = kernels.follow_borders(
+        mask,
+        room.take("x", likely, np.int32),
+        room.take("y", likely, np.int32),
+        room.take("direction", likely, np.int8),
+    )
+    owner = kernels.hole_owners(mask, x, y, direction, starts, area)
     return Borders(x, y, direction, starts, area, owner)
 
 
-def locate_edges(binary: Binary, borders: Borders) -> EdgePoints:
-    """Sub-pixel edge points of every border. O(border)."""
+def locate_edges(binary: Binary, borders: Borders, room: Room | None = None) -> EdgePoints:
+    """Sub-pixel edge points of every border. O(border).
+
+    With a ``room`` they stay only until it is used again.
+    """
+    room = Room() if room is None else room
+    most = len(borders.x) + 1
     points, starts, slope, crispness = edge_points(
         binary.grey,
         binary.mask,
@@ -104,5 +119,6 @@ def locate_edges(binary: Binary, borders: Borders) -> EdgePoints:
         borders.y,
         borders.direction,
         borders.starts,
+        room.take("points", 2 * most, np.float64).reshape(most, 2),
     )
     return EdgePoints(points, starts, float(slope), float(crispness))

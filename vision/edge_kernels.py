@@ -45,17 +45,17 @@ light crosses the half level, in pixels from the obstacle pixel; 1 where that li
 
 
 @njit(cache=True, nogil=True)
-def edge_points(grey, mask, level, by_level, xs, ys, directions, starts):
+def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points):
     """Sub-pixel points of every border, in order.
 
     ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold, and
-    ``by_level`` whether the mask is what lies below it, no more and no less.
+    ``by_level`` whether the mask is what lies below it, no more and no less; ``points`` is
+    room for one more point (k, 2) than there are cracks.
     Returns ``(points, point_starts, slope, crispness)``: (k, 2) float64, per border the index
     of its first point, the mean step of the smoothed profile at the edge as a share of the
     contrast, and the share of slanted cracks with a full step.
     """
     borders = starts.shape[0] - 1
-    points = np.empty((xs.shape[0] + 1, 2), np.float64)
     point_starts = np.empty(borders + 1, np.int64)
     longest = 0
     for b in range(borders):

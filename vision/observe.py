@@ -22,9 +22,11 @@ from vision.contours import Borders, follow_borders, laplacian_border, locate_ed
 from vision.fitting import fit_edges, tolerance_of
 from vision.paper import paper_objects
 from vision.placement import Placement, drop_outside, ignored_pixels
+from vision.room import Room
 from vision.structure import build_objects, find_specks
 
 Mode: TypeAlias = Literal["exact", "paper"]
+_ROOM = Room()
 
 
 class Calibration(Protocol):
@@ -71,12 +73,14 @@ def extract(
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
     clock = _StopWatch()
     skip = ignored_pixels(ignore, image)
-    binary = binarise(image, polarity=polarity, method=method, threshold=threshold, ignore=skip)
+    binary = binarise(
+        image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
+    )
     clock.lap("binarise")
-    borders = follow_borders(binary.mask)
+    borders = follow_borders(binary.mask, _ROOM)
     if mode == "paper":
         return _by_the_paper(binary, borders, clock)
-    edges = locate_edges(binary, borders)
+    edges = locate_edges(binary, borders, _ROOM)
     clock.lap("contours")
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
     placement = Placement.of(calibration, bounds, binary.size)
