@@ -16,6 +16,9 @@ from pydantic import BaseModel
 
 from navigation.config_marks import Document, Location, Mark
 
+LONGEST_LINE = 100
+"""Of a longer line only the part around the mistake is shown."""
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
@@ -69,9 +72,19 @@ def _told(problem: Problem, file: str, lines: Sequence[str]) -> str:
     if mark.line > len(lines):
         return told
     line = lines[mark.line - 1]
-    shown = line.replace("\t", " ")
-    width = max(1, min(mark.width, len(line) - mark.column + 1))
-    return f"{told}\n    {shown}\n    {' ' * (mark.column - 1)}^{'~' * (width - 1)}"
+    shown, before = _around(line.replace("\t", " "), mark.column - 1)
+    width = max(1, min(mark.width, len(line) - mark.column + 1, len(shown) - before))
+    return f"{told}\n    {shown}\n    {' ' * before}^{'~' * (width - 1)}"
+
+
+def _around(line: str, place: int) -> tuple[str, int]:
+    """The part of a long line around a place, and where in it the place is."""
+    if len(line) <= LONGEST_LINE:
+        return line, place
+    begin = min(max(0, place - LONGEST_LINE // 3), max(0, len(line) - LONGEST_LINE))
+    end = begin + LONGEST_LINE
+    head, tail = ("..." if begin > 0 else ""), ("..." if end < len(line) else "")
+    return f"{head}{line[begin:end]}{tail}", place - begin + len(head)
 
 
 def mark_of(document: Document, where: Location, *, of_key: bool = False) -> Mark | None:

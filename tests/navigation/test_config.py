@@ -66,6 +66,20 @@ def test_an_error_shows_file_line_column_the_line_and_a_caret() -> None:
     )
 
 
+@pytest.mark.parametrize("length", [0, 40, 300, 3000])
+def test_of_a_long_line_only_what_stands_around_the_mistake_is_shown(length: int) -> None:
+    """And the caret stands under it there too."""
+    line = f"  radius_m: [{'1, ' * length}wide{', 1' * length}]"
+    told = _text_of_error(GOOD.replace("  radius_m: 0.09", line))
+    assert max(map(len, told.splitlines())) < 160
+    deep = "arena: {bounds_m: [0, 0, " + "[" * length + "wide" + "]" * length + ", 1.8]}"
+    told = _text_of_error(GOOD.replace("arena:\n  bounds_m: [0, 0, 2.4, 1.8]", deep))
+    shown, caret = told.splitlines()[1:3]
+    assert max(map(len, told.splitlines())) < 160
+    # nested so deeply that it is not read at all, the line itself is the place
+    assert shown[caret.index("^")] in ("[w" if length < 1000 else "a")
+
+
 def test_the_caret_stands_under_the_place_whatever_it_is() -> None:
     told = _text_of_error(GOOD.replace("[0, 0, 2.4, 1.8]", "[0, 0, wide, 1.8]")).splitlines()
     assert told[0].startswith("run.yaml:2:20: arena.bounds_m[2]: ")
