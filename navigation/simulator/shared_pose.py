@@ -21,7 +21,10 @@ class PoseFileError(ValueError):
 
 
 class SharedPose:
-    """One pose in a file; ``write=True`` makes it, otherwise it must be there."""
+    """One pose in a file; ``write=True`` makes it, otherwise it must be there.
+
+    A writer that is started again goes on in the same file: who reads it need not know.
+    """
 
     def __init__(self, path: Path, *, write: bool) -> None:
         self.path = path
@@ -29,7 +32,9 @@ class SharedPose:
         try:
             if write:
                 path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(bytes(_ROW.size))
+                # One of the right size stays: a reader that has it mapped would fall with it.
+                if not path.is_file() or path.stat().st_size != _ROW.size:
+                    path.write_bytes(bytes(_ROW.size))
             with path.open("r+b" if write else "rb") as file:
                 access = mmap.ACCESS_WRITE if write else mmap.ACCESS_READ
                 self._map = mmap.mmap(file.fileno(), _ROW.size, access=access)

@@ -19,6 +19,17 @@ def test_what_one_end_writes_the_other_reads(tmp_path: Path) -> None:
     assert reader.read() == (1.25, -0.5, 3.0)
 
 
+def test_a_reader_outlives_the_writer_and_goes_on_with_the_next(tmp_path: Path) -> None:
+    first = SharedPose(tmp_path / "pose", write=True)
+    first.write(1.0, 2.0, 3.0)
+    reader = SharedPose(tmp_path / "pose", write=False)
+    first.close()
+    second = SharedPose(tmp_path / "pose", write=True)
+    assert reader.read() == (1.0, 2.0, 3.0)
+    second.write(4.0, 5.0, 0.5)
+    assert reader.read() == (4.0, 5.0, 0.5)
+
+
 def test_a_missing_file_is_said_with_what_helps(tmp_path: Path) -> None:
     with pytest.raises(PoseFileError, match=r"pose file .*: .*does `clearway robot` run\?"):
         SharedPose(tmp_path / "none", write=False)
