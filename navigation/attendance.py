@@ -5,9 +5,10 @@ It decides nothing and opens nothing; every sentence is told once, when it becom
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
 
-from navigation.logs import RunLog
+from navigation.logs import Level, RunLog
 from navigation.sd_notify import Watchdog
 
 if TYPE_CHECKING:
@@ -15,17 +16,33 @@ if TYPE_CHECKING:
     from navigation.recorder import Recorder
 
 
+RECORDER_SILENT_S: Final = 3.0
+"""A recorder's thread that has not turned for so long hangs, in its disk most likely."""
+
+
 class Attendance:
-    """Looks at a daemon after each of its cycles; `cycle`."""
+    """Looks at a daemon after each of its cycles; `cycle`.
+
+    ``say`` gets what the person at the terminal must know too: a recording that goes wrong.
+    """
 
     def __init__(
-        self, daemon: Daemon, log: RunLog, watchdog: Watchdog, recorder: Recorder | None
+        self,
+        daemon: Daemon,
+        log: RunLog,
+        watchdog: Watchdog,
+        recorder: Recorder | None,
+        say: Callable[[str], None],
     ) -> None:
         self._daemon, self._log = daemon, log
         self._watchdog, self._recorder = watchdog, recorder
+        self._say = say
         self._hanging: tuple[str, ...] = ()
         self._said_drops = False
         self._said_end = False
+        self._said_silence = False
+        self._recorder_turns = -1
+        self._recorder_turned_s = 0.0
 
     def cycle(self, now: DaemonState, time_s: float) -> None:
         """After a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
@@ -34,16 +51,27 @@ class Attendance:
         if self._watchdog.hanging != self._hanging:
             self._hanging = self._watchdog.hanging
             self._log.write("error", "watchdog", stages=", ".join(self._hanging) or "none")
-        self._look_at_the_recording()
+        if self._recorder is not None and not self._said_end:
+            self._look_at_the_recording(self._recorder, time_s)
 
-    def _look_at_the_recording(self) -> None:
-        if self._recorder is None:
-            return
-        counts = self._recorder.counts()
+    def _look_at_the_recording(self, recorder: Recorder, time_s: float) -> None:
+        counts = recorder.counts()
         if counts.dropped and not self._said_drops:
             self._said_drops = True
-            reason = "the writer lags: pictures are dropped and counted"
-            self._log.write("warning", "recording", reason=reason)
-        if counts.failed and not self._said_end:
+            self._tell("warning", "the writer lags: pictures are dropped and counted")
+        if recorder.has_ended():
             self._said_end = True
-            self._log.write("error", "recording", reason=f"ended early: {counts.failed}")
+            self._tell("error", f"ended early: {counts.failed or 'its thread has died'}")
+            return
+        if recorder.turns != self._recorder_turns:
+            self._recorder_turns, self._recorder_turned_s = recorder.turns, time_s
+            self._said_silence = False
+        elif time_s - self._recorder_turned_s > RECORDER_SILENT_S and not self._said_silence:
+            self._said_silence = True
+            silent_s = time_s - self._recorder_turned_s
+            waiting = counts.waiting
+            self._tell("error", f"hangs: nothing written for {silent_s:.0f} s, {waiting} wait")
+
+    def _tell(self, level: Level, reason: str) -> None:
+        self._log.write(level, "recording", reason=reason)
+        self._say(f"recording: {reason}")

@@ -55,6 +55,8 @@ class Sight:
     """Every other robot that was ever seen."""
     failed: str | None = None
     """The sentence that says which part of the program has failed and is being restarted."""
+    camera_reason: str = ""
+    """What the camera says of itself; empty while all is well."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,6 +43,7 @@ from planner.path import NoPath, Path, Trajectory
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera import Frame
+from vision.latest_frame import CameraStatus
 from vision.markers import MarkerTracker, RobotPose
 
 if TYPE_CHECKING:
@@ -301,12 +302,15 @@ class Daemon:
 
     def turns(self) -> dict[str, int]:
         """For each stage a number that grows while it works, or waits for work as it should."""
-        return {
+        turns = {
             "control loop": self._cycles,
             "camera": self.camera.turns,
             "planner": self._planner.turns,
             "link": self.link.turns,
         }
+        if self._recorder is not None and not self._recorder.has_ended():
+            turns["recorder"] = self._recorder.turns
+        return turns
 
     # The cycle.
 
@@ -380,6 +384,7 @@ class Daemon:
             scene_revision=self._known_revision,
             clearance_m=clearance,
             failed=failed,
+            camera_reason=_reason_of(self.camera.status()),
             others=tuple(self._mover(other, now_s) for other in self._others.values()),
         )
 
@@ -488,6 +493,11 @@ def _same_progress(one: Mission, other: Mission | None) -> bool:
     parts = ((m.stations, m.visited, m.any_order, m.state, m.paused) for m in (one, other))
     first, second = parts
     return first == second
+
+
+def _reason_of(camera: CameraStatus) -> str:
+    """What the camera says of itself, but for its silence, which the pilot says itself."""
+    return "" if camera.state == "stalled" else camera.reason
 
 
 def robot_report(snapshot: LinkSnapshot) -> RobotReport:

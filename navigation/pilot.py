@@ -193,6 +193,7 @@ class Pilot:
             paused=self.mission.paused,
             near_robot=None if met is None or met.stands else met.sentence,
             failed=sight.failed,
+            camera_reason=sight.camera_reason,
         )
 
     def _is_leaving_estop(self, now_s: float) -> bool:

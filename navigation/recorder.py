@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from navigation.daemon import DaemonState
 
 FLUSH_EVERY_S: Final = 0.2
+CLOSE_WITHIN_S: Final = 10.0
+"""A disk that hangs must not keep the run from ending."""
 MOST_PICTURES_WAITING: Final = 8
 COUNTERS_EVERY_S: Final = 1.0
 RATE_SLACK: Final = 0.9
@@ -97,6 +99,8 @@ class Recorder:
         self._said: tuple[State, str] | None = None
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
+        self.turns = 0
+        """Grows while the thread writes, or waits for something to write."""
         self._files = RecordingFiles(folder, config.recording, began, self._header, self._stamp_ns)
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
 
@@ -126,7 +130,9 @@ class Recorder:
         with self._wake:
             self._stopping = True
             self._wake.notify()
-        self._thread.join()
+        self._thread.join(CLOSE_WITHIN_S)
+        if self._thread.is_alive():
+            self._fail(f"{self.path}: the disk has not taken the end within {CLOSE_WITHIN_S:g} s")
 
     @property
     def path(self) -> Path:
@@ -145,6 +151,10 @@ class Recorder:
                 self._files.removed,
                 self._failed,
             )
+
+    def has_ended(self) -> bool:
+        """Whether it failed, or the thread died: nothing more will be written."""
+        return bool(self._failed) or not self._thread.is_alive()
 
     def summary(self) -> str:
         """One sentence on the recording."""
@@ -218,6 +228,7 @@ class Recorder:
     def _run(self) -> None:
         flushed_s = self._clock()
         while True:
+            self.turns += 1
             with self._wake:
                 self._wake.wait_for(lambda: self._waiting or self._stopping, FLUSH_EVERY_S)
                 batch, self._waiting = self._waiting, deque()
@@ -242,6 +253,7 @@ class Recorder:
 
     def _write(self, event: RecordedEvent) -> None:
         self._files.write(event)
+        self.turns += 1
         with self._wake:
             if isinstance(event, PictureTaken):
                 self._pictures += 1

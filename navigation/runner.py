@@ -184,7 +184,7 @@ class Runner:
     def _drive(self, daemon: Daemon, recorder: Recorder | None) -> tuple[State, str]:
         limit_s = self._time_limit_s()
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
-        attendance = Attendance(daemon, self._log, watchdog, recorder)
+        attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
         while True:
             now = daemon.cycle()
             self._tell(now)

@@ -57,6 +57,8 @@ class Facts:
     """The sentence that says which other robot is too near."""
     failed: str | None = None
     """The sentence that says which part of the program has failed."""
+    camera_reason: str = ""
+    """What the camera says of itself; empty while all is well."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +91,8 @@ def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
 
 def _camera(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
     if facts.frame_age_s > limits.frame_stale_s:
-        return [(Action.HOLD, f"no picture from the camera {_since(facts.frame_age_s)}")]
+        why = f" ({facts.camera_reason})" if facts.camera_reason else ""
+        return [(Action.HOLD, f"no picture from the camera {_since(facts.frame_age_s)}{why}")]
     if facts.pose_age_s > limits.pose_stale_s:
         return [(Action.HOLD, f"the robot's marker was not seen {_since(facts.pose_age_s)}")]
     return []

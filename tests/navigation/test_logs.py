@@ -157,18 +157,28 @@ class Recording:
     """What `Attendance` asks of a recorder."""
 
     now: RecordingCounts
+    turns: int = 0
+    alive: bool = True
 
     def counts(self) -> RecordingCounts:
         return self.now
 
+    def has_ended(self) -> bool:
+        return bool(self.now.failed) or not self.alive
+
+
+def attendance_of(recording: Recording) -> tuple[Attendance, io.StringIO, list[str]]:
+    run, stream = run_log()
+    daemon: Any = SimpleNamespace(camera=SimpleNamespace(status=lambda: FINE))
+    watched: Any = recording
+    said: list[str] = []
+    watchdog = Watchdog(Notifier(None), None, dict)
+    return Attendance(daemon, run, watchdog, watched, said.append), stream, said
+
 
 def test_a_recording_that_drops_and_one_that_ends_are_told_once() -> None:
-    run, stream = run_log()
     recording = Recording(RecordingCounts())
-    daemon: Any = SimpleNamespace(camera=SimpleNamespace(status=lambda: FINE))
-    watchdog = Watchdog(Notifier(None), None, dict)
-    watched: Any = recording
-    attendance = Attendance(daemon, run, watchdog, watched)
+    attendance, stream, said = attendance_of(recording)
     now: Any = DRIVING
     attendance.cycle(now, 0.0)
     events_of(stream)
@@ -180,6 +190,26 @@ def test_a_recording_that_drops_and_one_that_ends_are_told_once() -> None:
     attendance.cycle(now, 0.2)
     attendance.cycle(now, 0.3)
     assert events_of(stream) == [("error", "recording")]
+    assert said[-1] == "recording: ended early: the disk is full"
+    assert len(said) == 2
+
+
+def test_a_recorder_that_hangs_or_dies_is_told_once_each_time() -> None:
+    recording = Recording(RecordingCounts(waiting=7))
+    attendance, _, said = attendance_of(recording)
+    now: Any = DRIVING
+    for tenth in range(100):
+        attendance.cycle(now, 0.1 * tenth)
+    assert said == ["recording: hangs: nothing written for 3 s, 7 wait"]
+    recording.turns += 1
+    attendance.cycle(now, 10.0)
+    assert len(said) == 1, "it gets on again"
+    attendance.cycle(now, 14.0)
+    assert len(said) == 2
+    recording.alive = False
+    attendance.cycle(now, 14.1)
+    attendance.cycle(now, 14.2)
+    assert said[2:] == ["recording: ended early: its thread has died"]
 
 
 def test_every_log_of_a_run_gets_every_event() -> None:

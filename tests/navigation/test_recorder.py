@@ -33,6 +33,7 @@ from planner.scene import Bounds, CircleRecord, PointRecord, PolygonRecord, Scen
 from planner.scene import Segment as Line
 from tests.support.pictures import call
 from tests.support.recordings import BEGAN, RecordedBench, make_recording
+from tests.support.waiting import wait_until
 
 EVERY = {"picture_rate_hz": 60.0, "picture_format": "png"}
 EXACT = Tolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
@@ -206,6 +207,25 @@ def test_a_disk_that_is_nearly_full_ends_the_recording_with_a_reason_and_not_the
 
     make_recording(tmp_path, go_on)
     assert "5 MB are free: must be at least 100 MB" in summaries[0]
+
+
+def test_a_recorder_turns_while_it_lives_and_says_when_it_has_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = []
+
+    def go_on(bench: RecordedBench) -> None:
+        turns = bench.recorder.turns
+        assert wait_until(lambda: bench.recorder.turns > turns)  # without anything to write
+        ended.append(bench.recorder.has_ended())
+        monkeypatch.setattr(bench.recorder, "_write", lambda _: 1 / 0)
+        bench.frames(1)
+        assert wait_until(bench.recorder.has_ended)
+        ended.append(bench.recorder.counts().failed)
+
+    make_recording(tmp_path, go_on)
+    assert ended[0] is False
+    assert "unexpected ZeroDivisionError" in str(ended[1])
 
 
 def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:

@@ -33,6 +33,12 @@ WELL = Facts(
 )
 
 
+def test_a_lost_picture_is_told_with_the_camera_s_own_words() -> None:
+    lost = replace(WELL, frame_age_s=1.0, camera_reason="camera 0: unplugged; trying again in 2 s")
+    said = "no picture from the camera for 1000 ms (camera 0: unplugged; trying again in 2 s)"
+    assert judge(lost, LIMITS).sentence == said
+
+
 def test_a_robot_with_nothing_wrong_may_go() -> None:
     verdict = judge(WELL, LIMITS)
     assert (verdict.action, verdict.sentence) == (Action.GO, "")
