@@ -147,6 +147,28 @@ def test_after_a_lost_link_nothing_drives_until_start_is_given_again() -> None:
     assert MissionDone(9) in table.events
 
 
+def test_a_lost_link_says_for_how_long_nothing_came() -> None:
+    table = Table()
+    table.run(0.2)
+    table.cable = False
+    table.run(1.0)
+    lost = [e for e in table.events if isinstance(e, LinkChanged) and e.new is LinkState.LINK_LOST]
+    assert [e.reason for e in lost] == ["no frame for 0.50 s"]
+
+
+def test_the_id_of_a_void_mission_is_not_taken_again() -> None:
+    table = Table()
+    table.run(0.2)
+    table.host.upload(line(), table.now_s)
+    table.run(1.0)
+    table.boot(2)
+    table.run(1.5)
+    assert any(isinstance(e, MissionVoid) for e in table.events)
+    with pytest.raises(LocalError, match="mission 9 became void: a new one needs a new id"):
+        table.host.upload(line(), table.now_s)
+    assert table.control.mission == 0
+
+
 def test_a_start_in_flight_is_given_up_with_the_link() -> None:
     table = Table()
     table.run(0.2)
