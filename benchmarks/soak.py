@@ -1,12 +1,13 @@
 """Half an hour of driving over a bad line, in virtual time.
 
-    python -m benchmarks.soak [--minutes 30] [--seed 1]
+    python -m benchmarks.soak [--minutes 30] [--seed 1] [--only TEXT]
 
 Missions of 60 waypoints, one after another, over a line that drops, flips, doubles, swaps and
 stalls, and once a minute another trouble: the cable is pulled, the processor freezes or resets,
 the host is killed, or the emergency stop is pressed and left. Wanted: every mission executed
 whole, in order and nothing twice, or void where the fault leaves no other way and given again;
-counters that only grow; memory that does not. Writes benchmarks/results/soak.md.
+counters that only grow; memory that does not. On the Python twin and on the firmware in C in this
+process, one after the other. Writes benchmarks/results/soak.md.
 """
 
 from __future__ import annotations
@@ -23,7 +24,9 @@ from firmware_protocol.host import HostConnection
 from firmware_protocol.host_events import MissionDone
 from firmware_protocol.messages import ResetCause, RobotState
 from navigation.simulator.line_faults import FaultSpec
-from tests.support.fault_witness import Witness
+from navigation.simulator.virtual_loop import python_robot
+from tests.support.c_robot import CRobot, missing_tool
+from tests.support.fault_witness import RobotMaker, Witness, robot_maker
 
 RESULT = Path(__file__).parent / "results" / "soak.md"
 FAULTS = "drop=0.001,flip=0.0005,noise=0.0005,span=0.003,dup=0.01,swap=0.01,stall=0.15@7"
@@ -85,7 +88,7 @@ class Soak:
         witness.judge_chain(whole=True)
         assert loop.events.count(MissionDone(witness.mission.id)) == 1
         self.results["executed whole"] += 1
-        self.executed += len(witness.executed)
+        self.executed += len(witness.mission)
 
     def make_trouble(self) -> None:
         loop = self.witness.loop
@@ -141,36 +144,76 @@ class Soak:
         self.totals.update({f"parser {k}": v for k, v in asdict(host.parser.counters).items()})
 
 
+ROBOTS: dict[str, RobotMaker] = {
+    "Python": python_robot,
+    "C": lambda identity, drive: CRobot(identity, drive),  # type: ignore[dict-item,return-value]
+}
+
+
+def soak_of(name: str, seed: int, minutes: float) -> tuple[Soak, list[int]]:
+    """A robot's soak, and the memory once it has settled."""
+    print(name, file=sys.stderr)
+    token = robot_maker.set(ROBOTS[name])
+    try:
+        soak = Soak(seed)
+        soak.run(60.0 * minutes)
+    finally:
+        robot_maker.reset(token)
+    return soak, [size for now_s, size in soak.memory if now_s >= min(WARM_UP_S, 30 * minutes)]
+
+
+def table(soaks: dict[str, tuple[Soak, list[int]]]) -> list[str]:
+    """One column a robot."""
+    rows: dict[str, dict[str, str]] = {}
+    for name, (soak, settled) in soaks.items():
+        counts = {
+            **{f"missions {what}": n for what, n in soak.results.items()},
+            "waypoints of missions executed whole": soak.executed,
+            "waypoints lost, doubled or reordered": 0,
+            **{f"trouble: {what}": n for what, n in soak.troubles.items()},
+            **{f"host: {what.replace('_', ' ')}": n for what, n in soak.totals.items()},
+            "memory grown from the settled state to the end, KiB": round(grown(settled) / 1024),
+            "memory in use, lowest after settling, KiB": min(settled) // 1024,
+            "memory in use, highest after settling, KiB": max(settled) // 1024,
+        }
+        for what, count in counts.items():
+            rows.setdefault(what, {})[name] = str(count)
+    head = [f"| what | {' | '.join(soaks)} |", "|---|" + "---|" * len(soaks)]
+    return head + [
+        f"| {what} | {' | '.join(found.get(name, '0') for name in soaks)} |"
+        for what, found in rows.items()
+    ]
+
+
+def grown(settled: list[int]) -> int:
+    """Bytes from the settled state to the end."""
+    return settled[-1] - settled[0]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=30.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="", help="robots whose name contains this")
     options = parser.parse_args()
-    soak = Soak(options.seed)
-    soak.run(60.0 * options.minutes)
-    settled = [size for now_s, size in soak.memory if now_s >= min(WARM_UP_S, 30 * options.minutes)]
-    grown = settled[-1] - settled[0]
+    names = [name for name in ROBOTS if options.only in name]
+    missing = missing_tool()
+    if "C" in names and missing is not None:
+        print(f"needs {missing} to build the firmware", file=sys.stderr)
+        return 2
+    soaks = {name: soak_of(name, options.seed, options.minutes) for name in names}
     text = [
         "# Half an hour over a bad line",
         "",
-        f"{options.minutes:g} minutes of virtual time on the Python twin, line `{FAULTS}`,",
+        f"{options.minutes:g} minutes of virtual time on each robot, line `{FAULTS}`,",
         "and a trouble a minute. `python -m benchmarks.soak` makes this table again.",
         "",
-        "| what | how many |",
-        "|---|---|",
-        *[f"| missions {what} | {count} |" for what, count in soak.results.items()],
-        f"| waypoints of missions executed whole | {soak.executed} |",
-        "| waypoints lost, doubled or reordered | 0 |",
-        *[f"| trouble: {what} | {count} |" for what, count in soak.troubles.items()],
-        *[f"| host: {name.replace('_', ' ')} | {n} |" for name, n in soak.totals.items()],
-        f"| memory grown from the settled state to the end | {grown / 1024:.0f} KiB |",
-        f"| memory in use, lowest and highest after settling | {min(settled) / 1024:.0f} and "
-        f"{max(settled) / 1024:.0f} KiB |",
+        *table(soaks),
     ]
     print("\n".join(text))
-    if options.minutes >= 30.0:
+    if options.minutes >= 30.0 and len(names) == len(ROBOTS):
         RESULT.write_text("\n".join(text) + "\n")
-    return int(grown > 1024 * 1024)
+    return int(any(grown(settled) > 1024 * 1024 for _, settled in soaks.values()))
 
 
 if __name__ == "__main__":

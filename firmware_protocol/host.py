@@ -27,6 +27,7 @@ from firmware_protocol.framing import (
     encode_frame,
     wire_bytes,
 )
+from firmware_protocol.freshest import Freshest, lease_of
 from firmware_protocol.host_counters import HostCounters
 from firmware_protocol.host_events import (
     EstopConfirmed,
@@ -38,8 +39,10 @@ from firmware_protocol.host_events import (
     RobotRebooted,
     StatusReceived,
 )
+from firmware_protocol.host_sessions import HostSessions
 from firmware_protocol.host_state import TRANSITIONS, LinkEvent, LinkState
 from firmware_protocol.line_diagnosis import why_silent
+from firmware_protocol.line_pace import LinePace
 from firmware_protocol.link import RttEstimate, SendWindow
 from firmware_protocol.messages import (
     ESTOP_FRAME,
@@ -48,7 +51,6 @@ from firmware_protocol.messages import (
     Hello,
     HelloAck,
     Lease,
-    LeaseFlag,
     PoseFix,
     RobotState,
     Status,
@@ -62,12 +64,7 @@ from firmware_protocol.upload import Upload
 
 SILENCE_S: Final = 0.5
 """The link is lost after so long without a frame of the session."""
-HELLO_FIRST_S: Final = 0.05
-HELLO_LAST_S: Final = 0.5
 ESTOP_REPEAT_S: Final = 0.02
-PREFETCH_S: Final = 0.001
-"""The next frame may be handed out so long before the line is free."""
-FOREIGN_S: Final = 1.0
 
 
 class HostConnection:
@@ -92,25 +89,17 @@ class HostConnection:
         self.status: Status | None = None
         self.status_s = -math.inf
         self.upload_state: Upload | None = None
-        self._rng = rng
-        self._baud = baud
         self._boot_id = expected_boot_id
         self._events: deque[Event] = deque()
-        self._session = 0
-        self._own_sessions: deque[int] = deque(maxlen=16)
+        self._void_ids: deque[int] = deque(maxlen=64)
+        self._sessions = HostSessions(rng)
+        self._pace = LinePace(baud)
+        self._freshest = Freshest()
         self._window = SendWindow(0)
         self._reason = "the port is not open"
         self._opened_s = 0.0
         self._heard_s = -math.inf
         self._bytes_s = -math.inf
-        self._foreign_s = -math.inf
-        self._hello_s = 0.0
-        self._hello_wait_s = HELLO_FIRST_S
-        self._line_free_s = -math.inf
-        self._lease: tuple[Lease, float] | None = None
-        self._pose: tuple[PoseFix, float] | None = None
-        self.pose_captured_s = -math.inf
-        """When the pose that was sent last was seen: the user's measure of its way here."""
         self._sync = SyncSchedule()
         self._estop_wanted = False
         self._estop_s = -math.inf
@@ -121,7 +110,7 @@ class HostConnection:
     def open(self, now_s: float) -> None:
         """The port is open: ask for a robot."""
         self._opened_s = now_s
-        self._line_free_s = -math.inf
+        self._pace.reset()
         self._change(LinkEvent.OPEN, "looking for a robot")
         self._new_session(now_s)
 
@@ -135,7 +124,10 @@ class HostConnection:
         """Replace the mission: stop under control, clear, send, and (``start``) drive.
 
         A mission that the robot already holds (same id, same waypoints) goes on where it was.
+        LocalError for the id of a mission that became void: part of it may have been driven.
         """
+        if mission.id in self._void_ids:
+            raise LocalError(f"mission {mission.id} became void: a new one needs a new id")
         self.upload_state = Upload(mission)
         self._commands.want_mission()
         self._change(LinkEvent.MISSION_OVER, "a mission was given")
@@ -172,16 +164,11 @@ class HostConnection:
         odometry: bool = False,
     ) -> None:
         """Sent once, now: the control loop lives. ``odometry``: may drive without poses."""
-        flags = LeaseFlag.PERMIT * permit | LeaseFlag.ODOMETRY * odometry
-        lease = Lease(ttl_s, LeaseFlag(flags), pose_age_s)
-        lease.pack()
-        self._lease = (lease, now_s)
+        self._freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Sent once: where the camera saw the robot at host time ``captured_s``."""
-        fix = PoseFix(x_m, y_m, heading_rad, 0.0)
-        fix.pack()
-        self._pose = (fix, captured_s)
+        self._freshest.give_pose(PoseFix(x_m, y_m, heading_rad, 0.0), captured_s)
 
     def estop(self) -> None:
         """Emergency stop: past every queue, repeated until the robot confirms it."""
@@ -216,6 +203,11 @@ class HostConnection:
         return self._estop_wanted
 
     @property
+    def pose_captured_s(self) -> float:
+        """When the pose that was sent last was seen: the user's measure of its way here."""
+        return self._freshest.pose_captured_s
+
+    @property
     def heard_s(self) -> float:
         """When the last frame of the session came; -infinity before the first."""
         return self._heard_s
@@ -230,7 +222,7 @@ class HostConnection:
             return None
         if self.state is LinkState.CLOSED:
             return self._reason
-        if now_s - self._foreign_s < FOREIGN_S and self.state is LinkState.LINK_LOST:
+        if self.state is LinkState.LINK_LOST and self._sessions.foreigner_speaks(now_s):
             return "another host has taken the robot over"
         since_s = now_s - max(self._bytes_s, self._opened_s)
         silent = now_s - self._bytes_s > SILENCE_S
@@ -248,12 +240,11 @@ class HostConnection:
     def _receive(self, frame: Frame, now_s: float) -> None:
         if self.state is LinkState.CLOSED:
             return
-        if frame.session != self._session:
-            if frame.session in self._own_sessions:
+        if frame.session != self._sessions.present:
+            if self._sessions.is_late(frame, now_s):
                 self.counters.late_session += 1
             else:
                 self.counters.foreign_session += 1
-                self._foreign_s = now_s
             return
         try:
             message = read_message(frame)
@@ -280,8 +271,8 @@ class HostConnection:
                 sent_s = self._sync.sent_s(sent_us)
                 if sent_s is not None:
                     # both stamps of a frame as if it took no time on the wire
-                    arrived_s = sent_s + self._wire_s(wire_bytes(TimeSync.LAYOUT.size))
-                    left_s = now_s - self._wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
+                    arrived_s = sent_s + self._pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
+                    left_s = now_s - self._pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
                     self.clock.add(arrived_s, received_us, answered_us, left_s)
             case _:
                 self.counters.nonsense += 1
@@ -355,6 +346,7 @@ class HostConnection:
     def _void(self, reason: str) -> None:
         assert self.upload_state is not None
         self._events.append(MissionVoid(self.upload_state.mission.id, reason))
+        self._void_ids.append(self.upload_state.mission.id)
         self.upload_state = None
         self._commands.want_no_start()
         if self.state is LinkState.DRAIN:
@@ -368,8 +360,9 @@ class HostConnection:
             return
         if now_s - self._heard_s > SILENCE_S:
             self.counters.links_lost += 1
+            silent_s = now_s - self._heard_s
             self._drop_session()
-            self._change(LinkEvent.SILENCE, f"no frame for {now_s - self._heard_s:.2f} s")
+            self._change(LinkEvent.SILENCE, f"no frame for {silent_s:.2f} s")
             self._new_session(now_s)
             return
         self._window.tick(now_s)
@@ -381,7 +374,7 @@ class HostConnection:
         if self._estop_wanted and now_s - self._estop_s >= ESTOP_REPEAT_S:
             self._estop_s = now_s
             return self._account(ESTOP_FRAME, now_s)
-        if now_s < self._line_free_s - PREFETCH_S:
+        if now_s < self._pace.ready_s:
             return b""
         frame = self._next_frame(now_s)
         return b"" if frame is None else self._account(encode_frame(frame, Sender.HOST), now_s)
@@ -391,8 +384,8 @@ class HostConnection:
         if self.state is LinkState.CLOSED:
             return now_s + 0.1
         soon = [now_s + 0.02]
-        if self._line_free_s - PREFETCH_S > now_s:
-            soon.append(self._line_free_s - PREFETCH_S)
+        if self._pace.ready_s > now_s:
+            soon.append(self._pace.ready_s)
         timeout_s = self._window.deadline_s()
         if timeout_s is not None:
             soon.append(timeout_s)
@@ -401,17 +394,9 @@ class HostConnection:
     def _next_frame(self, now_s: float) -> Frame | None:
         if self.state in (LinkState.HELLO, LinkState.LINK_LOST):
             return self._next_hello(now_s)
-        if self._lease is not None:
-            lease, given_s = self._lease
-            self._lease = None
-            age_s = lease.pose_age_s + (now_s - given_s)
-            return self._frame(Lease(lease.ttl_s, lease.flags, age_s))
-        if self._pose is not None:
-            fix, captured_s = self._pose
-            self._pose = None
-            self.pose_captured_s = captured_s
-            age_s = max(0.0, now_s - captured_s) + self._wire_s(wire_bytes(PoseFix.LAYOUT.size))
-            return self._frame(PoseFix(fix.x_m, fix.y_m, fix.heading_rad, age_s))
+        fresh = self._freshest.take(now_s, self._pace)
+        if fresh is not None:
+            return self._frame(fresh)
         if self.state is LinkState.VERIFY:
             return None
         self._fill_window(now_s)
@@ -420,7 +405,7 @@ class HostConnection:
             self.counters.retransmits += pending.sent_again
             return Frame(
                 kind=pending.kind,
-                session=self._session,
+                session=self._sessions.present,
                 payload=pending.payload,
                 sequence=pending.sequence,
                 reliable=True,
@@ -445,40 +430,29 @@ class HostConnection:
             upload.sent(batch)
 
     def _next_hello(self, now_s: float) -> Frame | None:
-        displaced = self.state is LinkState.LINK_LOST and now_s - self._foreign_s < FOREIGN_S
-        if now_s < self._hello_s or displaced:
+        lost = self.state is LinkState.LINK_LOST
+        if lost and self._sessions.foreigner_speaks(now_s):
             return None
-        self._hello_s = now_s + self._hello_wait_s
-        self._hello_wait_s = min(HELLO_LAST_S, 1.5 * self._hello_wait_s)
-        return self._frame(Hello(SCHEMA_HASH))
+        return self._frame(Hello(SCHEMA_HASH)) if self._sessions.hello_due(now_s) else None
 
     def _next_sync(self, now_s: float) -> Frame | None:
         question = self._sync.next_question(now_s)
         return None if question is None else self._frame(question)
 
     def _frame(self, message: Hello | Lease | PoseFix | TimeSync) -> Frame:
-        return Frame(kind=message.TYPE, session=self._session, payload=message.pack())
+        return Frame(kind=message.TYPE, session=self._sessions.present, payload=message.pack())
 
     def _account(self, data: bytes, now_s: float) -> bytes:
         self.counters.frames_sent += 1
         self.counters.bytes_sent += len(data)
-        self._line_free_s = max(now_s, self._line_free_s) + self._wire_s(len(data))
+        self._pace.sent(len(data), now_s)
         return data
-
-    def _wire_s(self, count: int) -> float:
-        return 0.0 if self._baud is None else 10.0 * count / self._baud
 
     # Sessions.
 
     def _new_session(self, now_s: float) -> None:
-        self._own_sessions.append(self._session)
-        session = self._session
-        while session in self._own_sessions:
-            session = self._rng.randrange(1, 1 << 16)
-        self._session = session
+        self._sessions.renew(now_s)
         self.counters.sessions += 1
-        self._hello_s = now_s
-        self._hello_wait_s = HELLO_FIRST_S
 
     def _drop_session(self) -> None:
         """Orders in flight end here; the robot stands, and only a new start moves it."""
@@ -487,7 +461,7 @@ class HostConnection:
             self._events.append(ended)
         self.counters.timeouts += self._window.timeouts
         self._window = SendWindow(0)
-        self._lease = self._pose = None
+        self._freshest.forget()
         self._sync.forget()
         self._heard_s = -math.inf
         if self.upload_state is not None:

@@ -18,7 +18,6 @@ from firmware_protocol.fixed_point import (
     Place,
     angle_of,
     heading_of,
-    mrad,
     turned,
     wrapped,
     wrapped_short,
@@ -34,7 +33,8 @@ HISTORY_STEP: Final = 156
 """40 ms."""
 HISTORY_LENGTH: Final = 9
 JUMP_UM: Final = 150_000
-JUMP_ANGLE: Final = mrad(500) << 16
+JUMP_SHIFT: Final = 11
+"""Of a heading: 0.45 rad."""
 JUMPS_BELIEVED: Final = 5
 """So many fixes in a row that are far off mean that the robot was moved by hand."""
 
@@ -117,7 +117,7 @@ class PoseEstimate:
         dx = wrapped(round(fix.x_m * UM_PER_M) - x_um + (since[0] << 8))
         dy = wrapped(round(fix.y_m * UM_PER_M) - y_um + (since[1] << 8))
         turn = wrapped(seen - heading + (since[2] << 16))
-        near = abs(dx) <= JUMP_UM and abs(dy) <= JUMP_UM and abs(turn) <= JUMP_ANGLE
+        near = abs(dx) <= JUMP_UM and abs(dy) <= JUMP_UM and abs(turn) >> JUMP_SHIFT <= JUMP_UM
         if self.known and not near:
             self._jumps += 1
             if self._jumps < JUMPS_BELIEVED:

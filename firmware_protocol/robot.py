@@ -79,7 +79,9 @@ class RobotController:
         self.exec_crc = mission_seed(0)
         self.done = False
         self.news = False
-        """Something that STATUS should tell at once; whoever tells it sets this back."""
+        """Something that STATUS should tell soon; whoever tells it sets this back."""
+        self.alarm = False
+        """The same for a stop, which it should tell at once."""
         self._speed = 0
         self._spin = 0
         self.wheels = _OFF
@@ -346,6 +348,7 @@ class RobotController:
         if not kept:
             self.reason = reason
             self.news = True
+            self.alarm = self.alarm or state is RobotState.HOLD
 
 
 _TROUBLE: Final = {Trouble.OFF_PATH: StopReason.OFF_PATH, Trouble.STUCK: StopReason.STUCK}

@@ -53,7 +53,7 @@ RX_WINDOW: Final = 248
 """Two full frames of waypoints, and less than a receive ring of 256 bytes."""
 STATUS_INTERVAL_S: Final = 0.05
 STATUS_SPACING_S: Final = 0.01
-"""A change of state is told at once, but no more often than this."""
+"""A change is told at once, but no more often than this; a stop is told without waiting."""
 SESSIONS_REMEMBERED: Final = 4
 
 
@@ -95,6 +95,7 @@ class RobotConnection:
 
     def receive_bytes(self, data: bytes, now_s: float) -> None:
         """Take bytes from the line, in any portion, and act on the frames in them."""
+        self.controller.tick(now_s)
         start = 0
         while (end := data.find(0, start) + 1) > 0:
             self._take(data[start:end], now_s)
@@ -138,7 +139,7 @@ class RobotConnection:
             self._act(message, now_s)
 
     def _greet(self, frame: Frame, now_s: float) -> None:
-        if frame.session in self._old_sessions:
+        if frame.session == 0 or frame.session in self._old_sessions:
             self.session_errors += 1
             return
         try:
@@ -206,6 +207,7 @@ class RobotConnection:
 
     def next_frame(self, now_s: float) -> bytes:
         """The most urgent frame that is due, empty where none is; call when the line is free."""
+        self.controller.tick(now_s)
         if self._hello_session is not None:
             session, self._hello_session = self._hello_session, None
             return self._frame(self._hello_ack(), session)
@@ -224,13 +226,13 @@ class RobotConnection:
             return self._frame(TimeSyncReply(sent_us, received_us, _clock_us(now_s)))
         if self._status_due(now_s):
             self._status_s = now_s
-            self.controller.news = False
+            self.controller.news = self.controller.alarm = False
             return self._frame(self.status(now_s))
         return b""
 
     def _status_due(self, now_s: float) -> bool:
         waited_s = now_s - self._status_s
-        if waited_s >= STATUS_INTERVAL_S:
+        if waited_s >= STATUS_INTERVAL_S or self.controller.alarm:
             return True
         return waited_s >= STATUS_SPACING_S and self.controller.news
 

@@ -5,6 +5,7 @@
 #define DRIFT_MAX 419904ul /* 0.6 rad/m */
 #define HISTORY_STEP 156u  /* 40 ms */
 #define JUMP_UM 150000ul
+#define JUMP_SHIFT 11 /* of a heading: 0.45 rad */
 #define JUMPS_BELIEVED 5u
 
 static void add(int32_t *to, const int32_t *by)
@@ -58,19 +59,21 @@ bool cw_estimate_correct(cw_estimate *estimate, const int32_t seen[3], uint32_t 
     /* what the wheels have done since is laid on top of what was seen */
     for (i = 0; i < 3u; i++) {
         uint16_t before = past->moved[i];
-        uint32_t limit = JUMP_UM;
-        uint8_t up = 8;
-        if (i == 2u) {
-            limit = (uint32_t)CW_MRAD(500) << 16;
-            up = 16;
-        }
+        int32_t since_then;
+        uint32_t size;
         if (part != 0) {
             before = (uint16_t)(before + cw_scale((int16_t)(past[-1].moved[i] - before), part));
         }
-        before = (uint16_t)(estimate->history->moved[i] - before);
-        shift[i] = cw_sum(cw_difference(seen[i], estimate->pose[i]),
-                          (int32_t)((uint32_t)(int32_t)(int16_t)before << up));
-        if (cw_size(shift[i]) > limit) {
+        since_then = (int32_t)(int16_t)(estimate->history->moved[i] - before) * 256;
+        if (i == 2u) {
+            since_then *= 256;
+        }
+        shift[i] = cw_sum(cw_difference(seen[i], estimate->pose[i]), since_then);
+        size = cw_size(shift[i]);
+        if (i == 2u) {
+            size >>= JUMP_SHIFT;
+        }
+        if (size > JUMP_UM) {
             near = false;
         }
     }

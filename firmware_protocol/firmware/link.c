@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "flash.h"
+
 const uint8_t cw_estop_frame[CW_ESTOP_BYTES] = {0x00, 0x03, 0x10, 0x2e, 0x01, 0x01, 0x01, 0x01,
                                                 0x01, 0x05, 0xa2, 0x48, 0xb2, 0x50, 0x00};
 
@@ -31,16 +33,15 @@ void cw_link_init(cw_link *link, cw_robot *robot, const cw_identity *identity)
 /* The CRC over a frame and its own check comes to this, whatever the frame. */
 #define CRC_OF_SOUND 0x48674BC7ul
 
-static uint32_t frame_crc(uint8_t sender, const uint8_t *body, uint8_t length)
-{
-    return cw_crc32c(body, length, cw_crc32c(&sender, 1, 0));
-}
+/* And that of the byte that is not sent: H from the host, R from the robot. */
+#define CRC_OF_HOST 0x99DF1622ul
+#define CRC_OF_ROBOT 0xE263F975ul
 
 static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8_t length)
 {
     uint8_t i;
-    for (i = 0; i < link->old_count; i++) {
-        if (link->old_sessions[i] == session) {
+    for (i = 0; i < CW_SESSIONS_REMEMBERED; i++) {
+        if (session == 0u || link->old_sessions[i] == session) {
             link->count.session_errors++;
             return;
         }
@@ -54,18 +55,15 @@ static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8
     if (payload[0] != CW_VERSION || cw_get_u32(payload + 2) != link->identity.schema) {
         return;
     }
-    if (link->has_session && link->session == session) {
+    if (link->session == session) {
         return;
     }
     cw_robot_open_session(link->robot);
-    if (link->has_session) {
-        link->old_sessions[link->old_next] = link->session;
-        link->old_next = (uint8_t)((link->old_next + 1u) % CW_SESSIONS_REMEMBERED);
-        if (link->old_count < CW_SESSIONS_REMEMBERED) {
-            link->old_count++;
-        }
+    if (link->session != 0u) {
+        memmove(link->old_sessions + 1, link->old_sessions,
+                sizeof link->old_sessions - sizeof link->old_sessions[0]);
+        link->old_sessions[0] = link->session;
     }
-    link->has_session = true;
     link->session = session;
     link->expected = 0;
     link->command = 0;
@@ -109,25 +107,25 @@ static bool waypoints_are_right(const uint8_t *payload, uint8_t length)
 /* Whether a host's message of this type has a content that makes sense. */
 static bool is_sound(uint8_t type, const uint8_t *payload, uint8_t length)
 {
-    switch (type) {
-    case CW_WAYPOINTS:
+    /* START to RESET_ESTOP, then LEASE to TIMESYNC */
+    static const uint8_t lengths[7] CW_IN_FLASH = {10, 2, 6, 2, 5, 12, 4};
+    uint8_t row = (uint8_t)(type - CW_START);
+    if (type == CW_WAYPOINTS) {
         return waypoints_are_right(payload, length);
-    case CW_START:
-        return length == 10u;
-    case CW_PAUSE:
-    case CW_RESET_ESTOP:
-        return length == 2u;
-    case CW_CLEAR:
-        return length == 6u;
-    case CW_LEASE:
-        return length == 5u && (payload[2] & 0xFCu) == 0u;
-    case CW_POSE:
-        return length == 12u && heading_is_right(payload + 8, false);
-    case CW_TIMESYNC:
-        return length == 4u;
-    default:
+    }
+    if (row > 3u) {
+        row = (uint8_t)(type - CW_LEASE + 4u);
+        if (row < 4u || row > 6u) {
+            return false;
+        }
+    }
+    if (CW_FLASH_BYTE(&lengths[row]) != length) {
         return false;
     }
+    if (type == CW_LEASE) {
+        return (payload[2] & 0xFCu) == 0u;
+    }
+    return type != CW_POSE || heading_is_right(payload + 8, false);
 }
 
 static bool is_reliable_type(uint8_t type)
@@ -227,7 +225,7 @@ static void take_message(cw_link *link, const uint8_t *frame, uint8_t length)
 static void damaged(cw_link *link, uint16_t *counter)
 {
     (*counter)++;
-    if (link->has_session) {
+    if (link->session != 0u) {
         link->nak_due = true; /* ask at once, do not wait for the host's timeout */
     }
 }
@@ -241,7 +239,6 @@ static void keep(cw_link *link, uint8_t byte)
 
 static void take_byte(cw_link *link, uint8_t byte)
 {
-    static const uint8_t sender = CW_SENDER_HOST;
     if (link->encoded == CW_MAX_ENCODED) {
         link->encoded++;
         damaged(link, &link->count.format_errors);
@@ -251,7 +248,7 @@ static void take_byte(cw_link *link, uint8_t byte)
     }
     if (link->encoded++ == 0u) {
         link->filled = 0;
-        link->crc = cw_crc32c(&sender, 1, 0);
+        link->crc = CRC_OF_HOST;
         link->block = byte;
     } else if (link->block == 1u) {
         keep(link, 0);
@@ -293,7 +290,7 @@ static void take_frame(cw_link *link)
         cw_robot_emergency_stop(link->robot, CW_REASON_ESTOP_HOST);
     } else if (type == CW_HELLO) {
         greet(link, session, frame + CW_HEADER_BYTES, length);
-    } else if (!link->has_session || session != link->session) {
+    } else if (session != link->session || session == 0u) {
         link->count.session_errors++;
     } else {
         take_message(link, frame, length);
@@ -302,7 +299,7 @@ static void take_frame(cw_link *link)
 
 void cw_link_receive(cw_link *link, const uint8_t *data, uint16_t length, uint32_t now_us)
 {
-    link->robot->now_us = now_us;
+    cw_robot_tick(link->robot, now_us);
     while (length-- > 0u) {
         uint8_t byte = *data++;
         if (byte != 0u) {
@@ -347,7 +344,7 @@ static uint8_t end_frame(uint8_t *out, uint8_t *end)
     uint8_t code_at = 1;
     uint8_t size, i;
     frame[7] = (uint8_t)(body - CW_HEADER_BYTES);
-    end = cw_put_u32(end, frame_crc(CW_SENDER_ROBOT, frame, body));
+    end = cw_put_u32(end, cw_crc32c(frame, body, CRC_OF_ROBOT));
     size = (uint8_t)(end - out);
     for (i = 2; i < size; i++) {
         if (out[i] == 0u) {
@@ -361,21 +358,25 @@ static uint8_t end_frame(uint8_t *out, uint8_t *end)
     return (uint8_t)(size + 1u);
 }
 
+static uint8_t *put_mission(cw_link *link, uint8_t *at)
+{
+    while (cw_robot_sum(link->robot)) {
+    }
+    return put(at, &link->robot->mission, 20);
+}
+
 static uint8_t send_hello_ack(cw_link *link, uint8_t *out)
 {
     const cw_robot *robot = link->robot;
     uint8_t *at = begin_frame(link, out, CW_HELLO_ACK, link->hello_session, 0);
     *at++ = CW_VERSION;
     *at++ = CW_MINOR_VERSION;
-    at = cw_put_u32(at, link->identity.schema);
-    at = cw_put_u32(at, link->identity.firmware);
-    at = cw_put_u32(at, link->identity.boot_id);
-    *at++ = link->identity.reset_cause;
+    at = put(at, &link->identity, 13);
     *at++ = CW_MAX_PAYLOAD;
     at = cw_put_u16(at, CW_RX_WINDOW);
     *at++ = CW_QUEUE_SIZE;
     *at++ = robot->state;
-    at = put(at, &robot->mission, 20);
+    at = put_mission(link, at);
     return end_frame(out, at);
 }
 
@@ -400,7 +401,7 @@ static uint8_t send_status(cw_link *link, uint8_t *out)
     uint8_t *at = begin_frame(link, out, CW_STATUS, link->session, 0);
     at = cw_put_u32(at, robot->now_us);
     at = cw_put_u32(at, link->identity.boot_id);
-    at = put(at, &robot->mission, 20);
+    at = put_mission(link, at);
     *at++ = robot->state;
     *at++ = cw_robot_flags(robot);
     *at++ = robot->reason;
@@ -419,18 +420,18 @@ static uint8_t send_status(cw_link *link, uint8_t *out)
 static bool status_is_due(const cw_link *link)
 {
     uint32_t waited_us = link->robot->now_us - link->status_us;
-    return !link->status_sent || waited_us >= CW_STATUS_INTERVAL_US ||
+    return !link->status_sent || link->robot->alarm || waited_us >= CW_STATUS_INTERVAL_US ||
            (waited_us >= CW_STATUS_SPACING_US && link->robot->news);
 }
 
 uint8_t cw_link_next_frame(cw_link *link, uint8_t out_frame[CW_MAX_WIRE], uint32_t now_us)
 {
-    link->robot->now_us = now_us;
+    cw_robot_tick(link->robot, now_us);
     if (link->hello_due) {
         link->hello_due = false;
         return send_hello_ack(link, out_frame);
     }
-    if (!link->has_session) {
+    if (link->session == 0u) {
         return 0;
     }
     if (link->nak_due && (!link->nak_sent || now_us - link->nak_us >= CW_NAK_INTERVAL_US)) {
@@ -452,6 +453,7 @@ uint8_t cw_link_next_frame(cw_link *link, uint8_t out_frame[CW_MAX_WIRE], uint32
         link->status_sent = true;
         link->status_us = now_us;
         link->robot->news = false;
+        link->robot->alarm = false;
         return send_status(link, out_frame);
     }
     return 0;

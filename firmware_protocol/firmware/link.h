@@ -26,7 +26,7 @@
 extern const uint8_t cw_estop_frame[CW_ESTOP_BYTES];
 
 /* Who the robot is. boot_id has to differ from boot to boot. */
-typedef struct {
+typedef struct { /* in the order of HELLO_ACK */
     uint32_t schema; /* CW_SCHEMA_HASH */
     uint32_t firmware;
     uint32_t boot_id;
@@ -53,11 +53,8 @@ typedef struct {
     uint8_t block;   /* the byte after so many begins the next block of COBS */
     uint8_t filled;
     uint32_t crc;
-    bool has_session;
-    uint16_t session;
+    uint16_t session; /* 0: none */
     uint16_t old_sessions[CW_SESSIONS_REMEMBERED];
-    uint8_t old_count;
-    uint8_t old_next;
     uint8_t expected; /* sequence number */
     uint16_t command;
     uint8_t result; /* cw_result */

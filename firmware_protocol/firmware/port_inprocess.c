@@ -80,6 +80,8 @@ void cw_twin_receive(cw_twin *twin, const uint8_t *data, uint16_t length, uint32
 {
     cw_robot_settings = twin->settings;
     cw_link_receive(&twin->link, data, length, now_us);
+    while (cw_robot_sum(&twin->robot)) {
+    }
 }
 
 uint8_t cw_twin_next_frame(cw_twin *twin, uint8_t *out_frame, uint32_t now_us)
@@ -141,6 +143,6 @@ void cw_twin_view(const cw_twin *twin, cw_view *out_view)
     out_view->powered = robot->wheels.powered;
     out_view->done = robot->done;
     out_view->expected = twin->link.expected;
-    out_view->has_session = twin->link.has_session;
+    out_view->has_session = twin->link.session != 0u;
     out_view->phase = robot->follower.phase;
 }

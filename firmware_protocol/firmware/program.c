@@ -27,7 +27,6 @@ static cw_link *our_line(void)
 static void exchange(uint32_t now_us)
 {
     cw_link *line = our_line();
-
     uint8_t data[32];
     uint8_t length;
     while ((length = cw_port_read(data, sizeof data)) > 0u) {
@@ -57,15 +56,18 @@ void cw_program_begin(void)
 void cw_program_round(void)
 {
     uint32_t now_us = cw_port_now_us();
+    cw_robot *robot = our_robot();
     exchange(now_us);
-    /* a limit that has passed does not wait for its turn */
-    if (cw_robot_tick(our_robot(), now_us) || now_us - stepped_us >= CONTROL_US) {
+    cw_robot_tick(robot, now_us);
+    if (robot->hurry || now_us - stepped_us >= CONTROL_US) {
         int32_t travel_um[2];
         if (now_us - stepped_us >= CONTROL_US) {
             stepped_us += CONTROL_US;
         }
         cw_port_travel(travel_um);
-        cw_robot_step(our_robot(), now_us, travel_um);
+        cw_robot_step(robot, now_us, travel_um);
+    } else {
+        (void)cw_robot_sum(robot);
     }
-    cw_port_drive(our_robot()->wheels);
+    cw_port_drive(robot->wheels);
 }

@@ -19,6 +19,8 @@ static void halt(cw_robot *robot, cw_reason reason)
 {
     if (robot->state == CW_STATE_RUN) {
         change(robot, CW_STATE_HOLD, reason);
+        robot->alarm = true;
+        robot->hurry = true;
     }
 }
 
@@ -33,6 +35,7 @@ static void forget_mission(cw_robot *robot, uint32_t mission)
 {
     robot->queue.head = 0;
     robot->queue.count = 0;
+    robot->unsummed = 0;
     robot->mission = mission;
     robot->accept_next = 0;
     robot->exec_next = 0;
@@ -91,9 +94,20 @@ bool cw_robot_accept(cw_robot *robot, uint32_t mission, uint32_t first, uint8_t 
         memcpy(place, records, CW_WAYPOINT_BYTES);
         robot->queue.count++;
         robot->ended = (place->flags & CW_WAYPOINT_END) != 0u;
-        robot->prefix_crc = cw_crc32c(records, CW_WAYPOINT_BYTES, robot->prefix_crc);
+        robot->unsummed++;
         robot->accept_next++;
     }
+    return true;
+}
+
+bool cw_robot_sum(cw_robot *robot)
+{
+    const cw_waypoint *at = cw_queue_at(&robot->queue, (uint8_t)(robot->queue.count - robot->unsummed));
+    if (robot->unsummed == 0u) {
+        return false;
+    }
+    robot->unsummed--;
+    robot->prefix_crc = cw_crc32c((const uint8_t *)at, CW_WAYPOINT_BYTES, robot->prefix_crc);
     return true;
 }
 
@@ -110,11 +124,6 @@ static bool pose_is_stale(const cw_robot *robot)
 {
     return (uint32_t)robot->host_pose_age_ms * 1000u > CW_POSE_STALE_US ||
            pose_age_us(robot) > CW_POSE_STALE_US;
-}
-
-static bool lease_runs(const cw_robot *robot)
-{
-    return robot->lease_valid && (int32_t)(robot->lease_end_us - robot->now_us) > 0;
 }
 
 static bool blind_is_allowed(const cw_robot *robot)
@@ -136,7 +145,7 @@ cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next)
     if (exec_next != robot->exec_next) {
         return CW_RESULT_WRONG_INDEX;
     }
-    if (!lease_runs(robot) || (robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
+    if (!robot->lease_valid || (robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
         return CW_RESULT_NO_LEASE;
     }
     if (!blind_is_allowed(robot) && pose_is_stale(robot)) {
@@ -187,7 +196,7 @@ void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t po
     robot->leased_us = robot->now_us;
     robot->lease_flags = flags;
     robot->host_pose_age_ms = pose_age_ms;
-    (void)cw_robot_tick(robot, robot->now_us);
+    cw_robot_tick(robot, robot->now_us);
 }
 
 void cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t age_us)
@@ -206,11 +215,10 @@ void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason)
     motors_off(robot);
 }
 
-bool cw_robot_tick(cw_robot *robot, uint32_t now_us)
+void cw_robot_tick(cw_robot *robot, uint32_t now_us)
 {
-    uint8_t before = robot->state;
     robot->now_us = now_us;
-    if (!lease_runs(robot)) {
+    if ((int32_t)(robot->lease_end_us - now_us) <= 0) {
         robot->lease_valid = false;
     }
     if (pose_age_us(robot) >= 65535000ul) {
@@ -226,7 +234,6 @@ bool cw_robot_tick(cw_robot *robot, uint32_t now_us)
     if (robot->state == CW_STATE_HOLD && robot->now_us - robot->leased_us >= CW_DISARM_US) {
         change(robot, CW_STATE_IDLE, CW_REASON_DISARMED);
     }
-    return robot->state != before;
 }
 
 static void execute(cw_robot *robot, uint8_t count)
@@ -234,6 +241,9 @@ static void execute(cw_robot *robot, uint8_t count)
     cw_queue *queue = &robot->queue;
     while (count-- > 0u) {
         const cw_waypoint *at = cw_queue_at(queue, 0);
+        if (robot->unsummed == queue->count) {
+            (void)cw_robot_sum(robot); /* it leaves the queue */
+        }
         robot->exec_crc =
             cw_crc32c((const uint8_t *)at, CW_WAYPOINT_BYTES, robot->exec_crc);
         robot->exec_next++;
@@ -289,12 +299,13 @@ void cw_robot_step(cw_robot *robot, uint32_t now_us, const int32_t travel_um[2])
     }
     follower->dt_us = (uint16_t)dt_us;
     robot->step_us = now_us;
+    robot->hurry = false;
     cw_estimate_advance(&robot->estimate, ahead, (int32_t)((uint32_t)across * CW_ANGLE_PER_UM),
                         (uint16_t)(now_us >> 8));
     part = (uint16_t)dt_us < SMOOTHING_US ? cw_part((uint16_t)dt_us, 35790u) : 16384u;
     smooth(&robot->speed, ahead, part);
     smooth(&robot->spin, across >> 1, part);
-    (void)cw_robot_tick(robot, now_us);
+    cw_robot_tick(robot, now_us);
     if (robot->state == CW_STATE_ESTOP) {
         return;
     }
@@ -316,7 +327,7 @@ uint8_t cw_robot_flags(const cw_robot *robot)
     if ((uint16_t)(robot->speed + 2) > 4u || (uint16_t)(robot->spin + 2) > 4u) {
         flags |= CW_STATUS_MOVING;
     }
-    if (lease_runs(robot)) {
+    if (robot->lease_valid) {
         flags |= CW_STATUS_LEASE_VALID;
         if ((robot->lease_flags & CW_LEASE_PERMIT) != 0u) {
             flags |= CW_STATUS_PERMIT;
@@ -346,7 +357,7 @@ int16_t cw_robot_turning_mrad_s(const cw_robot *robot)
 
 uint16_t cw_robot_lease_left_ms(const cw_robot *robot)
 {
-    return lease_runs(robot) ? (uint16_t)((robot->lease_end_us - robot->now_us + 500u) / 1000u)
+    return robot->lease_valid ? (uint16_t)((robot->lease_end_us - robot->now_us + 500u) / 1000u)
                                      : 0u;
 }
 

@@ -37,7 +37,10 @@ typedef struct cw_robot {
     bool lease_valid;
     uint8_t lease_flags;
     bool stepped;
-    bool news; /* something that STATUS should tell at once */
+    bool news;  /* something that STATUS should tell soon */
+    uint8_t unsummed; /* so many of the queue's last are not yet in prefix_crc */
+    bool alarm; /* a stop that STATUS should tell at once */
+    bool hurry; /* the same, that should not wait for the next step's turn */
     uint16_t host_pose_age_ms;
     /* these five in the order of STATUS and HELLO_ACK */
     uint32_t mission;
@@ -86,9 +89,12 @@ void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason);
  * and right, since the last one, each within plus and minus CW_LEAP_UM. */
 void cw_robot_step(cw_robot *robot, uint32_t now_us, const int32_t travel_um[2]);
 
-/* Watch lease and pose between two steps; cheap. True where a limit has just been passed: then the
- * next step should follow at once. */
-bool cw_robot_tick(cw_robot *robot, uint32_t now_us);
+/* Watch lease and pose between two steps; cheap. The link does so by itself. */
+void cw_robot_tick(cw_robot *robot, uint32_t now_us);
+
+/* Take what was accepted into prefix_crc, one waypoint a call; false where all are. The link does
+ * it before it tells of it; a program may do it in its idle time, so that the link has less to do. */
+bool cw_robot_sum(cw_robot *robot);
 
 /* What STATUS tells. */
 uint8_t cw_robot_credit(const cw_robot *robot);

@@ -16,7 +16,7 @@ def test_the_host_survives_the_corpus_raw_and_in_whole_frames(name: str) -> None
     host.open(now_s)
     for stream in inputs(name):
         kind = stream[0] if stream else 0
-        frame = Frame(kind, host._session, stream[:112], acknowledged=len(stream) % 256)
+        frame = Frame(kind, host._sessions.present, stream[:112], acknowledged=len(stream) % 256)
         for data in (stream, encode_frame(frame, Sender.ROBOT)):
             now_s += 0.01
             host.receive_bytes(data, now_s)
