@@ -105,10 +105,10 @@ def _dense(points: FloatArray) -> FloatArray:
     return np.concatenate([a + t * (b - a) for a, b in itertools.pairwise(points)])
 
 
-def exactness(spacing: float, seeds: range) -> tuple[float, float, float]:
-    """Worst bisector error, worst clearance error, and the share of wide links proved."""
+def exactness(spacing: float, seeds: range) -> tuple[float, float, float, float]:
+    """Worst bisector and clearance error, and the shares of wide links and vertices proved."""
     worst_side, worst_clearance = 0.0, 0.0
-    proved = wide = 0
+    proved = wide = vertices_proved = vertices = 0
     for seed in seeds:
         rng = np.random.default_rng(seed)
         scene = random_scene(rng)
@@ -126,7 +126,9 @@ def exactness(spacing: float, seeds: range) -> tuple[float, float, float]:
         usable = (chains.gap >= radius) & (chains.pieces[:, 0] >= 0)
         proved += int((usable & chains.proved).sum())
         wide += int(usable.sum())
-    return worst_side, worst_clearance, proved / wide
+        some, every = roadmap.agvd.vertices_proved(radius)
+        vertices_proved, vertices = vertices_proved + some, vertices + every
+    return worst_side, worst_clearance, proved / wide, vertices_proved / vertices
 
 
 def sixty_objects(rng: np.random.Generator) -> list[SceneObject]:
@@ -186,11 +188,17 @@ def report(scenes: int, rounds: int) -> str:
     for name, (anew, updated, ratio) in change(rounds).items():
         lines.append(f"| {name} | {anew:.2f} | {updated:.2f} | {ratio:.1f} |")
     lines += ["", "## Exactness, in parts of the scene's size", ""]
-    lines.append("| spacing, radii | bisectors, worst | clearances, worst | wide links proved |")
-    lines.append("|---|---|---|---|")
+    lines.append(
+        "| spacing, radii | bisectors, worst | clearances, worst | wide links proved "
+        "| wide vertices proved |"
+    )
+    lines.append("|---|---|---|---|---|")
     for spacing in SPACINGS:
-        side, clearance, proved = exactness(spacing, range(60))
-        lines.append(f"| {spacing} | {side:.1e} | {clearance:.1e} | {100 * proved:.1f} % |")
+        side, clearance, links, vertices = exactness(spacing, range(60))
+        lines.append(
+            f"| {spacing} | {side:.1e} | {clearance:.1e} | {100 * links:.1f} % "
+            f"| {100 * vertices:.1f} % |"
+        )
     if scenes:
         t = campaign(scenes)
         lines += ["", "## Completeness", ""]

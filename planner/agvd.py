@@ -20,6 +20,7 @@ from planner import chain_kernels
 from planner.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
 from planner.mesh import Mesh, generators_of, ordinary, solve
 from planner.scene import FloatArray, IntArray
+from planner.vertex_kernels import EXACT, UNUSED
 from planner.voronoi_diagram import DiagramArrays, voronoi_arrays
 
 
@@ -71,6 +72,17 @@ class Agvd:
         if self.mesh is None:
             return len(self.generators.sites), len(self.ordinary.vertices)
         return self.mesh.used - len(self.mesh.vacant), int(np.isfinite(self.mesh.at[:, 0]).sum())
+
+    def vertices_proved(self, radius: float) -> tuple[int, int]:
+        """How many exact vertices that are ``radius`` wide are proved, of how many there are.
+
+        The others are near-singular: their pieces are almost parallel there, or touch. They stay
+        where they were sampled, and the links of chains to them are measured, not proved.
+        """
+        if self.mesh is None:
+            return 0, 0
+        wide = (self.mesh.state != UNUSED) & (self.mesh.rho >= radius)
+        return int((wide & (self.mesh.state == EXACT)).sum()), int(wide.sum())
 
 
 @dataclass(frozen=True, slots=True)

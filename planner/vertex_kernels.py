@@ -29,6 +29,9 @@ TURN_TRIES = 4
 """Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
 WAITING, DONE = 0x80, 3
 """In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
+NEAR, PROVED_NEAR = 4.0, 16.0
+"""How far a vertex may lie from where it was sampled, in half spacings; and a turning point whose
+circle is known to be empty: where a border leaves its tangent slowly, samples tell it late."""
 UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
 """What is known of a vertex: nothing; that it is equidistant to its pieces and its circle is
 empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
@@ -172,7 +175,8 @@ def solve_vertices(
         x, y, got, empty = solve_one(
             mesh, kind, data, before, after, owner, t, a, b, c, px, py, half, tolerance
         )  # fmt: skip
-        if (x - px) ** 2 + (y - py) ** 2 > 16.0 * half * half:
+        far = (PROVED_NEAR if empty else NEAR) * half
+        if (x - px) ** 2 + (y - py) ** 2 > far * far:
             x, y, got, empty = px, py, KEPT, False
         r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
         r = min(r, distance(kind, data, c, x, y))

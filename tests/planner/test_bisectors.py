@@ -172,3 +172,26 @@ def _along(borders: Borders, i: int) -> FloatArray:
     start, sweep = (row[3], row[4]) if kind == ARC else (0.0, math.tau)
     a = (start + sweep * t)[:, 0]
     return row[:2] + row[2] * np.c_[np.cos(a), np.sin(a)]
+
+
+def test_turning_points_far_from_where_they_were_sampled_are_exact() -> None:
+    rng = np.random.default_rng(35)
+    scene, radius = random_scene(rng), float(rng.uniform(1.5, 10.0))
+    # where an arc leaves its tangent slowly, two spacings and more
+    roadmap = planner.build_roadmap(scene, radius)
+    finer = planner.build_roadmap(scene, radius, spacing=0.3 * radius)
+    assert roadmap.agvd.vertices_proved(radius)[0] == roadmap.agvd.vertices_proved(radius)[1]
+    clearances = [r.chains.clearance[r.chains.clearance >= radius] for r in (roadmap, finer)]
+    assert clearances[0].min() == pytest.approx(clearances[1].min(), abs=1e-6)
+
+
+def test_all_but_a_few_vertices_are_proved_and_the_rest_are_counted() -> None:
+    proved = wide = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        roadmap = planner.build_roadmap(random_scene(rng), 4.0)
+        some, all_of_them = roadmap.agvd.vertices_proved(4.0)
+        assert some <= all_of_them
+        proved, wide = proved + some, wide + all_of_them
+    assert wide > 1000
+    assert proved >= 0.99 * wide
