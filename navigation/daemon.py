@@ -273,7 +273,8 @@ class Daemon:
         if pose is None:
             return PlanAnswer(0, 0, NoPath("the robot was not seen yet"))
         start = (pose.x, pose.y, pose.heading_rad)
-        return self._arena_planner.answer(PlanRequest(0, start, stations, self._known_revision))
+        request = PlanRequest(0, start, stations, self._known_revision)
+        return self._arena_planner.answer(request, preview=True)
 
     def describe(self) -> dict[str, Any]:
         """The present state as JSON takes it."""

@@ -15,6 +15,7 @@ import numpy as np
 
 import planner
 from navigation.cycle import PlanAnswer, PlanRequest
+from navigation.mission import Station
 from navigation.supervisor import in_words
 from navigation.targets import targets_of
 from navigation.traffic import Disc
@@ -54,6 +55,9 @@ class ArenaPlanner:
         self.revision = 0
         self.roadmap: Roadmap | None = None
         self._scene: Scene | None = None
+        self._stations: tuple[Station, ...] = ()
+        self._way: Path | None = None
+        """The last way that was answered with, through ``_stations``."""
 
     def see(self, scene: Scene, revision: int) -> None:
         """Take over a new scene: what changed in it changes in the roadmap."""
@@ -65,8 +69,12 @@ class ArenaPlanner:
     def _build(self, scene: Scene) -> Roadmap:
         return planner.build_roadmap(scene, self.settings.radius_m, spacing=self.settings.spacing_m)
 
-    def answer(self, request: PlanRequest) -> PlanAnswer:
-        """Plan from the request's start through its stations; `NoPath` says why not."""
+    def answer(self, request: PlanRequest, *, preview: bool = False) -> PlanAnswer:
+        """Plan from the request's start through its stations; `NoPath` says why not.
+
+        Of ways that are as good within noise it is the one that the last answer took through
+        these stations; a ``preview`` is no answer for the next one to stay with.
+        """
         roadmap, scene = self.roadmap, self._scene
         if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
@@ -74,6 +82,10 @@ class ArenaPlanner:
         if isinstance(path, NoPath):
             return PlanAnswer(request.id, self.revision, path)
         *vias, goal = request.stations
+        if not preview:
+            self._way, self._stations = path, request.stations
+            if request.any_order:
+                self._stations = (*(vias[i] for i in path.order), goal)
         visits = [vias[i] for i in path.order] if request.any_order else vias
         keep_m = min(path.min_clearance, self.settings.radius_m + self.settings.margin_m)
         path = smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep_m)
@@ -125,6 +137,7 @@ class ArenaPlanner:
                 order="best" if request.any_order else "fixed",
                 prefer=self.settings.prefer,
                 margin=margin_m,
+                near=self._last_way(request),
             )
 
         path = plan(self.settings.margin_m)
@@ -132,6 +145,11 @@ class ArenaPlanner:
             # the margin is a wish: where the robot stands or must go nearer, the radius decides
             path = plan(0.0)
         return path
+
+    def _last_way(self, request: PlanRequest) -> Path | None:
+        """The last way, where the request is for the rest of the same stations in their order."""
+        rest = self._stations[-len(request.stations) :]
+        return self._way if rest == request.stations and not request.any_order else None
 
 
 def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:

@@ -157,3 +157,52 @@ def test_after_an_error_a_new_thread_plans_again() -> None:
     thread.ask(ACROSS)
     assert answered.wait(30.0)
     thread.stop()
+
+
+# Staying with the way that is driven.
+
+
+def middle(shift_m: float) -> Scene:
+    """A disc in the middle: the ways on both sides are as long but for the shift."""
+    return scene_of((1.0, 0.5 + shift_m, 0.2))
+
+
+STRAIGHT_ON = PlanRequest(1, (0.2, 0.5, 0.0), (Station(1.8, 0.5),), 1)
+
+
+def is_left(answer: PlanAnswer) -> bool:
+    assert isinstance(answer.path, Path)
+    return float(np.interp(1.0, answer.path.points[:, 0], answer.path.points[:, 1])) > 0.5
+
+
+def test_the_noise_of_a_scene_does_not_make_plans_jump() -> None:
+    """Anew, a shift of two millimetres decides; asked again, the plan stays on its side."""
+    sides = {}
+    for shift_m in (-0.002, 0.002):
+        arena_planner = ArenaPlanner(SETTINGS)
+        arena_planner.see(middle(shift_m), 1)
+        sides[shift_m] = is_left(arena_planner.answer(STRAIGHT_ON))
+        for revision, shift in enumerate((-shift_m, shift_m, -shift_m), start=2):
+            arena_planner.see(middle(shift), revision)
+            assert is_left(arena_planner.answer(STRAIGHT_ON)) is sides[shift_m]
+    assert sides[-0.002] is not sides[0.002]
+
+
+def test_a_preview_and_another_mission_do_not_hold_a_plan_on_its_side() -> None:
+    arena_planner = ArenaPlanner(SETTINGS)
+    arena_planner.see(middle(-0.002), 1)
+    first = is_left(arena_planner.answer(STRAIGHT_ON, preview=True))
+    arena_planner.see(middle(0.002), 2)
+    assert is_left(arena_planner.answer(STRAIGHT_ON)) is not first
+    elsewhere = replace(STRAIGHT_ON, stations=(Station(1.8, 0.51),))
+    arena_planner.see(middle(-0.002), 3)
+    assert is_left(arena_planner.answer(elsewhere)) is first
+
+
+def test_a_way_past_stations_that_were_visited_is_stayed_with() -> None:
+    arena_planner = ArenaPlanner(SETTINGS)
+    arena_planner.see(middle(-0.002), 1)
+    tour = replace(STRAIGHT_ON, stations=(Station(0.5, 0.5), *STRAIGHT_ON.stations))
+    first = is_left(arena_planner.answer(tour))
+    arena_planner.see(middle(0.002), 2)
+    assert is_left(arena_planner.answer(replace(STRAIGHT_ON, start=(0.5, 0.5, 0.0)))) is first
