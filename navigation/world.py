@@ -30,11 +30,11 @@ from navigation.simulator.settings import (
     faults_of,
     true_start_of,
 )
-from navigation.simulator.shared_pose import SharedPose
+from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from navigation.truth import Truth
 from vision.calibration import Calibration
 from vision.calibration_file import load_calibration
-from vision.camera import Camera
+from vision.camera import Camera, CameraError
 from vision.latest_frame import LatestFrame
 from vision.sources import camera_for
 
@@ -130,7 +130,10 @@ class World:
         if self._robot is not None:
             return self._robot.pose()
         if self._shared is not None:
-            return self._shared.read()
+            try:
+                return self._shared.read()
+            except PoseFileError as error:
+                raise CameraError(f"{SimulatedCamera.name}: {error}") from None
         return true_start_of(self.config)
 
     def start(self) -> None:
@@ -147,9 +150,9 @@ class World:
             self._robot.stop()
 
 
-def _shared_pose(config: Config) -> SharedPose | None:
+def _shared_pose(config: Config) -> PoseReader | None:
     path = None if config.simulation is None else config.simulation.robot.poses
-    return None if path is None else SharedPose(path, write=False)
+    return None if path is None else PoseReader(path)
 
 
 def others_of(

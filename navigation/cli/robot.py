@@ -16,7 +16,7 @@ import numpy as np
 from firmware_protocol.messages import STOP_SENTENCES, RobotState
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import RobotView, SimulatedRobot
-from navigation.simulator.shared_pose import SharedPose
+from navigation.simulator.shared_pose import PoseWriter
 
 LOOK_S = 0.05
 TELL_S = 0.002
@@ -96,7 +96,7 @@ def command(
     poses: Path | None,
 ) -> None:
     """Run the robot until Ctrl-C."""
-    told_in = None if poses is None else SharedPose(poses, write=True)
+    told_in = None if poses is None else PoseWriter(poses)
     rng = np.random.default_rng(seed)
     with SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud) as robot:
         click.echo(robot.port)

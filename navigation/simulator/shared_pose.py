@@ -1,59 +1,104 @@
-"""Where a simulated robot in another process is, through a small file that both have mapped.
+"""Where a simulated robot in another process is, through a small file.
 
 The simulated camera of one process sees the robot of another that way. Written many times a
 second by one process, read by any; a reading in the middle of a writing is made again. Metres
 and radians.
+
+Either process may end, be killed and come back, and the file may be cut, replaced or deleted
+meanwhile. So nobody maps it (a mapped file that is cut short kills who reads it), no writer
+empties it, the path is looked up anew for each reading and writing, and a pose carries a
+checksum: whatever else stands there is no pose yet.
 """
 
 from __future__ import annotations
 
-import mmap
+import os
 import struct
+import zlib
 from pathlib import Path
 from typing import Final
 
-_ROW: Final = struct.Struct("<QdddQ")
-_TRIES: Final = 1000
+_POSE: Final = struct.Struct("<ddd")
+_SUM: Final = struct.Struct("<I")
+_SIZE: Final = _POSE.size + _SUM.size
+_TRIES: Final = 100
 
 
 class PoseFileError(ValueError):
     """The file cannot be used; the message says which and why."""
 
 
-class SharedPose:
-    """One pose in a file; ``write=True`` makes it, otherwise it must be there.
+class PoseWriter:
+    """Tells the pose; a writer that is started again goes on in the same file.
 
-    A writer that is started again goes on in the same file: who reads it need not know.
+    ``PoseFileError`` where the file cannot be made or written.
     """
 
-    def __init__(self, path: Path, *, write: bool) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
-        self._count = 0
+        self._file = -1
         try:
-            if write:
-                path.parent.mkdir(parents=True, exist_ok=True)
-                # One of the right size stays: a reader that has it mapped would fall with it.
-                if not path.is_file() or path.stat().st_size != _ROW.size:
-                    path.write_bytes(bytes(_ROW.size))
-            with path.open("r+b" if write else "rb") as file:
-                access = mmap.ACCESS_WRITE if write else mmap.ACCESS_READ
-                self._map = mmap.mmap(file.fileno(), _ROW.size, access=access)
-        except (OSError, ValueError) as error:
-            raise PoseFileError(f"pose file {path}: {error}; does `clearway robot` run?") from None
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._open()
+        except OSError as error:
+            raise self._refused(error) from None
 
     def write(self, x_m: float, y_m: float, heading_rad: float) -> None:
         """Tell where the robot is now."""
-        self._count += 1
-        self._map[:] = _ROW.pack(self._count, x_m, y_m, heading_rad, self._count)
-
-    def read(self) -> tuple[float, float, float]:
-        """Where the robot is, as told last; PoseFileError before the first time."""
-        for _ in range(_TRIES):
-            before, x, y, heading, after = _ROW.unpack(self._map[:])
-            if before == after != 0:
-                return x, y, heading
-        raise PoseFileError(f"pose file {self.path}: nobody has written a pose into it")
+        pose = _POSE.pack(x_m, y_m, heading_rad)
+        try:
+            if not self._is_there():
+                self._open()
+            os.pwrite(self._file, pose + _SUM.pack(zlib.crc32(pose)), 0)
+        except OSError as error:
+            raise self._refused(error) from None
 
     def close(self) -> None:
-        """Let go of the file."""
-        self._map.close()
+        """Let go of the file; it stays, with the last pose."""
+        file, self._file = self._file, -1
+        if file >= 0:
+            os.close(file)
+
+    def _open(self) -> None:
+        self.close()
+        self._file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+
+    def _is_there(self) -> bool:
+        """Whether the file that is open is still the one of that name."""
+        try:
+            return os.path.samestat(os.stat(self.path), os.fstat(self._file))
+        except FileNotFoundError:
+            return False
+
+    def _refused(self, error: OSError) -> PoseFileError:
+        return PoseFileError(f"pose file {self.path}: {error.strerror or error}")
+
+
+class PoseReader:
+    """Reads the pose of whatever file has the name now; it need not be there yet."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def read(self) -> tuple[float, float, float]:
+        """Where the robot is, as told last; PoseFileError where no pose is told."""
+        why = "nobody has written a pose into it"
+        for _ in range(_TRIES):
+            try:
+                row = self._row()
+            except OSError as error:
+                why = error.strerror or str(error)
+                break
+            pose = row[: _POSE.size]
+            if len(row) == _SIZE and _SUM.unpack(row[_POSE.size :])[0] == zlib.crc32(pose):
+                x, y, heading = _POSE.unpack(pose)
+                return x, y, heading
+        raise PoseFileError(f"pose file {self.path}: {why}; does `clearway robot` run?")
+
+    def _row(self) -> bytes:
+        # Without O_NONBLOCK opening a pipe of that name would wait for ever.
+        file = os.open(self.path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        try:
+            return os.pread(file, _SIZE, 0)
+        finally:
+            os.close(file)

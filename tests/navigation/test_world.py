@@ -1,0 +1,53 @@
+"""What a run is connected to, where part of it is another process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from navigation.config import Config, load_config
+from navigation.simulator.shared_pose import PoseWriter
+from navigation.world import World
+from tests.support.waiting import wait_until
+from vision.camera import CameraError
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Config:
+    """The run with a robot in another process, which tells its poses in a folder of the test."""
+    loaded = load_config(CONFIGS / "hardware_in_the_loop.yaml", {})
+    assert loaded.simulation is not None
+    robot = loaded.simulation.robot.model_copy(update={"poses": tmp_path / "pose"})
+    changed = loaded.simulation.model_copy(update={"robot": robot})
+    return loaded.model_copy(update={"simulation": changed})
+
+
+def test_there_is_no_picture_of_a_robot_that_told_no_pose(config: Config, tmp_path: Path) -> None:
+    camera = World(config).open_camera()
+    camera.open()
+    with pytest.raises(CameraError, match=r"simulated camera: pose file .*`clearway robot` run"):
+        camera.read(1.0)
+    PoseWriter(tmp_path / "pose").write(0.2, 0.2, 1.5)
+    assert camera.read(1.0) is not None
+
+
+@pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_bytes(b"")])
+def test_a_camera_waits_for_the_robot_s_file_and_comes_back_with_it(
+    spoil: Callable[[Path], object], config: Config, tmp_path: Path
+) -> None:
+    """An error of the file once ended the camera's thread for good."""
+    path = tmp_path / "pose"
+    with World(config).make_frames() as frames:
+        assert wait_until(lambda: frames.status().state == "lost")
+        assert "does `clearway robot` run?; trying again in" in frames.status().reason
+        PoseWriter(path).write(0.2, 0.2, 1.5)
+        assert frames.take(60.0) is not None
+        spoil(path)
+        assert wait_until(lambda: frames.status().state == "lost")
+        PoseWriter(path).write(0.2, 0.2, 1.5)
+        assert wait_until(lambda: frames.status().state == "running")
+        assert not frames.has_died()
