@@ -1,13 +1,16 @@
 """``clearway robot``: a simulated robot on a serial port or on a new pseudo-terminal.
 
-It runs until Ctrl-C. stdout gets the path to open as its first line, then a line whenever the
-robot's state changes.
+It runs until Ctrl-C, SIGTERM or SIGHUP, and takes its link away then. stdout gets the path to
+open as its first line, then a line whenever the robot's state changes.
 """
 
 from __future__ import annotations
 
 import math
+import signal
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 
 import click
@@ -20,10 +23,14 @@ from navigation.simulator.shared_pose import PoseWriter
 
 LOOK_S = 0.05
 TELL_S = 0.002
+ENDED_BY = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+BY_SIGNAL = 128
+"""A shell reports a program that a signal ended as this plus its number."""
 
 
-def _make_link(link: Path, port: str) -> None:
-    """Put a symbolic link in place, over an old one but over nothing else."""
+@contextmanager
+def _linked(link: Path, port: str) -> Iterator[None]:
+    """Put a symbolic link in place, over an old one but over nothing else, and take it away."""
     link.parent.mkdir(parents=True, exist_ok=True)
     if link.is_symlink():
         link.unlink()
@@ -31,6 +38,32 @@ def _make_link(link: Path, port: str) -> None:
         link.symlink_to(port)
     except FileExistsError:
         raise click.UsageError(f"--link {link}: is there already and is no link") from None
+    try:
+        yield
+    finally:
+        # another robot may have taken its place meanwhile
+        if link.is_symlink() and str(link.readlink()) == port:
+            link.unlink()
+
+
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """The numbers of the signals that asked for the end; a second one ends it at once."""
+    came: list[int] = []
+
+    def ask(number: int, _frame: object) -> None:
+        if came:
+            raise KeyboardInterrupt
+        came.append(number)
+
+    # one that is ignored, as under nohup, stays so
+    heard = [number for number in ENDED_BY if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, ask) for number in heard}
+    try:
+        yield came
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _read_pose(
@@ -79,7 +112,9 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     help="Bits a second; the pseudo-terminal is paced to it.",
 )
 @click.option(
-    "--link", type=click.Path(path_type=Path), help="Also make a link to the new pseudo-terminal."
+    "--link",
+    type=click.Path(path_type=Path),
+    help="Also make a link to the new pseudo-terminal, as long as the robot runs.",
 )
 @click.option(
     "--poses",
@@ -94,16 +129,20 @@ def command(
     baud: int,
     link: Path | None,
     poses: Path | None,
-) -> None:
-    """Run the robot until Ctrl-C."""
-    told_in = None if poses is None else PoseWriter(poses)
+) -> int:
+    """Run the robot until a signal ends it."""
     rng = np.random.default_rng(seed)
-    with SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud) as robot:
+    with ExitStack() as until:
+        ended = until.enter_context(_signals())
+        told_in = None if poses is None else until.enter_context(closing(PoseWriter(poses)))
+        robot = until.enter_context(
+            SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud)
+        )
         click.echo(robot.port)
         if link is not None:
-            _make_link(link, robot.port)
+            until.enter_context(_linked(link, robot.port))
         told: tuple[object, ...] = ()
-        while True:
+        while not ended:
             view = robot.view()
             news = (view.state, view.reason, view.mission)
             if news != told:
@@ -111,9 +150,9 @@ def command(
                 click.echo(describe(view))
             if told_in is not None:
                 told_in.write(*view.pose)
-            time.sleep(
-                LOOK_S if told_in is None else TELL_S
-            )  # the robot lives in its own thread; this one only looks on
+            # the robot lives in its own thread; this one only looks on
+            time.sleep(LOOK_S if told_in is None else TELL_S)
+    return BY_SIGNAL + ended[0]
 
 
 def describe(view: RobotView) -> str:

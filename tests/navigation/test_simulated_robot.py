@@ -4,6 +4,7 @@ import select
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -158,31 +159,68 @@ def test_a_robot_that_resets_is_noticed() -> None:
         assert link.snapshot().sent.reboots == 1
 
 
-def test_the_command_prints_the_port_and_ends_with_ctrl_c() -> None:
-    process = subprocess.Popen(
-        [
-            sys.executable,
-            "-uc",
-            "from navigation.cli.main import main; main()",
-            "robot",
-            "--start=0.5,0.25,90",
-        ],
+def robot_command(*options: str) -> subprocess.Popen[bytes]:
+    program = "from navigation.cli.main import main; main()"
+    return subprocess.Popen(
+        [sys.executable, "-uc", program, "robot", *options],
         stdout=subprocess.PIPE,
-        text=True,
+        stderr=subprocess.PIPE,
+        bufsize=0,  # or a line may wait in a buffer, where select does not see it
     )
+
+
+def next_line(process: subprocess.Popen[bytes]) -> str:
+    assert process.stdout is not None
+    if not select.select([process.stdout], [], [], 30.0)[0]:
+        pytest.fail("the command says nothing")
+    return process.stdout.readline().decode().strip()
+
+
+def test_the_command_prints_the_port_and_ends_with_ctrl_c() -> None:
+    process = robot_command("--start=0.5,0.25,90")
     try:
-        assert process.stdout is not None
-        if not select.select([process.stdout], [], [], 30.0)[0]:
-            pytest.fail("the command says nothing")
-        port = process.stdout.readline().strip()
+        port = next_line(process)
+        assert "BOOT: it has just booted" in next_line(process)
         with SerialLink(port) as link:
             assert wait_until(lambda: link.snapshot().down_reason is None)
-            out = process.stdout.readline() + process.stdout.readline()
+            assert "IDLE" in next_line(process)
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=10)
-        assert "BOOT: it has just booted" in out
-        assert "IDLE" in out
         assert process.returncode == 130
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_the_command_takes_its_link_away(number: signal.Signals, tmp_path: Path) -> None:
+    link = tmp_path / "new" / "robot"
+    process = robot_command("--link", str(link))
+    try:
+        port = next_line(process)
+        assert wait_until(link.is_symlink)
+        assert str(link.readlink()) == port
+        next_line(process)
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=30)
+        assert not link.is_symlink()
+        assert (process.returncode, errors) == (128 + number, b"")
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_the_command_leaves_a_link_that_another_robot_has_taken(tmp_path: Path) -> None:
+    link = tmp_path / "robot"
+    process = robot_command("--link", str(link))
+    try:
+        next_line(process)
+        next_line(process)  # the link is there before the robot's state is told
+        link.unlink()
+        link.symlink_to("/dev/pts/another")
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=30)
+        assert str(link.readlink()) == "/dev/pts/another"
     finally:
         process.kill()
         process.communicate()
