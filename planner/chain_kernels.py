@@ -38,6 +38,8 @@ LONG = 1.0
 """A link's length in parts of the clearance at its start, where that is more than a spacing."""
 HALVINGS = 30
 """How often a run is halved at most."""
+HALF_AT_MOST = 0.75
+"""A half of a line's part of it, at most: what slides elsewhere is another branch's."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -346,7 +348,7 @@ def bend_chains(
                 dx, dy = bx - ax, by - ay
                 span = math.sqrt(dx * dx + dy * dy)
                 is_long = span > max(2.0 * half, LONG * out[n - 1, 2])
-                split = False
+                split, astray = False, False
                 # from the sampled vertex in the middle of the run, then from that of the line
                 for guess in range(2 if is_long or not straight else 0):
                     q_m = q_a
@@ -364,6 +366,11 @@ def bend_chains(
                     split = split and _is_between(
                         kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance
                     )
+                    if guess == 1 and split:
+                        reach = HALF_AT_MOST * HALF_AT_MOST * span * span
+                        astray = (mx - ax) ** 2 + (my - ay) ** 2 > reach
+                        astray = astray or (bx - mx) ** 2 + (by - my) ** 2 > reach
+                        split = not astray
                     if split:
                         # sampled vertices are in order among themselves only
                         bare[top] = guess == 1
@@ -380,7 +387,9 @@ def bend_chains(
                 if n + 2 >= len(out):
                     out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
                 vx, vy, grows = heading(kind, data, left, right, bx, by)
-                ahead[n - 1] = dx * ux + dy * uy >= -tolerance
+                # what ought to be halved and cannot be is a chord, not the bisector
+                whole = not (split or astray)
+                ahead[n - 1] = whole and dx * ux + dy * uy >= -tolerance
                 for turn in range(2):
                     x, y = bx, by
                     if turn == 0:
