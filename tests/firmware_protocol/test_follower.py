@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from firmware_protocol.drive_settings import DriveSettings
+from firmware_protocol.fixed_point import Place
+from firmware_protocol.follower import Follower
 from firmware_protocol.messages import (
     CommandResult,
     Lease,
@@ -19,7 +21,9 @@ from firmware_protocol.messages import (
     Waypoints,
 )
 from firmware_protocol.mission import Mission
+from firmware_protocol.pose_estimate import RobotPose
 from firmware_protocol.robot import RobotController, WheelSpeeds
+from firmware_protocol.waypoint_record import Target
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 
 DT_S = 0.01
@@ -208,6 +212,25 @@ def test_a_dwell_lasts_as_long_as_asked() -> None:
     fast = Run(model=still, noise=0.0).follow([at_once, Waypoint(0.4, 0.0, 0.2)])
     slow = Run(model=still, noise=0.0).follow([there, Waypoint(0.4, 0.0, 0.2)])
     assert (len(slow) - len(fast)) * DT_S == pytest.approx(1.5, abs=0.05)
+
+
+def cycles_to_settle(travel_um: Sequence[int]) -> int | None:
+    """Until the stop underfoot counts as reached while the wheels do this in each cycle."""
+    follower, pose = Follower(DriveSettings()), RobotPose(Place(0, 0), 0)
+    follower.begin(pose)
+    stop = Target.of(Mission(1, [Waypoint(0.0, 0.0, 0.3)]).records[0])
+    for cycle, ahead_um in enumerate(travel_um):
+        if follower.step(10_000, pose, ahead_um, [stop]).executed:
+            return cycle
+    return None
+
+
+def test_a_robot_settles_below_4_mm_s_and_one_late_step_of_its_encoders_is_no_movement() -> None:
+    assert cycles_to_settle([0] * 100) == 25
+    assert cycles_to_settle([0] * 10 + [250] + [0] * 89) == 25
+    assert cycles_to_settle([30] * 100) == 25
+    assert cycles_to_settle([45] * 100) is None
+    assert cycles_to_settle([-45] * 100) is None
 
 
 def test_the_robot_waits_where_the_queue_runs_dry_and_goes_on() -> None:

@@ -257,6 +257,31 @@ def test_the_dead_man_strikes_within_10_ms_of_its_limit() -> None:
     assert board.control.accept_next > board.control.exec_next, "the queue is kept"
 
 
+def test_a_stop_is_told_at_once_and_other_news_in_their_turn() -> None:
+    def states(now_s: float) -> list[RobotState]:
+        said = []
+        while frame := board.robot.next_frame(now_s):
+            told = [read_message(f) for f in board.parser.feed(frame)]
+            said += [m.state for m in told if isinstance(m, Status)]
+        return said
+
+    board = Board()
+    board.run(far())
+    assert states(board.now_s) == [RobotState.RUN]
+    board.send(Start(3, 9, 0))
+    assert states(board.now_s + 0.002) == [], "a command's result waits for 10 ms"
+    board.send(Pause(4))
+    assert states(board.now_s + 0.003) == [RobotState.HOLD], "a stop does not"
+    assert states(board.now_s + 0.004) == [], "and is told once"
+
+
+def test_session_zero_is_none() -> None:
+    board = Board()
+    board.hello(0)
+    assert board.robot.session is None
+    assert board.robot.session_errors == 1
+
+
 def test_no_lease_is_longer_than_half_a_second() -> None:
     board = Board()
     board.run(far())

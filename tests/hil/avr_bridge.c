@@ -11,8 +11,8 @@
  * count, count bytes for the UART. Answer: u8 PWM left, u8 PWM right, u8 bit 0 powered, bit 1
  * left backwards, bit 2 right backwards; u32 cycle of the last power-off, u32 cycle now;
  * u16 count, count bytes from the UART.
- * Where the environment names a file as AVR_ROUNDS, it says at the end how long the main loop's
- * rounds took, from one watchdog reset to the next: lines of microseconds / 100 and how many.
+ * Where the environment names a file as AVR_ROUNDS, a request for no time writes there how long the
+ * main loop's rounds took, from one watchdog reset to the next: microseconds / 100, and how many.
  * The UART runs at its true rate in both directions: simavr counts a parity bit that is not
  * there, so the cycles of a byte are set from here.
  */
@@ -150,7 +150,6 @@ static void tell_rounds(void)
 static void get(void *to, size_t size)
 {
     if (fread(to, 1, size, stdin) != size) {
-        tell_rounds();
         exit(0);
     }
 }
@@ -206,6 +205,9 @@ int main(int argc, char **argv)
             avr_reset(avr);
         }
         out_count = 0;
+        if (request.us == 0u) {
+            tell_rounds();
+        }
         run(request.us, request.left, request.right);
         uint8_t state = (uint8_t)(powered() | (avr->data[0x2B] >> 7 & 1) << 1 |
                                   (avr->data[0x25] & 1) << 2);

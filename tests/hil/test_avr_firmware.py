@@ -71,8 +71,8 @@ def test_the_dead_man_stops_the_motors(avr: AvrRobot) -> None:
     bench.begin(line())
     bench.lease = False
     bench.until(lambda: bench.state() is RobotState.HOLD, 0.6)
-    # a control step of up to 8 ms before and behind, told within 10 ms by a frame of 8 ms
-    assert 0.5 <= bench.now_s - bench.leased_s < 0.535
+    # noticed at once or behind a control step of 5 ms, told by a frame of 8 ms behind another
+    assert 0.5 <= bench.now_s - bench.leased_s < 0.525
     bench.run(1.1)
     assert abs(bench.motors.left_m_s) + abs(bench.motors.right_m_s) == 0.0
 
@@ -88,5 +88,5 @@ def test_a_reset_forgets_the_mission_and_is_noticed(avr: AvrRobot) -> None:
 
 
 def test_the_build_fits_the_processor(avr: AvrRobot) -> None:
-    assert avr.flash_bytes <= 16_384, "half of what the processor has"
+    assert avr.flash_bytes <= 12_700, "8 KiB are wanted; docs/firmware.md has what takes them"
     assert avr.ram_bytes <= 1536

@@ -11,7 +11,7 @@ from firmware_protocol.framing import FrameParser, Sender
 from firmware_protocol.host import HostConnection
 from firmware_protocol.host_events import Event
 from firmware_protocol.messages import MessageType, RobotState
-from navigation.simulator.emulated_processor import Motors
+from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from tests.support.avr_robot import AvrRobot
 
@@ -26,7 +26,7 @@ WIRE_BYTE_S = 10.0 / 115_200
 class AvrBench:
     """The robot begins with a reset; :meth:`tick` is one millisecond."""
 
-    def __init__(self, avr: AvrRobot, seed: int = 1, faults: str = "") -> None:
+    def __init__(self, avr: AvrRobot | EmulatedProcessor, seed: int = 1, faults: str = "") -> None:
         self.avr, self.now_s = avr, 0.0
         self.host = HostConnection(random.Random(seed))
         self.host.open(0.0)
