@@ -12,7 +12,8 @@ from navigation.logs import Level, RunLog
 from navigation.sd_notify import Watchdog
 
 if TYPE_CHECKING:
-    from navigation.daemon import Daemon, DaemonState
+    from navigation.daemon import Daemon
+    from navigation.daemon_state import DaemonState
     from navigation.recorder import Recorder
 
 

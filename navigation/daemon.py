@@ -17,7 +17,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -25,6 +25,7 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
+from navigation.daemon_state import DaemonState, DrivenPlan, StageTimes
 from navigation.eye import Eye, Glimpse
 from navigation.journal import Journal, SentPlan
 from navigation.link_snapshot import LinkSnapshot
@@ -38,8 +39,7 @@ from navigation.supervisor import Part, Supervisor, in_words
 from navigation.targets import to_wire
 from navigation.track import Track
 from navigation.traffic import LOST_S, Mover
-from navigation.watch import Verdict
-from planner.path import NoPath, Path, Trajectory
+from planner.path import NoPath
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera import Frame
@@ -54,53 +54,6 @@ LEASE_EVERY_S: Final = 0.08
 PLANS_KEPT: Final = 200
 STOP_GRACE_S: Final = 0.35
 """On top of the time that braking takes, for the last words on the wire."""
-
-
-@dataclass(frozen=True, slots=True)
-class StageTimes:
-    """How long each stage took last, seconds; None before its first time."""
-
-    look_s: float | None = None
-    """Vision, one frame."""
-    roadmap_s: float | None = None
-    """From a new scene to its roadmap, in the planner's thread."""
-    plan_s: float | None = None
-    """From a request for a plan to its answer."""
-
-
-@dataclass(frozen=True, slots=True)
-class DaemonState:
-    """What is known after a cycle; for the command line, the dashboard and tests.
-
-    Nothing in it changes any more: other threads may keep it and read it at leisure.
-    """
-
-    time_s: float
-    mission: Mission
-    sentence: str
-    pose: RobotPose | None
-    link: LinkSnapshot
-    to_go_m: float | None
-    clearance_m: float | None
-    verdict: Verdict
-    frame: Frame | None
-    """The newest picture."""
-    poses: Mapping[int, RobotPose]
-    """By marker id: every robot in that picture."""
-    roadmap: Roadmap | None
-    """The newest; its ``scene`` is what it was made of."""
-    path: Path | None
-    """The plan that is being driven."""
-    times: StageTimes
-
-
-@dataclass(frozen=True, slots=True)
-class DrivenPlan:
-    """A plan that was driven, and from when on, in the clock's seconds."""
-
-    path: Path
-    trajectory: Trajectory | None
-    since_s: float
 
 
 class Daemon:

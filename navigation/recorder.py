@@ -39,7 +39,7 @@ from vision.camera import Frame
 from vision.markers import RobotPose
 
 if TYPE_CHECKING:
-    from navigation.daemon import DaemonState
+    from navigation.daemon_state import DaemonState
 
 FLUSH_EVERY_S: Final = 0.2
 CLOSE_WITHIN_S: Final = 10.0

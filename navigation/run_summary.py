@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from navigation.daemon import Daemon, DrivenPlan
+from navigation.daemon import Daemon
+from navigation.daemon_state import DrivenPlan
 from navigation.draw import save_picture
 from navigation.mission import State
 from navigation.report import (

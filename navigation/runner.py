@@ -21,7 +21,8 @@ from navigation.attendance import Attendance
 from navigation.config import Config
 from navigation.config_sections import SIMULATED
 from navigation.control import ControlServer, default_socket
-from navigation.daemon import Daemon, DaemonState
+from navigation.daemon import Daemon
+from navigation.daemon_state import DaemonState
 from navigation.journal import Journal
 from navigation.logs import EventLog, RunLog
 from navigation.mission import State

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, Final
 
-from navigation.daemon import DaemonState
+from navigation.daemon_state import DaemonState
 from navigation.dashboard.rings import Ring
 from vision.latest_frame import CameraStatus
 

@@ -19,7 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Final
 
 from navigation.cycle import PlanAnswer
-from navigation.daemon import DaemonState
+from navigation.daemon_state import DaemonState
 from navigation.dashboard.access import Gate
 from navigation.dashboard.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.geometry import path_facts, plan_message, world_message

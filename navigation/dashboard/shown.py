@@ -8,7 +8,8 @@ from typing import Any, Protocol
 from navigation.config import Config
 from navigation.control import Commanded
 from navigation.cycle import PlanAnswer
-from navigation.daemon import Daemon, DaemonState
+from navigation.daemon import Daemon
+from navigation.daemon_state import DaemonState
 from navigation.mission import Station
 from vision.calibration import Calibration
 from vision.latest_frame import CameraStatus

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from navigation.config import Config
-from navigation.daemon import DaemonState, StageTimes
+from navigation.daemon_state import DaemonState, StageTimes
 from navigation.dashboard.picture import TopView
 from navigation.dashboard.seat import Seat
 from navigation.draw_shapes import RAMP_STEPS

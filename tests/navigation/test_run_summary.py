@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from navigation.daemon import DrivenPlan
+from navigation.daemon_state import DrivenPlan
 from navigation.run_summary import driven_stretches
 from planner.path import Path
 from planner.roadmap import build_roadmap

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from navigation.daemon import Daemon, DaemonState
+from navigation.daemon import Daemon
+from navigation.daemon_state import DaemonState
 from navigation.mission import State
 from navigation.simulator.virtual_world import VirtualWorld
 from navigation.stages import stations_of

@@ -14,7 +14,7 @@ import planner
 from firmware_protocol.host_state import LinkState
 from navigation.config import Config, parse_config
 from navigation.cycle import PlanAnswer
-from navigation.daemon import DaemonState, StageTimes
+from navigation.daemon_state import DaemonState, StageTimes
 from navigation.mission import Mission, MissionError, State, Station
 from navigation.serial_link import LinkSnapshot
 from navigation.watch import Action, Verdict

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from navigation.config import Config, load_config
-from navigation.daemon import Daemon, DaemonState
+from navigation.daemon import Daemon
+from navigation.daemon_state import DaemonState
 from navigation.mission import State
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -22,7 +22,8 @@ import numpy as np
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.daemon import Daemon, DaemonState
+from navigation.daemon import Daemon
+from navigation.daemon_state import DaemonState
 from navigation.mission import State
 from navigation.stages import stations_of
 from navigation.warm_up import warm_up

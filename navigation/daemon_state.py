@@ -1,0 +1,65 @@
+"""What the running program tells of itself after each cycle, and of the plans that it drove.
+
+Nothing here changes any more once it is made: any thread may keep it and read it at leisure.
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from navigation.link_snapshot import LinkSnapshot
+from navigation.mission import Mission
+from navigation.watch import Verdict
+from planner.path import Path, Trajectory
+from planner.roadmap import Roadmap
+from vision.camera import Frame
+from vision.markers import RobotPose
+
+
+@dataclass(frozen=True, slots=True)
+class StageTimes:
+    """How long each stage took last, seconds; None before its first time."""
+
+    look_s: float | None = None
+    """Vision, one frame."""
+    roadmap_s: float | None = None
+    """From a new scene to its roadmap, in the planner's thread."""
+    plan_s: float | None = None
+    """From a request for a plan to its answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class DaemonState:
+    """What is known after a cycle; for the command line, the dashboard and tests.
+
+    Nothing in it changes any more: other threads may keep it and read it at leisure.
+    """
+
+    time_s: float
+    mission: Mission
+    sentence: str
+    pose: RobotPose | None
+    link: LinkSnapshot
+    to_go_m: float | None
+    clearance_m: float | None
+    verdict: Verdict
+    frame: Frame | None
+    """The newest picture."""
+    poses: Mapping[int, RobotPose]
+    """By marker id: every robot in that picture."""
+    roadmap: Roadmap | None
+    """The newest; its ``scene`` is what it was made of."""
+    path: Path | None
+    """The plan that is being driven."""
+    times: StageTimes
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenPlan:
+    """A plan that was driven, and from when on, in the clock's seconds."""
+
+    path: Path
+    trajectory: Trajectory | None
+    since_s: float
