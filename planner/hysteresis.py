@@ -38,7 +38,7 @@ def last_legs(path: Path | None, count: int) -> list[FloatArray | None]:
     """
     legs: list[FloatArray | None] = [None] * count
     if path is not None:
-        legs += [path.points[a : b + 1] for a, b in pairwise(path.stations)]
+        legs += [path.points[a : b + 1] if a < b else None for a, b in pairwise(path.stations)]
     return legs[len(legs) - count :]
 
 

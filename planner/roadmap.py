@@ -159,7 +159,9 @@ class Roadmap:
         "clearance" (the widest way, along the middle), "length" (the shortest that keeps the
         radius), "balanced", or a number from 0 (length) to 1 (clearance). ``margin`` is kept
         on top of the radius. No path ever comes nearer to a border than the radius and the
-        margin. ``near`` is the last path, on which the robot is: while it is clear, and within
+        margin. ``alternatives`` are so many other paths, where there are, none a shift of another:
+        the best, once taut, of the cheapest routes without a loop, at least twice as many. ``near``
+        is the last path, on which the robot is: while it is clear, and within
         2 % as good as the best, the answer is that path from here on, so that noise does not make
         plans jump. Raises ``ValueError`` on options that make no sense.
         """

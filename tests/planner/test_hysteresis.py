@@ -12,6 +12,7 @@ from planner.homotopy import anchors, word
 from planner.hysteresis import STAY
 from planner.path import Path
 from planner.scene import CircleRecord, FloatArray, Scene
+from planner.smooth import smooth_path
 from tests.support.planner_scenes import box, random_scene, scene_of
 
 RADIUS = 4.0
@@ -117,6 +118,20 @@ def test_stations_that_are_behind_are_forgotten() -> None:
     rest = roadmap.plan(here, GOAL, via=[(120.0, 20.0)], near=last)
     assert isinstance(rest, Path)
     assert _away(rest, last.points) <= 1e-6
+
+
+def test_stations_on_one_spot_and_smoothed_paths_can_be_stayed_near() -> None:
+    roadmap = planner.build_roadmap(_wall(-0.05), RADIUS)
+    last = roadmap.plan(START, GOAL, via=[START, GOAL])
+    assert isinstance(last, Path)
+    again = roadmap.plan(START, GOAL, via=[START, GOAL], near=last)
+    assert isinstance(again, Path)
+    assert again.length == pytest.approx(last.length)
+    smooth = smooth_path(last, roadmap.path_clearance, roadmap.clearance, keep=RADIUS)
+    for path in (smooth, dataclasses.replace(last, stations=(0, 0, *last.stations[2:]))):
+        near = roadmap.plan(START, GOAL, near=path)
+        assert isinstance(near, Path)
+        assert near.length <= last.length * (1.0 + STAY)
 
 
 @pytest.mark.parametrize("seed", range(12))
