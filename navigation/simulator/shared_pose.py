@@ -75,10 +75,17 @@ class PoseWriter:
 
 
 class PoseReader:
-    """Reads the pose of whatever file has the name now; it need not be there yet."""
+    """Reads the pose of whatever file has the name by then.
+
+    One must be there at the beginning, lest a wrong name is waited for: ``PoseFileError``.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        try:
+            path.stat()
+        except OSError as error:
+            raise self._without_pose(error.strerror or str(error)) from None
 
     def read(self) -> tuple[float, float, float]:
         """Where the robot is, as told last; PoseFileError where no pose is told."""
@@ -93,7 +100,10 @@ class PoseReader:
             if len(row) == _SIZE and _SUM.unpack(row[_POSE.size :])[0] == zlib.crc32(pose):
                 x, y, heading = _POSE.unpack(pose)
                 return x, y, heading
-        raise PoseFileError(f"pose file {self.path}: {why}; does `clearway robot` run?")
+        raise self._without_pose(why)
+
+    def _without_pose(self, why: str) -> PoseFileError:
+        return PoseFileError(f"pose file {self.path}: {why}; does `clearway robot` run?")
 
     def _row(self) -> bytes:
         # Without O_NONBLOCK opening a pipe of that name would wait for ever.

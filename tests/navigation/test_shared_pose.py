@@ -36,7 +36,7 @@ def test_a_reader_outlives_the_writer_and_goes_on_with_the_next(tmp_path: Path) 
 
 def test_a_missing_file_is_said_with_what_helps(tmp_path: Path) -> None:
     with pytest.raises(PoseFileError, match=r"pose file .*: .*does `clearway robot` run\?"):
-        PoseReader(tmp_path / "none").read()
+        PoseReader(tmp_path / "none")
 
 
 def cut(path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.simulator.shared_pose import PoseWriter
+from navigation.simulator.shared_pose import PoseFileError, PoseWriter
 from navigation.world import World
 from tests.support.waiting import wait_until
 from vision.camera import CameraError
@@ -21,9 +21,16 @@ def config(tmp_path: Path) -> Config:
     """The run with a robot in another process, which tells its poses in a folder of the test."""
     loaded = load_config(CONFIGS / "hardware_in_the_loop.yaml", {})
     assert loaded.simulation is not None
+    (tmp_path / "pose").touch()
     robot = loaded.simulation.robot.model_copy(update={"poses": tmp_path / "pose"})
     changed = loaded.simulation.model_copy(update={"robot": robot})
     return loaded.model_copy(update={"simulation": changed})
+
+
+def test_a_run_does_not_begin_without_the_robot_s_file(config: Config, tmp_path: Path) -> None:
+    (tmp_path / "pose").unlink()
+    with pytest.raises(PoseFileError, match=r"No such file or directory; does `clearway robot`"):
+        World(config)
 
 
 def test_there_is_no_picture_of_a_robot_that_told_no_pose(config: Config, tmp_path: Path) -> None:
