@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from navigation.config import load_config
+from navigation.config import limits_of, load_config
 from navigation.daemon import Daemon
 from navigation.mission import State
 from navigation.simulator.virtual_run import run_virtually
@@ -56,6 +57,22 @@ def test_time_stands_still_while_nobody_waits() -> None:
         assert world.clock() == begun_s
         daemon.cycle()
         assert 0.0 < world.clock() - begun_s < 0.1
+
+
+def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() -> None:
+    """From the true headings every 20 ms, wherever the robot turns, drives or begins an arc."""
+    config = short_config(
+        [{"x_m": 0.15, "y_m": 1.15}, {"x_m": 0.60, "y_m": 1.60, "heading_deg": -90.0}]
+    )
+    world, limits = VirtualWorld(config), limits_of(config)
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.give(stations_of(config))
+        cycle_until(daemon, lambda now: now.mission.is_over)
+    time_s, _, _, heading = world.truth.track().T
+    rates = np.diff(np.unwrap(heading)) / np.diff(time_s)
+    accelerations = np.diff(rates) / np.diff(time_s)[1:]
+    assert 1.0 < np.abs(rates).max() <= 1.05 * limits.angular_rate_rad_s
+    assert 3.0 < np.abs(accelerations).max() <= 1.05 * limits.angular_acceleration_rad_s2
 
 
 def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
