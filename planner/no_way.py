@@ -27,13 +27,15 @@ from planner.scene import Vec
 class Blocked:
     """No way for a disc of radius ``need`` leads from ``start`` to ``goal``.
 
-    ``stations`` are all that were asked for, in order.
+    ``stations`` are all that were asked for, in order. ``reason`` is what keeps it from standing
+    at one of them, None where the way is at fault.
     """
 
     start: Vec
     goal: Vec
     need: float
     stations: tuple[Vec, ...]
+    reason: str | None = None
 
 
 def explain(
@@ -45,12 +47,17 @@ def explain(
         return None
     wide, (x, y) = found
     fits = max(wide - (blocked.need - radius), 0.0)
-    reason = f"{_no_way(blocked, units)}: the widest is {_sized(2.0 * wide, units)} wide at "
-    return NoPath(reason + f"({x:.6g}, {y:.6g})", Bottleneck(x, y, 2.0 * wide), fits)
+    reason = blocked.reason
+    if reason is None:
+        reason = f"{_no_way(blocked, units)}: the widest is {_sized(2.0 * wide, units)} wide at "
+        reason += f"({x:.6g}, {y:.6g})"
+    return NoPath(reason, Bottleneck(x, y, 2.0 * wide), fits)
 
 
 def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
     """No robot fits between generators ``spacing`` apart: borders lie between the stations."""
+    if blocked.reason is not None:
+        return NoPath(blocked.reason)
     gaps = f"borders lie between them, with no gap wider than {_sized(spacing, units)}"
     return NoPath(f"{_no_way(blocked, units)}: {gaps}")
 

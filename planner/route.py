@@ -90,9 +90,13 @@ def plan_request(
     need = radius + request.margin
     vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
     names = ["the start", *vias, "the goal"]
-    for name, place in zip(names, request.stations, strict=True):
-        if reason := why_not(borders, name, place, need, units):
-            return NoPath(reason)
+    for least in (0.0, need):
+        for name, place in zip(names, request.stations, strict=True):
+            if reason := why_not(borders, name, place, least, units):
+                if least == 0.0:
+                    return NoPath(reason)
+                ends = request.stations[0], request.stations[-1]
+                return Blocked(*ends, need, request.stations, reason)
     network = Network.of(chains, need, request.preference)
     order = tuple(range(len(request.stations) - 2))
     if request.best_order and len(order) > 1:

@@ -13,6 +13,7 @@ import planner
 from planner.path import NoPath, Path
 from planner.roadmap import FINER
 from planner.scene import Bounds, Scene, SegmentRecord
+from planner.scene_io import read_scene_text
 from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
 from tests.support.visibility_oracle import shortest_length
 
@@ -131,3 +132,36 @@ def test_a_refusal_takes_no_longer_than_a_denser_roadmap() -> None:
     assert isinstance(answer, NoPath)
     # the second opinion is bounded by a count that takes about 0.2 s
     assert took_s <= 2.0 * build_s + 1.0
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.7])
+@pytest.mark.parametrize("via", [(), ((200.0, 291.0),)])
+def test_a_station_too_near_a_border_leaves_the_widest_robot_told(via, margin):
+    """A smaller robot stands there and makes the journey; one a little wider does not."""
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\nC (200,150) 40\n"
+    )
+    stations = {"start": (9.9, 150.0), "goal": (350.0, 150.0), "via": via, "margin": margin}
+    no = planner.build_roadmap(scene, 10.0).plan(**stations)
+    assert isinstance(no, NoPath)
+    assert "the start (9.9, 150)" in no.reason or "station 1 (200, 291)" in no.reason
+    least = 9.0 if via else 9.9
+    assert no.widest_radius == pytest.approx(least - margin, abs=1e-9)
+    assert no.bottleneck is not None
+    assert no.bottleneck.width == pytest.approx(2.0 * least, abs=1e-9)
+    assert isinstance(
+        planner.build_roadmap(scene, no.widest_radius * (1 - 1e-9)).plan(**stations), Path
+    )
+    assert isinstance(
+        planner.build_roadmap(scene, no.widest_radius * 1.001).plan(**stations), NoPath
+    )
+
+
+def test_no_robot_is_told_where_another_station_lies_in_an_obstacle():
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\nC (200,150) 40\n"
+    )
+    no = planner.build_roadmap(scene, 10.0).plan((9.9, 150.0), (200.0, 160.0))
+    assert isinstance(no, NoPath)
+    assert "inside obstacle 0" in no.reason
+    assert no.widest_radius is None
