@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from navigation.daemon_state import DaemonState
 
 FLUSH_EVERY_S: Final = 0.2
-CLOSE_WITHIN_S: Final = 10.0
+CLOSE_WITHIN_S: Final = 5.0
 """A disk that hangs must not keep the run from ending."""
 MOST_PICTURES_WAITING: Final = 8
 COUNTERS_EVERY_S: Final = 1.0
