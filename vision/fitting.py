@@ -29,6 +29,9 @@ QUIET_PX, NOISY_PX = 0.1, 0.2
 STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only."""
 
+LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
+"""Area that an object's edges may lose, as a share of its own, and in pixels."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
@@ -79,13 +82,17 @@ def fit_edges(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
     areas: NDArray[np.int64],
+    owners: NDArray[np.int64],
     tolerance: Tolerance,
 ) -> FittedBorders:
-    """Partition every border into lines and arcs, or take it for a circle. O(points)."""
+    """Partition every border into lines and arcs, or take it for a circle. O(points).
+
+    ``areas`` and ``owners`` (b,) as in ``vision.contours.Borders``.
+    """
     kind, edge_starts, edge_kind, data = fit_borders(
         np.ascontiguousarray(points),
         starts,
-        areas,
+        loss_budgets(np.diff(starts), areas, owners),
         tolerance.crisp,
         tolerance.dead_zone_px,
         tolerance.sigma_px,
@@ -96,3 +103,17 @@ def fit_edges(
         tolerance.prices,
     )
     return FittedBorders(kind, edge_starts, edge_kind, data)
+
+
+def loss_budgets(
+    lengths: NDArray[np.int64], areas: NDArray[np.int64], owners: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Area in pixels that the edges of every border may lose, (b,) from (b,) each.
+
+    A share of the pixels that the object has itself, without its holes, divided among its
+    borders by their ``lengths`` in points.
+    """
+    whole = np.bincount(owners, areas, len(owners))[owners]
+    length = np.bincount(owners, lengths, len(owners))[owners]
+    allowed: NDArray[np.float64] = np.maximum(LOSS_SHARE * whole, LEAST_LOSS)
+    return allowed * lengths / np.maximum(length, 1)

@@ -22,6 +22,7 @@ from numba import njit
 from vision.cover_kernels import LINE, check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
+from vision.mend_kernels import measure_residuals, mend
 from vision.partition_kernels import partition
 from vision.shape_kernels import (
     HALF,
@@ -47,8 +48,8 @@ CALM_LOSS_PX = 0.02
 """Deviation that does not count as area lost."""
 STRICTER, STRICTER_BY = 4, 0.4
 """Times that a border without grey is broken, and by how much more each time a pixel counts."""
-LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
-"""Area that the edges of a border may lose, as a share of what it encloses, and in pixels."""
+MENDS = np.int64(2)
+"""Times that lost stretches alone are mended before a border becomes chords all around."""
 CHORD_PX, CRISP_CHORD_PX = 0.45, 0.34
 """How far a chord of a ragged stretch may leave its border points: without grey no farther than
 half a pixel along the axis at 45 degrees."""
@@ -61,11 +62,11 @@ NONE, ONE = np.int64(0), np.int64(1)
 
 @njit(cache=True, nogil=True)
 def fit_borders(
-    points, point_starts, areas, crisp, dead_zone, sigma, spread, blur, guard, trim, prices
+    points, point_starts, budgets, crisp, dead_zone, sigma, spread, blur, guard, trim, prices
 ):
     """Lines, arcs and circles of every border.
 
-    ``areas`` (b,): the pixels that each border encloses, holes negative; ``crisp``: a picture
+    ``budgets`` (b,): the area in pixels that each border's edges may lose; ``crisp``: a picture
     without grey; ``spread``: what noise does to a point; ``guard``, ``trim``: how far a fit, and
     the search, keep from corners; ``prices`` (3,) of a line, an arc and a circle. Returns
     ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
@@ -83,6 +84,9 @@ def fit_borders(
     edge_starts = np.empty(borders + 1, np.int64)
     kind = np.empty(room, np.int8)
     data = np.empty((room, 6), np.float64)
+    at = np.empty(room, np.int64)
+    state = np.empty(longest + 1, np.int64)
+    inside = np.empty(longest + 1, np.bool_)
     px = np.empty(2 * longest + 2, np.float64)
     py = np.empty(2 * longest + 2, np.float64)
     is_seed = np.empty(longest + 1, np.bool_)
@@ -126,7 +130,7 @@ def fit_borders(
             py[n + k] = py[k]
         px[2 * n] = px[0]
         py[2 * n] = py[0]
-        budget = max(LOSS_SHARE * abs(areas[b]), LEAST_LOSS)
+        budget = budgets[b]
         strict = sigma
         round_cost = _circle_of_all(
             px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active
@@ -175,6 +179,7 @@ def fit_borders(
                 kind[count] = kinds[e]
                 for c in range(6):
                     data[count, c] = rows[e, c]
+                at[count] = breaks[e]
                 bent = bent or kinds[e] != LINE
                 count += 1
                 continue
@@ -188,6 +193,7 @@ def fit_borders(
                 data[count, 3] = 0.0
                 data[count, 4] = 0.0
                 data[count, 5] = 0.5 * chord
+                at[count] = seeds[t] - n if seeds[t] >= n else seeds[t]
                 count += 1
         for i in range(begin, count):
             data[i, 0] += ox
@@ -195,6 +201,12 @@ def fit_borders(
             if kind[i] != LINE:
                 data[i, 2] += ox
                 data[i, 3] += oy
+        if crisp:
+            count = mend(
+                px, py, n, ox, oy, at, kind, data, begin, count, budget, MENDS, chord, 0.5 * chord,
+                state, inside, is_seed, seeds,
+            )  # fmt: skip
+            measure_residuals(px, py, n, ox, oy, at, kind, data, begin, count)
         if count - begin < 3 and not bent:
             # two lines enclose nothing: so small a border is its pixels' outline
             border_kind[b] = TINY

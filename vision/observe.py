@@ -84,7 +84,9 @@ def extract(
     clock.lap("contours")
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
     placement = Placement.of(calibration, bounds, binary.size)
-    fitted = fit_edges(placement.rectified(edges.points), edges.starts, borders.area, tolerance)
+    fitted = fit_edges(
+        placement.rectified(edges.points), edges.starts, borders.area, borders.owner, tolerance
+    )
     specks = find_specks(borders, binary.noise, binary.contrast)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, remarks = drop_outside(objects, placement)

@@ -1,0 +1,376 @@
+"""Whether finished edges separate the pixels of a border without grey, and the cure where not.
+
+Rules and units
+- Every edge point of a picture without grey is the middle of a crack, between the centres of an
+  obstacle pixel and a free one, half a pixel away each. Edges drawn again give both back exactly
+  where they cross the way from one centre to the other an odd number of times: no estimate.
+- ``px``, ``py`` as in ``vision.shape_kernels``: one border's n points, twice over; (ox, oy) is
+  added for their place in the picture. Points between cracks (a calibrated picture's) are let be.
+- Edges ``begin .. count - 1`` of ``kind`` and ``data`` (see ``vision.fitting_kernels``), whose
+  first points' indices are in ``at``, ascending around the border.
+- A cure replaces the stretch of lost points alone, by chords from point to point; the edges on
+  both sides stay what they are.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from vision.cover_kernels import ARC_CCW, FLATTEST_PX, LINE, chords
+from vision.kernel_options import LEAF
+
+HALF = 0.5
+LATTICE_PX = 1e-6
+"""A point so near to the middle of a crack is one."""
+NEAR_JOINT_PX = 2.0
+"""So near to a joint more than its own edge may pass a point."""
+NEIGHBOURS = 2
+"""Edges on either side that may pass a point."""
+GRAVE_PX = 0.75
+"""A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
+than one from what is drawn."""
+OK, LOST, GRAVE = 0, 1, 2
+"""What becomes of a point."""
+
+
+@njit(**LEAF)
+def _in_sweep(kind, data, i, x0, y0, x1, y1, x, y):
+    """Whether a point of arc i's circle lies on the arc from (x0, y0) to (x1, y1)."""
+    cx = data[i, 2]
+    cy = data[i, 3]
+    ax = x0 - cx
+    ay = y0 - cy
+    bx = x1 - cx
+    by = y1 - cy
+    if kind[i] == ARC_CCW:
+        ax, ay, bx, by = bx, by, ax, ay
+    dx = x - cx
+    dy = y - cy
+    after_a = ax * dy - ay * dx >= 0.0
+    before_b = dx * by - dy * bx >= 0.0
+    return (after_a and before_b) if ax * by - ay * bx >= 0.0 else (after_a or before_b)
+
+
+@njit(**LEAF)
+def _crossings(kind, data, i, after, x, y, upright):
+    """How often edge i crosses the way between the two pixels of the crack at (x, y)."""
+    x0 = data[i, 0]
+    y0 = data[i, 1]
+    x1 = data[after, 0]
+    y1 = data[after, 1]
+    if kind[i] == LINE:
+        if upright:
+            if (y0 <= y) == (y1 <= y):
+                return 0
+            there = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+            return 1 if abs(there - x) < HALF else 0
+        if (x0 <= x) == (x1 <= x):
+            return 0
+        there = y0 + (x - x0) * (y1 - y0) / (x1 - x0)
+        return 1 if abs(there - y) < HALF else 0
+    cx = data[i, 2]
+    cy = data[i, 3]
+    r = data[i, 4]
+    off = y - cy if upright else x - cx
+    square = r * r - off * off
+    if square <= 0.0:
+        return 0
+    root = math.sqrt(square)
+    found = 0
+    for side in range(2):
+        reach = root if side == 0 else -root
+        qx = cx + reach if upright else x
+        qy = y if upright else cy + reach
+        if abs(qx - x) < HALF and abs(qy - y) < HALF:
+            found += _in_sweep(kind, data, i, x0, y0, x1, y1, qx, qy)
+    return found
+
+
+@njit(**LEAF)
+def _distance(kind, data, i, after, x, y):
+    """From (x, y) to edge i."""
+    x0 = data[i, 0]
+    y0 = data[i, 1]
+    x1 = data[after, 0]
+    y1 = data[after, 1]
+    if kind[i] != LINE:
+        if _in_sweep(kind, data, i, x0, y0, x1, y1, x, y):
+            return abs(math.sqrt((x - data[i, 2]) ** 2 + (y - data[i, 3]) ** 2) - data[i, 4])
+        return math.sqrt(min((x - x0) ** 2 + (y - y0) ** 2, (x - x1) ** 2 + (y - y1) ** 2))
+    dx = x1 - x0
+    dy = y1 - y0
+    square = dx * dx + dy * dy
+    t = 0.0
+    if square > 0.0:
+        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
+    return math.sqrt((x - x0 - t * dx) ** 2 + (y - y0 - t * dy) ** 2)
+
+
+@njit(**LEAF)
+def _judge(kind, data, begin, count, i, x, y):
+    """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
+    fx = x - math.floor(x)
+    fy = y - math.floor(y)
+    upright = abs(fx - HALF) < LATTICE_PX and min(fy, 1.0 - fy) < LATTICE_PX
+    level = abs(fy - HALF) < LATTICE_PX and min(fx, 1.0 - fx) < LATTICE_PX
+    if not (upright or level):
+        return OK
+    after = i + 1 if i + 1 < count else begin
+    own = _crossings(kind, data, i, after, x, y, upright)
+    near = NEAR_JOINT_PX * NEAR_JOINT_PX
+    beside = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < near
+    beside = beside or (x - data[after, 0]) ** 2 + (y - data[after, 1]) ** 2 < near
+    if own == 1 and not beside:
+        return OK
+    edges = count - begin
+    reach = min(NEIGHBOURS, (edges - 1) // 2)
+    first = -reach
+    last = reach if edges > 2 * NEIGHBOURS else edges - 1 - reach
+    for step in range(first, last + 1):
+        if step != 0:
+            j = begin + (i - begin + step + edges) % edges
+            own += _crossings(kind, data, j, j + 1 if j + 1 < count else begin, x, y, upright)
+    if own % 2 == 1:
+        return OK
+    for step in range(first, last + 1):
+        j = begin + (i - begin + step + edges) % edges
+        if _distance(kind, data, j, j + 1 if j + 1 < count else begin, x, y) <= GRAVE_PX:
+            return LOST
+    return GRAVE
+
+
+@njit(**LEAF)
+def _find_lost(px, py, n, ox, oy, at, kind, data, begin, count, state):
+    """``state`` (n,) of every point; how many are lost, and how many gravely."""
+    lost = 0
+    grave = 0
+    for i in range(begin, count):
+        lo = at[i]
+        hi = at[i + 1 if i + 1 < count else begin]
+        hi = hi + n if hi <= lo else hi
+        for k in range(lo, hi):
+            found = _judge(kind, data, begin, count, i, px[k] + ox, py[k] + oy)
+            state[k - n if k >= n else k] = found
+            lost += found != OK
+            grave += found == GRAVE
+    return lost, grave
+
+
+@njit(**LEAF)
+def _mark_runs(state, n, lost, budget, lengths, inside):
+    """Mark in ``inside`` the runs of lost points that have to go, and one point beyond each.
+
+    Those with a grave point, then the longest ones until the border loses no more than it may.
+    """
+    for k in range(n):
+        inside[k] = False
+        lengths[k] = 0
+    start = 0
+    while state[start] != OK:
+        start += 1
+    # the length of its run at its last point, negative where it is grave; by length, how many
+    longest = 0
+    run = 0
+    grave = False
+    for t in range(1, n + 1):
+        k = start + t if start + t < n else start + t - n
+        if state[k] != OK:
+            run += 1
+            grave = grave or state[k] == GRAVE
+            continue
+        if run > 0:
+            lengths[k - 1 if k > 0 else n - 1] = -run if grave else run
+            lost -= run if grave else 0
+            longest = max(longest, 0 if grave else run)
+        run = 0
+        grave = False
+    least = longest + 1
+    while lost > budget and least > 1:
+        least -= 1
+        for k in range(n):
+            if lengths[k] == least:
+                lost -= least
+    for k in range(n):
+        run = abs(lengths[k])
+        if run > 0 and (lengths[k] < 0 or run >= least):
+            for t in range(-1, run + 1):
+                j = k - t
+                j = j + n if j < 0 else j
+                inside[j - n if j >= n else j] = True
+
+
+@njit(**LEAF)
+def _on_edge(kind, data, i, after, x, y, out):
+    """Where edge i passes the crack at (x, y): on the way between its pixels, or nearest."""
+    x0 = data[i, 0]
+    y0 = data[i, 1]
+    if kind[i] != LINE:
+        dx = x - data[i, 2]
+        dy = y - data[i, 3]
+        share = data[i, 4] / max(math.sqrt(dx * dx + dy * dy), 1e-9)
+        out[0] = data[i, 2] + dx * share
+        out[1] = data[i, 3] + dy * share
+        return
+    dx = data[after, 0] - x0
+    dy = data[after, 1] - y0
+    square = dx * dx + dy * dy
+    t = 0.0
+    if square > 0.0:
+        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
+    out[0] = x0 + t * dx
+    out[1] = y0 + t * dy
+
+
+@njit(cache=True, nogil=True)
+def mend(
+    px, py, n, ox, oy, at, kind, data, begin, count, budget, rounds, chord, residual, state,
+    inside, is_seed, found,
+):  # fmt: skip
+    """Replace what loses more pixels than ``budget`` by chords; returns the new ``count``.
+
+    ``residual``: the deviation that a chord is written with. ``state``, ``inside``, ``is_seed``,
+    ``found`` (n + 1,) are room to work in. Border points are at least as many as edges, before and
+    after.
+    """
+    for again in range(rounds + 1):
+        lost, grave = _find_lost(px, py, n, ox, oy, at, kind, data, begin, count, state)
+        if lost <= budget and grave == 0:
+            break
+        if again < rounds and 2 * lost < n:
+            _mark_runs(state, n, lost, budget, found, inside)
+            first = begin
+            while first < count and inside[at[first]]:
+                first += 1
+            if first < count:
+                count = _replace(
+                    px, py, n, ox, oy, at, kind, data, begin, count, first, chord, residual,
+                    inside, is_seed, found,
+                )  # fmt: skip
+                continue
+        # little would be left: chords all around
+        edges = chords(px, py, 0, n, chord, is_seed, found)
+        for t in range(edges):
+            i = begin + t
+            _write(kind, data, at, i, px[found[t]] + ox, py[found[t]] + oy, found[t], residual)
+        count = begin + edges
+        break
+    return count
+
+
+@njit(**LEAF)
+def _write(kind, data, at, i, x, y, k, residual):
+    kind[i] = LINE
+    data[i, 0] = x
+    data[i, 1] = y
+    data[i, 2] = 0.0
+    data[i, 3] = 0.0
+    data[i, 4] = 0.0
+    data[i, 5] = residual
+    at[i] = k
+
+
+@njit(cache=True, nogil=True)
+def _replace(
+    px, py, n, ox, oy, at, kind, data, begin, count, first, chord, residual, inside, is_seed,
+    found,
+):  # fmt: skip
+    """Chords instead of the points that are ``inside``; returns the new count."""
+    edges = count - begin
+    kinds = kind[begin:count].copy()
+    rows = data[begin:count].copy()
+    points = at[begin:count].copy()
+    spot = np.empty(2, np.float64)
+    begun = 0
+    i = begin
+    for t in range(edges):
+        e = (first - begin + t) % edges
+        after = e + 1 if e + 1 < edges else 0
+        lo = points[e]
+        hi = points[after]
+        hi = hi + n if hi <= lo else hi
+        turned = lo < points[first - begin]
+        if not inside[lo]:
+            _keep(kind, data, at, i, kinds, rows, e, rows[e, 0], rows[e, 1], lo)
+            i += 1
+        for k in range(lo, hi):
+            here = k - n if k >= n else k
+            if not inside[here]:
+                continue
+            before = here - 1 if here > 0 else n - 1
+            next_ = here + 1 if here + 1 < n else 0
+            if not inside[before]:
+                begun = k + n if turned else k
+                spot[0] = rows[e, 0]
+                spot[1] = rows[e, 1]
+                if k > lo:
+                    _on_edge(kinds, rows, e, after, px[k] + ox, py[k] + oy, spot)
+                _write(kind, data, at, i, spot[0], spot[1], here, residual)
+                i += 1
+            if not inside[next_]:
+                end = k + n if turned else k
+                m = chords(px, py, begun, end, chord, is_seed, found)
+                for s in range(1, m):
+                    q = found[s]
+                    x = px[q] + ox
+                    y = py[q] + oy
+                    _write(kind, data, at, i, x, y, q - n if q >= n else q, residual)
+                    i += 1
+                _on_edge(kinds, rows, e, after, px[k] + ox, py[k] + oy, spot)
+                _keep(kind, data, at, i, kinds, rows, e, spot[0], spot[1], here)
+                i += 1
+    for j in range(begin, i):
+        if kind[j] != LINE:
+            _straighten(kind, data, at, n, begin, i, j)
+    return i
+
+
+@njit(**LEAF)
+def _keep(kind, data, at, i, kinds, rows, e, x, y, k):
+    """What edge e was, from (x, y) on."""
+    kind[i] = kinds[e]
+    data[i, 0] = x
+    data[i, 1] = y
+    for c in range(2, 6):
+        data[i, c] = rows[e, c]
+    at[i] = k
+
+
+@njit(**LEAF)
+def _straighten(kind, data, at, n, begin, count, j):
+    """Make a line of what is left of an arc where it is flat, or would turn the long way round."""
+    after = j + 1 if j + 1 < count else begin
+    hi = at[after]
+    hi = hi + n if hi <= at[j] else hi
+    ax = data[j, 0] - data[j, 2]
+    ay = data[j, 1] - data[j, 3]
+    bx = data[after, 0] - data[j, 2]
+    by = data[after, 1] - data[j, 3]
+    turn = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+    turn = -turn if kind[j] == ARC_CCW else turn
+    turn = turn + 2.0 * math.pi if turn < 0.0 else turn
+    rise = data[j, 4] * (1.0 - math.cos(min(0.5 * turn, 0.5 * math.pi)))
+    if turn * data[j, 4] > 2.0 * (hi - at[j]) + 4.0 or rise < FLATTEST_PX:
+        kind[j] = LINE
+        data[j, 2] = 0.0
+        data[j, 3] = 0.0
+        data[j, 4] = 0.0
+
+
+@njit(**LEAF)
+def measure_residuals(px, py, n, ox, oy, at, kind, data, begin, count):
+    """Write every edge's rms distance from the points of its stretch, all of them."""
+    for i in range(begin, count):
+        after = i + 1 if i + 1 < count else begin
+        lo = at[i]
+        hi = at[after]
+        hi = hi + n if hi <= lo else hi
+        total = 0.0
+        for k in range(lo, hi + 1):
+            d = _distance(kind, data, i, after, px[k] + ox, py[k] + oy)
+            total += d * d
+        data[i, 5] = math.sqrt(total / (hi + 1 - lo))
