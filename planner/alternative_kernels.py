@@ -20,8 +20,8 @@ from numba import njit
 
 from planner.route_kernels import between, gates_of, lay, left_to, put_behind, search
 
-COST, ENTRY, EXIT, BEGIN, END = 0, 1, 2, 3, 4
-"""Columns of a route: what it costs, its gates, and its steps' place among all steps."""
+COST, ENTRY, EXIT, BEGIN, END, TAKEN = 0, 1, 2, 3, 4, 5
+"""Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told."""
 
 
 @njit(cache=True, nogil=True)
@@ -38,7 +38,7 @@ def _noted(routes, steps, count, cost, entry, out, root, rest):
             return routes, steps, count
     begin = int(routes[count - 1, END]) if count > 0 else 0
     if count == len(routes):
-        more = np.empty((2 * count, 5))
+        more = np.empty((2 * count, 6))
         more[:count] = routes
         routes = more
     if begin + n > len(steps):
@@ -48,7 +48,7 @@ def _noted(routes, steps, count, cost, entry, out, root, rest):
     steps[begin : begin + len(root)] = root
     steps[begin + len(root) : begin + n] = rest
     routes[count, COST], routes[count, ENTRY], routes[count, EXIT] = cost, entry, out
-    routes[count, BEGIN], routes[count, END] = begin, begin + n
+    routes[count, BEGIN], routes[count, END], routes[count, TAKEN] = begin, begin + n, 0.0
     return routes, steps, count + 1
 
 
@@ -115,7 +115,7 @@ def cheapest_routes(
     own = np.zeros(2 * len(ends), np.bool_)
     _bar_own(s_where, s_cost, own)
     _bar_own(g_where, g_cost, own)
-    routes = np.empty((32, 5))
+    routes = np.empty((32, 6))
     steps = np.empty(64, np.int32)
     count = 0
     if len(s_where) == 0 or len(g_where) == 0:
@@ -145,14 +145,11 @@ def cheapest_routes(
     while laid < wanted and told < len(taken):
         pick, least = -1, np.inf
         for k in range(count):
-            fresh = routes[k, COST] < least
-            for t in range(told):
-                fresh = fresh and taken[t] != k
-            if fresh:
+            if routes[k, TAKEN] == 0.0 and routes[k, COST] < least:
                 pick, least = k, routes[k, COST]
         if pick < 0:
             break
-        taken[told] = pick
+        taken[told], routes[pick, TAKEN] = pick, 1.0
         told += 1
         entry, out = int(routes[pick, ENTRY]), int(routes[pick, EXIT])
         way = steps[int(routes[pick, BEGIN]) : int(routes[pick, END])].copy()
