@@ -83,7 +83,10 @@ class Camera(Protocol):
 
     @property
     def may_repeat(self) -> bool:
-        """Whether identical pictures in a row are normal (a file), not a frozen sensor."""
+        """Whether identical pictures in a row are normal, not a sign of a frozen sensor.
+
+        So they are for a file, and for any source whose pictures have no noise to tell them apart.
+        """
 
     def open(self) -> None:
         """Start giving frames; raises ``CameraError`` where it cannot."""

@@ -4,8 +4,9 @@ Rules
 - The latest frame wins; what nobody took in time is counted as dropped.
 - A source that fails, stalls or freezes is closed and opened again with growing pauses, and
   says so in a plain sentence.
-- A live sensor never gives the same picture twice: a repeated one is no news, so it is not
-  passed on, and its repetition for a while means that the camera is frozen.
+- A live sensor's noise never gives the same picture twice: a repeated one is no news, so it is
+  not passed on, and its repetition for a while means that the camera is frozen, whatever times
+  it gives. A source without such noise says `may_repeat`.
 - A read that hangs inside a driver cannot be stopped: its thread and its camera are left
   behind and new ones are made.
 - The clock is passed in; only waiting for a frame takes real time.

@@ -61,6 +61,8 @@ class Troubles:
     """Reading fails, and so does opening it again."""
     camera_silent: bool = False
     """It gives no picture any more, without an error."""
+    camera_frozen: bool = False
+    """It gives its last picture over and over, with new times."""
     marker_hidden: bool = False
     port_broken: bool = False
     """The port is gone: nothing passes, and it cannot be opened."""
@@ -81,6 +83,8 @@ class VirtualWorld:
         self.config = config
         self.times = times or VirtualTimes()
         self.troubles = Troubles()
+        self.last_frame: Frame | None = None
+        """What the camera saw last: opening it again does not thaw one that is frozen."""
         self.loop = VirtualLoop(
             seed=config.simulation.seed,
             faults=faults_of(config),
@@ -217,8 +221,6 @@ class VirtualRobot:
 class _TroubledCamera:
     """The simulated camera, while nobody unplugs it."""
 
-    may_repeat = False
-
     def __init__(self, camera: Camera, world: VirtualWorld) -> None:
         self._camera, self._world = camera, world
         self.name = camera.name
@@ -235,6 +237,10 @@ class _TroubledCamera:
     def rate_hz(self) -> float:
         return self._camera.rate_hz
 
+    @property
+    def may_repeat(self) -> bool:
+        return self._camera.may_repeat
+
     def open(self) -> None:
         self._camera.open()
 
@@ -247,7 +253,13 @@ class _TroubledCamera:
         if self._world.troubles.camera_silent:
             self._world.wait(timeout_s)
             return None
-        return self._camera.read(timeout_s)
+        frame, last = self._camera.read(timeout_s), self._world.last_frame
+        if frame is None:
+            return None
+        if self._world.troubles.camera_frozen and last is not None:
+            return replace(frame, image=last.image)
+        self._world.last_frame = frame
+        return frame
 
 
 class VirtualFrames:

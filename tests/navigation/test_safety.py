@@ -66,6 +66,10 @@ def silence_camera(arena: Arena) -> None:
     arena.world.troubles.camera_silent = True
 
 
+def freeze_camera(arena: Arena) -> None:
+    arena.world.troubles.camera_frozen = True
+
+
 def unplug_camera(arena: Arena) -> None:
     arena.world.troubles.camera_lost = True
 
@@ -115,6 +119,7 @@ TABLE: list[tuple[Callable[[Arena], None], State, float, str]] = [
     # what is broken, the state, after how long at most the daemon can know, the sentence
     (hide_marker, State.HOLDING, 0.2 + FRAME_S, "the robot's marker was not seen for"),
     (silence_camera, State.HOLDING, 0.2 + FRAME_S, "no picture from the camera for"),
+    (freeze_camera, State.HOLDING, 0.2 + FRAME_S, "no picture from the camera for"),
     (unplug_camera, State.HOLDING, 0.2 + FRAME_S, "no picture from the camera for"),
     (cut_cable, State.HOLDING, 0.5 + FRAME_S, "the link to the robot is down"),
     (break_port, State.HOLDING, FRAME_S, "the link to the robot is down: the port virtual broke"),
@@ -152,6 +157,7 @@ def test_each_broken_rule_stops_the_robot_within_one_cycle_and_says_why(
 HEAL = {
     hide_marker: {"marker_hidden": False},
     silence_camera: {"camera_silent": False},
+    freeze_camera: {"camera_frozen": False},
     unplug_camera: {"camera_lost": False},
     cut_cable: {"cable_out": False},
     break_port: {"port_broken": False},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -30,6 +31,7 @@ from planner.scene import (
     SegmentRecord,
 )
 from vision.camera import CameraError, Image
+from vision.latest_frame import LatestFrame
 
 PLACES = [(0.25, 0.25), (1.2, 0.95), (2.2, 1.6), (2.2, 0.2), (0.2, 1.6), (1.3, 0.55)]
 
@@ -303,6 +305,37 @@ def test_the_noise_has_the_spread_asked_for_and_changes_each_frame(
     assert all(
         abs(np.corrcoef(noisy[0].ravel(), other.ravel())[0, 1]) < 0.02 for other in noisy[1:]
     )
+
+
+@pytest.mark.parametrize(
+    ("noise_grey", "repeats"),
+    [(0.0, True), (0.00123, True), (0.1, True), (0.2, False), (2.5, False)],
+)
+def test_pictures_may_repeat_where_their_noise_changes_hardly_a_pixel(
+    noise_grey: float, repeats: bool, config: Config, arena: SimulatedArena
+) -> None:
+    """A sweep drew 0.00123 grey levels: the standing robot's pictures passed for a frozen camera.
+
+    One of 0.1 changes a pixel or none in each picture of 1.2 million.
+    """
+    assert config.simulation is not None
+    look = config.simulation.camera.model_copy(update={"noise_grey": noise_grey})
+    noisy = config.simulation.model_copy(update={"camera": look})
+    clock = Clock()
+    changed = config.model_copy(update={"simulation": noisy})
+    camera = make_camera(changed, arena, lambda: (0.2, 0.2, 0.0), clock, clock.wait)
+    assert camera.may_repeat == repeats
+    frames = LatestFrame(lambda: camera, clock)
+    pictures = []
+    for _ in range(60):
+        frames.step()
+        frame = frames.take()
+        pictures += [] if frame is None else [frame.image]
+    assert frames.status().state == "running"
+    assert len(pictures) == 59, "one step opens the camera"
+    same = [np.array_equal(a, b) for a, b in pairwise(pictures)]
+    assert repeats or not any(same)
+    assert all(same) or noise_grey > 0.01
 
 
 def test_the_floor_is_lit_unevenly_as_configured(config: Config) -> None:
