@@ -133,7 +133,7 @@ def cheapest_routes(
         for j in range(len(g_where)):
             if s_where[i, 0] == g_where[j, 0]:
                 wide, apart = between(
-                    first, rho, gap, cost, s_where, s_price, i, g_where, g_price, j
+                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
                 )
                 if wide >= floor:
                     routes, steps, count = _noted(

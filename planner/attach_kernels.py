@@ -94,17 +94,21 @@ def nearest_links(points, first, x, y, count):
 
 
 @njit(cache=True, nogil=True)
-def _to_ends(first, rho, gap, cost, chain, link, part, out):
-    """Write cost and clearance from a place inside a chain to its first and to its last point."""
+def _to_ends(first, rho, gap, cost, proved, chain, link, part, out):
+    """Write cost and clearance from a place inside a chain to its first and to its last point.
+
+    A proved link grows or shrinks all along: a part of it is as wide as the narrower of its ends,
+    and the place's own clearance is that of the access.
+    """
     lo, hi = first[chain], first[chain + 1] - 1
     if lo == hi:
         out[0], out[1], out[2], out[3] = 0.0, rho[lo], 0.0, rho[lo]
         return
-    out[0], out[1] = part * cost[link], gap[link]
+    out[0], out[1] = part * cost[link], rho[link] if proved[link] else gap[link]
     for i in range(lo, link):
         out[0] += cost[i]
         out[1] = min(out[1], gap[i])
-    out[2], out[3] = (1.0 - part) * cost[link], gap[link]
+    out[2], out[3] = (1.0 - part) * cost[link], rho[link + 1] if proved[link] else gap[link]
     for i in range(link + 1, hi):
         out[2] += cost[i]
         out[3] = min(out[3], gap[i])
@@ -148,6 +152,6 @@ def attach(
         where[m, 0], where[m, 1] = c, i
         price[m, 0], price[m, 2] = part[k], clear
         price[m, 1] = math.sqrt((rx - x) ** 2 + (ry - y) ** 2) + away[k]
-        _to_ends(first, rho, gap, cost, c, i, part[k], price[m, 3:])
+        _to_ends(first, rho, gap, cost, proved, c, i, part[k], price[m, 3:])
         m += 1
     return where[:m].copy(), access[:m].copy(), price[:m].copy()

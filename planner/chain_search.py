@@ -121,7 +121,7 @@ def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
     chains = network.chains
     best = route_kernels.widest_way(
         network.around, network.leaving, chains.ends, chains.clearance, chains.first, chains.rho,
-        chains.gap, network.cost, start.where, start.price, goal.where, goal.price,
+        chains.gap, network.cost, chains.proved, start.where, start.price, goal.where, goal.price,
     )  # fmt: skip
     return float(best)
 
@@ -173,7 +173,7 @@ def costs_between(network: Network, stations: Sequence[Gates], floor: float) -> 
             node, cost = gates[j]
             best = float((far[node] + cost).min(initial=np.inf))
             inside = route_kernels.cheapest_inside(
-                chains.first, chains.rho, chains.gap, network.cost, floor,
+                chains.first, chains.rho, chains.gap, network.cost, chains.proved, floor,
                 start.where, start.price, stations[j].where, stations[j].price,
             )  # fmt: skip
             matrix[i, j] = matrix[j, i] = min(best, inside)

@@ -36,8 +36,11 @@ def gates_of(where, price, ends, floor, dearer):
 
 
 @njit(cache=True, nogil=True)
-def between(first, rho, gap, cost, where, price, i, other_where, other_price, j):
-    """Clearance and cost of the way within one chain from one station's entry to another's."""
+def between(first, rho, gap, cost, proved, where, price, i, other_where, other_price, j):
+    """Clearance and cost of the way within one chain from one station's entry to another's.
+
+    Of a proved link only the part between counts, which grows or shrinks all along.
+    """
     c, a, b = where[i, 0], where[i, 1], other_where[j, 1]
     lo, hi = min(a, b), max(a, b)
     wide = min(price[i, 2], other_price[j, 2])
@@ -47,8 +50,13 @@ def between(first, rho, gap, cost, where, price, i, other_where, other_price, j)
     total = 0.0
     for k in range(lo, hi):
         total += cost[k]
-    for k in range(lo, hi + 1):
-        wide = min(wide, gap[k])
+        if k > lo:
+            wide = min(wide, gap[k])
+    if lo < hi:
+        wide = min(wide, rho[lo + 1] if proved[lo] else gap[lo])
+        wide = min(wide, rho[hi] if proved[hi] else gap[hi])
+    elif not proved[lo]:
+        wide = min(wide, gap[lo])
     return wide, abs(apart + (total if b > a else -total))
 
 
@@ -218,7 +226,7 @@ def lay(
 
 @njit(cache=True, nogil=True)
 def one_route(
-    around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, floor, dearer,
+    around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, proved, floor, dearer,
     s_where, s_price, g_where, g_price,
 ):  # fmt: skip
     """The cheapest route of that clearance: its cost, both gates as :func:`lay` takes them, steps.
@@ -240,7 +248,9 @@ def one_route(
         for j in range(len(g_where)):
             if s_where[i, 0] != g_where[j, 0]:
                 continue
-            wide, apart = between(first, rho, gap, cost, s_where, s_price, i, g_where, g_price, j)
+            wide, apart = between(
+                first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
+            )
             here = s_price[i, 1] + g_price[j, 1] + apart * dearer[s_where[i, 0]]
             if wide >= floor and here < best:
                 best, entry, out = here, -1 - i, -1 - j
@@ -250,8 +260,9 @@ def one_route(
 
 @njit(cache=True, nogil=True)
 def widest_way(
-    around, leaving, ends, clearance, first, rho, gap, cost, s_where, s_price, g_where, g_price
-):
+    around, leaving, ends, clearance, first, rho, gap, cost, proved, s_where, s_price, g_where,
+    g_price,
+):  # fmt: skip
     """The largest least clearance of any way from the start's entries to the goal's, or -inf."""
     n = len(around) - 1
     wide = np.full(n, -np.inf)
@@ -269,7 +280,9 @@ def widest_way(
                 size += 1
         for j in range(len(g_where)):
             if s_where[i, 0] == g_where[j, 0]:
-                w, _ = between(first, rho, gap, cost, s_where, s_price, i, g_where, g_price, j)
+                w, _ = between(
+                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
+                )
                 best = max(best, w)
     while size > 0:
         key, u = pop(keys, items, size)
@@ -328,7 +341,7 @@ def routes(
     count = 0
     for t in range(tries):
         best, entry, out, steps = one_route(
-            around, leaving, ends, total, cost, clearance, ahead, first, rho, gap,
+            around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, proved,
             least if t == 0 else floor, dearer, s_where, s_price, g_where, g_price,
         )  # fmt: skip
         if best == np.inf:
@@ -366,14 +379,14 @@ def put_behind(line, pair, size, xy, beside):
 
 
 @njit(cache=True, nogil=True)
-def cheapest_inside(first, rho, gap, cost, floor, s_where, s_price, g_where, g_price):
+def cheapest_inside(first, rho, gap, cost, proved, floor, s_where, s_price, g_where, g_price):
     """What the cheapest way within one chain costs, infinity where there is none."""
     best = np.inf
     for i in range(len(s_where)):
         for j in range(len(g_where)):
             if s_where[i, 0] == g_where[j, 0]:
                 wide, apart = between(
-                    first, rho, gap, cost, s_where, s_price, i, g_where, g_price, j
+                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
                 )
                 if wide >= floor:
                     best = min(best, s_price[i, 1] + g_price[j, 1] + apart)

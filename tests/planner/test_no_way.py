@@ -165,3 +165,18 @@ def test_no_robot_is_told_where_another_station_lies_in_an_obstacle():
     assert isinstance(no, NoPath)
     assert "inside obstacle 0" in no.reason
     assert no.widest_radius is None
+
+
+def test_the_widest_robot_is_not_judged_by_the_far_side_of_the_link_it_leaves_by():
+    """Past a wall's end before the right bound: its distance from there is 35.2 px."""
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+        "L 5 (218.7,115.4)(201,121.1)(190.5,127.7)(183.7,104.8)(220.1,28.1)\n"
+        "S (216.3,55.7) (364.8,85)\n"
+        "L 8 (291.2,244)(244.9,211.5)(266,181.5)(274.9,187.8)(260.1,208.8)(288.6,228.8)"
+        "(303.4,207.8)(312.3,214.1)\n"
+    )
+    for radius in (17.65, 18.0, 18.5, 19.0, 20.0):
+        no = planner.build_roadmap(scene, radius).plan((294.66, 176.73), (331.78, 39.24))
+        assert isinstance(no, NoPath)
+        assert no.widest_radius == pytest.approx(17.6, abs=1e-6)
