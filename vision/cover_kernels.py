@@ -173,16 +173,18 @@ def _tip(rows, before, at, after):
 
 
 @njit(**LEAF)
-def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free):
+def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free, near_begin, near_end):
     """Whether every point of a stretch lies so near its finished edge that nothing is lost."""
     xs = px[lo : hi + 1]
     ys = py[lo : hi + 1]
     x0 = rows[e, 0]
     y0 = rows[e, 1]
+    x1 = rows[after, 0]
+    y1 = rows[after, 1]
     doubts = 0
     if kinds[e] == LINE:
-        dx = rows[after, 0] - x0
-        dy = rows[after, 1] - y0
+        dx = x1 - x0
+        dy = y1 - y0
         square = dx * dx + dy * dy
         if square <= 0.0:
             return False
@@ -192,19 +194,22 @@ def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free):
             t = min(max((x * dx + y * dy) / square, 0.0), 1.0)
             ax = abs(x - t * dx)
             ay = abs(y - t * dy)
-            near = ax * ax + ay * ay
+            best = ax * ax + ay * ay
+            beside = x * x + y * y < near_begin
+            beside |= (xs[k] - x1) * (xs[k] - x1) + (ys[k] - y1) * (ys[k] - y1) < near_end
+            lost = best > free * free
             if crisp:
-                doubts += (near > LOST_AXIS_PX * max(ax, ay)) | (near >= HALF * HALF)
-            else:
-                doubts += near > free * free
+                lost = (best > LOST_AXIS_PX * max(ax, ay)) | (best >= HALF * HALF)
+                beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
+            doubts += lost & (not beside)
         return doubts == 0
     cx = rows[e, 2]
     cy = rows[e, 3]
     r = rows[e, 4]
     ax = x0 - cx
     ay = y0 - cy
-    bx = rows[after, 0] - cx
-    by = rows[after, 1] - cy
+    bx = x1 - cx
+    by = y1 - cy
     if kinds[e] == ARC_CCW:
         ax, ay, bx, by = bx, by, ax, ay
     narrow = ax * by - ay * bx >= 0.0
@@ -218,17 +223,22 @@ def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free):
         off = abs(far - r)
         best = off * off
         axis = max(abs(dx), abs(dy)) * off / max(far, 1e-9)
-        near_a = (dx - ax) * (dx - ax) + (dy - ay) * (dy - ay)
-        near_b = (dx - bx) * (dx - bx) + (dy - by) * (dy - by)
-        to_a = near_a < near_b
-        end = near_a if to_a else near_b
-        end_axis = max(abs(dx - ax if to_a else dx - bx), abs(dy - ay if to_a else dy - by))
-        best = best if within else end
+        ux = xs[k] - x0
+        uy = ys[k] - y0
+        vx = xs[k] - x1
+        vy = ys[k] - y1
+        to_begin = ux * ux + uy * uy
+        to_end = vx * vx + vy * vy
+        first = to_begin < to_end
+        best = best if within else min(to_begin, to_end)
+        end_axis = max(abs(ux if first else vx), abs(uy if first else vy))
         axis = axis if within else end_axis
+        beside = (to_begin < near_begin) | (to_end < near_end)
+        lost = best > free * free
         if crisp:
-            doubts += (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
-        else:
-            doubts += best > free * free
+            lost = (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
+            beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
+        doubts += lost & (not beside)
     return doubts == 0
 
 
@@ -244,13 +254,13 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     next_ = e + 1 if e + 1 < edges else 0
     before = e - 1 if e > 0 else edges - 1
     behind = next_ + 1 if next_ + 1 < edges else 0
-    if _nothing_lost(px, py, lo, hi, e, next_, kinds, rows, crisp, free):
-        return 0.0, 0.0
     near_begin = max(guard, TIP_PX) ** 2
     near_end = near_begin
     if crisp:
         near_begin = _tip(rows, before, e, next_) ** 2
         near_end = _tip(rows, e, next_, behind) ** 2
+    if _nothing_lost(px, py, lo, hi, e, next_, kinds, rows, crisp, free, near_begin, near_end):
+        return 0.0, 0.0
     worst = 0.0
     lost = 0.0
     for k in range(lo, hi + 1):

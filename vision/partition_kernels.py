@@ -33,6 +33,8 @@ SNAP = 4
 """Points by which a seed moves to the middle of its corner."""
 FAILURES = 3
 """A stretch that has failed so often with one end is not extended further."""
+ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
+"""What a stretch may be: a line or an arc, an arc, neither."""
 NO_LINE, NO_CIRCLE = 2.0, 3.0
 """In worst deviations: how far a seed may lie from the chord, or from the circle through both
 ends and the middle, of a stretch that might be a line or an arc."""
@@ -186,8 +188,8 @@ def _trim(length, guard):
 
 
 @njit(**LEAF)
-def _hopeless(px, py, a, b, position, i, j, shift, worst):
-    """Whether the seeds i + 1 .. j - 1 alone tell that points a .. b are no line and no arc."""
+def _what_seeds_allow(px, py, a, b, position, i, j, shift, worst):
+    """What points a .. b may be, by the seeds i + 1 .. j - 1 alone: ANY, BENT or NOTHING."""
     x0 = px[a]
     y0 = py[a]
     dx = px[b] - x0
@@ -199,14 +201,14 @@ def _hopeless(px, py, a, b, position, i, j, shift, worst):
         if a < k < b:
             far = max(far, abs((px[k] - x0) * dy - (py[k] - y0) * dx))
     if far <= NO_LINE * worst * chord:
-        return False
+        return ANY
     # the circle through both ends and the middle
     c = (a + b) // 2
     cx = px[c] - x0
     cy = py[c] - y0
     det = 2.0 * (cx * dy - cy * dx)
     if abs(det) < 1e-9:
-        return False
+        return BENT
     cc = cx * cx + cy * cy
     dd = dx * dx + dy * dy
     mx = (dy * cc - cy * dd) / det
@@ -214,20 +216,20 @@ def _hopeless(px, py, a, b, position, i, j, shift, worst):
     r = math.sqrt(mx * mx + my * my)
     if chord < r:
         # too little is known of a circle from points so near to each other
-        return False
+        return BENT
     for s in range(i, j):
         # the seeds, and half-way between them
         k = (position[s] + position[s + 1]) // 2 - shift
         if a < k < b:
             d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
             if abs(d) > NO_CIRCLE * worst:
-                return True
+                return NOTHING
         k = position[s] - shift
         if a < k < b:
             d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
             if abs(d) > NO_CIRCLE * worst:
-                return True
-    return False
+                return NOTHING
+    return BENT
 
 
 @njit(**LEAF)
@@ -310,7 +312,10 @@ def best_partition(
             b = hi - trim
             cost = HUGE
             bent = False
-            if j == i + 1 or not _hopeless(px, py, a, b, position, i, j, shift, worst):
+            may_be = ANY
+            if j > i + 1:
+                may_be = _what_seeds_allow(px, py, a, b, position, i, j, shift, worst)
+            if may_be == ANY or (may_be == BENT and bound > prices[ARC]):
                 cost, bent = _stretch(
                     px, py, a, b + 1, crisp, dead_zone, sigma, worst, bound, prices, sums, line,
                     circle, active,

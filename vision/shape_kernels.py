@@ -246,18 +246,17 @@ def refine_circle(px, py, lo, hi, rounds, circle):
 @njit(**SUMS)
 def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
     """The cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    n = hi - lo
     scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
     a = line[3] * scale
     b = -line[2] * scale
     c = -(line[0] * a + line[1] * b)
     bound *= sigma * sigma
     cost = 0.0
-    for first in range(0, n, CHUNK):
+    for first in range(lo, hi, CHUNK):
+        xs = px[first : min(first + CHUNK, hi)]
+        ys = py[first : min(first + CHUNK, hi)]
         beyond = 0
-        for k in range(first, min(first + CHUNK, n)):
+        for k in range(xs.shape[0]):
             d = abs(xs[k] * a + ys[k] * b + c)
             beyond += d > worst
             over = max(d - dead_zone, 0.0)
@@ -272,19 +271,17 @@ def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
 @njit(**SUMS)
 def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
     """The same for a circle."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    n = hi - lo
     cx = circle[0]
     cy = circle[1]
     r = circle[2]
     bound *= sigma * sigma
     cost = 0.0
-    for first in range(0, n, CHUNK):
+    for first in range(lo, hi, CHUNK):
+        xs = px[first : min(first + CHUNK, hi)]
+        ys = py[first : min(first + CHUNK, hi)]
         beyond = 0
-        last = min(first + CHUNK, n)
         if crisp:
-            for k in range(first, last):
+            for k in range(xs.shape[0]):
                 x = abs(xs[k] - cx)
                 y = abs(ys[k] - cy)
                 away = math.sqrt(x * x + y * y)
@@ -293,7 +290,7 @@ def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
                 over = max(d - dead_zone, 0.0)
                 cost += over * over
         else:
-            for k in range(first, last):
+            for k in range(xs.shape[0]):
                 x = xs[k] - cx
                 y = ys[k] - cy
                 d = abs(math.sqrt(x * x + y * y) - r)
