@@ -45,7 +45,9 @@ CALM_NOISE, WILD_NOISE = 4.0, 25.0
 BUSY_NOISE = 12.0
 """Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper."""
 LEFT_BY_GAUSSIAN = 0.2821
-"""The share of white noise that a Gaussian of sigma 1 leaves."""
+"""The share of white noise that a Gaussian of sigma 1 leaves; less for a wider one."""
+LEFT_BY_BINOMIAL = 0.2734
+"""The same for the binomial of 5 x 5 pixels, whose sigma is 1 too."""
 FREE_LEVEL = 200.0
 """Grey value that free pixels get when the picture is divided by its light."""
 
@@ -126,8 +128,13 @@ class _Look:
             return self.grey, 1.0
         sigma = 1.0 if noise < WILD_NOISE else 2.0
         if sigma not in self._smoothed:
-            self._smoothed[sigma] = cv2.GaussianBlur(self.grey, (0, 0), sigma)
-        return self._smoothed[sigma], LEFT_BY_GAUSSIAN / sigma
+            # the binomial takes half the time of the Gaussian of its width
+            self._smoothed[sigma] = (
+                cv2.GaussianBlur(self.grey, (5, 5), 0.0)
+                if sigma == 1.0
+                else cv2.GaussianBlur(self.grey, (0, 0), sigma)
+            )
+        return self._smoothed[sigma], LEFT_BY_BINOMIAL if sigma == 1.0 else LEFT_BY_GAUSSIAN / sigma
 
 
 def as_grey(image: NDArray[Any]) -> NDArray[Any]:
