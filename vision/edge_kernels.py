@@ -216,10 +216,9 @@ def _look_beside(level, by_level, n, work):
             light_side = (b2[i] >= level) & (b3[i] >= level)
             clear[i] = clear[i] if dark_side & light_side else 0.0
     for i in range(n):
-        mean = 0.5 * (a2[i] + a3[i])
-        dark[i] = a2[i] if mean > level else mean
-        mean = 0.5 * (b3[i] + b4[i])
-        light[i] = b3[i] if mean < level else mean
+        # the outermost sample may lie beyond a thin wall, or a narrow gap
+        dark[i] = 0.5 * (a2[i] + a3[i]) if a3[i] < level else a2[i]
+        light[i] = 0.5 * (b3[i] + b4[i]) if b4[i] >= level else b3[i]
         near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
         far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.contours import EdgePoints
+from vision.contours import Borders, EdgePoints
 from vision.edge_prices import edge_prices
 from vision.fitting_kernels import fit_borders
 from vision.structure import FittedBorders
@@ -81,18 +81,25 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
 def fit_edges(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
-    areas: NDArray[np.int64],
-    owners: NDArray[np.int64],
+    borders: Borders,
     tolerance: Tolerance,
+    *,
+    in_picture: bool = True,
 ) -> FittedBorders:
     """Partition every border into lines and arcs, or take it for a circle. O(points).
 
-    ``areas`` and ``owners`` (b,) as in ``vision.contours.Borders``.
+    ``in_picture``: the points are the picture's own, and without grey the edges can be compared
+    with the borders' cracks.
     """
+    known = len(borders.x) if in_picture else 0
     kind, edge_starts, edge_kind, data = fit_borders(
         np.ascontiguousarray(points),
         starts,
-        loss_budgets(np.diff(starts), areas, owners),
+        loss_budgets(np.diff(starts), borders.area, borders.owner),
+        borders.x[:known],
+        borders.y[:known],
+        borders.direction[:known],
+        borders.starts,
         tolerance.crisp,
         tolerance.dead_zone_px,
         tolerance.sigma_px,

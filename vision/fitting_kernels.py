@@ -22,7 +22,7 @@ from numba import njit
 from vision.cover_kernels import LINE, check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
-from vision.mend_kernels import measure_residuals, mend
+from vision.mend_kernels import find_cracks, measure_residuals, mend, middles
 from vision.partition_kernels import partition
 from vision.shape_kernels import (
     HALF,
@@ -48,6 +48,8 @@ CALM_LOSS_PX = 0.02
 """Deviation that does not count as area lost."""
 STRICTER, STRICTER_BY = 4, 0.4
 """Times that a border without grey is broken, and by how much more each time a pixel counts."""
+SURE = 0.5
+"""Pixels by which mending is stricter than the search: it counts some pairs of pixels once."""
 MENDS = np.int64(2)
 """Times that lost stretches alone are mended before a border becomes chords all around."""
 CHORD_PX, CRISP_CHORD_PX = 0.45, 0.34
@@ -62,11 +64,13 @@ NONE, ONE = np.int64(0), np.int64(1)
 
 @njit(cache=True, nogil=True)
 def fit_borders(
-    points, point_starts, budgets, crisp, dead_zone, sigma, spread, blur, guard, trim, prices
-):
+    points, point_starts, budgets, crack_x, crack_y, crack_way, crack_starts, crisp, dead_zone,
+    sigma, spread, blur, guard, trim, prices,
+):  # fmt: skip
     """Lines, arcs and circles of every border.
 
-    ``budgets`` (b,): the area in pixels that each border's edges may lose; ``crisp``: a picture
+    ``budgets`` (b,): the area in pixels that each border's edges may lose; the borders' cracks as
+    in ``vision.contours.Borders``, or none where points are not the picture's; ``crisp``: a picture
     without grey; ``spread``: what noise does to a point; ``guard``, ``trim``: how far a fit, and
     the search, keep from corners; ``prices`` (3,) of a line, an arc and a circle. Returns
     ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
@@ -79,7 +83,10 @@ def fit_borders(
     longest = 0
     for b in range(borders):
         longest = max(longest, point_starts[b + 1] - point_starts[b])
-    room = points.shape[0] + borders
+    exact = crisp and crack_x.shape[0] > 0
+    room = max(points.shape[0], crack_x.shape[0]) + borders
+    for b in range(borders if exact else 0):
+        longest = max(longest, crack_starts[b + 1] - crack_starts[b])
     border_kind = np.empty(borders, np.int8)
     edge_starts = np.empty(borders + 1, np.int64)
     kind = np.empty(room, np.int8)
@@ -87,6 +94,10 @@ def fit_borders(
     at = np.empty(room, np.int64)
     state = np.empty(longest + 1, np.int64)
     inside = np.empty(longest + 1, np.bool_)
+    qx = np.empty(2 * longest + 2 if exact else 1, np.float64)
+    qy = np.empty(2 * longest + 2 if exact else 1, np.float64)
+    upright = np.empty(longest + 1, np.bool_)
+    cracks = np.empty(longest + 1, np.int64)
     px = np.empty(2 * longest + 2, np.float64)
     py = np.empty(2 * longest + 2, np.float64)
     is_seed = np.empty(longest + 1, np.bool_)
@@ -201,12 +212,17 @@ def fit_borders(
             if kind[i] != LINE:
                 data[i, 2] += ox
                 data[i, 3] += oy
-        if crisp:
+        if exact:
+            these = slice(crack_starts[b], crack_starts[b + 1])
+            m = middles(crack_x[these], crack_y[these], crack_way[these], qx, qy, upright)
+            find_cracks(px, py, n, ox, oy, qx, qy, m, cracks)
+            for i in range(begin, count):
+                at[i] = cracks[at[i]]
             count = mend(
-                px, py, n, ox, oy, at, kind, data, begin, count, budget, MENDS, chord, 0.5 * chord,
-                state, inside, is_seed, seeds,
+                qx, qy, upright, m, at, kind, data, begin, count, budget - SURE, MENDS, chord,
+                0.5 * chord, state, inside, is_seed, seeds,
             )  # fmt: skip
-            measure_residuals(px, py, n, ox, oy, at, kind, data, begin, count)
+            measure_residuals(qx, qy, upright, m, at, kind, data, begin, count)
         if count - begin < 3 and not bent:
             # two lines enclose nothing: so small a border is its pixels' outline
             border_kind[b] = TINY

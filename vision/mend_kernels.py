@@ -1,14 +1,14 @@
 """Whether finished edges separate the pixels of a border without grey, and the cure where not.
 
 Rules and units
-- Every edge point of a picture without grey is the middle of a crack, between the centres of an
-  obstacle pixel and a free one, half a pixel away each. Edges drawn again give both back exactly
-  where they cross the way from one centre to the other an odd number of times: no estimate.
-- ``px``, ``py`` as in ``vision.shape_kernels``: one border's n points, twice over; (ox, oy) is
-  added for their place in the picture. Points between cracks (a calibrated picture's) are let be.
+- A crack lies between the centres of an obstacle pixel and a free one, half a pixel away each.
+  Edges drawn again give both back exactly where they cross the way from one centre to the other
+  an odd number of times: no estimate.
+- ``qx``, ``qy``: the middles of one border's n cracks, twice over, in the picture's pixels;
+  ``upright`` (n,): whether the crack is, so that its pixels lie side by side.
 - Edges ``begin .. count - 1`` of ``kind`` and ``data`` (see ``vision.fitting_kernels``), whose
-  first points' indices are in ``at``, ascending around the border.
-- A cure replaces the stretch of lost points alone, by chords from point to point; the edges on
+  first cracks' indices are in ``at``, ascending around the border.
+- A cure replaces the stretch of lost cracks alone, by chords from middle to middle; the edges on
   both sides stay what they are.
 """
 
@@ -23,19 +23,60 @@ from numba import njit
 
 from vision.cover_kernels import ARC_CCW, FLATTEST_PX, LINE, chords
 from vision.kernel_options import LEAF
+from vision.shape_kernels import HUGE
 
 HALF = 0.5
-LATTICE_PX = 1e-6
-"""A point so near to the middle of a crack is one."""
+AHEAD, SAME_PX = 12, 1e-6
+"""The crack of an edge point is looked for among so many; one so near is it."""
 NEAR_JOINT_PX = 2.0
 """So near to a joint more than its own edge may pass a point."""
 NEIGHBOURS = 2
 """Edges on either side that may pass a point."""
+JUT_PX, AROUND, TOUCH_PX = 1.2, 8, 0.51
+"""A corner farther from its border may hold a pixel that is none of the object's; it is compared
+with so many cracks on either side. A free pixel touches the obstacle across a crack's middle."""
 GRAVE_PX = 0.75
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
 than one from what is drawn."""
 OK, LOST, GRAVE = 0, 1, 2
 """What becomes of a point."""
+
+
+@njit(**LEAF)
+def middles(xs, ys, directions, qx, qy, upright):
+    """Fill ``qx``, ``qy`` and ``upright`` from a border's cracks; returns their number."""
+    n = xs.shape[0]
+    for k in range(n):
+        d = np.int64(directions[k])
+        upright[k] = d & 1 == 1
+        qx[k] = xs[k] + HALF * ((d & 1) * (2 - d))
+        qy[k] = ys[k] + HALF * ((1 - (d & 1)) * (d - 1))
+        qx[n + k] = qx[k]
+        qy[n + k] = qy[k]
+    qx[2 * n] = qx[0]
+    qy[2 * n] = qy[0]
+    return n
+
+
+@njit(**LEAF)
+def find_cracks(px, py, points, ox, oy, qx, qy, n, cracks):
+    """``cracks`` (points,): which crack every edge point was measured across, ascending."""
+    c = -1
+    for k in range(points):
+        x = px[k] + ox
+        y = py[k] + oy
+        nearest = HUGE
+        where = c + 1
+        last = min(c + AHEAD, n - points + k)
+        for j in range(c + 1, last + 1):
+            d = abs(qx[j] - x) + abs(qy[j] - y)
+            if d < nearest:
+                nearest = d
+                where = j
+            if d < SAME_PX:
+                break
+        c = where
+        cracks[k] = c
 
 
 @njit(**LEAF)
@@ -112,14 +153,8 @@ def _distance(kind, data, i, after, x, y):
 
 
 @njit(**LEAF)
-def _judge(kind, data, begin, count, i, x, y):
+def _judge(kind, data, begin, count, i, x, y, upright):
     """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
-    fx = x - math.floor(x)
-    fy = y - math.floor(y)
-    upright = abs(fx - HALF) < LATTICE_PX and min(fy, 1.0 - fy) < LATTICE_PX
-    level = abs(fy - HALF) < LATTICE_PX and min(fx, 1.0 - fx) < LATTICE_PX
-    if not (upright or level):
-        return OK
     after = i + 1 if i + 1 < count else begin
     own = _crossings(kind, data, i, after, x, y, upright)
     near = NEAR_JOINT_PX * NEAR_JOINT_PX
@@ -145,63 +180,124 @@ def _judge(kind, data, begin, count, i, x, y):
 
 
 @njit(**LEAF)
-def _find_lost(px, py, n, ox, oy, at, kind, data, begin, count, state):
-    """``state`` (n,) of every point; how many are lost, and how many gravely."""
+def _juts_out(qx, qy, n, k, x, y, ax, ay, bx, by):
+    """Whether a corner at (x, y), before crack k, holds a pixel that touches no obstacle.
+
+    (ax, ay) and (bx, by) are where its edges come from and go to.
+    """
+    nearest = HUGE
+    for step in range(-AROUND, AROUND + 1):
+        j = (k + step + n) % n
+        nearest = min(nearest, (qx[j] - x) ** 2 + (qy[j] - y) ** 2)
+    if nearest < JUT_PX * JUT_PX:
+        return False
+    reach = math.sqrt(nearest)
+    # a pixel lies in the corner where it lies on the inner side of both edges
+    turn = (x - ax) * (by - y) - (y - ay) * (bx - x)
+    side = 1.0 if turn > 0.0 else -1.0
+    for py in range(math.ceil(y - reach), math.floor(y + reach) + 1):
+        for px in range(math.ceil(x - reach), math.floor(x + reach) + 1):
+            if (px - x) ** 2 + (py - y) ** 2 >= nearest:
+                continue
+            if side * ((x - ax) * (py - ay) - (y - ay) * (px - ax)) < 0.0:
+                continue
+            if side * ((bx - x) * (py - y) - (by - y) * (px - x)) < 0.0:
+                continue
+            touches = False
+            for step in range(-AROUND, AROUND + 1):
+                j = (k + step + n) % n
+                touches = touches or (qx[j] - px) ** 2 + (qy[j] - py) ** 2 < TOUCH_PX * TOUCH_PX
+            if not touches:
+                return True
+    return False
+
+
+@njit(**LEAF)
+def _find_lost(qx, qy, upright, n, at, kind, data, begin, count, state):
+    """``state`` (n,) of every crack; pixels lost at most, and how many cracks gravely."""
     lost = 0
     grave = 0
     for i in range(begin, count):
+        after = i + 1 if i + 1 < count else begin
         lo = at[i]
-        hi = at[i + 1 if i + 1 < count else begin]
+        hi = at[after]
         hi = hi + n if hi <= lo else hi
         for k in range(lo, hi):
-            found = _judge(kind, data, begin, count, i, px[k] + ox, py[k] + oy)
-            state[k - n if k >= n else k] = found
+            here = k - n if k >= n else k
+            found = _judge(kind, data, begin, count, i, qx[k], qy[k], upright[here])
+            state[here] = found
             lost += found != OK
             grave += found == GRAVE
+    for i in range(begin, count):
+        after = i + 1 if i + 1 < count else begin
+        before = i - 1 if i > begin else count - 1
+        if kind[i] == LINE and kind[before] == LINE and _juts_out(
+            qx, qy, n, at[i], data[i, 0], data[i, 1], data[before, 0], data[before, 1],
+            data[after, 0], data[after, 1],
+        ):  # fmt: skip
+            state[at[i]] = GRAVE
+            grave += 1
     return lost, grave
 
 
 @njit(**LEAF)
-def _mark_runs(state, n, lost, budget, lengths, inside):
-    """Mark in ``inside`` the runs of lost points that have to go, and one point beyond each.
+def _weigh_runs(upright, n, state, weights):
+    """Per run of lost cracks how many pixels, where it ends: negative where one is grave.
 
-    Those with a grave point, then the longest ones until the border loses no more than it may.
+    A pixel is lost at one upright and one level crack where the border runs aslant. Returns
+    the pixels of all runs, and of the heaviest one that is not grave.
     """
-    for k in range(n):
-        inside[k] = False
-        lengths[k] = 0
     start = 0
     while state[start] != OK:
         start += 1
-    # the length of its run at its last point, negative where it is grave; by length, how many
-    longest = 0
-    run = 0
+    total = 0
+    heaviest = 0
+    standing = 0
+    lying = 0
     grave = False
+    for k in range(n):
+        weights[k] = 0
     for t in range(1, n + 1):
         k = start + t if start + t < n else start + t - n
         if state[k] != OK:
-            run += 1
+            standing += upright[k]
+            lying += not upright[k]
             grave = grave or state[k] == GRAVE
             continue
-        if run > 0:
-            lengths[k - 1 if k > 0 else n - 1] = -run if grave else run
-            lost -= run if grave else 0
-            longest = max(longest, 0 if grave else run)
-        run = 0
+        pixels = max(standing, lying)
+        if pixels > 0:
+            weights[k - 1 if k > 0 else n - 1] = -pixels if grave else pixels
+            total += pixels
+            heaviest = max(heaviest, 0 if grave else pixels)
+        standing = 0
+        lying = 0
         grave = False
-    least = longest + 1
-    while lost > budget and least > 1:
+    return total, heaviest
+
+
+@njit(**LEAF)
+def _mark_runs(state, n, budget, total, heaviest, weights, inside):
+    """Mark in ``inside`` the runs of lost cracks that have to go, and one crack beyond each.
+
+    Those with a grave one, then the heaviest until the border loses no more than it may.
+    """
+    for k in range(n):
+        inside[k] = False
+        total += min(weights[k], 0)
+    least = heaviest + 1
+    while total > budget and least > 1:
         least -= 1
         for k in range(n):
-            if lengths[k] == least:
-                lost -= least
+            if weights[k] == least:
+                total -= least
     for k in range(n):
-        run = abs(lengths[k])
-        if run > 0 and (lengths[k] < 0 or run >= least):
-            for t in range(-1, run + 1):
-                j = k - t
-                j = j + n if j < 0 else j
-                inside[j - n if j >= n else j] = True
+        if weights[k] < 0 or weights[k] >= max(least, 1):
+            j = k
+            while state[j] != OK:
+                inside[j] = True
+                j = j - 1 if j > 0 else n - 1
+            inside[j] = True
+            inside[k + 1 if k + 1 < n else 0] = True
 
 
 @njit(**LEAF)
@@ -228,35 +324,39 @@ def _on_edge(kind, data, i, after, x, y, out):
 
 @njit(cache=True, nogil=True)
 def mend(
-    px, py, n, ox, oy, at, kind, data, begin, count, budget, rounds, chord, residual, state,
+    qx, qy, upright, n, at, kind, data, begin, count, budget, rounds, chord, residual, state,
     inside, is_seed, found,
 ):  # fmt: skip
     """Replace what loses more pixels than ``budget`` by chords; returns the new ``count``.
 
     ``residual``: the deviation that a chord is written with. ``state``, ``inside``, ``is_seed``,
-    ``found`` (n + 1,) are room to work in. Border points are at least as many as edges, before and
-    after.
+    ``found`` (n + 1,) are room to work in. There are never more edges than cracks.
     """
+    total = heaviest = 0
     for again in range(rounds + 1):
-        lost, grave = _find_lost(px, py, n, ox, oy, at, kind, data, begin, count, state)
+        lost, grave = _find_lost(qx, qy, upright, n, at, kind, data, begin, count, state)
         if lost <= budget and grave == 0:
             break
+        if 2 * lost < n:
+            total, heaviest = _weigh_runs(upright, n, state, found)
+            if total <= budget and grave == 0:
+                break
         if again < rounds and 2 * lost < n:
-            _mark_runs(state, n, lost, budget, found, inside)
+            _mark_runs(state, n, budget, total, heaviest, found, inside)
             first = begin
             while first < count and inside[at[first]]:
                 first += 1
             if first < count:
                 count = _replace(
-                    px, py, n, ox, oy, at, kind, data, begin, count, first, chord, residual,
+                    qx, qy, upright, n, at, kind, data, begin, count, first, chord, residual,
                     inside, is_seed, found,
                 )  # fmt: skip
                 continue
         # little would be left: chords all around
-        edges = chords(px, py, 0, n, chord, is_seed, found)
+        edges = chords(qx, qy, 0, n, chord, is_seed, found)
         for t in range(edges):
             i = begin + t
-            _write(kind, data, at, i, px[found[t]] + ox, py[found[t]] + oy, found[t], residual)
+            _write(kind, data, at, i, qx[found[t]], qy[found[t]], found[t], residual)
         count = begin + edges
         break
     return count
@@ -276,7 +376,7 @@ def _write(kind, data, at, i, x, y, k, residual):
 
 @njit(cache=True, nogil=True)
 def _replace(
-    px, py, n, ox, oy, at, kind, data, begin, count, first, chord, residual, inside, is_seed,
+    qx, qy, upright, n, at, kind, data, begin, count, first, chord, residual, inside, is_seed,
     found,
 ):  # fmt: skip
     """Chords instead of the points that are ``inside``; returns the new count."""
@@ -308,19 +408,19 @@ def _replace(
                 spot[0] = rows[e, 0]
                 spot[1] = rows[e, 1]
                 if k > lo:
-                    _on_edge(kinds, rows, e, after, px[k] + ox, py[k] + oy, spot)
+                    _on_edge(kinds, rows, e, after, qx[k], qy[k], spot)
                 _write(kind, data, at, i, spot[0], spot[1], here, residual)
                 i += 1
             if not inside[next_]:
                 end = k + n if turned else k
-                m = chords(px, py, begun, end, chord, is_seed, found)
+                m = chords(qx, qy, begun, end, chord, is_seed, found)
                 for s in range(1, m):
                     q = found[s]
-                    x = px[q] + ox
-                    y = py[q] + oy
+                    x = qx[q]
+                    y = qy[q]
                     _write(kind, data, at, i, x, y, q - n if q >= n else q, residual)
                     i += 1
-                _on_edge(kinds, rows, e, after, px[k] + ox, py[k] + oy, spot)
+                _on_edge(kinds, rows, e, after, qx[k], qy[k], spot)
                 _keep(kind, data, at, i, kinds, rows, e, spot[0], spot[1], here)
                 i += 1
     for j in range(begin, i):
@@ -362,7 +462,7 @@ def _straighten(kind, data, at, n, begin, count, j):
 
 
 @njit(**LEAF)
-def measure_residuals(px, py, n, ox, oy, at, kind, data, begin, count):
+def measure_residuals(qx, qy, upright, n, at, kind, data, begin, count):
     """Write every edge's rms distance from the points of its stretch, all of them."""
     for i in range(begin, count):
         after = i + 1 if i + 1 < count else begin
@@ -371,6 +471,6 @@ def measure_residuals(px, py, n, ox, oy, at, kind, data, begin, count):
         hi = hi + n if hi <= lo else hi
         total = 0.0
         for k in range(lo, hi + 1):
-            d = _distance(kind, data, i, after, px[k] + ox, py[k] + oy)
+            d = _distance(kind, data, i, after, qx[k], qy[k])
             total += d * d
         data[i, 5] = math.sqrt(total / (hi + 1 - lo))

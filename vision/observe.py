@@ -85,7 +85,11 @@ def extract(
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
     placement = Placement.of(calibration, bounds, binary.size)
     fitted = fit_edges(
-        placement.rectified(edges.points), edges.starts, borders.area, borders.owner, tolerance
+        placement.rectified(edges.points),
+        edges.starts,
+        borders,
+        tolerance,
+        in_picture=calibration is None,
     )
     specks = find_specks(borders, binary.noise, binary.contrast)
     objects = build_objects(borders, fitted, placement, specks.borders)
