@@ -27,6 +27,8 @@ CYCLE_S = 0.05
 """The longest cycle: without a frame."""
 BRAKING_S = 0.3 / 0.5
 LEASE_S = 0.5
+DRIVE_LAG_S = 0.05
+"""The simulated wheels follow with a delay: below a centimetre a second they fade away."""
 HIGH_CAMERA = {
     "position_m": (1.155, 0.975, 2.9), "focal_px": 617.5, "centre_offset_px": (2.6, -1.9)
 }  # fmt: skip
@@ -207,7 +209,11 @@ def test_a_robot_whose_processor_hangs_is_said_and_goes_on_when_it_is_back(arena
 
 
 def test_a_control_loop_that_hangs_stops_the_robot_by_its_lease(arena: Arena) -> None:
-    arena.world.wait(0.5 + 0.1 + BRAKING_S)
+    arena.world.wait(LEASE_S + BRAKING_S + DRIVE_LAG_S)
+    before = arena.world.robot.pose()
+    arena.world.wait(0.01)
+    assert math.dist(before[:2], arena.world.robot.pose()[:2]) <= 0.01 * 0.01, "creeps at most"
+    arena.world.wait(2 * DRIVE_LAG_S)
     assert arena.stands()
     assert cycle_until(arena.daemon, lambda now: now.mission.is_over).mission.state is State.DONE
 
