@@ -151,7 +151,7 @@ def stretch(minutes: float) -> Rows:
         end_s = time.monotonic() + 60.0 * minutes
         while time.monotonic() < end_s:
             state = _order(folder, {"order": "status"})["state"]
-            if state in ("idle", "done"):
+            if state in ("idle", "done", "failed"):  # a busy machine may hold too long
                 x_m, y_m = PATROL[missions % len(PATROL)]
                 _order(folder, {"order": "go", "stations": [{"x_m": x_m, "y_m": y_m}]})
                 missions += 1
