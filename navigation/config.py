@@ -11,14 +11,14 @@ Rules
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
 from navigation.config_checks import CHECKS
-from navigation.config_errors import ConfigError, Problem, mark_of, problems_of
+from navigation.config_errors import ConfigError, Problem, mark_of, model_in, problems_of
 from navigation.config_marks import Document, Location, read_document
 from navigation.config_sections import Config
 from planner.path import Limits
@@ -26,6 +26,10 @@ from planner.path import Limits
 __all__ = ["Config", "ConfigError", "limits_of", "load_config", "parse_config"]
 
 ENVIRONMENT_PREFIX = "CLEARWAY_"
+OTHERS_VARIABLES = (
+    "CLEARWAY_DEBUG", "CLEARWAY_REAL_DATA", "CLEARWAY_FAIL_ON_SKIP", "CLEARWAY_CHROMIUM"
+)  # fmt: skip
+"""The command line's and the tests'; they configure no run."""
 
 
 def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
@@ -63,10 +67,10 @@ def parse_config(
         place = mark_of(document, ())
         raise ConfigError(name, [Problem((), "must be sections (key: value lines)", place)], text)
     from_environment, bad_overrides = _override(document.data, environment or {})
-    config, problems = _validate(document, folder)
+    config, problems, sound = _validate(document, folder)
     told = [_sourced(problem, from_environment) for problem in problems]
     if config is None or defects or told or bad_overrides:
-        raise ConfigError(name, _in_order([*defects, *told, *bad_overrides]), text)
+        raise ConfigError(name, in_order([*defects, *told, *bad_overrides]), text, sound)
     return config
 
 
@@ -88,18 +92,37 @@ def limits_of(config: Config) -> Limits:
     )
 
 
-def _validate(document: Document, folder: Path | None) -> tuple[Config | None, list[Problem]]:
+def _validate(
+    document: Document, folder: Path | None
+) -> tuple[Config | None, list[Problem], dict[str, Any]]:
+    """The configuration, what is wrong, and the sections that can be trusted all the same."""
     context = {"folder": folder}
     try:
         config = Config.model_validate(document.data, context=context)
     except ValidationError as error:
         errors = error.errors(include_url=False)
         problems = list(problems_of(errors, document, Config))
-        bad = {str(e["loc"][0]) for e in errors}
-        sound = _sound_sections(document.data, bad, context)
-        return None, [*problems, *_cross_problems(sound, document)]
+        unknown = [tuple(e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
+        bad = {str(e["loc"][0]) for e in errors if tuple(e["loc"]) not in unknown}
+        sound = _sound_sections(_without(document.data, unknown), bad, context)
+        return None, [*problems, *_cross_problems(sound, document)], sound
     sections = {name: getattr(config, name) for name in Config.model_fields}
-    return config, list(_cross_problems(sections, document))
+    return config, list(_cross_problems(sections, document)), sections
+
+
+def _without(data: Any, keys: Sequence[Location]) -> Any:
+    """The data without those keys; they are told, and the rest can be looked at."""
+    here = {where[0] for where in keys if len(where) == 1}
+    if isinstance(data, dict):
+        pairs = data.items()
+        return {k: _without(v, _below(keys, k)) for k, v in pairs if k not in here}
+    if isinstance(data, list):
+        return [_without(v, _below(keys, i)) for i, v in enumerate(data)]
+    return data
+
+
+def _below(keys: Sequence[Location], part: Any) -> list[Location]:
+    return [where[1:] for where in keys if len(where) > 1 and where[0] == part]
 
 
 def _sound_sections(
@@ -129,7 +152,7 @@ def _override(
             continue
         source = f"environment {name}"
         if "__" not in name:
-            problems += _one_underscore_only(name, source)
+            problems += _sets_nothing(name, source)
             continue
         where = _location(name)
         value = read_document(environment[name])
@@ -148,14 +171,27 @@ def _location(name: str) -> Location:
     return tuple(int(part) if part.isdecimal() else part for part in parts)
 
 
-def _one_underscore_only(name: str, source: str) -> Iterator[Problem]:
+def _sets_nothing(name: str, source: str) -> Iterator[Problem]:
     """CLEARWAY_SERIAL_PORT would be ignored for ever where CLEARWAY_SERIAL__PORT was meant."""
     rest = name[len(ENVIRONMENT_PREFIX) :].lower()
+    if name in OTHERS_VARIABLES:
+        return
+    if rest in Config.model_fields:
+        key = f"{name}__{_first_key(rest).upper()}"
+        yield Problem((), f"sets nothing: name a key of the section, as in {key}", source=source)
+        return
     for section in Config.model_fields:
         if rest.startswith(f"{section}_"):
             meant = f"{ENVIRONMENT_PREFIX}{section.upper()}__{rest[len(section) + 1 :].upper()}"
             yield Problem((), f"sets nothing; did you mean {meant}?", source=source)
             return
+    sections = ", ".join(Config.model_fields)
+    yield Problem((), f"sets nothing: the sections are {sections}", source=source)
+
+
+def _first_key(section: str) -> str:
+    model = model_in(Config.model_fields[section].annotation)
+    return next(iter(model.model_fields)) if model else "0"
 
 
 def _set(data: dict[str, Any], where: Location, value: Any) -> bool:
@@ -183,7 +219,8 @@ def _sourced(problem: Problem, came_from: Mapping[Location, str]) -> Problem:
     return problem
 
 
-def _in_order(problems: list[Problem]) -> list[Problem]:
+def in_order(problems: list[Problem]) -> list[Problem]:
+    """As they stand in the file, from the top."""
     return sorted(problems, key=lambda p: (p.mark.line, p.mark.column) if p.mark else (0, 0))
 
 

@@ -166,6 +166,15 @@ def _simulated_robots_are_known(other_robots: Any, simulation: Any) -> _Found:
             )
 
 
+def _obstacles_appear_before_they_vanish(simulation: Any) -> _Found:
+    for index, one in enumerate(() if simulation is None else simulation.obstacles):
+        if one.until_s is not None and one.until_s <= one.from_s:
+            yield (
+                ("simulation", "obstacles", index, "until_s"),
+                f"must be > {one.from_s:g}, its from_s, not {one.until_s:g}",
+            )
+
+
 def _lease_outlives_the_pose(safety: Any) -> _Found:
     if safety.lease_s < safety.pose_stale_s:
         yield (
@@ -200,6 +209,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
     (("other_robots", "simulation"), _simulated_robots_are_known),
+    (("simulation",), _obstacles_appear_before_they_vanish),
     (("safety",), _lease_outlives_the_pose),
     (("dashboard",), _strangers_need_a_token),
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +28,8 @@ class Problem:
     message: str
     mark: Mark | None = None
     source: str = ""
+    is_secret: bool = False
+    """What stands there is shown to nobody."""
 
     @property
     def key(self) -> str:
@@ -40,9 +42,18 @@ class ConfigError(ValueError):
 
     exit_code = 78
 
-    def __init__(self, file: str, problems: Sequence[Problem], text: str = "") -> None:
+    def __init__(
+        self,
+        file: str,
+        problems: Sequence[Problem],
+        text: str = "",
+        sound: Mapping[str, Any] | None = None,
+    ) -> None:
         self.file = file
         self.problems = tuple(problems)
+        self.text = text
+        self.sound = dict(sound or {})
+        """The sections that can be trusted all the same."""
         lines = text.splitlines()
         told = [_told(problem, file, lines) for problem in self.problems]
         if len(told) > 1:
@@ -69,7 +80,7 @@ def _told(problem: Problem, file: str, lines: Sequence[str]) -> str:
     if problem.source or mark is None:
         return f"{problem.source or file}: {what}"
     told = f"{file}:{mark.line}:{mark.column}: {what}"
-    if mark.line > len(lines):
+    if problem.is_secret or mark.line > len(lines):
         return told
     line = lines[mark.line - 1]
     shown, before = _around(line.replace("\t", " "), mark.column - 1)
@@ -115,7 +126,9 @@ def problems_of(
                 mark = mark_of(document, where[:-1], of_key=True)
                 yield Problem(where, "is missing" + _meaning(where, model), mark)
         else:
-            yield Problem(where, _sentence(error), mark_of(document, where))
+            secret = str(where[-1]).endswith("token")
+            sentence = _sentence(error, "what stands there" if secret else None)
+            yield Problem(where, sentence, mark_of(document, where), is_secret=secret)
 
 
 def _is_misspelt(where: Location, unknown: list[Location], missing: list[Location]) -> bool:
@@ -194,10 +207,10 @@ _KINDS = {
 }
 
 
-def _sentence(error: Any) -> str:
-    """What must be, and what stands there."""
+def _sentence(error: Any, instead: str | None = None) -> str:
+    """What must be, and what stands there, or ``instead`` of that."""
     kind, context = error["type"], error.get("ctx", {})
-    given = _given(error["input"])
+    given = instead or _given(error["input"])
     if kind in _KINDS:
         return f"must be {_KINDS[kind]}, not {given}"
     if kind == "literal_error":

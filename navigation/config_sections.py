@@ -8,6 +8,7 @@ docs/configuration.md are made from them.
 
 from __future__ import annotations
 
+import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -55,8 +56,10 @@ def _preference(value: Any) -> Any:
         return value
     if isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= 1:
         return float(value)
+    near = difflib.get_close_matches(str(value), words, n=1)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
     raise ValueError(
-        f"must be 'clearance', 'length', 'balanced' or a number in 0..1, not {value!r}"
+        f"must be 'clearance', 'length', 'balanced' or a number in 0..1, not {value!r}{hint}"
     )
 
 
@@ -205,8 +208,10 @@ class SafetySection(Section):
     link_stale_s: Positive = Field(
         default=0.5, description="hold when the robot did not report for longer"
     )
-    lease_s: Annotated[Positive, Field(le=10)] = Field(
-        default=0.5, description="the robot stops by itself when the host was silent for longer"
+    lease_s: Annotated[Positive, Field(le=0.5)] = Field(
+        default=0.5,
+        description="the robot stops by itself when the host was silent for longer; no robot "
+        "waits more than half a second",
     )
     max_deviation_m: Positive = Field(
         default=0.05, description="hold and plan again when further off the path"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -30,23 +30,45 @@ def command(config: Path) -> None:
 
 
 def load_checked(file: Path) -> Config:
-    """The configuration in a file; ``ConfigError`` too where a file that it names is wrong."""
-    from navigation.config import load_config
+    """The configuration in a file; ``ConfigError`` too where a file that it names is wrong.
 
-    loaded = load_config(file)
-    found = list(file_problems(loaded))
-    if found:
-        text = file.read_text(encoding="utf-8")
-        document = read_document(text)
-        problems = [Problem(where, what, mark_of(document, where)) for where, what in found]
+    What is wrong in the files and in the configuration is told together, as far as the sections
+    concerned are sound.
+    """
+    from navigation.config import in_order, load_config
+
+    try:
+        loaded = load_config(file)
+    except ConfigError as error:
+        found = _located(error.sound, error.text)
+        if not found:
+            raise
+        raise ConfigError(error.file, in_order([*error.problems, *found]), error.text) from None
+    sections = {name: getattr(loaded, name) for name in Config.model_fields}
+    text = file.read_text(encoding="utf-8")
+    problems = _located(sections, text)
+    if problems:
         raise ConfigError(str(file), problems, text)
     return loaded
 
 
 def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
     """What is wrong with the files that a sound configuration names, and with what is in them."""
-    yield from _calibration_problems(config)
-    if config.simulation is not None:
+    yield from _problems({name: getattr(config, name) for name in Config.model_fields})
+
+
+def _located(sections: Mapping[str, Any], text: str) -> list[Problem]:
+    document = read_document(text)
+    return [Problem(where, what, mark_of(document, where)) for where, what in _problems(sections)]
+
+
+def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
+    """Of the sections that there are those are checked for which everything needed is there."""
+    config = Config.model_construct(**sections)
+    if {"arena", "camera", "robot", "other_robots", "simulation"} <= sections.keys():
+        yield from _calibration_problems(config)
+    needed = {"arena", "robot", "planning", "mission", "simulation"}
+    if needed <= sections.keys() and config.simulation is not None:
         yield from _simulation_problems(config)
 
 
@@ -70,11 +92,27 @@ def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
         yield where, _unreadable(camera.calibration, error)
     except CalibrationError as error:
         yield where, str(error)
+    if calibration is not None:
+        yield from _markers_are_below(config, calibration)
     if calibration is not None and calibration.size != camera.size_px:
         (width, height), (w, h) = calibration.size, camera.size_px
         yield where, f"is for pictures of {width}x{height}, camera.size_px asks for {w}x{h}"
     elif calibration is not None:
         yield from _arena_is_seen(config, calibration)
+
+
+def _markers_are_below(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
+    from vision.calibration import CalibrationError
+
+    marked: list[tuple[Location, float]] = [(("robot",), config.robot.marker_height_m)]
+    marked += [
+        (("other_robots", i), one.marker_height_m) for i, one in enumerate(config.other_robots)
+    ]
+    for where, height_m in marked:
+        try:
+            calibration.image_from_arena([config.arena.bounds_m[:2]], height_m)
+        except CalibrationError as error:
+            yield (*where, "marker_height_m"), str(error).removeprefix(f"height_m = {height_m}: ")
 
 
 def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
@@ -92,10 +130,13 @@ def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[L
 
 def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     from navigation.simulator.arena import load_arena
+    from navigation.simulator.happenings import object_of
     from navigation.simulator.line_faults import FaultSpec, FaultSpecError
     from planner.scene import SceneError
 
     assert config.simulation is not None
+    if config.simulation.arena is None and config.simulation.arena_text is None:
+        return
     try:
         FaultSpec.parse(config.simulation.robot.faults)
     except FaultSpecError as error:
@@ -109,6 +150,11 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
     except SceneError as error:
         yield ("simulation", place), str(error)
         return
+    for index, section in enumerate(config.simulation.obstacles):
+        try:
+            object_of(section, arena)
+        except SceneError as error:
+            yield ("simulation", "obstacles", index, "record"), str(error)
     need = config.robot.radius_m + config.planning.margin_m
     for index, station in enumerate(config.mission.stations):
         clearance = float(arena.clearances([[station.x_m, station.y_m]])[0])

@@ -7,6 +7,7 @@ run. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -16,7 +17,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.config_simulation import SimulatedObstacleSection, SimulatedTrackSection
 from navigation.simulator.arena import SimulatedArena
-from planner.scene import FloatArray, SceneObject, Vec
+from planner.scene import FloatArray, SceneError, SceneObject, Vec
 from planner.scene_io import read_scene_text
 
 TURN_RATE_RAD_S = 2.0
@@ -76,16 +77,21 @@ def arenas_over_time(config: Config, arena: SimulatedArena) -> list[tuple[float,
     The first begins at 0. Raises ``SceneError`` for a record that cannot be read.
     """
     sections = () if config.simulation is None else config.simulation.obstacles
-    things = [(section, _object(section, arena)) for section in sections]
+    things = [(section, object_of(section, arena)) for section in sections]
     times = {0.0, *(s.from_s for s in sections)}
     times |= {s.until_s for s in sections if s.until_s is not None}
     return [(at_s, _with(arena, things, at_s)) for at_s in sorted(times)]
 
 
-def _object(section: SimulatedObstacleSection, arena: SimulatedArena) -> SceneObject:
-    scene = read_scene_text(
-        f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "simulation.obstacles"
-    )
+def object_of(section: SimulatedObstacleSection, arena: SimulatedArena) -> SceneObject:
+    """The obstacle of a record; ``SceneError`` where it cannot be read or holds not just one."""
+    try:
+        scene = read_scene_text(f"#@ clearway.scene/1\n#@ units m\n{section.record}\n", "record")
+    except SceneError as error:
+        # the place is the record's in a file that nobody wrote
+        raise SceneError(re.sub(r"^record:\d+:\d+: ", "", str(error))) from None
+    if len(scene.objects) != 1:
+        raise SceneError(f"must be one record, not {len(scene.objects)}")
     number = 1 + max((thing.id for thing in arena.scene.objects), default=-1)
     return replace(scene.objects[0], id=number)
 

@@ -169,6 +169,51 @@ def test_check_heeds_the_environment(
     assert "environment CLEARWAY_ROBOT__RADIUS_M: robot.radius_m" in capsys.readouterr().err
 
 
+def test_what_is_wrong_in_files_is_told_with_the_rest(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "configs/simulation.yaml").read_text()
+    text = text.replace(
+        "simulation_calibration.yaml", str(ROOT / "configs/simulation_calibration.yaml")
+    )
+    text = text.replace("polarity: dark", "polartiy: dark")
+    text = text.replace("arenas/laboratory.txt", "arenas/nope.txt")
+    (tmp_path / "run.yaml").write_text(text)
+    assert run(["check", str(tmp_path / "run.yaml")]) == 78
+    told = capsys.readouterr().err
+    assert "2 errors" in told
+    assert "did you mean 'polarity'" in told
+    assert "nope.txt: No such file" in told
+
+
+def test_an_obstacle_of_the_simulation_is_read_when_it_is_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = _init(tmp_path)
+    records = "obstacles: [{record: 'X 1'}, {record: 'C (1,1) -1'}]"
+    _changed(file, "\nsimulation:", f"\nsimulation:\n  {records}")
+    assert run(["check", str(file)]) == 78
+    told = capsys.readouterr().err
+    assert "simulation.obstacles[0].record: 'X' is not a record" in told
+    assert "simulation.obstacles[1].record: " in told
+    assert "~~" in told
+    assert run(["run", str(file), "--once"]) == 78
+
+
+def test_a_marker_above_the_camera_is_refused_beforehand(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "configs/simulation.yaml").read_text()
+    text = text.replace("marker_height_m: 0.12", "marker_height_m: 5")
+    (tmp_path / "arenas").mkdir()
+    for name in ("simulation_calibration.yaml", "arenas/laboratory.txt"):
+        (tmp_path / name).write_text((ROOT / "configs" / name).read_text())
+    (tmp_path / "run.yaml").write_text(text)
+    assert run(["check", str(tmp_path / "run.yaml")]) == 78
+    told = capsys.readouterr().err
+    assert "robot.marker_height_m: must be below the camera at 2." in told
+
+
 # The schema and the reference.
 
 

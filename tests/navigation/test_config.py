@@ -496,3 +496,47 @@ def test_the_planner_s_limits_are_the_configuration_s() -> None:
 def test_the_text_s_defaults_survive_pyyaml_as_well() -> None:
     """A configuration is plain YAML: PyYAML's own reader sees the same data."""
     assert yaml.safe_load(GOOD) == read_document(GOOD).data
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("CLEARWAY_FOO", "1", "sets nothing: the sections are arena, camera,"),
+        ("CLEARWAY_ROBOT", "{}", "sets nothing: name a key of the section, as in CLEARWAY_ROBOT__"),
+        ("CLEARWAY_VISION", "hello", "as in CLEARWAY_VISION__POLARITY"),
+    ],
+)
+def test_a_variable_that_names_no_key_is_an_error(name: str, value: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_config(GOOD, "run.yaml", None, {name: value})
+    assert told in str(caught.value)
+    assert name in str(caught.value)
+
+
+def test_a_misspelt_key_hides_nothing_that_is_wrong_across_sections() -> None:
+    text = GOOD + "planning: {slow_speed_m_s: 2.0, pefer: length}\n"
+    assert dict(_problems(text)) == {
+        "planning.pefer": "unknown key; did you mean 'prefer'?",
+        "planning.slow_speed_m_s": "must be <= 0.3, robot.speed_m_s, not 2",
+    }
+
+
+def test_a_preference_misspelt_is_guessed() -> None:
+    key, told = _the_problem(GOOD + "planning: {prefer: balansed}\n")
+    assert key == "planning.prefer"
+    assert told.endswith("not 'balansed'; did you mean 'balanced'?")
+
+
+def test_a_token_that_is_refused_is_not_shown() -> None:
+    told = _text_of_error(GOOD + "dashboard:\n  token: short-secret\n")
+    assert "dashboard.token" in told
+    assert "at least 16 characters" in told
+    assert "secret" not in told
+
+
+def test_an_obstacle_vanishes_after_it_appears() -> None:
+    text = GOOD + "  obstacles: [{record: 'C (1,1) 0.1', from_s: 9, until_s: 3}]\n"
+    assert _the_problem(text) == (
+        "simulation.obstacles[0].until_s",
+        "must be > 9, its from_s, not 3",
+    )
