@@ -39,7 +39,7 @@ PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
 """termios.error is no OSError, and pyserial lets it through after a hang-up."""
 REOPEN_FIRST_S: Final = 0.1
 REOPEN_LAST_S: Final = 2.0
-EVENTS_KEPT: Final = 10_000
+EVENTS_KEPT: Final = 500
 LATENCIES_KEPT: Final = 10_000
 
 
@@ -205,7 +205,7 @@ class SerialLink:
         self._start_thread(None)
 
     def events(self) -> list[Event]:
-        """What has happened since the last call, oldest first (10,000 are kept)."""
+        """What has happened since the last call, oldest first (the newest 500 are kept)."""
         out = []
         with contextlib.suppress(IndexError):
             while True:
