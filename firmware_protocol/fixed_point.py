@@ -78,7 +78,7 @@ def _series(z: int, coefficients: tuple[int, int, int]) -> int:
     return z * (first - ((square * (second - (square * third >> 16)) >> 16) >> 1)) >> 16
 
 
-@lru_cache(maxsize=FULL_TURN)
+@lru_cache(maxsize=4096)
 def sine(angle: int) -> int:
     """The sine, of 16384, of an angle in 0 .. 65535."""
     up = angle << 1 & 0xFFFF

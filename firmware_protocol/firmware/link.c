@@ -391,7 +391,7 @@ static uint8_t send_time(cw_link *link, uint8_t *out)
     uint8_t *at = begin_frame(link, out, CW_TIMESYNC_REPLY, link->session, 0);
     at = cw_put_u32(at, link->sync_host_us);
     at = cw_put_u32(at, link->sync_robot_us);
-    return end_frame(out, cw_put_u32(at, link->robot->now_us));
+    return end_frame(out, cw_put_u32(at, link->robot->now_us + CW_ANSWER_US));
 }
 
 static uint8_t send_status(cw_link *link, uint8_t *out)

@@ -42,6 +42,16 @@ typedef struct {
 #define CW_FULL_SPEED_MM_S 800ul
 #endif
 
+/* From the time that a TIMESYNC_REPLY tells to its first byte on the line: building and checking
+ * it takes an ATmega328P at 16 MHz so long, by its instructions; faster processors no time. */
+#ifndef CW_ANSWER_US
+#ifdef __AVR__
+#define CW_ANSWER_US 240u
+#else
+#define CW_ANSWER_US 0u
+#endif
+#endif
+
 #ifdef CW_SETTINGS_CHANGE
 extern cw_settings cw_robot_settings; /* tests run robots of several kinds in one process */
 #else
