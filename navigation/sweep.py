@@ -24,6 +24,9 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.config_values import Pose
+from navigation.simulator.arena import SimulatedArena, load_arena
+from navigation.simulator.happenings import arenas_over_time
+from planner.scene import FloatArray
 
 MOST_ATTEMPTS: Final = 3
 IN_HAND_PER_WORKER: Final = 2
@@ -35,6 +38,10 @@ NOISE_GREY: Final = 4.0
 BLUR_PX: Final = 1.2
 START_M: Final = 0.02
 START_DEG: Final = 30.0
+MOST_SPREAD: Final = 16.0
+"""A wheel's error is then 0.48: a configuration takes less than 0.5."""
+HALVINGS: Final = 10
+"""After so many the start has moved by a few hundredths of a millimetre: it stays."""
 
 
 class SweepError(ValueError):
@@ -94,18 +101,21 @@ COLUMNS: Final = tuple(field.name for field in fields(Row))
 def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Variation:
     """Variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
 
-    Errors are uniform up to the limits above times ``spread``, around the configured start.
+    Errors are uniform up to the limits above times ``spread``, around the configured start; a
+    start that would not be free is drawn towards the configured one. ``SweepError`` without a
+    simulation and for a spread outside [0, 16], beyond which no configuration allows the errors.
     """
     if config.simulation is None:
         raise SweepError("a sweep needs a section 'simulation'")
+    if not 0.0 <= spread <= MOST_SPREAD:
+        raise SweepError(f"spread {spread:g}: must be >= 0 and <= {MOST_SPREAD:g}")
     rng = np.random.default_rng([seed, run])
     # each drawn whatever the spread is, so that a wider sweep is the same one, only wider
     unit = rng.uniform(-1.0, 1.0, 9)
     share = 0.5 + 0.5 * unit
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot
     start = simulation.start
-    x0, y0, x1, y1 = config.arena.bounds_m
-    r = config.robot.radius_m
+    start_x_m, start_y_m = _free_start(config, START_M * spread * unit[:2])
     if spread == 0.0:
         left, right = robot.wheel_radius_error
         errors = (left, right, robot.track_error, robot.slip, camera.noise_grey, camera.blur_px)
@@ -121,11 +131,30 @@ def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Varia
     return Variation(
         run,
         int(rng.integers(0, 1 << 31)),
-        float(np.clip(start.x_m + START_M * spread * unit[0], x0 + r, x1 - r)),
-        float(np.clip(start.y_m + START_M * spread * unit[1], y0 + r, y1 - r)),
+        start_x_m,
+        start_y_m,
         float(start.heading_deg + START_DEG * spread * unit[2]),
         *(float(error) for error in errors),
     )
+
+
+def _free_start(config: Config, offset_m: FloatArray) -> tuple[float, float]:
+    """The configured start moved by the offset (2,), or by as many halves of it as it takes to
+    be as free as planning wants, or as the configured one where that is less."""
+    assert config.simulation is not None
+    start = config.simulation.start
+    at_m = np.array([start.x_m, start.y_m])
+    arena = _arena_at_the_start(config)
+    wanted_m = config.robot.radius_m + config.planning.margin_m
+    wanted_m = min(wanted_m, float(arena.clearances(at_m[None])[0]))
+    tried_m = at_m + offset_m * 0.5 ** np.arange(HALVINGS)[:, None]
+    free = np.flatnonzero(arena.clearances(tried_m) >= wanted_m)
+    x_m, y_m = tried_m[free[0]] if len(free) else at_m
+    return float(x_m), float(y_m)
+
+
+def _arena_at_the_start(config: Config) -> SimulatedArena:
+    return arenas_over_time(config, load_arena(config))[0][1]
 
 
 def varied(config: Config, v: Variation) -> Config:

@@ -7,14 +7,18 @@ import json
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from navigation.config import Config, load_config
+from navigation.simulator.arena import load_arena
 from navigation.sweep import (
     MOST_ATTEMPTS,
+    MOST_SPREAD,
     WHEEL_ERROR,
     Row,
     Sweep,
@@ -104,10 +108,41 @@ def test_without_spread_only_the_seed_varies(config: Config) -> None:
     assert one.model_copy(update={"seed": config.simulation.seed}) == config.simulation
 
 
-def test_the_start_stays_inside_the_arena(config: Config) -> None:
-    r = config.robot.radius_m
-    starts = [variation(config, 2, run, 100.0) for run in range(50)]
-    assert all(r <= v.start_x_m <= 2.4 - r and r <= v.start_y_m <= 1.8 - r for v in starts)
+def test_every_start_is_free(config: Config) -> None:
+    """One inside an obstacle or a wall would make a crash of a run that can be driven."""
+    arena = load_arena(config)
+    wanted_m = config.robot.radius_m + config.planning.margin_m
+    for spread in (1.0, MOST_SPREAD):
+        many = [variation(config, 2, run, spread) for run in range(60)]
+        starts = np.array([(v.start_x_m, v.start_y_m) for v in many])
+        assert arena.clearances(starts).min() >= wanted_m
+        assert len({tuple(start) for start in starts}) == 60
+    assert np.ptp(starts, axis=0).min() > 0.2
+
+
+def test_a_tight_start_varies_only_as_far_as_it_gets_no_tighter(config: Config) -> None:
+    assert config.simulation is not None
+    start = config.simulation.start.model_copy(update={"x_m": 0.1, "y_m": 0.1})
+    tight = config.simulation.model_copy(update={"start": start})
+    changed = config.model_copy(update={"simulation": tight})
+    many = [variation(changed, 2, run) for run in range(60)]
+    assert all(v.start_x_m >= 0.1 and v.start_y_m >= 0.1 for v in many)
+    assert any(v.start_x_m > 0.1 for v in many)
+
+
+@pytest.mark.parametrize("spread", [-0.1, 16.1, float("inf"), float("nan")])
+def test_a_spread_beyond_what_a_configuration_takes_is_refused(
+    spread: float, config: Config
+) -> None:
+    with pytest.raises(SweepError, match=r"spread .*: must be >= 0 and <= 16"):
+        variation(config, 2, 0, spread)
+
+
+def test_the_widest_spread_makes_legal_configurations(config: Config) -> None:
+    for run in range(60):
+        widest = varied(config, variation(config, 2, run, MOST_SPREAD)).simulation
+        assert widest is not None
+        assert type(widest).model_validate(widest.model_dump()) == widest
 
 
 def test_a_sweep_needs_a_simulation(config: Config) -> None:
@@ -193,6 +228,15 @@ def test_the_same_seeds_give_the_same_rows_in_one_process_or_in_two(
         values = {name: getattr(here, name) for name in rows[number]}
         written = {name: "" if value is None else str(value) for name, value in values.items()}
         assert written == rows[number]
+
+
+@pytest.mark.parametrize("noise_grey", [0.0, 0.00123])
+def test_a_run_with_hardly_any_noise_is_driven(noise_grey: float, small: Path) -> None:
+    """Its robot stands in the beginning: the pictures repeat, and the camera is not frozen."""
+    config = load_config(small, {})
+    quiet = replace(variation(config, 4, 0), noise_grey=noise_grey)
+    row = run_one(config, quiet)
+    assert row.state == "done", row.reason
 
 
 # A cluster.
