@@ -31,7 +31,7 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
     type=NOT_NEGATIVE,
     default=1.0,
     show_default=True,
-    help="How far errors and start vary; 0: other seeds only.",
+    help="How far errors and start vary, up to 16; 0: other seeds only.",
 )
 @click.option("--workers", type=click.IntRange(min=1), help="Processes; default: one a core.")
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster's scheduler, tcp://...")
