@@ -13,6 +13,7 @@ Rules and units
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
@@ -137,14 +138,38 @@ class _Look:
         return self._smoothed[sigma], LEFT_BY_BINOMIAL if sigma == 1.0 else LEFT_BY_GAUSSIAN / sigma
 
 
-def as_grey(image: NDArray[Any]) -> NDArray[Any]:
+def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
+    """A picture from an array, as it is, or from sequences of whole numbers, row by row.
+
+    Numbers up to 255 make 8 bits, up to 65535 16. Raises ``PictureError`` for anything else.
+    """
+    if isinstance(image, np.ndarray):
+        return image
+    if not isinstance(image, Sequence) or isinstance(image, (str, bytes)):
+        raise PictureError(
+            f"the picture is a {type(image).__name__}: must be a NumPy array or rows of numbers"
+        )
+    try:
+        values = np.array(image)
+    except ValueError:
+        raise PictureError("the picture's rows are not equally long") from None
+    if values.dtype == np.uint8 or values.dtype == np.uint16 or values.size == 0:
+        return values.astype(np.uint8) if values.size == 0 else values
+    if values.dtype.kind not in "iu":
+        raise PictureError(f"the picture's values are {values.dtype}: must be whole numbers")
+    low, high = int(values.min()), int(values.max())
+    if low < 0 or high > 65535:
+        raise PictureError(f"the picture's values are {low} .. {high}: must lie in 0 .. 65535")
+    return values.astype(np.uint8 if high <= 255 else np.uint16)
+
+
+def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
     """The picture's grey values as (h, w) uint8, or float32 in 0 .. 255 from 16 bits.
 
     Takes uint8 or uint16 of shape (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, where
     what is transparent counts as white. Raises ``PictureError`` for anything else. O(pixels).
     """
-    if not isinstance(image, np.ndarray):
-        raise PictureError(f"the picture is a {type(image).__name__}: must be a NumPy array")
+    image = as_array(image)
     if image.dtype not in (np.uint8, np.uint16):
         raise PictureError(f"the picture's values are {image.dtype}: must be uint8 or uint16")
     if image.ndim not in (2, 3) or (image.ndim == 3 and image.shape[2] not in (1, 3, 4)):
@@ -167,7 +192,7 @@ def as_grey(image: NDArray[Any]) -> NDArray[Any]:
 
 
 def binarise(
-    image: NDArray[Any],
+    image: NDArray[Any] | Sequence[Any],
     *,
     polarity: Polarity = "dark",
     method: Method = "auto",
@@ -187,6 +212,7 @@ def binarise(
         raise PictureError(f"method {method!r}: must be one of {', '.join(METHODS)}")
     if polarity not in POLARITIES:
         raise PictureError(f"polarity {polarity!r}: must be one of {', '.join(POLARITIES)}")
+    image = as_array(image)
     grey = as_grey(image)
     if threshold is not None:
         if method not in ("auto", "fixed"):

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise import Binary, Method, PictureError, Polarity, binarise
+from vision.binarise import Binary, Method, PictureError, Polarity, as_array, binarise
 from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.fitting import fit_edges, tolerance_of
 from vision.paper import paper_objects
@@ -43,7 +43,7 @@ class Calibration(Protocol):
 
 
 def extract(
-    image: NDArray[Any],
+    image: NDArray[Any] | Sequence[Any],
     *,
     mode: Mode = "exact",
     polarity: Polarity = "dark",
@@ -55,8 +55,9 @@ def extract(
 ) -> Scene:
     """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
 
-    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8 or uint16, is never
-    changed. ``mode`` is ``exact`` or the paper's recipe to the letter, ``paper``.
+    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8 or uint16, or as plain
+    sequences of whole numbers, is never changed. ``mode`` is ``exact`` or the paper's recipe to
+    the letter, ``paper``.
     ``polarity`` says which side of the level is obstacle, ``method`` and ``threshold`` how
     the level is found (see ``vision.binarise``). ``calibration`` and ``bounds`` (in metres)
     make a scene in metres; objects wholly outside the bounds are dropped, with a remark.
@@ -72,6 +73,7 @@ def extract(
     if bounds is not None and calibration is None:
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
     clock = _StopWatch()
+    image = as_array(image)
     skip = ignored_pixels(ignore, image)
     binary = binarise(
         image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
