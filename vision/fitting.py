@@ -32,6 +32,9 @@ STAIRCASE_PX = 0.5
 LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
 """Area that an object's edges may lose, as a share of its own, and in pixels."""
 
+HELD_AREA = 400
+"""Pixels from which an object drawn again covers its own, whether or not it is round."""
+
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
@@ -92,10 +95,12 @@ def fit_edges(
     with the borders' cracks.
     """
     known = len(borders.x) if in_picture else 0
+    pixels = np.bincount(borders.owner, borders.area, len(borders.owner))[borders.owner]
     kind, edge_starts, edge_kind, data = fit_borders(
         np.ascontiguousarray(points),
         starts,
         loss_budgets(np.diff(starts), borders.area, borders.owner),
+        pixels >= HELD_AREA,
         borders.x[:known],
         borders.y[:known],
         borders.direction[:known],

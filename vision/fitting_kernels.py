@@ -50,6 +50,8 @@ STRICTER, STRICTER_BY = 4, 0.4
 """Times that a border without grey is broken, and by how much more each time a pixel counts."""
 SURE = 0.5
 """Pixels by which mending is stricter than the search: it counts some pairs of pixels once."""
+CIRCLE_LOSS = 1.3
+"""How much more than its edges might a circle may lose that spares them all."""
 MENDS = np.int64(2)
 """Times that lost stretches alone are mended before a border becomes chords all around."""
 CHORD_PX, CRISP_CHORD_PX = 0.45, 0.34
@@ -64,13 +66,14 @@ NONE, ONE = np.int64(0), np.int64(1)
 
 @njit(cache=True, nogil=True)
 def fit_borders(
-    points, point_starts, budgets, crack_x, crack_y, crack_way, crack_starts, crisp, dead_zone,
-    sigma, spread, blur, guard, trim, prices,
+    points, point_starts, budgets, held, crack_x, crack_y, crack_way, crack_starts, crisp,
+    dead_zone, sigma, spread, blur, guard, trim, prices,
 ):  # fmt: skip
     """Lines, arcs and circles of every border.
 
-    ``budgets`` (b,): the area in pixels that each border's edges may lose; the borders' cracks as
-    in ``vision.contours.Borders``, or none where points are not the picture's; ``crisp``: a picture
+    ``budgets`` (b,): the area in pixels that each border's edges may lose; ``held`` (b,): whether a
+    circle is held to that too, without grey; the borders' cracks as in
+    ``vision.contours.Borders``, or none where points are not the picture's; ``crisp``: a picture
     without grey; ``spread``: what noise does to a point; ``guard``, ``trim``: how far a fit, and
     the search, keep from corners; ``prices`` (3,) of a line, an arc and a circle. Returns
     ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
@@ -144,7 +147,7 @@ def fit_borders(
         budget = budgets[b]
         strict = sigma
         round_cost = _circle_of_all(
-            px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active
+            px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active, held[b]
         )
         edges = 0
         for _ in range(STRICTER if crisp else 1):
@@ -232,7 +235,7 @@ def fit_borders(
 
 
 @njit(**LEAF)
-def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, price, circle, active):
+def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, price, circle, active, held):
     """The circle through a whole border and its cost with its price; HUGE where it is none."""
     # a sample tells most other shapes from a circle
     if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
@@ -247,6 +250,8 @@ def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, price, cir
             lost = lost_to_circle(px, py, n, circle)
             if lost <= budget:
                 return price
+            if held and lost > max(CIRCLE_LOSS * budget, 1.0):
+                return HUGE
     return price + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
 
 
