@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from planner.scene import Bounds, Scene, SceneObject
 from vision.binarise import Binary, Method, PictureError, Polarity, as_array, binarise
 from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
+from vision.cover import is_drawing, keep_cover
 from vision.fitting import fit_edges, tolerance_of
 from vision.paper import paper_objects
 from vision.placement import Placement, drop_outside, ignored_pixels
@@ -93,6 +94,8 @@ def extract(
         tolerance,
         in_picture=calibration is None,
     )
+    if calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)):
+        fitted = keep_cover(borders, fitted)
     specks = find_specks(borders, binary.noise, binary.contrast)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, remarks = drop_outside(objects, placement)
