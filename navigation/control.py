@@ -51,6 +51,9 @@ class Commanded(Protocol):
     def replan(self) -> None:
         """Plan anew from where the robot is."""
 
+    def settle(self) -> None:
+        """Return when the orders given so far were acted on, soon in any case."""
+
     def describe(self) -> Mapping[str, Any]:
         """The present state, as JSON takes it."""
         ...
@@ -189,6 +192,10 @@ class ControlServer:
             answer: dict[str, Any] = {"ok": False, "error": sentence}
         else:
             answer = carry_out(request, self._daemon)
+            if answer["ok"] and request.get("order") != "status":
+                # what the order led to, not what was before it
+                self._daemon.settle()
+                answer.update(self._daemon.describe())
             self.refused += not answer["ok"]
         connection.sendall(json.dumps(answer).encode() + b"\n")
 

@@ -52,6 +52,8 @@ if TYPE_CHECKING:
 LONGEST_CYCLE_S: Final = 0.05
 LEASE_EVERY_S: Final = 0.08
 PLANS_KEPT: Final = 200
+SETTLE_S: Final = 0.3
+"""An order's answer waits so long at most for a cycle that acts on it."""
 STOP_GRACE_S: Final = 0.35
 """On top of the time that braking takes, for the last words on the wire."""
 
@@ -117,7 +119,8 @@ class Daemon:
         self._journal = journal
         self._journalled: Mission | None = None
         self._recorder = recorder
-        self._cycles = 0
+        self._cycles = self._ended = 0
+        self._turned = threading.Condition()
 
     # Life.
 
@@ -217,6 +220,14 @@ class Daemon:
         with self._lock:
             self.pilot.replan()
 
+    def settle(self) -> None:
+        """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""
+        # the cycle under way may have decided already
+        wanted = self._ended + 2
+        self.camera.wake()
+        with self._turned:
+            self._turned.wait_for(lambda: self._ended >= wanted, SETTLE_S)
+
     def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
         """What a mission through these stations would be from where the robot is; changes nothing.
 
@@ -288,6 +299,9 @@ class Daemon:
         self.state = self._state(now_s, sight, snapshot)
         if self._recorder is not None:
             self._recorder.state(self.state, now_s)
+        with self._turned:
+            self._ended += 1
+            self._turned.notify_all()
         return self.state
 
     def _see(self, frame: Frame) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -41,6 +42,7 @@ EVENTS: Final = {
     "finished": "the run is over: state, reason, duration_s",
 }
 
+_TIME: Final = re.compile(r"\b\d+(\.\d+)? m?s\b")
 _STATE_LEVELS: Final[Mapping[State, Level]] = {
     State.HOLDING: "warning",
     State.STOPPED: "error",
@@ -121,6 +123,11 @@ class _LimitedFile(io.TextIOBase):
         self._file.close()
 
 
+def _timeless(sentence: str | None) -> str | None:
+    """The sentence without its times: that something lasts longer by now is no news."""
+    return None if sentence is None else _TIME.sub("", sentence)
+
+
 def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return round(value, 6) if math.isfinite(value) else None
@@ -148,7 +155,7 @@ class RunLog:
     def cycle(self, now: Any, camera: Any) -> None:
         """After a cycle: ``now`` is the `DaemonState`, ``camera`` the `CameraStatus`."""
         mission = now.mission
-        if self._is_news("state", (mission.state, now.sentence)):
+        if self._is_news("state", (mission.state, _timeless(now.sentence))):
             pose = now.pose
             self.write(
                 _STATE_LEVELS.get(mission.state, "info"),
@@ -167,10 +174,10 @@ class RunLog:
             path = now.path
             self.write("info", "plan", length_m=path.length, min_clearance_m=path.min_clearance)
         down = now.link.down_reason
-        if self._is_news("link", (down,)):
+        if self._is_news("link", (_timeless(down),)):
             level: Level = "info" if down is None else "warning"
             self.write(level, "link", state="up" if down is None else "down", reason=down)
-        if self._is_news("camera", (camera.state, camera.reason)):
+        if self._is_news("camera", (camera.state, _timeless(camera.reason))):
             fine = camera.state in ("running", "starting")
             reason = camera.reason or None
             self.write("info" if fine else "warning", "camera", state=camera.state, reason=reason)

@@ -92,6 +92,10 @@ class ShownDaemon:
         """Plan anew."""
         self._daemon.replan()
 
+    def settle(self) -> None:
+        """Return when the orders so far were acted on."""
+        self._daemon.settle()
+
     def describe(self) -> Mapping[str, Any]:
         """The present state."""
         return self._daemon.describe()

@@ -34,6 +34,9 @@ class Recorder:
     def resume(self) -> None:
         self.orders.append("resume")
 
+    def settle(self) -> None:
+        self.orders.append("settle")
+
     def describe(self) -> Mapping[str, Any]:
         return {"state": "idle", "reason": "waiting"}
 
@@ -58,9 +61,13 @@ def test_every_order_arrives(server: ControlServer, recorder: Recorder) -> None:
     assert send_order(server.path, {"order": "status"})["state"] == "idle"
     assert recorder.orders == [
         (Station(1.0, 2.0, 0.5, 2.0),),
+        "settle",
         ("stop", "enough"),
+        "settle",
         "pause",
+        "settle",
         "resume",
+        "settle",
     ]
 
 

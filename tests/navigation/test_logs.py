@@ -136,6 +136,19 @@ def test_a_cycle_without_news_writes_nothing() -> None:
     assert events_of(stream) == []
 
 
+def test_that_something_lasts_longer_by_now_is_no_news() -> None:
+    run, stream = run_log()
+    held = replace(DRIVING.mission, state=State.HOLDING)
+    for ms in range(200, 30_000, 50):
+        sentence = f"no picture from the camera for {ms} ms"
+        down = replace(DRIVING.link, down_reason=f"no byte for {ms / 1e3:.1f} s: is it on?")
+        lost = replace(FINE, state="lost", reason=f"unplugged; trying again in {ms / 1e3:g} s")
+        run.cycle(replace(DRIVING, mission=held, sentence=sentence, link=down), lost)
+    assert events_of(stream) == [("warning", "state"), ("warning", "link"), ("warning", "camera")]
+    run.cycle(replace(DRIVING, mission=held, sentence="the pose is old", link=down), lost)
+    assert events_of(stream) == [("warning", "state")]
+
+
 def test_a_hold_a_station_a_lost_link_and_a_lost_camera_are_news() -> None:
     run, stream = run_log()
     run.cycle(DRIVING, FINE)

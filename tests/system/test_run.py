@@ -130,6 +130,29 @@ def test_a_goal_that_nobody_can_reach_ends_with_code_3_and_the_reason(
     assert "Traceback" not in told.err
 
 
+def test_an_order_is_answered_with_what_it_led_to(write: Callable[..., Path]) -> None:
+    file = write()
+    program, socket = str(Path(sys.executable).with_name("clearway")), str(file.parent / "c.sock")
+
+    def order(*words: str) -> str:
+        told = subprocess.run(
+            [program, *words, "--socket", socket], capture_output=True, text=True, check=True
+        )
+        return told.stdout.split(":")[0]
+
+    arguments = [program, "run", str(file), "--no-dashboard", "--socket", socket]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            lines = iter(process.stdout.readline, "")
+            assert any(re.search(r"driving +at ", line) for line in lines), "it never drove"
+            assert order("pause") == "holding"
+            assert order("stop") == "stopped"
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=30)
+
+
 def test_ctrl_c_in_mid_run_ends_it_in_order(tmp_path: Path, write: Callable[..., Path]) -> None:
     program = Path(sys.executable).with_name("clearway")
     report_file = tmp_path / "report.json"
