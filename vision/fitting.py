@@ -29,12 +29,6 @@ QUIET_PX, NOISY_PX = 0.1, 0.2
 STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only."""
 
-LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
-"""Area that an object's edges may lose, as a share of its own, and in pixels."""
-
-HELD_AREA = 400
-"""Pixels from which an object drawn again covers its own, whether or not it is round."""
-
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
@@ -95,12 +89,11 @@ def fit_edges(
     with the borders' cracks.
     """
     known = len(borders.x) if in_picture else 0
-    pixels = np.bincount(borders.owner, borders.area, len(borders.owner))[borders.owner]
     kind, edge_starts, edge_kind, data = fit_borders(
         np.ascontiguousarray(points),
         starts,
-        loss_budgets(np.diff(starts), borders.area, borders.owner),
-        pixels >= HELD_AREA,
+        borders.area,
+        borders.owner,
         borders.x[:known],
         borders.y[:known],
         borders.direction[:known],
@@ -115,17 +108,3 @@ def fit_edges(
         tolerance.prices,
     )
     return FittedBorders(kind, edge_starts, edge_kind, data)
-
-
-def loss_budgets(
-    lengths: NDArray[np.int64], areas: NDArray[np.int64], owners: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Area in pixels that the edges of every border may lose, (b,) from (b,) each.
-
-    A share of the pixels that the object has itself, without its holes, divided among its
-    borders by their ``lengths`` in points.
-    """
-    whole = np.bincount(owners, areas, len(owners))[owners]
-    length = np.bincount(owners, lengths, len(owners))[owners]
-    allowed: NDArray[np.float64] = np.maximum(LOSS_SHARE * whole, LEAST_LOSS)
-    return allowed * lengths / np.maximum(length, 1)

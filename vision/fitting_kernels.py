@@ -50,6 +50,11 @@ STRICTER, STRICTER_BY = 4, 0.4
 """Times that a border without grey is broken, and by how much more each time a pixel counts."""
 SURE = 0.5
 """Pixels by which mending is stricter than the search: it counts some pairs of pixels once."""
+LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
+"""Area that an object's edges may lose, as a share of its own, and in pixels."""
+
+HELD_AREA = 400
+"""Pixels from which an object drawn again covers its own, whether or not it is round."""
 CIRCLE_LOSS = 1.3
 """How much more than its edges might a circle may lose that spares them all."""
 MENDS = np.int64(2)
@@ -66,13 +71,13 @@ NONE, ONE = np.int64(0), np.int64(1)
 
 @njit(cache=True, nogil=True)
 def fit_borders(
-    points, point_starts, budgets, held, crack_x, crack_y, crack_way, crack_starts, crisp,
+    points, point_starts, areas, owners, crack_x, crack_y, crack_way, crack_starts, crisp,
     dead_zone, sigma, spread, blur, guard, trim, prices,
 ):  # fmt: skip
     """Lines, arcs and circles of every border.
 
-    ``budgets`` (b,): the area in pixels that each border's edges may lose; ``held`` (b,): whether a
-    circle is held to that too, without grey; the borders' cracks as in
+    ``areas`` (b,): the pixels that each border encloses, holes negative; ``owners`` (b,): the
+    outline that it belongs to; the borders' cracks as in
     ``vision.contours.Borders``, or none where points are not the picture's; ``crisp``: a picture
     without grey; ``spread``: what noise does to a point; ``guard``, ``trim``: how far a fit, and
     the search, keep from corners; ``prices`` (3,) of a line, an arc and a circle. Returns
@@ -86,6 +91,9 @@ def fit_borders(
     longest = 0
     for b in range(borders):
         longest = max(longest, point_starts[b + 1] - point_starts[b])
+    budgets = np.empty(borders, np.float64)
+    pixels = np.zeros(borders, np.int64)
+    _allow_losses(point_starts, areas, owners, pixels, budgets)
     exact = crisp and crack_x.shape[0] > 0
     room = max(points.shape[0], crack_x.shape[0]) + borders
     for b in range(borders if exact else 0):
@@ -147,7 +155,18 @@ def fit_borders(
         budget = budgets[b]
         strict = sigma
         round_cost = _circle_of_all(
-            px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active, held[b]
+            px,
+            py,
+            n,
+            crisp,
+            dead_zone,
+            sigma,
+            worst,
+            budget,
+            prices[2],
+            circle,
+            active,
+            pixels[b] >= HELD_AREA,
         )
         edges = 0
         for _ in range(STRICTER if crisp else 1):
@@ -232,6 +251,24 @@ def fit_borders(
             count = begin
     edge_starts[borders] = count
     return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
+
+
+@njit(cache=True, nogil=True)
+def _allow_losses(point_starts, areas, owners, pixels, budgets):
+    """Fill every border's ``budgets``, and ``pixels``, those of its object without its holes.
+
+    An object may lose a share of its pixels, which its borders divide among them by their points.
+    """
+    borders = areas.shape[0]
+    lengths = np.zeros(borders, np.int64)
+    for b in range(borders):
+        pixels[owners[b]] += areas[b]
+        lengths[owners[b]] += point_starts[b + 1] - point_starts[b]
+    for b in range(borders):
+        pixels[b] = pixels[owners[b]]
+        allowed = max(LOSS_SHARE * pixels[b], LEAST_LOSS)
+        length = point_starts[b + 1] - point_starts[b]
+        budgets[b] = allowed * length / max(lengths[owners[b]], 1)
 
 
 @njit(**LEAF)

@@ -222,8 +222,24 @@ def _find_lost(qx, qy, upright, n, at, kind, data, begin, count, state):
         lo = at[i]
         hi = at[after]
         hi = hi + n if hi <= lo else hi
+        x0 = data[i, 0]
+        y0 = data[i, 1]
+        dx = data[after, 0] - x0
+        dy = data[after, 1] - y0
+        # a crack well within a line is told by the line alone
+        square = dx * dx + dy * dy if kind[i] == LINE else 0.0
+        margin = NEAR_JOINT_PX * math.sqrt(square)
+        across_upright = HALF * abs(dy)
+        across_level = HALF * abs(dx)
         for k in range(lo, hi):
             here = k - n if k >= n else k
+            x = qx[k] - x0
+            y = qy[k] - y0
+            along = x * dx + y * dy
+            limit = across_upright if upright[here] else across_level
+            if (margin < along) & (along < square - margin) & (abs(x * dy - y * dx) < limit):
+                state[here] = OK
+                continue
             found = _judge(kind, data, begin, count, i, qx[k], qy[k], upright[here])
             state[here] = found
             lost += found != OK
