@@ -38,6 +38,8 @@ with so many cracks on either side. A free pixel touches the obstacle across a c
 GRAVE_PX = 0.75
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
 than one from what is drawn."""
+BESIDE_PX = 0.4
+"""A crack farther from its edge may be its neighbour's."""
 OK, LOST, GRAVE = 0, 1, 2
 """What becomes of a point."""
 
@@ -479,14 +481,22 @@ def _straighten(kind, data, at, n, begin, count, j):
 
 @njit(**LEAF)
 def measure_residuals(qx, qy, upright, n, at, kind, data, begin, count):
-    """Write every edge's rms distance from the points of its stretch, all of them."""
+    """Write every edge's rms distance from the cracks of its stretch, all of them.
+
+    A crack at a corner may be the neighbour's.
+    """
     for i in range(begin, count):
         after = i + 1 if i + 1 < count else begin
         lo = at[i]
         hi = at[after]
         hi = hi + n if hi <= lo else hi
+        before = i - 1 if i > begin else count - 1
+        behind = after + 1 if after + 1 < count else begin
         total = 0.0
-        for k in range(lo, hi + 1):
+        for k in range(lo, hi):
             d = _distance(kind, data, i, after, qx[k], qy[k])
+            if d > BESIDE_PX:
+                d = min(d, _distance(kind, data, before, i, qx[k], qy[k]))
+                d = min(d, _distance(kind, data, after, behind, qx[k], qy[k]))
             total += d * d
-        data[i, 5] = math.sqrt(total / (hi + 1 - lo))
+        data[i, 5] = math.sqrt(total / (hi - lo))

@@ -167,6 +167,20 @@ def test_points_beside_a_thin_wall_are_not_drawn_across_it(gap: int) -> None:
         assert all(any(math.isclose(y, b, abs_tol=1e-6) for y in ys) for b in bounds), ys
 
 
+def test_residuals_are_those_of_all_cracks() -> None:
+    """A side put half a pixel off once said 0; where nothing is off there is nothing to say."""
+    mask = np.zeros((140, 60), bool)
+    mask[20:120, 20:30] = True
+    (whole,) = extracted(mask).objects
+    assert isinstance(whole.records[0], PolygonRecord)
+    assert whole.records[0].residual_px < 1e-6
+    mask[[20, 20, 119, 119], [20, 29, 20, 29]] = False
+    (cut,) = extracted(mask).objects
+    assert isinstance(cut.records[0], PolygonRecord)
+    side = max(abs(e.start[0] - 19.5) for e in cut.records[0].edges if e.start[0] < 25.0)
+    assert cut.records[0].residual_px > 0.1 or side < 0.1
+
+
 def test_a_picture_may_be_plain_sequences() -> None:
     picture = np.full((40, 60), 255, np.uint8)
     picture[10:20, 15:35] = 0
