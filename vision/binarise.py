@@ -13,6 +13,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
@@ -292,7 +293,7 @@ def _by_method(
         level = _otsu(look.grey) + 0.5
         how = Binarisation("otsu", _shown(level, side), side, "asked for")
         return _binary(look, level, classes.contrast, how)
-    if classes is not None and _room(classes, look.noise) >= EVEN_MARGIN:
+    if classes is not None and _least_room(look, classes, side) >= EVEN_MARGIN:
         return _even(look, classes, side)
     return _uneven(look, classes, side)
 
@@ -307,7 +308,7 @@ def _uneven(look: _Look, classes: Classes | None, side: Literal["dark", "light"]
     )
     if after is None:
         return _uniform(look, side) if classes is None else _even(look, classes, side)
-    if classes is None or _room(after, divided.noise) > _room(classes, look.noise):
+    if classes is None or _room(after, divided.noise) > _least_room(look, classes, side):
         return divided
     return _even(look, classes, side)
 
@@ -380,18 +381,27 @@ def _adaptive(look: _Look, classes: Classes | None, side: Literal["dark", "light
 def _divided(
     look: _Look, side: Literal["dark", "light"], why: str
 ) -> tuple[Binary, Classes | None]:
-    light = light_surface(look.grey)
-    flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0).astype(np.float32)
+    light, top = light_surface(look.grey, side), 0.0
+    if side == "light":
+        # light multiplies what the camera saw, not its negative
+        ratio = (np.float32(255.0) - look.grey) / light
+        top = max(float(cv2.blur(ratio, (3, 3)).max()), 1.0 + LEAST_CONTRAST / FREE_LEVEL)
+        flat = np.clip((top - ratio) * np.float32(FREE_LEVEL / (top - 1.0)), 0.0, 255.0)
+    else:
+        flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
+    scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
+    flat = flat.astype(np.float32, copy=False)
     divided = _Look(flat, look.room)
     divided.noise = float(noise_sigma(flat))
     # where there is little light, division makes the noise stronger
-    strongest = max(divided.noise, float(noise_sigma(look.grey)) * FREE_LEVEL / float(light.min()))
+    strongest = max(divided.noise, float(noise_sigma(look.grey)) * scale / float(light.min()))
     classes = _classes(divided, strongest)
     level = 0.5 * FREE_LEVEL if classes is None else classes.level
     contrast = FREE_LEVEL if classes is None else classes.contrast
+    shown = top - level / scale if side == "light" else level / FREE_LEVEL
     how = Binarisation(
         "background",
-        round(level / FREE_LEVEL, 4),
+        round(shown, 4),
         side,
         f"{why}; divided by a quadratic surface of the light, which runs from "
         f"{float(light.min()):.0f} to {float(light.max()):.0f}",
@@ -399,26 +409,32 @@ def _divided(
     return _binary(divided, level, contrast, how, strongest_noise=strongest), classes
 
 
-def light_surface(grey: NDArray[Any]) -> NDArray[np.float32]:
+def light_surface(
+    grey: NDArray[Any], side: Literal["dark", "light"] = "dark"
+) -> NDArray[np.float32]:
     """The light on the free ground as a quadratic surface, (h, w) float32 >= 1.
 
     Asymmetric least squares on a thumbnail: what lies below the surface is likely obstacle
-    and weighs little, then what lies below the half level weighs nothing.
+    and weighs little, then what lies far below it weighs nothing. With ``side`` light ``grey``
+    is the picture's negative, and the surface that of the picture itself, whose obstacles lie
+    above it.
     """
     height, width = grey.shape
     size = (min(48, width), min(36, height))
     small = cv2.resize(grey, size, interpolation=cv2.INTER_AREA).astype(np.float64)
     x, y = np.meshgrid(np.linspace(-1.0, 1.0, size[0]), np.linspace(-1.0, 1.0, size[1]))
     terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1).reshape(-1, 6)
-    values = small.ravel()
+    values = small.ravel() if side == "dark" else small.ravel() - 255.0
     weights = np.ones(values.size)
     surface = values
+    far = 0.75 if side == "dark" else 1.0 / 0.75
     for round_ in range(16):
         root = np.sqrt(weights)[:, None]
         surface = terms @ np.linalg.lstsq(terms * root, values * root[:, 0], rcond=None)[0]
         weights = np.where(values > surface, 1.0, 0.03)
         if round_ >= 8:
-            weights = np.where(values > 0.75 * surface, 1.0, 1e-4)
+            weights = np.where(values > far * surface, 1.0, 1e-4)
+    surface = surface if side == "dark" else -surface
     whole = cv2.resize(
         np.maximum(surface, 1.0).reshape(small.shape).astype(np.float32),
         (width, height),
@@ -442,6 +458,16 @@ def _room(classes: Classes, noise: float) -> float:
     """How far the darkest free pixels stay from the level, as a share of the contrast."""
     uneven = np.sqrt(max(classes.light_spread**2 - noise**2, 0.0))
     return float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast)
+
+
+def _least_room(look: _Look, classes: Classes, side: Literal["dark", "light"]) -> float:
+    """The same for light obstacles too, which uneven light spreads more than it does the ground."""
+    room = _room(classes, look.noise)
+    if side == "dark":
+        return room
+    obstacles = _spread(look.counts[: math.ceil(classes.level)])
+    uneven = max(obstacles**2 - look.noise**2, 0.0) ** 0.5
+    return min(room, float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast))
 
 
 def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:

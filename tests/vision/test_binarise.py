@@ -123,3 +123,23 @@ def test_a_picture_without_free_space_is_refused() -> None:
         binarise(np.full((30, 40), 3, np.uint8))
     with pytest.raises(PictureError, match="no free space"):
         binarise(np.full((30, 40), 250, np.uint8), polarity="light")
+
+
+@pytest.mark.parametrize("fall", [0.5, 0.7, 0.8])
+@pytest.mark.parametrize("toward", [(1, 0), (0, 1), (0.5, 0.5)])
+@pytest.mark.parametrize("side", ["dark", "light"])
+def test_a_ramp_of_light_leaves_obstacles_of_either_side_what_they_are(fall, toward, side):
+    """Light multiplies what the camera sees: light obstacles fade most, dark ground least."""
+    there = np.zeros((480, 640), np.uint8)
+    for x, y, w, h in ((50, 80, 100, 60), (260, 60, 120, 30), (260, 310, 80, 80)):
+        there[y : y + h, x : x + w] = 1
+    for x, y, r in ((500, 120, 45), (120, 350, 8), (520, 381, 70)):
+        cv2.circle(there, (x, y), r, 1, -1)
+    y, x = np.mgrid[:480, :640]
+    light = 1.0 - fall * (toward[0] * x / 640 + toward[1] * y / 480)
+    albedo = np.where(there == 1, 40, 220) if side == "dark" else np.where(there == 1, 220, 40)
+    noise = 3.0 * np.random.default_rng(3).standard_normal(there.shape)
+    picture = np.clip(np.rint(albedo * light + noise), 0, 255).astype(np.uint8)
+    inside = binarise(picture, polarity=side).inside.astype(bool)
+    wrong = np.count_nonzero(inside != (there == 1))
+    assert wrong <= 0.002 * np.count_nonzero(there)
