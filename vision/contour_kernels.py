@@ -169,8 +169,8 @@ def _walk_tables(stride):
     area_of_x[12] = -1
     for way in range(4):
         left = (way + 3) & 3
-        diagonal[4 * way] = np.uint64(ahead[way] + ahead[left])
-        forward[4 * way] = np.uint64(ahead[way])
+        diagonal[4 * way] = np.uint64(np.int64(ahead[way] + ahead[left]))
+        forward[4 * way] = np.uint64(np.int64(ahead[way]))
         for pixels in range(4):
             case = 4 * way + pixels
             turn[case] = 4 * ((way + 1) & 3)
