@@ -442,7 +442,7 @@ def from_stadium(found: Record, true: Outline) -> float:
 
 
 def test_outlines_of_stadia_moved_and_scaled_stay_on_them() -> None:
-    """Their kinds of edges are not asked for: a side in ten is an arc of 15,000 px and more."""
+    """Their kinds of edges are not asked for: one in nine has a very flat arc for a side."""
     for seed in range(150):
         scale = (1.0, 2.0, 3.0)[seed % 3]
         shift = (0.1 * (seed % 10), 0.1 * (seed // 10 % 10))
