@@ -33,6 +33,8 @@ ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before."""
 REFINEMENTS, EVERY = np.int64(8), np.int64(1)
 """Rounds of Gauss-Newton; a fit takes every point."""
+STRAIGHT_PX = 0.05
+"""An arc that rises less over its chord is a line: no edge point is known better."""
 SHALLOW = 0.03
 """Sine of the angle below which two lines are taken for one."""
 SMOOTH_SLIDE = 24
@@ -143,6 +145,11 @@ def _fit_edges(
         row = shape[e]
         if is_arc[e] and not (b - a >= 5 and fit_circle(px, py, a, b, EVERY, row)):
             is_arc[e] = False
+        if is_arc[e]:
+            chord_x = px[b - 1] - px[a]
+            chord_y = py[b - 1] - py[a]
+            rise = (chord_x * chord_x + chord_y * chord_y) / (8.0 * row[2])
+            is_arc[e] = rise >= STRAIGHT_PX
         if is_arc[e]:
             refine_circle(px, py, a, b, REFINEMENTS, row)
             if crisp:

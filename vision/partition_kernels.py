@@ -27,8 +27,9 @@ NEAR_MISS = 1.6
 """Share of the worst deviation up to which an arc is worth turning between the pixels."""
 SPAN = 160
 """At most so many seeds in one stretch."""
-CORNER, CRISP_CORNER = 0.6, 1.2
-"""Turn in radians from which a seed is surely a corner; a staircase turns sharply by itself."""
+CORNER = 1.2
+"""Turn in radians from which a seed is surely a corner: a cap of 10 px radius turns by 0.6, and a
+staircase turns sharply by itself."""
 SNAP = 4
 """Points by which a seed moves to the middle of its corner."""
 FAILURES = 3
@@ -370,16 +371,15 @@ def partition(
             start = t
     edges = 0
     cost = HUGE
-    sharp = CRISP_CORNER if crisp else CORNER
     for _ in range(2):
         edges, cost = best_partition(
             px, py, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst, limit,
             prices, breaks, is_arc, active,
         )  # fmt: skip
-        if sharpest >= sharp or edges < 2 or cost >= limit:
+        if sharpest >= CORNER or edges < 2 or cost >= limit:
             break
         # no corner to begin at: begin again at a break that the search found
-        sharpest = sharp
+        sharpest = CORNER
         again = breaks[edges // 2]
         for t in range(m):
             if seeds[t] == again:

@@ -456,7 +456,6 @@ def drawn_stadium(radius: float, half: float) -> Thing:
     return Thing(rounded(np.array([(52.0 - half, 52.0), (52.0 + half, 52.0)]), radius))
 
 
-@pytest.mark.xfail(strict=True, reason="a cap below a radius of 10.8 px passes for a corner")
 @pytest.mark.parametrize(("radius", "half"), [(10.0, 10.0), (10.0, 20.0), (10.5, 15.0)])
 def test_a_narrow_stadium_is_two_lines_and_two_arcs(radius: float, half: float) -> None:
     thing = drawn_stadium(radius, half)
@@ -469,7 +468,6 @@ def test_a_corner_that_happens_to_lie_so_is_not_cut_off() -> None:
     assert_follows(extract(picture_of([thing], (CELL, CELL))), [thing], CRISP_PX)
 
 
-@pytest.mark.xfail(strict=True, reason="without blur a straight side becomes an arc of 27,204 px")
 def test_a_straight_side_without_blur_is_no_arc() -> None:
     v = [(27.4, 24.3), (77.4, 22.5), (78.4, 50.3), (50.4, 51.3), (51.5, 81.1), (29.5, 81.9)]
     thing = Thing(polygon(v))
