@@ -36,6 +36,7 @@ from navigation.warm_up import warm_up
 from navigation.world import World
 
 if TYPE_CHECKING:
+    from navigation.dashboard import Dashboard
     from navigation.recorder import Recorder
 
 DONE, FAILED, NO_PATH = 0, 1, 3
@@ -120,14 +121,17 @@ class Runner:
             )
             open_things.enter_context(ControlServer(socket, daemon))
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
-            self._serve_dashboard(daemon, open_things)
+            page = self._serve_dashboard(daemon, open_things)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=self.config.camera.source, port=world.port)
             open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive(daemon, recorder)
             daemon.halt()
-            prepare_picture(daemon)  # while the robot brakes
+            # while the robot brakes
+            if page is not None and self.interrupt.is_set():
+                page.begin_closing()
+            prepare_picture(daemon)
             daemon.let_the_robot_stop()
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
@@ -139,13 +143,13 @@ class Runner:
             self._say(recorder.summary())
         return RunResult(report, folder, self._exit_code(state, daemon))
 
-    def _serve_dashboard(self, daemon: Daemon, open_things: ExitStack) -> None:
+    def _serve_dashboard(self, daemon: Daemon, open_things: ExitStack) -> Dashboard | None:
         if not self._dashboard:
-            return
+            return None
         # here, not above: a run without a page need not load a web server
         from navigation.dashboard import Dashboard, ShownDaemon
 
-        open_things.enter_context(
+        return open_things.enter_context(
             Dashboard(
                 ShownDaemon(daemon), say=self._say, clock=self._clock, show_token=self._show_token
             )

@@ -69,15 +69,19 @@ class Dashboard:
         self._say(f"dashboard at {self.url}")
         return self
 
-    def __exit__(self, *_exc: object) -> None:
-        if self._socket is None:
-            return
+    def begin_closing(self) -> None:
+        """Let the page go, without waiting until it has gone."""
         self._closing.set()
         loop, hub = self._loop, self.hub
         if loop is not None and hub is not None:
             # the loop may have ended by itself
             with contextlib.suppress(RuntimeError):
                 loop.call_soon_threadsafe(hub.closing.set)
+
+    def __exit__(self, *_exc: object) -> None:
+        if self._socket is None:
+            return
+        self.begin_closing()
         self._thread.join(CLOSE_WITHIN_S + 1.0)
         self._socket.close()
 
