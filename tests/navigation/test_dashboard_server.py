@@ -392,19 +392,22 @@ def test_an_order_that_cannot_be_is_answered_with_the_reason(stations: object, s
 
 @pytest.mark.parametrize("size", [70_000, 3_000_000])
 def test_an_oversized_message_ends_the_connection_and_is_counted(size: int, site: Site) -> None:
-    with site.live() as page:
-        page.hear("hello")
-        with contextlib.suppress(ConnectionClosed):
-            page.line.send("x" * size)
-        with pytest.raises(ConnectionClosed) as closed:
-            page.hear("never")
-        told = closed.value.rcvd
-        # who still sends when the server hangs up may lose its last words to the reset
-        assert told is not None or size > 1_000_000
-        assert told is None or told.code == 1009
-    assert wait_until(lambda: site.refused("oversized") == 1)
+    told, tries = None, 0
+    while told is None and tries < 5:
+        tries += 1
+        with site.live() as page:
+            page.hear("hello")
+            with contextlib.suppress(ConnectionClosed):
+                page.line.send("x" * size)
+            with pytest.raises(ConnectionClosed) as closed:
+                page.hear("never")
+            # a reset, while there is still something to send, may swallow the last words
+            told = closed.value.rcvd
+    assert told is not None
+    assert told.code == 1009
+    assert wait_until(lambda: site.refused("oversized") == tries)
     assert site.get("/api/stop", "POST", b"x" * 10_000)[0] == 413
-    assert site.refused("oversized") == 2
+    assert site.refused("oversized") == tries + 1
     assert site.daemon.orders == []
 
 
