@@ -107,7 +107,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
     if before:
         length = sum(arc_lengths(line)[-1] for line in before)
         older: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 3.5)]
-        yield older, f"replaced plans ({len(before)}), driven {length:.4g} {units}"
+        yield older, f"replaced plans ({len(before)}), {length:.4g} {units}"
         y += _ROW
     if content.trajectory:
         waypoints = content.trajectory.waypoints

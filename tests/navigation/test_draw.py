@@ -112,7 +112,7 @@ def test_replaced_plans_are_drawn_pale_and_named(arena):
     image = draw_png(scene, roadmap, path, earlier=earlier)
     assert near(pixel(image, scene, 0.8, 2.9), OTHER_PATH)
     assert not near(pixel(draw_png(scene, roadmap, path), scene, 0.8, 2.9), OTHER_PATH)
-    assert "replaced plans (1), driven 1 m" in draw_svg(scene, roadmap, path, earlier=earlier)
+    assert "replaced plans (1), 1 m" in draw_svg(scene, roadmap, path, earlier=earlier)
 
 
 def test_path_track_and_bottleneck_are_drawn_where_they_are(arena):
