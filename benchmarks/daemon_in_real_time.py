@@ -131,7 +131,7 @@ def _shut_down(stations: list[list[float]]) -> float:
     ready = re.compile(r"m to go" if stations else r"idle.*clearance")
     with _program({"CLEARWAY_MISSION__STATIONS": mission}) as (process, folder):
         _wait_until(lambda: ready.search((folder / "output").read_text()) is not None)
-        time.sleep(2.0)
+        time.sleep(2.0)  # under way, not just setting off
         begun_s = time.perf_counter()
         process.send_signal(signal.SIGTERM)
         process.wait(30.0)
@@ -155,7 +155,7 @@ def stretch(minutes: float) -> Rows:
                 x_m, y_m = PATROL[missions % len(PATROL)]
                 _order(folder, {"order": "go", "stations": [{"x_m": x_m, "y_m": y_m}]})
                 missions += 1
-            time.sleep(0.5)
+            time.sleep(0.5)  # two samples of the memory a second
             sizes_mb.append(resident_mb(process.pid))
         process.send_signal(signal.SIGTERM)
         process.wait(30.0)
@@ -203,7 +203,7 @@ def _wait_until(reached: Callable[[], bool], patience_s: float = 300.0) -> None:
     end_s = time.monotonic() + patience_s
     while not reached():
         assert time.monotonic() < end_s, "the program is not ready"
-        time.sleep(0.1)
+        time.sleep(0.1)  # another program: there is nothing to wait on
 
 
 def resident_mb(process: int) -> float:
