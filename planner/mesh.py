@@ -17,7 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import chain_kernels, insertion_kernels, mesh_kernels, vertex_kernels
+from planner import (
+    chain_kernels,
+    insertion_kernels,
+    mesh_kernels,
+    trace_kernels,
+    vertex_kernels,
+)
 from planner.generators import SAME_PLACE, BoolArray, Borders, Generators
 from planner.scene import FloatArray, IntArray
 from planner.voronoi_diagram import DiagramArrays
@@ -144,7 +150,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> tuple[Any, ...]:
             add_sites(mesh, *missing)
             flat = _flat(mesh, sag)
             continue
-        node, ends, first, link = chain_kernels.trace_chains(mesh.tri, mesh.mask)
+        node, ends, first, link = trace_kernels.trace_chains(mesh.tri, mesh.mask)
         chain_kernels.solve_rings(
             flat, node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
         )  # fmt: skip
