@@ -29,7 +29,7 @@ from foxglove.messages import (
 )
 
 from navigation.border_points import border_polylines
-from navigation.draw_shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
+from navigation.draw.shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
 from navigation.recording_events import Level
 from planner.roadmap import Roadmap
 from planner.scene import FloatArray, Scene

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import planner
 import vision
 from benchmarks.paper import canvas, diagrams, inputs
-from navigation.draw_shapes import OBSTACLE, OBSTACLE_EDGE, Area
+from navigation.draw.shapes import OBSTACLE, OBSTACLE_EDGE, Area
 from planner.generators import gather_borders, place_generators
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, CircleRecord, PolygonRecord, Scene, Segment

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw_layers import chain_points, ring_points
-from navigation.draw_shapes import (
+from navigation.draw.layers import chain_points, ring_points
+from navigation.draw.shapes import (
     FAINT_INK,
     FLOOR,
     FRAME,
@@ -34,7 +34,7 @@ from navigation.draw_shapes import (
     fit_screen,
     ramp_colour,
 )
-from navigation.draw_svg import to_svg
+from navigation.draw.svg import to_svg
 from planner.scene import Bounds, PointRecord, PolygonRecord, Scene
 from planner.voronoi_diagram import DiagramArrays
 

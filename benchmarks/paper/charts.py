@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.paper import canvas
-from navigation.draw_shapes import (
+from navigation.draw.shapes import (
     FAINT_INK,
     FLOOR,
     FRAME,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import planner
 from benchmarks.paper import canvas, inputs
-from navigation.draw_shapes import FAINT_INK, FLOOR, PATH, Area, Strokes
+from navigation.draw.shapes import FAINT_INK, FLOOR, PATH, Area, Strokes
 from planner.half_edges import HalfEdges
 from planner.voronoi_diagram import voronoi_arrays
 

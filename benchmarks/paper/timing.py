@@ -22,7 +22,7 @@ import planner
 import vision
 from benchmarks.paper import canvas, charts, inputs
 from benchmarks.paper.charts import Fit, fit
-from navigation.draw_shapes import Colour
+from navigation.draw.shapes import Colour
 from planner.agvd import diagram, omit_invalid
 from planner.generators import gather_borders, place_generators
 from planner.scene import Bounds, Primitives, Scene

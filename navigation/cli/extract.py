@@ -118,7 +118,7 @@ def _render(file: Path, picture: NDArray[Any], scene: Scene) -> None:
     import cv2
 
     from navigation.draw import save_picture
-    from navigation.overlay import draw_overlay
+    from navigation.draw.overlay import draw_overlay
 
     if file.suffix.lower() == ".svg":
         save_picture(file, scene)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.dashboard.packed import pack
-from navigation.draw_layers import chain_points
+from navigation.draw.layers import chain_points
 from planner.graph import without_spurs
 from planner.path import Path
 from planner.roadmap import Roadmap

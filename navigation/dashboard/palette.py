@@ -1,15 +1,15 @@
 """The pictures' colours as the page's style: one visual language, one place for its colours.
 
 `DAY` and `NIGHT` are the page's own surfaces and inks; what is drawn in the arena has the
-colours of `navigation.draw_shapes` in both.
+colours of `navigation.draw.shapes` in both.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from navigation import draw_shapes as shapes
-from navigation.draw_shapes import Colour, ramp_colour
+from navigation.draw import shapes
+from navigation.draw.shapes import Colour, ramp_colour
 
 ARENA: Mapping[str, Colour] = {
     "obstacle": shapes.OBSTACLE,

@@ -14,7 +14,7 @@ from navigation.config import Config
 from navigation.daemon_state import DaemonState, StageTimes
 from navigation.dashboard.picture import TopView
 from navigation.dashboard.seat import Seat
-from navigation.draw_shapes import RAMP_STEPS
+from navigation.draw.shapes import RAMP_STEPS
 from navigation.mission import Station
 from navigation.serial_link import LinkSnapshot
 from planner.path import NoPath

@@ -22,7 +22,7 @@ from navigation.dashboard.picture import TopView
 from navigation.dashboard.rings import Ring
 from navigation.dashboard.seat import Seat
 from navigation.dashboard.state_message import state_message
-from navigation.draw_shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
+from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.mission import Mission, State, Station
 from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap import Roadmap

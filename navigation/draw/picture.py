@@ -4,7 +4,7 @@ Dark obstacles on a light floor; the roadmap coloured by clearance, from warm (t
 (wide); the planned path green with the corridor that the robot sweeps, plans that it replaced
 pale green as far as they were driven; waypoints as dots; the driven track violet; the narrowest
 place a red measure across the way; a legend and a scale.
-The same shapes go into both formats (``draw_shapes.py``).
+The same shapes go into both formats (``shapes.py``).
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from navigation.draw_layers import Content, layers
-from navigation.draw_legend import LEGEND_WIDTH, legend
-from navigation.draw_shapes import Drawing, fit_screen
+from navigation.draw.layers import Content, layers
+from navigation.draw.legend import LEGEND_WIDTH, legend
+from navigation.draw.shapes import Drawing, fit_screen
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import Scene
 
@@ -54,7 +54,7 @@ def draw_svg(
     stretches (n, 2) of plans that ``path`` replaced; ``stations`` are (x, y) or
     (x, y, heading_rad): start, vias, goal. What is not given is not drawn.
     """
-    from navigation.draw_svg import to_svg
+    from navigation.draw.svg import to_svg
 
     return to_svg(_drawing(scene, roadmap, path, trajectory, track, earlier, stations, title))
 
@@ -71,7 +71,7 @@ def draw_png(
     title: str = "Clearway",
 ) -> NDArray[np.uint8]:
     """The same picture as (height, width, 3) uint8 pixels, BGR."""
-    from navigation.draw_png import to_pixels
+    from navigation.draw.png import to_pixels
 
     return to_pixels(_drawing(scene, roadmap, path, trajectory, track, earlier, stations, title))
 
@@ -93,13 +93,13 @@ def save_picture(
     drawing = _drawing(scene, roadmap, path, trajectory, track, earlier, stations, title)
     match target.suffix.lower():
         case ".svg":
-            from navigation.draw_svg import to_svg
+            from navigation.draw.svg import to_svg
 
             data = to_svg(drawing).encode("utf-8")
         case ".png":
             import cv2
 
-            from navigation.draw_png import to_pixels
+            from navigation.draw.png import to_pixels
 
             _, encoded = cv2.imencode(".png", to_pixels(drawing))
             data = encoded.tobytes()

@@ -1,6 +1,6 @@
 """What pictures are made of: a few flat shapes in screen pixels, and the colours they share.
 
-A picture is drawn once, as a list of shapes; ``draw_svg.py`` and ``draw_png.py`` write the list
+A picture is drawn once, as a list of shapes; ``svg.py`` and ``png.py`` write the list
 down. Screen pixels: x right, y down, (0, 0) is the picture's upper left corner.
 """
 

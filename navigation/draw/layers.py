@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw_shapes import (
+from navigation.draw.shapes import (
     BOTTLENECK,
     FLOOR,
     FRAME,

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw_shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
+from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
 from planner.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from navigation.draw_shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
+from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
 from planner.scene import FloatArray
 
 FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"

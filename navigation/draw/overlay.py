@@ -3,7 +3,7 @@
 Rules and units
 - The scene is in pixels. The picture is enlarged so that half a pixel can be seen, and its
   contrast is lowered so that the lines stand out.
-- Colours are those of the other pictures (``draw_shapes.py``): segments crimson, arcs violet,
+- Colours are those of the other pictures (``shapes.py``): segments crimson, arcs violet,
   circles green, corners dots of ink.
 """
 
@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation import draw_shapes as shapes
+from navigation.draw import shapes
 from planner.scene import (
     Arc,
     CircleRecord,

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navigation.draw_layers import Content
-from navigation.draw_shapes import (
+from navigation.draw.layers import Content
+from navigation.draw.shapes import (
     BOTTLENECK,
     FAINT_INK,
     INK,

@@ -10,8 +10,9 @@ import cv2
 import numpy as np
 import pytest
 
-from navigation.draw import MARGIN, DrawError, draw_png, draw_svg, save_picture
-from navigation.draw_shapes import (
+from navigation.draw import DrawError, draw_png, draw_svg, save_picture
+from navigation.draw.picture import MARGIN
+from navigation.draw.shapes import (
     BOTTLENECK,
     CLEARANCE_RAMP,
     FLOOR,
