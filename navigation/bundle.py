@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Final
 
 from navigation.config import Config
+from navigation.config.last_good import LastGood, state_folder
 from navigation.doctor import Finding
-from navigation.last_good import LastGood, state_folder
 
 MOST_RECORDING_BYTES: Final = 20_000_000
 SECRET: Final = re.compile(r"(?i)(token|password|passwd|secret|api_?key)")

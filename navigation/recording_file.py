@@ -28,7 +28,7 @@ from foxglove.mcap import MCAPWriteOptions
 
 from navigation import recording_foxglove as messages
 from navigation import recording_json as bodies
-from navigation.config_sections import RecordingSection
+from navigation.config.sections import RecordingSection
 from navigation.recording_events import (
     Counted,
     PictureTaken,

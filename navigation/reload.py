@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from navigation.config import Config
-from navigation.config_errors import ConfigError
+from navigation.config.errors import ConfigError
 from navigation.logs import Level
 
 

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 from navigation.attendance import Attendance
 from navigation.config import Config
-from navigation.config_sections import SIMULATED
+from navigation.config.sections import SIMULATED
 from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon
 from navigation.daemon_state import DaemonState

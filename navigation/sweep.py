@@ -23,7 +23,7 @@ from typing import Final
 import numpy as np
 
 from navigation.config import Config
-from navigation.config_values import Pose
+from navigation.config.values import Pose
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.happenings import arenas_over_time
 from planner.scene import FloatArray

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from navigation.config import Config
-from navigation.config_sections import SIMULATED
+from navigation.config.sections import SIMULATED
 from navigation.cycle import PlanAnswer
 from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.serial_link import SerialLink

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from navigation.config import Config
-from navigation.config_errors import ConfigError, Problem, mark_of
-from navigation.config_marks import Location, read_document
+from navigation.config import Config, load_config
+from navigation.config.errors import ConfigError, Problem, in_order, mark_of
+from navigation.config.marks import Location, read_document
 
 if TYPE_CHECKING:
     from vision.calibration import Calibration
@@ -35,8 +35,6 @@ def load_checked(file: Path) -> Config:
     What is wrong in the files and in the configuration is told together, as far as the sections
     concerned are sound.
     """
-    from navigation.config import in_order, load_config
-
     try:
         loaded = load_config(file)
     except ConfigError as error:

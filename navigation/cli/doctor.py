@@ -70,8 +70,8 @@ def machine_findings() -> Iterator[Finding]:
     """What holds for every configuration."""
     import planner  # chooses the kernels' folder
     from navigation import doctor
+    from navigation.config.last_good import state_folder
     from navigation.control import default_socket
-    from navigation.last_good import state_folder
     from navigation.warm_up import kernels_are_cold
 
     yield doctor.check_python()
@@ -93,7 +93,7 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
     """What holds for this configuration, or for what is plugged in where there is none."""
     from navigation import doctor
     from navigation.cli.check import load_checked
-    from navigation.config_errors import ConfigError
+    from navigation.config.errors import ConfigError
 
     if file is None:
         found = [doctor.check_disk(Path(), _free_bytes)]
@@ -131,7 +131,7 @@ def _plugged_in() -> Iterator[Finding]:
 def _camera(config: Config) -> Iterator[Finding]:
     """Its device, and a first picture."""
     from navigation import doctor
-    from navigation.config_sections import SIMULATED
+    from navigation.config.sections import SIMULATED
 
     source = config.camera.source
     if source == SIMULATED:
@@ -180,7 +180,7 @@ def _first_picture(config: Config) -> Finding:
 def _port(config: Config) -> Iterator[Finding]:
     """Its device; it is not opened, since that resets some robots."""
     from navigation import doctor
-    from navigation.config_sections import SIMULATED
+    from navigation.config.sections import SIMULATED
 
     port = config.serial.port
     if port == SIMULATED:

@@ -67,7 +67,7 @@ REAL: dict[str, Any] = {
 @click.option("--force", is_flag=True, help="Overwrite an existing file.")
 def command(file: Path, real: bool, force: bool) -> None:
     """Write a commented configuration to FILE (clearway.yaml)."""
-    from navigation.config_reference import starter_yaml
+    from navigation.config.reference import starter_yaml
 
     values, heading = (REAL, REAL_HEADING) if real else (DEMO, DEMO_HEADING)
     text = starter_yaml(values, heading.format(name=file))

@@ -69,7 +69,7 @@ def _user_folder() -> Path:
 
 def _rule(port: str) -> str | None:
     """The udev rule for the port's adapter, where there is one."""
-    from navigation.config_sections import SIMULATED
+    from navigation.config.sections import SIMULATED
     from navigation.service import adapter_of, udev_text
 
     if port == SIMULATED:

@@ -116,8 +116,8 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
     A good one is kept for the next time. ``ConfigError`` says how to go back.
     """
     from navigation.cli.check import load_checked
-    from navigation.config_errors import ConfigError
-    from navigation.last_good import LastGood, state_folder
+    from navigation.config.errors import ConfigError
+    from navigation.config.last_good import LastGood, state_folder
 
     kept = LastGood(file, state_folder(os.environ))
     try:

@@ -22,7 +22,7 @@ import click
 )
 def command(form: str, output: Path | None) -> None:
     """Print the JSON Schema of a configuration, or its reference as Markdown."""
-    from navigation.config_reference import json_schema, reference_markdown
+    from navigation.config.reference import json_schema, reference_markdown
 
     text = (
         reference_markdown() if form == "markdown" else json.dumps(json_schema(), indent=2) + "\n"

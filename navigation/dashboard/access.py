@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from enum import Enum
 from urllib.parse import urlsplit
 
-from navigation.config_dashboard import DashboardSection
+from navigation.config.dashboard import DashboardSection
 
 PROTOCOL = "clearway.1"
 """The websocket's subprotocol; a token travels beside it as ``token.TOKEN``."""

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.config import Config
-from navigation.config_sections import MarkerSection
+from navigation.config.sections import MarkerSection
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.drawing import ArenaPainter, Look, RobotPainter
 from navigation.simulator.pinhole import Pinhole, pinhole_of

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from navigation.config import Config
-from navigation.config_simulation import SimulatedObstacleSection, SimulatedTrackSection
+from navigation.config.simulation import SimulatedObstacleSection, SimulatedTrackSection
 from navigation.simulator.arena import SimulatedArena
 from planner.scene import FloatArray, SceneError, SceneObject, Vec
 from planner.scene_io import read_scene_text

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navigation.config import Config
-from navigation.config_simulation import SimulatedCameraSection
+from navigation.config.simulation import SimulatedCameraSection
 from planner.scene import FloatArray
 from vision.calibration import Calibration
 

@@ -10,8 +10,8 @@ import pytest
 
 from navigation.cli.main import run
 from navigation.config import load_config
-from navigation.config_reference import json_schema, reference_markdown
-from navigation.config_sections import Config
+from navigation.config.reference import json_schema, reference_markdown
+from navigation.config.sections import Config
 from vision.calibration import Calibration
 from vision.calibration_file import save_calibration
 

@@ -3,7 +3,7 @@
 import pytest
 
 from navigation.config import ConfigError
-from navigation.config_dashboard import DashboardSection
+from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.access import Gate, Refusal, Role, bearer_of, token_of
 from navigation.dashboard.orders import give, refusal_of
 from navigation.dashboard.seat import AWAY_S, LEFT_S, Seat, public_half

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import COMMANDS
-from navigation.config_reference import json_schema
+from navigation.config.reference import json_schema
 from tests.support.pictures import call
 from vision.camera import Camera, CameraError
 from vision.latest_frame import LatestFrame

@@ -17,8 +17,8 @@ import pytest
 
 from navigation.cli.run import load_or_go_back
 from navigation.config import Config, load_config
-from navigation.config_errors import ConfigError
-from navigation.last_good import LastGood, state_folder
+from navigation.config.errors import ConfigError
+from navigation.config.last_good import LastGood, state_folder
 from navigation.logs import EventLog
 from navigation.reload import Reloader
 from navigation.sd_notify import Notifier, Watchdog, watchdog_period_s

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from navigation.config import Config, load_config
-from navigation.config_sections import MarkerSection
+from navigation.config.sections import MarkerSection
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.camera import SimulatedCamera, make_camera
 from navigation.simulator.drawing import ArenaPainter, Look

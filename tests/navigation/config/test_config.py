@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.config import ConfigError, limits_of, load_config, parse_config
-from navigation.config_checks import dictionary_size
-from navigation.config_marks import read_document
-from navigation.config_sections import Dictionary
-from navigation.config_values import wrapped_rad
+from navigation.config.checks import dictionary_size
+from navigation.config.marks import read_document
+from navigation.config.sections import Dictionary
+from navigation.config.values import wrapped_rad
 
 GOOD = """\
 arena:

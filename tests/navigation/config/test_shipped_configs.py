@@ -14,7 +14,7 @@ from navigation.simulator.pinhole import pinhole_of
 from planner.scene_io import load_scene
 from vision.calibration_file import load_calibration
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 RUNS = sorted(
     file
     for file in CONFIGS.glob("*.yaml")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import Field, StrictBool
 
-from navigation.config_values import Positive, Section, Text
+from navigation.config.values import Positive, Section, Text
 
 Token = Annotated[
     str, Field(strict=True, min_length=16, max_length=256, pattern=r"^[A-Za-z0-9_~.-]+$")

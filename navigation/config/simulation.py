@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pydantic import Field, StrictBool
 
-from navigation.config_values import (
+from navigation.config.values import (
     Count,
     Fraction,
     NeighbourFile,

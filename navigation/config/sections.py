@@ -14,9 +14,9 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field, StrictBool
 
-from navigation.config_dashboard import DashboardSection
-from navigation.config_simulation import SimulationSection
-from navigation.config_values import (
+from navigation.config.dashboard import DashboardSection
+from navigation.config.simulation import SimulationSection
+from navigation.config.values import (
     Count,
     NeighbourFile,
     NotNegative,

@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from navigation.config_marks import Document, Location, Mark
+from navigation.config.marks import Document, Location, Mark
 
 LONGEST_LINE = 100
 """Of a longer line only the part around the mistake is shown."""
@@ -242,3 +242,8 @@ def _given(value: Any) -> str:
         return "a list"
     shown = repr(value)
     return shown if len(shown) <= 60 else shown[:57] + "..."
+
+
+def in_order(problems: list[Problem]) -> list[Problem]:
+    """As they stand in the file, from the top."""
+    return sorted(problems, key=lambda p: (p.mark.line, p.mark.column) if p.mark else (0, 0))

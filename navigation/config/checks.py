@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from navigation.config_marks import Location
-from navigation.config_sections import SIMULATED, MarkerSection
-from navigation.config_values import Place
+from navigation.config.marks import Location
+from navigation.config.sections import SIMULATED, MarkerSection
+from navigation.config.values import Place
 
 _Found = Iterator[tuple[Location, str]]
 

@@ -15,9 +15,9 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from navigation.config_errors import model_in
-from navigation.config_marks import read_document
-from navigation.config_sections import Config
+from navigation.config.errors import model_in
+from navigation.config.marks import read_document
+from navigation.config.sections import Config
 
 _PLAIN = re.compile(r"[\w./-]+")
 """Words that need no quotes, unless YAML takes them for a number or the like."""

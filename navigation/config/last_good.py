@@ -15,7 +15,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from navigation.config import Config, parse_config
+from navigation.config.load import parse_config
+from navigation.config.sections import Config
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12

@@ -1,0 +1,120 @@
+"""Reads a configuration: the file, the environment's overrides, the checks; then it is trusted.
+
+Rules
+- `load_config` gives a whole `Config` or raises `ConfigError` with every problem at once.
+- Environment variables override the file (`overrides.py`).
+- What spans sections (`checks.py`) is told together with the errors of other sections.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from navigation.config.checks import CHECKS
+from navigation.config.errors import ConfigError, Problem, in_order, mark_of, problems_of
+from navigation.config.marks import Document, Location, read_document
+from navigation.config.overrides import override, sourced
+from navigation.config.sections import Config
+
+
+def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
+    """The configuration in a file, with ``environment``'s overrides (default: the process's).
+
+    Raises ``ConfigError`` (exit code 78) with every problem: unreadable file, YAML, unknown
+    or missing keys, wrong types and values, and what does not fit together.
+    """
+    file = Path(path)
+    try:
+        text = file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(str(path), [Problem((), error.strerror or str(error))]) from error
+    except UnicodeDecodeError as error:
+        sentence = f"is not UTF-8 text (byte {error.start} is 0x{error.object[error.start]:02x})"
+        raise ConfigError(str(path), [Problem((), sentence)]) from error
+    overrides = os.environ if environment is None else environment
+    return parse_config(text, str(path), file.parent, overrides)
+
+
+def parse_config(
+    text: str,
+    name: str = "configuration",
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> Config:
+    """The configuration in a text; ``name`` is used in errors, ``folder`` for relative files."""
+    document = read_document(text)
+    defects = [Problem((), defect.message, defect.mark) for defect in document.defects]
+    if document.data is None and not defects:
+        raise ConfigError(name, [Problem((), "is empty; `clearway init` writes one to start with")])
+    if defects and not isinstance(document.data, dict):
+        raise ConfigError(name, defects, text)
+    if not isinstance(document.data, dict):
+        place = mark_of(document, ())
+        raise ConfigError(name, [Problem((), "must be sections (key: value lines)", place)], text)
+    from_environment, bad_overrides = override(document.data, environment or {})
+    config, problems, sound = _validate(document, folder)
+    told = [sourced(problem, from_environment) for problem in problems]
+    if config is None or defects or told or bad_overrides:
+        raise ConfigError(name, in_order([*defects, *told, *bad_overrides]), text, sound)
+    return config
+
+
+def _validate(
+    document: Document, folder: Path | None
+) -> tuple[Config | None, list[Problem], dict[str, Any]]:
+    """The configuration, what is wrong, and the sections that can be trusted all the same."""
+    context = {"folder": folder}
+    try:
+        config = Config.model_validate(document.data, context=context)
+    except ValidationError as error:
+        errors = error.errors(include_url=False)
+        problems = list(problems_of(errors, document, Config))
+        unknown = [tuple(e["loc"]) for e in errors if e["type"] == "extra_forbidden"]
+        bad = {str(e["loc"][0]) for e in errors if tuple(e["loc"]) not in unknown}
+        sound = _sound_sections(_without(document.data, unknown), bad, context)
+        return None, [*problems, *_cross_problems(sound, document)], sound
+    sections = {name: getattr(config, name) for name in Config.model_fields}
+    return config, list(_cross_problems(sections, document)), sections
+
+
+def _without(data: Any, keys: Sequence[Location]) -> Any:
+    """The data without those keys; they are told, and the rest can be looked at."""
+    here = {where[0] for where in keys if len(where) == 1}
+    if isinstance(data, dict):
+        pairs = data.items()
+        return {k: _without(v, _below(keys, k)) for k, v in pairs if k not in here}
+    if isinstance(data, list):
+        return [_without(v, _below(keys, i)) for i, v in enumerate(data)]
+    return data
+
+
+def _below(keys: Sequence[Location], part: Any) -> list[Location]:
+    return [where[1:] for where in keys if len(where) > 1 and where[0] == part]
+
+
+def _sound_sections(
+    data: dict[str, Any], bad: set[str], context: dict[str, Path | None]
+) -> dict[str, Any]:
+    """The sections without errors of their own, for the checks that need no others."""
+    sound: dict[str, Any] = {}
+    for name, field in Config.model_fields.items():
+        if name in bad:
+            continue
+        if name in data:
+            adapter: TypeAdapter[Any] = TypeAdapter(field.rebuild_annotation())
+            sound[name] = adapter.validate_python(data[name], context=context)
+        elif not field.is_required():
+            sound[name] = field.default
+    return sound
+
+
+def _cross_problems(sections: Mapping[str, Any], document: Document) -> Iterator[Problem]:
+    for needed, check in CHECKS:
+        if all(name in sections for name in needed):
+            for where, sentence in check(*(sections[name] for name in needed)):
+                yield Problem(where, sentence, mark_of(document, where))
