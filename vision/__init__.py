@@ -10,11 +10,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from vision.binarise import PictureError
     from vision.calibration import Calibration, CalibrationError
     from vision.calibration_file import load_calibration, save_calibration
     from vision.camera import Camera, CameraError, Frame
     from vision.change import Change, SceneWatcher
+    from vision.grey import PictureError
     from vision.latest_frame import LatestFrame
     from vision.markers import MarkedRobot, MarkerTracker, RobotPose
     from vision.observe import extract

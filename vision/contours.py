@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision import contour_kernels as kernels
-from vision.binarise import Binary
+from vision.binary import Binary
 from vision.edge_kernels import edge_points
 from vision.room import Room
 
@@ -84,7 +84,7 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
 
 def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders:
-    """Follow every border of a padded mask (see ``vision.binarise.Binary``).
+    """Follow every border of a padded mask (see ``vision.binary.Binary``).
 
     The mask is marked on the way and is the same again afterwards. With a ``room`` the borders
     stay only until it is used again.

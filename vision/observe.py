@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise import Binary, Method, PictureError, Polarity, as_array, binarise
+from vision.binarise import Method, Polarity, binarise
+from vision.binary import Binary
 from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.cover import is_drawing, keep_cover
 from vision.fitting import fit_edges, tolerance_of
+from vision.grey import PictureError, as_array
 from vision.paper import paper_objects
 from vision.placement import Placement, drop_outside, ignored_pixels
 from vision.room import Room

@@ -24,7 +24,7 @@ from planner.scene import (
     Units,
     record_edges,
 )
-from vision.binarise import PictureError
+from vision.grey import PictureError
 
 if TYPE_CHECKING:
     from vision.observe import Calibration

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, record_edges
-from vision.binarise import PictureError
 from vision.calibration import Calibration, FloatArray
 from vision.camera import Image
 from vision.change import Rectangle
+from vision.grey import PictureError
 from vision.observe import extract
 
 _MARGIN_PX = 12

@@ -29,11 +29,11 @@ from navigation.sources import load_source
 from planner.scene import Scene, SceneError
 from planner.scene_io import write_scene_text
 from vision import extract
-from vision.binarise import PictureError
 from vision.calibration import Calibration, CalibrationError
 from vision.calibration_file import calibration_text, load_calibration
 from vision.camera import CameraError
 from vision.files import read_picture
+from vision.grey import PictureError
 from vision.survey import read_survey
 
 MOST_S = 5.0

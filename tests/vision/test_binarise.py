@@ -10,8 +10,10 @@ import pytest
 
 from planner.scene import CircleRecord
 from tests.support.render import coverage, draw, outline_points, polygon, ramp
-from vision.binarise import PictureError, as_grey, binarise, light_surface
+from vision.binarise import binarise
 from vision.binarise_kernels import noise_sigma
+from vision.grey import PictureError, as_grey
+from vision.light import light_surface
 
 SIZE = (320, 240)
 

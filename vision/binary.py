@@ -1,0 +1,84 @@
+"""A picture in black and white, and how it is made once the level is known.
+
+Rules and units
+- A pixel is obstacle where its grey value lies below the level.
+- Where noise alone could cross the level it is compared in a smoothed picture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Binarisation
+from vision.look import CALM_NOISE, LEFT_BY_GAUSSIAN, SAFE_MARGIN_SIGMAS, Look
+
+
+@dataclass(frozen=True, slots=True)
+class Binary:
+    """A picture in black and white.
+
+    ``mask`` (h + 2, w') uint8: 1 is obstacle, with a margin of free pixels and rows of a
+    multiple of eight bytes; ``grey`` (h, w), obstacles dark, ``level`` in its values;
+    ``noise`` its standard deviation and ``contrast`` the step between free and obstacle.
+    ``by_level``: the mask is what lies below the level in ``grey``, no more and no less.
+    """
+
+    mask: NDArray[np.uint8]
+    grey: NDArray[Any]
+    level: float
+    noise: float
+    contrast: float
+    how: Binarisation
+    remarks: tuple[str, ...] = ()
+    by_level: bool = False
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """The picture's (width, height)."""
+        return self.grey.shape[1], self.grey.shape[0]
+
+    @property
+    def inside(self) -> NDArray[np.uint8]:
+        """The mask without its margin, (h, w)."""
+        return self.mask[1:-1, 1 : self.grey.shape[1] + 1]
+
+
+def black_and_white(
+    look: Look,
+    level: float,
+    contrast: float,
+    how: Binarisation,
+    *,
+    noise: float | None = None,
+    strongest_noise: float | None = None,
+) -> Binary:
+    """Compare with the level, in a smoothed picture where noise alone could cross it."""
+    remarks: tuple[str, ...] = ()
+    grey = compared = look.grey
+    noise = look.noise if noise is None else noise
+    strongest = noise if strongest_noise is None else strongest_noise
+    if strongest > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * strongest:
+        compared, left = look.calmed(max(strongest, CALM_NOISE))
+        sigma = LEFT_BY_GAUSSIAN / left
+        remarks = (
+            f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: "
+            f"the picture was smoothed by {sigma:.0f} px before the level was applied",
+        )
+    height, width = grey.shape
+    stride = (width + 2 + 7) // 8 * 8
+    mask = look.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
+    mask[0] = mask[-1] = 0
+    mask[:, 0] = 0
+    mask[:, width + 1 :] = 0
+    inside = mask[1:-1, 1 : width + 1]
+    bound = float(np.ceil(level) - 1.0) if compared.dtype == np.uint8 else float(level)
+    if compared.dtype == np.uint8:
+        cv2.threshold(compared, bound, 1, cv2.THRESH_BINARY_INV, dst=inside)
+    else:
+        inside[:] = compared < level
+    return Binary(mask, grey, level, noise, contrast, how, remarks, by_level=compared is grey)
