@@ -175,7 +175,10 @@ def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chain
 
 def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
     """Solve a mesh, refining it where it must be, and measure its chains."""
-    node, ends, points, pieces, first, proved = solve(mesh, borders, spacing)
+    solve(mesh, borders, spacing)
+    node, ends = mesh.traced.node, mesh.traced.ends
+    bent = mesh.bent
+    points, pieces, first, proved = bent.points, bent.pieces, bent.start, bent.proved
     lonely = _centres_alone(borders, points)
     node_xy = mesh.place[node]
     if len(lonely):

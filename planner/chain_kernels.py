@@ -177,52 +177,22 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _known_chains(first, link, old_first, old_link, stale):
-    """For every chain the old one that passes the same triangles, none of them stale, or -1."""
-    chains = len(first) - 1
-    known = np.full(chains, -1, np.int32)
-    if len(old_link) == 0:
-        return known
-    # read where chains begin only, so that the rest need not be filled
-    begins = np.empty(8 * len(stale), np.int32)
-    for c in range(chains):
-        begins[link[first[c]]] = -1
-    for c in range(len(old_first) - 1):
-        begins[old_link[old_first[c]]] = c
-    for c in range(chains):
-        old = begins[link[first[c]]]
-        lo, n = first[c], first[c + 1] - first[c]
-        if old < 0 or old_first[old + 1] - old_first[old] != n:
-            continue
-        same = True
-        for q in range(n):
-            h = link[lo + q]
-            same = same and h == old_link[old_first[old] + q] and not stale[h >> 3]
-        if same:
-            known[c] = old
-    return known
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def bend_chains(
-    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
-    old, stale
+    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state
 ):  # fmt: skip
     """The chains' points on their bisectors, with the narrowest place of every run.
 
     Returns ``out`` (p, 3), x, y and exact clearance, ``pair`` (p, 2) the pieces left and right
     of the link that follows (-1 at a chain's last point), offsets ``start`` (c + 1,), ``proved``
     (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
-    are missing as in :func:`planner.vertex_kernels.solve_vertices`. ``old`` is an earlier
-    answer, its first, link, out, pair, start and proved: chains through no ``stale`` (t,)
-    triangle are taken from it.
+    are missing as in :func:`planner.vertex_kernels.solve_vertices`. Chain c has the links
+    ``first[c]`` to ``first[c + 1]`` of :func:`planner.trace_kernels.trace_chains`; ``first``
+    need not begin at 0.
     """
-    old_first, old_link, old_out, old_pair, old_start, old_proved = old
-    known = _known_chains(first, link, old_first, old_link, stale)
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
     chains = len(first) - 1
-    room = 2 * (len(link) + chains) + 64
+    room = 2 * (first[chains] - first[0] + chains) + 64
     out, pair = np.empty((room, 3)), np.empty((room, 2), np.int32)
     sure, ahead = np.empty(room, np.bool_), np.empty(room, np.bool_)
     proved = np.zeros(room, np.bool_)
@@ -239,16 +209,6 @@ def bend_chains(
     stack_q, bare = np.empty(HALVINGS + 2, np.int64), np.zeros(HALVINGS + 2, np.bool_)
     n = 0
     for c in range(chains):
-        if known[c] >= 0:
-            lo, hi = old_start[known[c]], old_start[known[c] + 1]
-            while n + hi - lo >= len(out):
-                out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
-            for q in range(lo, hi):
-                out[n, 0], out[n, 1], out[n, 2] = old_out[q, 0], old_out[q, 1], old_out[q, 2]
-                pair[n, 0], pair[n, 1], proved[n] = old_pair[q, 0], old_pair[q, 1], old_proved[q]
-                n += 1
-            start[c + 1] = n
-            continue
         # the stations, and the run of links after each
         lo, hi = first[c], first[c + 1]
         m = 0

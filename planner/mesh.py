@@ -38,6 +38,27 @@ ROOM = 0.125
 """Room for generators to add, as a share of those there are."""
 
 
+@dataclass(frozen=True, slots=True)
+class Traced:
+    """Chains as links: see :func:`planner.trace_kernels.trace_chains`; ``mask`` as it was then."""
+
+    mask: NDArray[np.uint8]
+    node: IntArray
+    ends: IntArray
+    first: IntArray
+    link: NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Bent:
+    """Where chains run: see :func:`planner.chain_kernels.bend_chains`."""
+
+    points: FloatArray
+    pieces: IntArray
+    start: IntArray
+    proved: BoolArray
+
+
 @dataclass(slots=True)
 class Mesh:
     """A triangulation of generators with room for more, and its solved vertices.
@@ -46,8 +67,9 @@ class Mesh:
     ``also`` as in :mod:`planner.mesh_kernels`; ``used`` of the sites are taken. Per triangle
     its centre ``at`` and the sites ``seen`` that it was computed for, and ``place``, ``rho``,
     ``state`` as in :mod:`planner.vertex_kernels`; ``side``, whether it is free, and ``mask``,
-    its valid edges. ``vacant`` are sites that were taken out again, and ``bent`` the chains as
-    they were last: those through triangles that are ``stale`` have to be bent anew.
+    its valid edges. ``vacant`` are sites that were taken out again. ``traced`` are the chains
+    as they were last, and ``bent`` where they run: those through triangles that are ``stale``
+    have to be traced and bent anew.
     """
 
     xy: FloatArray
@@ -67,7 +89,8 @@ class Mesh:
     mask: NDArray[np.uint8]
     stale: BoolArray
     vacant: list[int]
-    bent: tuple[Any, ...]
+    traced: Traced
+    bent: Bent
 
     @property
     def ghost(self) -> int:
@@ -88,6 +111,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
         return None
     if not np.isfinite(generators.sites).all():
         raise ValueError("generators: must be finite")  # the kernel would write out of bounds
+    traced, bent = _no_chains()
     status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
         generators.sites, room
     )
@@ -114,27 +138,27 @@ def make_mesh(generators: Generators) -> Mesh | None:
         mask=np.zeros(2 * ghost, np.uint8),
         stale=np.zeros(2 * ghost, np.bool_),
         vacant=[],
-        bent=_no_chains(),
+        traced=traced,
+        bent=bent,
     )
 
 
-def _no_chains() -> tuple[Any, ...]:
-    """What :func:`planner.chain_kernels.bend_chains` takes where nothing was bent yet."""
+def _no_chains() -> tuple[Traced, Bent]:
+    """The chains of a mesh where nothing was traced yet."""
+    none = np.empty(0, np.int32)
+    zero = np.zeros(1, np.int32)
     return (
-        np.zeros(1, np.int32),
-        np.empty(0, np.int64),
-        np.empty((0, 3)),
-        np.empty((0, 2), np.int32),
-        np.zeros(1, np.int32),
-        np.empty(0, np.bool_),
+        Traced(
+            np.empty(0, np.uint8), none, np.empty((0, 2), np.int32), zero, np.empty(0, np.int64)
+        ),
+        Bent(np.empty((0, 3)), np.empty((0, 2), np.int32), zero, np.empty(0, np.bool_)),
     )
 
 
-def solve(mesh: Mesh, borders: Borders, spacing: float) -> tuple[Any, ...]:
+def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     """Solve the vertices, refine where their circles are not empty, and bend the chains.
 
-    Changes the mesh. Returns node, ends and what
-    :func:`planner.chain_kernels.bend_chains` returns up to ``proved``.
+    Changes the mesh; its chains are then ``traced`` and ``bent``.
     """
     half, tolerance = 0.5 * spacing, EQUAL * borders.extent
     pieces = borders.kind, borders.data, borders.before, borders.after
@@ -150,21 +174,36 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> tuple[Any, ...]:
             add_sites(mesh, *missing)
             flat = _flat(mesh, sag)
             continue
-        node, ends, first, link = trace_kernels.trace_chains(mesh.tri, mesh.mask)
+        kept = _trace(mesh)
+        new, old = mesh.traced, mesh.bent
         chain_kernels.solve_rings(
-            flat, node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
+            flat, new.node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
         )  # fmt: skip
-        *bent, places, labels, where = chain_kernels.bend_chains(
-            flat, mesh.at, first, link, *pieces, half, half, tolerance,
-            mesh.place, mesh.rho, mesh.state, mesh.bent, mesh.stale,
+        points, sides, start, proved, *missing = chain_kernels.bend_chains(
+            flat, mesh.at, new.first[len(kept) :], new.link, *pieces, half, half, tolerance,
+            mesh.place, mesh.rho, mesh.state,
         )  # fmt: skip
-        mesh.bent = first, link, *bent
-        mesh.stale[:] = False
-        if not len(places) or turn == ROUNDS:
+        mesh.bent = Bent(
+            *trace_kernels.join_chains(
+                kept, old.start, (old.points, old.pieces, old.proved), start,
+                (points, sides, proved),
+            )
+        )  # fmt: skip
+        if not len(missing[0]) or turn == ROUNDS:
             break
-        add_sites(mesh, places, labels, where)
+        add_sites(mesh, *missing)
         flat = _flat(mesh, sag)
-    return node, ends, *bent
+
+
+def _trace(mesh: Mesh) -> IntArray:
+    """Trace the chains that are not as they were; which of the old ones are kept."""
+    old = mesh.traced
+    kept, *traced = trace_kernels.trace_chains(
+        mesh.tri, mesh.mask, mesh.stale, old.mask, old.node, old.ends, old.first, old.link
+    )
+    mesh.traced = Traced(mesh.mask.copy(), *traced)
+    mesh.stale[:] = False
+    return kept  # type: ignore[no-any-return]
 
 
 def _flat(mesh: Mesh, sag: float) -> tuple[Any, ...]:

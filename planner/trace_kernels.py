@@ -1,8 +1,12 @@
-"""From valid edges to chains: who follows whom.
+"""From valid edges to chains: who follows whom, and which chains are as they were.
 
 Rules
-- A chain runs from node to node; nodes are vertices with one, three or no two valid edges.
-- Triangles and half-edges are named as in :mod:`planner.insertion_kernels`.
+- A chain runs from node to node; nodes are vertices with one, three or no two valid edges. A
+  closed run without a node gets one at one of its vertices.
+- Triangles and half-edges are named as in :mod:`planner.insertion_kernels`. A chain is its
+  links: the half-edges crossed from inside, in order.
+- Chains that pass no stale triangle, nor one whose valid edges changed, are kept; they come
+  first, in the order they had. Only what is left of the mesh is traced.
 """
 
 # The arrays' types are in the docstrings; numba infers them.
@@ -15,32 +19,41 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def trace_chains(tri, mask):
+def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link):
     """Runs of valid edges through vertices with two of them.
 
-    Returns ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node numbers, and
-    offsets ``first`` (c + 1,) into ``link`` (l,) int64, the half-edges crossed from inside, in
-    order. A closed run without a node gets one at its first vertex.
+    ``mask`` (n,) holds every triangle's valid edges, ``stale`` (n,) says which triangles
+    changed. The ``old`` answer is the mask and what was returned for it; empty where there is
+    none. Returns ``kept`` (m,) int32, the old chains that are the first m of the new ones, and
+    of all of them ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node
+    numbers, and offsets ``first`` (c + 1,) into ``link`` (l,) int64.
     """
     n = len(mask)
+    edges = 0
+    for i in range(n):
+        edges += int(mask[i] & 1) + int((mask[i] >> 1) & 1) + int(mask[i] >> 2)
+    edges //= 2
     number = np.full(n, -1, np.int32)
     node = np.empty(n, np.int32)
-    nodes, total = 0, 0
-    for i in range(n):
-        m = mask[i]
-        degree = int(m & 1) + int((m >> 1) & 1) + int(m >> 2)
-        total += degree
-        if degree == 1 or degree == 3:
+    used = np.zeros(n, np.uint8)
+    ends = np.empty((edges, 2), np.int32)
+    first = np.zeros(edges + 1, np.int32)
+    link = np.empty(edges, np.int64)
+    todo = np.empty(n + len(old_link) + len(old_ends), np.int32)
+    kept, nodes, count = _keep_chains(
+        tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link,
+        number, node, used, ends, first, link, todo,
+    )  # fmt: skip
+    for m in range(count):
+        i = todo[m]
+        if number[i] < 0 and (mask[i] == 7 or mask[i] == 1 or mask[i] == 2 or mask[i] == 4):
             number[i], node[nodes] = nodes, i
             nodes += 1
-    total //= 2
-    used = np.zeros(n, np.uint8)
-    ends = np.empty((total, 2), np.int32)
-    first = np.zeros(total + 1, np.int32)
-    link = np.empty(total, np.int64)
-    chains, links = 0, 0
+    chains = len(kept)
+    links = np.int64(first[chains])
     for sweep in range(2):
-        for i0 in range(n):
+        for m in range(count):
+            i0 = todo[m]
             if mask[i0] == used[i0] or (sweep == 0 and number[i0] < 0):
                 continue
             if number[i0] < 0:
@@ -65,4 +78,92 @@ def trace_chains(tri, mask):
                 ends[chains, 1] = number[here]
                 chains += 1
                 first[chains] = links
-    return node[:nodes], ends[:chains], first[: chains + 1], link[:links]
+    return kept, node[:nodes], ends[:chains], first[: chains + 1], link[:links]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _keep_chains(
+    tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link,
+    number, node, used, ends, first, link, todo,
+):  # fmt: skip
+    """Write the chains that are as they were into node, ends, first and link.
+
+    Returns which they are, how many nodes they have, and how many triangles are now in
+    ``todo``: those where any other chain may pass. ``number`` gets the nodes' numbers and
+    ``used`` the edges at which kept chains leave them.
+    """
+    known = len(old_mask)
+    count = 0
+    for i in range(len(mask)):
+        if mask[i] != 0 and (stale[i] or i >= known or mask[i] != old_mask[i]):
+            todo[count] = i
+            count += 1
+    kept = np.empty(len(old_ends), np.int32)
+    chains, nodes, links = 0, 0, 0
+    for c in range(len(old_ends)):
+        lo, hi = old_first[c], old_first[c + 1]
+        end = old_node[old_ends[c, 1]]
+        same = not stale[end] and mask[end] == old_mask[end]
+        for q in range(lo, hi):
+            i = old_link[q] >> 3
+            same = same and not stale[i] and mask[i] == old_mask[i]
+        if not same:
+            todo[count] = end
+            count += 1
+            for q in range(lo, hi):
+                todo[count] = old_link[q] >> 3
+                count += 1
+            continue
+        for side in range(2):
+            i = old_node[old_ends[c, side]]
+            if number[i] < 0:
+                number[i], node[nodes] = nodes, i
+                nodes += 1
+            ends[chains, side] = number[i]
+        for q in range(lo, hi):
+            link[links] = old_link[q]
+            links += 1
+        used[old_link[lo] >> 3] |= np.uint8(1 << (old_link[lo] & 3))
+        o = np.int64(tri[old_link[hi - 1] + 4])
+        used[o >> 3] |= np.uint8(1 << (o & 3))
+        kept[chains] = c
+        chains += 1
+        first[chains] = links
+    return kept[:chains], nodes, count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def join_chains(kept, old_start, old_arrays, start, arrays):
+    """The kept chains' points and then the new ones'.
+
+    ``arrays`` and ``old_arrays`` are out (p, 3), pair (p, 2) and proved (p,), ``start`` the
+    offsets of chains into them, as from :func:`planner.chain_kernels.bend_chains`. Returns
+    out, pair, start and proved.
+    """
+    old_out, old_pair, old_proved = old_arrays
+    new_out, new_pair, new_proved = arrays
+    m = len(kept)
+    offsets = np.empty(m + len(start), np.int32)
+    n = 0
+    for c in range(m):
+        offsets[c] = n
+        n += old_start[kept[c] + 1] - old_start[kept[c]]
+    for c in range(len(start)):
+        offsets[m + c] = n + start[c]
+    total = n + len(new_out)
+    out, pair = np.empty((total, 3)), np.empty((total, 2), np.int32)
+    proved = np.empty(total, np.bool_)
+    c = 0
+    while c < m:
+        # chains that followed each other do so again
+        last = c
+        while last + 1 < m and kept[last + 1] == kept[last] + 1:
+            last += 1
+        lo, hi = old_start[kept[c]], old_start[kept[last] + 1]
+        to = offsets[c]
+        out[to : to + hi - lo] = old_out[lo:hi]
+        pair[to : to + hi - lo] = old_pair[lo:hi]
+        proved[to : to + hi - lo] = old_proved[lo:hi]
+        c = last + 1
+    out[n:], pair[n:], proved[n:] = new_out, new_pair, new_proved
+    return out, pair, offsets, proved

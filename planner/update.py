@@ -56,12 +56,11 @@ def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
     touched = np.concatenate([old.object_boxes[went], borders.object_boxes[came]])
     update_kernels.forget_touched(
         touched, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
-        mesh.bent[0], mesh.bent[1], mesh.bent[2], mesh.bent[4],
+        mesh.traced.first, mesh.traced.link, mesh.bent.points, mesh.bent.start,
     )  # fmt: skip
     if not _change_sites(mesh, borders, new_label, came, roadmap.spacing):
         return _anew(roadmap, scene)
-    first, link, out, pair, start, proved = mesh.bent
-    mesh.bent = first, link, out, new_label[pair], start, proved
+    mesh.bent = replace(mesh.bent, pieces=new_label[mesh.bent.pieces])
     agvd = Agvd(borders, roadmap.spacing, mesh)
     chains = mesh_chains(mesh, borders, roadmap.spacing)
     return finish_roadmap(scene, roadmap.radius, "exact", agvd, chains)
