@@ -28,9 +28,9 @@ import cv2
 import numpy as np
 from mcap.writer import CompressionType, Writer
 
-from navigation.recording_reader import read_recording
-from navigation.replay import replay
-from navigation.replay_compare import Tolerances
+from navigation.recording.compare import Tolerances
+from navigation.recording.reader import read_recording
+from navigation.recording.replay import replay
 from tests.support.recordings import RecordedBench, recording_config
 
 ROOT = Path(__file__).parents[1]

@@ -33,7 +33,7 @@ from navigation.mission import Mission, Station
 from navigation.parts import Surroundings
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, SceneCheck
-from navigation.recording_events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
+from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
 from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
 from navigation.supervisor import Part, Supervisor, in_words
 from navigation.targets import to_wire

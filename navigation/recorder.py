@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
 from navigation.mission import State
-from navigation.recording_events import (
+from navigation.recording.events import (
     Counted,
     Level,
     PictureTaken,
@@ -31,8 +31,8 @@ from navigation.recording_events import (
     SceneSeen,
     Told,
 )
-from navigation.recording_file import RecordingError, RecordingFiles
-from navigation.recording_json import LINK, configuration_body
+from navigation.recording.files import RecordingError, RecordingFiles
+from navigation.recording.json_bodies import LINK, configuration_body
 from vision.calibration import Calibration
 from vision.calibration_file import calibration_text
 from vision.camera import Frame

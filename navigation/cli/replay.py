@@ -13,8 +13,8 @@ import click
 from navigation.cli.options import POSITIVE
 
 if TYPE_CHECKING:
-    from navigation.recording_reader import Recording
-    from navigation.replay import ReplayResult
+    from navigation.recording.reader import Recording
+    from navigation.recording.replay import ReplayResult
 
 EQUAL, DIFFERENT = 0, 1
 MOST_SHOWN = 20
@@ -43,9 +43,9 @@ def command(
     configuration. Poses, scenes and plans are compared with the recorded ones; the options say
     how far they may be apart. Exits 0 when all are equal, 1 when something differs.
     """
-    from navigation.recording_reader import read_recording
-    from navigation.replay import replay
-    from navigation.replay_compare import Tolerances
+    from navigation.recording.compare import Tolerances
+    from navigation.recording.reader import read_recording
+    from navigation.recording.replay import replay
 
     limits = Tolerances(
         position_m=pose_mm / 1e3,

@@ -17,7 +17,7 @@ from navigation.eye import Eye
 from navigation.mission import Station
 from navigation.planning import ArenaPlanner
 from navigation.recorder import Recorder
-from navigation.recording_events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
+from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
 from navigation.simulator.arena import load_arena
 from navigation.simulator.camera import make_camera
 from navigation.simulator.settings import true_start_of
@@ -29,6 +29,8 @@ from vision.markers import MarkerTracker
 CONFIGS = Path(__file__).parents[2] / "configs"
 BEGAN = datetime(2026, 3, 4, 5, 6, 7)
 GOAL = (0.20, 1.40, 1.5)
+EVERY = {"picture_rate_hz": 60.0, "picture_format": "png"}
+"""Every picture, without loss."""
 
 
 def recording_config(**recording: Any) -> Config:

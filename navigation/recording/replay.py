@@ -21,8 +21,7 @@ from typing import Final
 
 from navigation.eye import Eye
 from navigation.planning import ArenaPlanner
-from navigation.recording_reader import Planned, Recording, SeenFrame, SeenScene
-from navigation.replay_compare import (
+from navigation.recording.compare import (
     Difference,
     Tolerances,
     plan_offset_m,
@@ -31,6 +30,7 @@ from navigation.replay_compare import (
     pose_problem,
     scene_distance_m,
 )
+from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
 from navigation.stages import eye_settings, marked_robots, plan_settings
 from planner.scene import Scene
 from vision.camera import Frame

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 
 from navigation.config import Config
 from navigation.cycle import PlanRequest
-from navigation.recording_events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
+from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
 from planner.path import NoPath
 from planner.scene_text import write_scene_text
 from vision.sources import without_password

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from navigation.border_points import border_polylines
+from navigation.recording.border_points import border_polylines
 from planner.path import NoPath, Path
 from planner.scene import FloatArray, Scene
 

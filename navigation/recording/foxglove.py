@@ -28,9 +28,9 @@ from foxglove.messages import (
     Vector3,
 )
 
-from navigation.border_points import border_polylines
 from navigation.draw.shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
-from navigation.recording_events import Level
+from navigation.recording.border_points import border_polylines
+from navigation.recording.events import Level
 from planner.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
 from vision.camera import Frame

@@ -26,10 +26,10 @@ from foxglove.channels import (
 )
 from foxglove.mcap import MCAPWriteOptions
 
-from navigation import recording_foxglove as messages
-from navigation import recording_json as bodies
 from navigation.config.sections import RecordingSection
-from navigation.recording_events import (
+from navigation.recording import foxglove as messages
+from navigation.recording import json_bodies as bodies
+from navigation.recording.events import (
     Counted,
     PictureTaken,
     PlanAnswered,

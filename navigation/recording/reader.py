@@ -19,10 +19,10 @@ from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
-from navigation import recording_json as bodies
 from navigation.config import Config
 from navigation.cycle import PlanRequest
-from navigation.recording_file import RecordingError
+from navigation.recording import json_bodies as bodies
+from navigation.recording.files import RecordingError
 from planner.scene import Scene, SceneError
 from planner.scene_text import read_scene_text
 from vision.calibration import Calibration
@@ -54,7 +54,7 @@ class SeenScene:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A request and its answer, as `recording_json.plan_body` has it."""
+    """A request and its answer, as `json_bodies.plan_body` has it."""
 
     request: PlanRequest
     answer: dict[str, Any]

@@ -1,0 +1,1 @@
+"""What a run recorded: events into MCAP files, read back, replayed and compared."""
