@@ -13,10 +13,17 @@ import math
 import numpy as np
 from numba import njit
 
-SAMPLE = 65536
+from vision.kernel_options import LEAF
+
+SAMPLE = 32768
 """Pixels looked at, about."""
+SAMPLED_ROWS, SAMPLED_COLUMNS = 64, 128
+"""Where the noise is looked at, about."""
 BINS = 4096
 """Second differences are counted by quarters of a grey level."""
+ONE = np.uint32(1)
+TWO = np.int64(2)
+FOUR = np.uint64(4)
 FIRST, LAST = np.int64(0), np.int64(256)
 REFINEMENTS = 3
 """Times that the level moves half-way between the middles of what it splits."""
@@ -27,26 +34,51 @@ def sampled_histogram(grey):
     """How many of the sampled pixels have each grey value: (256,) int64."""
     height, width = grey.shape
     # four counters for a value: runs of the same grey need not wait for each other
-    counters = np.zeros((4, 256), np.int64)
+    counters = np.zeros((4, 256), np.uint32)
+    rows, columns = sample_steps(height, width)
+    for y in range(0, height, rows):
+        count_greys(grey[y, (y // rows) % columns :], columns, counters)
+    return summed(counters)
+
+
+@njit(**LEAF)
+def sample_steps(height, width):
+    """Every how many rows and columns a pixel is looked at."""
     step = max(1, height * width // SAMPLE)
     rows = 1
     while rows * rows < step:
         rows += 1
-    columns = max(1, step // rows)
-    for y in range(0, height, rows):
-        x = (y // rows) % columns
-        while x + 3 * columns < width:
-            counters[0, int(grey[y, x] + 0.5)] += 1
-            counters[1, int(grey[y, x + columns] + 0.5)] += 1
-            counters[2, int(grey[y, x + 2 * columns] + 0.5)] += 1
-            counters[3, int(grey[y, x + 3 * columns] + 0.5)] += 1
-            x += 4 * columns
-        while x < width:
-            counters[0, int(grey[y, x] + 0.5)] += 1
-            x += columns
+    return rows, max(1, step // rows)
+
+
+@njit(**LEAF)
+def count_greys(line, columns, counters):
+    """Add every ``columns``-th pixel of a line to the counters (4, 256)."""
+    # nothing for whole numbers, which need no rounding
+    half = line.dtype.type(0.5)
+    first, second, third, fourth = counters
+    # unsigned: no index counts from the end
+    step = np.uint64(columns)
+    end = np.uint64(line.shape[0])
+    together = np.uint64(max(0, line.shape[0] - 3 * columns))
+    x = np.uint64(0)
+    while x < together:
+        first[np.uint64(line[x] + half)] += ONE
+        second[np.uint64(line[x + step] + half)] += ONE
+        third[np.uint64(line[x + step + step] + half)] += ONE
+        fourth[np.uint64(line[x + step + step + step] + half)] += ONE
+        x += FOUR * step
+    while x < end:
+        first[np.uint64(line[x] + half)] += ONE
+        x += step
+
+
+@njit(cache=True, nogil=True)
+def summed(counters):
+    """The histogram (256,) int64 of what was counted."""
     histogram = np.empty(256, np.int64)
     for v in range(256):
-        histogram[v] = counters[0, v] + counters[1, v] + counters[2, v] + counters[3, v]
+        histogram[v] = np.int64(counters[0, v]) + counters[1, v] + counters[2, v] + counters[3, v]
     return histogram
 
 
@@ -59,20 +91,15 @@ def noise_sigma(grey):
     height, width = grey.shape
     if width < 3:
         return 0.0
-    pairs = np.zeros((2, BINS), np.int64)
-    rows = max(1, height // 64)
-    columns = max(1, width // 256)
+    counters = np.zeros((2, BINS), np.uint32)
+    rows = max(1, height // SAMPLED_ROWS)
+    columns = max(1, width // SAMPLED_COLUMNS)
     total = 0
     for y in range(rows // 2, height, rows):
-        which = 0
-        for x in range(1, width - 1, columns):
-            d = abs(np.float64(grey[y, x - 1]) - 2.0 * grey[y, x] + grey[y, x + 1])
-            pairs[which, min(int(d * 4.0 + 0.5), BINS - 1)] += 1
-            which = 1 - which
-            total += 1
+        total += count_bends(grey[y], columns, counters)
     seen = 0
     for i in range(BINS):
-        here = pairs[0, i] + pairs[1, i]
+        here = np.int64(counters[0, i]) + counters[1, i]
         if seen + here >= 0.5 * total:
             inside = (0.5 * total - seen) / here
             low = 0.0 if i == 0 else i - 0.5
@@ -81,6 +108,29 @@ def noise_sigma(grey):
             )
         seen += here
     return 0.0
+
+
+@njit(**LEAF)
+def count_bends(line, columns, counters):
+    """Count the second differences along a line, by quarters, into (2, BINS); how many."""
+    half = line.dtype.type(0.5)
+    even, odd = counters
+    step = np.uint64(columns)
+    one = np.uint64(1)
+    end = np.uint64(line.shape[0] - 1)
+    count = 0
+    x = one
+    while x < end:
+        bend = abs(line[x - one] - TWO * line[x] + line[x + one])
+        even[min(np.uint64(4 * bend + half), np.uint64(BINS - 1))] += ONE
+        count += 1
+        x += step
+        if x < end:
+            bend = abs(line[x - one] - TWO * line[x] + line[x + one])
+            odd[min(np.uint64(4 * bend + half), np.uint64(BINS - 1))] += ONE
+            count += 1
+            x += step
+    return count
 
 
 @njit(cache=True, nogil=True)

@@ -10,12 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.look import CALM_NOISE, LEFT_BY_GAUSSIAN, SAFE_MARGIN_SIGMAS, Look
+from vision.look import CALM_NOISE, NO_CALMING, SAFE_MARGIN_SIGMAS, Look, calming_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,26 +58,15 @@ def black_and_white(
 ) -> Binary:
     """Compare with the level, in a smoothed picture where noise alone could cross it."""
     remarks: tuple[str, ...] = ()
-    grey = compared = look.grey
     noise = look.noise if noise is None else noise
     strongest = noise if strongest_noise is None else strongest_noise
+    calming = NO_CALMING
     if strongest > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * strongest:
-        compared, left = look.calmed(max(strongest, CALM_NOISE))
-        sigma = LEFT_BY_GAUSSIAN / left
+        calming = calming_of(max(strongest, CALM_NOISE))
         remarks = (
-            f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: "
-            f"the picture was smoothed by {sigma:.0f} px before the level was applied",
+            f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: the "
+            f"picture was smoothed by {calming.sigma_px:.0f} px before the level was applied",
         )
-    height, width = grey.shape
-    stride = (width + 2 + 7) // 8 * 8
-    mask = look.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
-    mask[0] = mask[-1] = 0
-    mask[:, 0] = 0
-    mask[:, width + 1 :] = 0
-    inside = mask[1:-1, 1 : width + 1]
-    bound = float(np.ceil(level) - 1.0) if compared.dtype == np.uint8 else float(level)
-    if compared.dtype == np.uint8:
-        cv2.threshold(compared, bound, 1, cv2.THRESH_BINARY_INV, dst=inside)
-    else:
-        inside[:] = compared < level
-    return Binary(mask, grey, level, noise, contrast, how, remarks, by_level=compared is grey)
+    mask = look.mask_below(level, calming)
+    by_level = calming is NO_CALMING
+    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level)

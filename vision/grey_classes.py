@@ -13,8 +13,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise_kernels import sampled_histogram, split_histogram
-from vision.look import CALM_NOISE, SAFE_MARGIN_SIGMAS, Look
+from vision.binarise_kernels import split_histogram
+from vision.look import (
+    BUSY_NOISE,
+    CALM_NOISE,
+    MEAN,
+    NO_CALMING,
+    SAFE_MARGIN_SIGMAS,
+    Look,
+    calming_of,
+)
 
 LEAST_CONTRAST = 8.0
 """Grey levels between light and dark below which nothing is taken for an obstacle."""
@@ -22,8 +30,6 @@ LEAST_CONTRAST_SIGMAS = 5.0
 """The same in standard deviations of the noise."""
 DARKEST_SIGMAS = 2.0
 """How far below the middle the darkest free pixels are taken to be, in spreads of the light."""
-BUSY_NOISE = 12.0
-"""Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,15 +55,11 @@ class Classes:
 def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
     """The two classes of a picture, seen through a little smoothing where it is noisy."""
     strongest = look.noise if strongest is None else strongest
-    if CALM_NOISE <= strongest < BUSY_NOISE:
-        calm, left = cv2.blur(look.grey, (3, 3)), 1.0 / 3.0
-    else:
-        calm, left = look.calmed(strongest)
-    counts = look.counts if calm is look.grey else sampled_histogram(calm)
-    found = split_classes(counts, look.noise * left)
+    calming = MEAN if CALM_NOISE <= strongest < BUSY_NOISE else calming_of(strongest)
+    found = split_classes(look.counts_after(calming), look.noise * calming.left)
     if found is None:
-        found = _rare_pixels(calm, strongest * left)
-    if found is None or left == 1.0:
+        found = _rare_pixels(look.grey_after(calming), strongest * calming.left)
+    if found is None or calming is NO_CALMING:
         return found
     # the spread that noise explains, as the unsmoothed picture would have it
     explained = float(np.hypot(look.noise, found.light_spread))
