@@ -33,7 +33,7 @@ ONE = np.uint64(1)
 TWO = np.uint64(2)
 NORTH, EAST_OF_IT = np.uint64(12), np.uint64(4)
 """The walk's directions 3 and 1, times four; in the latter the free pixel lies in the east."""
-AT_A_TIME = 16
+AT_A_TIME = 32
 """Words of eight pixels that are looked at for new borders together."""
 
 
