@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner import agvd_kernels as kernels
-from planner import distance_kernels
-from planner.scene import CIRCLE, POINT, SEGMENT, FloatArray, IntArray, Primitives
+from planner import border_kernels, distance_kernels
+from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
 
 Mode: TypeAlias = Literal["exact", "paper"]
 BoolArray: TypeAlias = NDArray[np.bool_]
@@ -52,7 +52,7 @@ class Borders:
     right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
     meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
     and range of primitives. ``box`` is x_min, y_min, x_max, y_max of the free space, and
-    ``extent`` its larger side. ``flat`` is what all this was made from.
+    ``extent`` its larger side.
     """
 
     kind: NDArray[np.int8]
@@ -71,7 +71,14 @@ class Borders:
     span: IntArray
     box: FloatArray
     extent: float
-    flat: Primitives
+
+    @property
+    def pieces(self) -> tuple[Any, ...]:
+        """The arrays of pieces alone, as :func:`join_primitives` returns them."""
+        return (
+            self.kind, self.data, self.owner, self.backwards, self.following, self.preceding,
+            self.solid, self.before, self.after,
+        )  # fmt: skip
 
     @property
     def primitive_count(self) -> int:
@@ -141,33 +148,33 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
 
 def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     """The scene's borders as pieces, joined and indexed. O(k log k)."""
-    return borders_of(scene.primitives(), mode)
-
-
-def borders_of(source: Primitives, mode: Mode = "exact") -> Borders:
-    """The borders of flat primitives, see :func:`gather_borders`."""
-    flat = source
+    flat = scene.primitives()
     box = _free_box(flat)
-    extent = float(max(box[2] - box[0], box[3] - box[1]))
-    flat = _without_repeats(flat, NO_LENGTH * extent)
-    kind, owner = flat.kind, flat.owner
-    data = distance_kernels.with_middles(kind, flat.data)
-    following, preceding, solid, crossed = kernels.link_borders(
-        kind, data, flat.border, flat.is_hole, flat.reversed, JOINT * extent
-    )
-    at, before, after = kernels.corner_points(
-        kind, data, flat.reversed, following, preceding, solid, crossed | (mode == "paper")
-    )
-    order, large, boxes = distance_kernels.build_tree(kind, data)
-    object_boxes, span = distance_kernels.object_spans(kind, data, owner, len(kind))
-    corners = np.zeros((len(at), data.shape[1]))
-    corners[:, :2] = at
-    joint = np.maximum(before, after)
+    pieces = join_primitives(flat, box, every=mode == "paper")
+    return index_borders(pieces, box)
+
+
+def join_primitives(flat: Primitives, box: FloatArray, *, every: bool = False) -> tuple[Any, ...]:
+    """What :func:`planner.border_kernels.join_primitives` returns, in a free space ``box``."""
+    extent = _extent(box)
+    joined: tuple[Any, ...] = border_kernels.join_primitives(
+        flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed,
+        NO_LENGTH * extent, JOINT * extent, every,
+    )  # fmt: skip
+    return joined
+
+
+def index_borders(pieces: tuple[Any, ...], box: FloatArray) -> Borders:
+    """Joined pieces, see :func:`join_primitives`, with the indices that find them."""
+    kind, data, owner, backwards, following, preceding, solid, before, after = pieces
+    k = len(solid)
+    order, large, boxes = distance_kernels.build_tree(kind[:k], data[:k])
+    object_boxes, span = distance_kernels.object_spans(kind, data, owner, k)
     return Borders(
-        kind=np.concatenate([kind, np.full(len(at), POINT, np.int8)]),
-        data=np.concatenate([data, corners]),
-        owner=np.concatenate([owner, owner[joint]]),
-        backwards=flat.reversed,
+        kind=kind,
+        data=data,
+        owner=owner,
+        backwards=backwards,
         following=following,
         preceding=preceding,
         solid=solid,
@@ -179,24 +186,12 @@ def borders_of(source: Primitives, mode: Mode = "exact") -> Borders:
         object_boxes=object_boxes,
         span=span,
         box=box,
-        extent=extent,
-        flat=source,
+        extent=_extent(box),
     )
 
 
-def _without_repeats(flat: Primitives, tolerance: float) -> Primitives:
-    """The same borders without degenerate edges and repeated vertices."""
-    kind, data, keep = kernels.without_repeats(
-        flat.kind, flat.data, flat.border, flat.reversed, tolerance
-    )
-    return Primitives(
-        kind=kind[keep],
-        data=data[keep],
-        owner=flat.owner[keep],
-        border=flat.border[keep],
-        is_hole=flat.is_hole[keep],
-        reversed=flat.reversed[keep],
-    )
+def _extent(box: FloatArray) -> float:
+    return float(max(box[2] - box[0], box[3] - box[1]))
 
 
 def _free_box(flat: Primitives) -> FloatArray:

@@ -13,16 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import agvd_kernels, insertion_kernels, removal_kernels, update_kernels
+from planner import agvd_kernels, border_kernels, insertion_kernels, removal_kernels, update_kernels
 from planner.agvd import Agvd, mesh_chains
-from planner.generators import Borders, borders_of
+from planner.generators import index_borders, join_primitives
 from planner.mesh import Mesh, add_sites, copy_mesh
 from planner.roadmap import Roadmap, build_roadmap, finish_roadmap
-from planner.scene import FloatArray, IntArray, Primitives, Scene, SceneObject
+from planner.scene import FloatArray, IntArray, Scene, SceneObject
 
 MOST = 0.34
 """More changed objects than this share are a scene to be built anew."""
@@ -40,25 +41,27 @@ def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
         return _anew(roadmap, scene)
     kept = match_objects(old_scene.objects, scene.objects)
     came = np.flatnonzero(kept < 0)
-    stays = np.zeros(len(old_scene.objects), np.bool_)
-    stays[kept[kept >= 0]] = True
-    went = np.flatnonzero(~stays)
-    if len(came) + len(went) > MOST * (len(scene.objects) + len(old_scene.objects)):
+    went = np.ones(len(old_scene.objects), np.bool_)
+    went[kept[kept >= 0]] = False
+    if len(came) + went.sum() > MOST * (len(scene.objects) + len(old_scene.objects)):
         return _anew(roadmap, scene)
     old = roadmap.borders
-    if not (all(o.records for o in scene.objects) and len(old.span) == len(old_scene.objects)):
-        return _anew(roadmap, scene)
-    borders = _gather(old, scene, kept)
-    new_label = _relabelled(old, borders, kept)
-    if borders.extent != old.extent or new_label is None:
-        return _anew(roadmap, scene)
+    some = replace(scene, objects=tuple(scene.objects[j] for j in came.tolist()))
+    fresh = join_primitives(some.primitives(include_bounds=False), old.box)
+    pieces, new_label, fresh_label = border_kernels.patch_borders(
+        kept, len(old_scene.objects), old.pieces, len(came), fresh
+    )
+    borders = index_borders(pieces, old.box)
     mesh = copy_mesh(mesh)
-    touched = np.concatenate([old.object_boxes[went], borders.object_boxes[came]])
+    # the last objects have no boxes where they have no pieces
+    there = went[: len(old.span)], came[came < len(borders.span)]
+    touched = np.concatenate([old.object_boxes[there[0]], borders.object_boxes[there[1]]])
     update_kernels.forget_touched(
         touched, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
         mesh.traced.first, mesh.traced.link, mesh.bent.points, mesh.bent.start,
     )  # fmt: skip
-    if not _change_sites(mesh, borders, new_label, came, roadmap.spacing):
+    places, labels = _generators_of(fresh, roadmap.spacing)
+    if not _change_sites(mesh, new_label, places, fresh_label[labels]):
         return _anew(roadmap, scene)
     mesh.bent = replace(mesh.bent, pieces=new_label[mesh.bent.pieces])
     agvd = Agvd(borders, roadmap.spacing, mesh)
@@ -96,38 +99,8 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDA
     return kept
 
 
-def _gather(old: Borders, scene: Scene, kept: NDArray[np.int64]) -> Borders:
-    """The new scene's borders; the kept objects' primitives are copied from the old ones."""
-    came = np.flatnonzero(kept < 0)
-    fresh = replace(scene, objects=tuple(scene.objects[j] for j in came)).primitives(
-        include_bounds=False
-    )
-    flat = old.flat
-    arrays = update_kernels.gather_kept(
-        kept, len(old.span), flat.kind, flat.data, flat.owner, flat.border, flat.is_hole,
-        flat.reversed, fresh.kind, fresh.data, fresh.owner, fresh.border, fresh.is_hole,
-        fresh.reversed,
-    )  # fmt: skip
-    for array in arrays:
-        array.setflags(write=False)  # as a scene's: kernels are compiled for either kind
-    return borders_of(Primitives(*arrays))
-
-
-def _relabelled(old: Borders, new: Borders, kept: NDArray[np.int64]) -> IntArray | None:
-    """Where the pieces of the kept objects and of the bounds are now; -1 for all others.
-
-    The last entry is -1, for pieces that are none. None where they do not correspond.
-    """
-    label, fits = update_kernels.relabel(
-        kept, len(old.span), old.owner, old.primitive_count, new.owner, new.primitive_count
-    )
-    return label if fits else None
-
-
-def _change_sites(
-    mesh: Mesh, borders: Borders, new_label: IntArray, came: NDArray[np.int64], spacing: float
-) -> bool:
-    """Take out the sites of pieces that are no more and put in those of the new objects."""
+def _change_sites(mesh: Mesh, new_label: IntArray, places: FloatArray, labels: IntArray) -> bool:
+    """Take out the sites of pieces that are no more and put in those at the ``places``."""
     gone, quiet, heirs = update_kernels.unlink_sites(
         mesh.label, new_label, mesh.alias, mesh.also, mesh.used
     )
@@ -139,28 +112,20 @@ def _change_sites(
         insertion_kernels.insert(
             w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, heirs, nowhere
         )
-    for o in came:
-        places, labels = _generators_of_object(borders, int(o), spacing)
-        if len(places) and np.abs(places).max() > mesh.up:
+    if len(places):
+        if np.abs(places).max() > mesh.up:
             return False
         add_sites(mesh, places, labels, np.full(len(places), -1, np.int64))
     return True
 
 
-def _generators_of_object(
-    borders: Borders, owner: int, spacing: float
-) -> tuple[FloatArray, IntArray]:
-    """The generators of one object, and the pieces that they are on."""
-    k = borders.primitive_count
-    lo, hi = borders.span[owner].tolist()
-    c_lo, c_hi, before, after = update_kernels.corners_of(
-        owner, borders.owner, k, borders.before, borders.after, lo
-    )
-    kind, data = borders.kind[lo:hi], borders.data[lo:hi]
+def _generators_of(pieces: tuple[Any, ...], spacing: float) -> tuple[FloatArray, IntArray]:
+    """The generators of the new objects' pieces, and which of these each is on."""
+    kind, data, _, backwards, _, _, _, before, after = pieces
+    k = len(backwards)
+    kind, at, data = kind[:k], data[k:, :2], data[:k]
     room = int(agvd_kernels.count_generators(kind, data, spacing)) + len(before)
-    at = borders.data[k + c_lo : k + c_hi, :2]
     places, label = agvd_kernels.place_generators(
-        kind, data, borders.backwards[lo:hi], at, before, after, spacing, room
+        kind, data, backwards, at, before, after, spacing, room
     )
-    n = hi - lo
-    return places, np.where(label < n, label + lo, label - n + k + c_lo).astype(np.int32)
+    return places, label

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 import planner
 from planner import insertion_kernels, removal_kernels
+from planner.generators import Borders
 from planner.graph import lay_strands
 from planner.path import Path
 from planner.roadmap import Roadmap
@@ -35,6 +36,7 @@ def _edges(roadmap: Roadmap) -> FloatArray:
 
 def _judge(updated: Roadmap, rng: np.random.Generator) -> None:
     rebuilt = planner.build_roadmap(updated.scene, updated.radius)
+    _judge_borders(updated.borders, rebuilt.borders)
     one, other = _edges(updated), _edges(rebuilt)
     assert one.shape == other.shape
     assert one[:, :5] == pytest.approx(other[:, :5], abs=1e-3)
@@ -48,6 +50,13 @@ def _judge(updated: Roadmap, rng: np.random.Generator) -> None:
         if isinstance(mine, Path) and isinstance(theirs, Path):
             assert mine.length == pytest.approx(theirs.length, rel=0.01)
             assert mine.min_clearance >= updated.radius - 1e-6
+
+
+def _judge_borders(updated: Borders, rebuilt: Borders) -> None:
+    """Pieces, how they join, boxes and tree are the very same."""
+    for f in fields(Borders):
+        one, other = getattr(updated, f.name), getattr(rebuilt, f.name)
+        assert np.array_equal(one, other), f.name
 
 
 def _apart(rng: np.random.Generator, count: int) -> list[SceneObject]:
