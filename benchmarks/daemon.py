@@ -44,11 +44,11 @@ from benchmarks.daemon_in_real_time import Rows, replan, resident_mb, shutdown, 
 from navigation.config import load_config
 from navigation.daemon import Daemon
 from navigation.mission import State
-from navigation.report import Report
-from navigation.simulator.virtual_run import run_virtually
-from navigation.simulator.virtual_world import VirtualWorld
+from navigation.run.report import Report
+from navigation.run.virtual_run import run_virtually
+from navigation.run.virtual_world import VirtualWorld
+from navigation.run.warm_up import warm_up
 from navigation.stages import stations_of
-from navigation.warm_up import warm_up
 from tests.support.kills import Campaign, drive_under_fire
 from tests.support.random_arenas import RADIUS_M, random_config
 from tests.support.virtual import CONFIGS, short_config

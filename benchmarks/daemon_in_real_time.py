@@ -25,8 +25,8 @@ from navigation.config import Config, load_config
 from navigation.control import ControlError, send_order
 from navigation.daemon import Daemon
 from navigation.mission import State
+from navigation.run.world import World
 from navigation.stages import stations_of
-from navigation.world import World
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()", "run"]

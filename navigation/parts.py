@@ -1,7 +1,7 @@
 """What the control loop needs of camera, planner, link and world: each runs in two kinds of time.
 
 In real time they are threads (`vision.latest_frame`, `planning.PlannerThread`,
-`serial_link.SerialLink`); in virtual time (`simulator.virtual_world`) the same code without
+`serial_link.SerialLink`); in virtual time (`run.virtual_world`) the same code without
 threads, so that a run takes a fraction of its time and is the same every time. Seconds of the
 world's clock, metres, radians.
 """
@@ -23,7 +23,7 @@ from vision.camera import Frame
 from vision.latest_frame import CameraStatus
 
 if TYPE_CHECKING:
-    from navigation.truth import Truth
+    from navigation.simulator.truth import Truth
 
 
 class Frames(Protocol):

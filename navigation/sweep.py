@@ -179,7 +179,7 @@ def run_one(config: Config, v: Variation) -> Row:
     """One run of the sweep, in a worker."""
     import cv2
 
-    from navigation.simulator.virtual_run import run_virtually
+    from navigation.run.virtual_run import run_virtually
 
     cv2.setNumThreads(1)  # the other cores have runs of their own
     report = run_virtually(varied(config, v))

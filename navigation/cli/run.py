@@ -20,8 +20,8 @@ from navigation.cli.options import OUTPUT
 if TYPE_CHECKING:
     from navigation.config import Config
     from navigation.logs import EventLog, Level
-    from navigation.report import Report
-    from navigation.runner import Runner
+    from navigation.run.report import Report
+    from navigation.run.runner import Runner
 
 PROGRESS_EVERY_S = 1.0
 
@@ -73,7 +73,7 @@ def command(
     CONFIG again: a good one is run from then on, of a bad one every error is told.
     """
     from navigation.logs import EventLog
-    from navigation.runner import Runner
+    from navigation.run.runner import Runner
     from navigation.sd_notify import Notifier, watchdog_period_s
 
     say = _say if not quiet else _say_nothing
@@ -141,7 +141,7 @@ class _Reload:
     """What SIGHUP does: read the file, and end the run in order where it says something new."""
 
     def __init__(self, file: Path, present: Config, runner: Runner, log: EventLog) -> None:
-        from navigation.reload import Reloader
+        from navigation.run.reload import Reloader
 
         self.fresh: Config | None = None
         self._runner, self._log = runner, log

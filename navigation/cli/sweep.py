@@ -94,8 +94,8 @@ def _executors(
 ) -> tuple[Callable[[], Executor], int]:
     """What makes an executor, and how many workers it has."""
     if scheduler is None:
+        from navigation.run.warm_up import kernels_are_cold, warm_up
         from navigation.sweep_workers import local_executor
-        from navigation.warm_up import kernels_are_cold, warm_up
 
         count = workers or os.cpu_count() or 1
         if kernels_are_cold():  # once here, and not in every worker at the same time

@@ -14,8 +14,8 @@ from navigation.daemon import Daemon
 from navigation.dashboard import Dashboard, ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.mission import State
-from navigation.warm_up import warm_up
-from navigation.world import World
+from navigation.run.warm_up import warm_up
+from navigation.run.world import World
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -20,10 +20,10 @@ import serial
 
 from firmware_protocol.host import HostConnection
 from navigation.config import load_config
+from navigation.run.world import World
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
 from navigation.simulator.emulated_robot import STEP_S, EmulatedRobot
 from navigation.simulator.line_faults import FaultSpec
-from navigation.world import World
 from tests.support.avr_robot import AvrRobot, missing_tools
 from tests.support.pictures import call
 from tests.support.waiting import wait_until

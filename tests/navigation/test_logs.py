@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from navigation import logs
-from navigation.attendance import Attendance
 from navigation.logs import EventLog, RunLog
 from navigation.mission import Mission, State, Station
 from navigation.recorder import RecordingCounts
+from navigation.run.attendance import Attendance
 from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_link import LinkSnapshot, LinkState
 from vision.latest_frame import CameraStatus

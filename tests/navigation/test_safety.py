@@ -16,7 +16,7 @@ import pytest
 from navigation.daemon import Daemon
 from navigation.daemon_state import DaemonState
 from navigation.mission import State
-from navigation.simulator.virtual_world import VirtualWorld
+from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
 from planner.scene import Scene
 from tests.support.virtual import cycle_until, is_driving, short_config

@@ -20,7 +20,7 @@ from navigation.config import Config, load_config
 from navigation.config.errors import ConfigError
 from navigation.config.last_good import LastGood, state_folder
 from navigation.logs import EventLog
-from navigation.reload import Reloader
+from navigation.run.reload import Reloader
 from navigation.sd_notify import Notifier, Watchdog, watchdog_period_s
 from navigation.service import ServiceError, UsbAdapter, udev_text, unit_text
 from tests.support.pictures import call

@@ -18,8 +18,8 @@ from navigation.config import Config
 from navigation.daemon import Daemon
 from navigation.journal import Journal
 from navigation.mission import State
-from navigation.restart import unfinished_mission
-from navigation.simulator.virtual_world import VirtualWorld
+from navigation.run.restart import unfinished_mission
+from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
 from planner.scene import FloatArray
 

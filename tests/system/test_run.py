@@ -25,9 +25,9 @@ from navigation.config import Config, load_config
 from navigation.daemon import Daemon
 from navigation.daemon_state import DaemonState
 from navigation.mission import State
+from navigation.run.warm_up import warm_up
+from navigation.run.world import World
 from navigation.stages import stations_of
-from navigation.warm_up import warm_up
-from navigation.world import World
 from planner.scene import Scene
 from tests.support.pictures import call
 

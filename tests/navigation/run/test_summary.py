@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from navigation.daemon_state import DrivenPlan
-from navigation.run_summary import driven_stretches
+from navigation.run.summary import driven_stretches
 from planner.path import Path
 from planner.roadmap import build_roadmap
 from planner.scene_io import read_scene_text

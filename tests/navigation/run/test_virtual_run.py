@@ -10,8 +10,8 @@ import pytest
 from navigation.config import limits_of, load_config
 from navigation.daemon import Daemon
 from navigation.mission import State
-from navigation.simulator.virtual_run import run_virtually
-from navigation.simulator.virtual_world import VirtualWorld
+from navigation.run.virtual_run import run_virtually
+from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
 from tests.support.virtual import CONFIGS, cycle_until, is_driving, short_config
 

@@ -18,7 +18,7 @@ from navigation.daemon import Daemon
 from navigation.daemon_state import DrivenPlan
 from navigation.draw import save_picture
 from navigation.mission import State
-from navigation.report import (
+from navigation.run.report import (
     FrameCounts,
     Latency,
     LinkCounts,

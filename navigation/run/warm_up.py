@@ -65,7 +65,7 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
         return
     say("compiling the kernels, once on this machine: a minute or two")
     begin_s = time.monotonic()
-    code = "from navigation.warm_up import compile_planner; compile_planner()"
+    code = "from navigation.run.warm_up import compile_planner; compile_planner()"
     beside = subprocess.Popen([sys.executable, "-c", code])
     try:
         scenes = _see(config)

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from navigation import warm_up
 from navigation.config import load_config
+from navigation.run import warm_up
 
-CONFIG = load_config(Path(__file__).parents[2] / "configs" / "simulation.yaml", environment={})
+CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
 
 
 def test_with_compiled_kernels_nothing_is_said() -> None:
@@ -61,8 +61,8 @@ def test_in_the_drawn_arena_a_third_obstacle_comes_and_goes(polarity: str) -> No
 KERNELS_LOADED_LATE = """
 import sys
 from numba.core.dispatcher import Dispatcher
-from navigation.simulator.virtual_run import run_virtually
-from navigation.warm_up import warm_up
+from navigation.run.virtual_run import run_virtually
+from navigation.run.warm_up import warm_up
 from tests.support.virtual import short_config
 
 def loaded():
@@ -89,7 +89,7 @@ def test_no_kernel_is_compiled_or_loaded_while_the_robot_drives() -> None:
     """Each would cost half a second just when an obstacle has come. In a process of its own."""
     told = subprocess.run(
         [sys.executable, "-c", KERNELS_LOADED_LATE],
-        cwd=Path(__file__).parents[2],
+        cwd=Path(__file__).parents[3],
         capture_output=True,
         text=True,
         timeout=900,

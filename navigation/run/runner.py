@@ -17,7 +17,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from navigation.attendance import Attendance
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
 from navigation.control import ControlServer, default_socket
@@ -26,14 +25,15 @@ from navigation.daemon_state import DaemonState
 from navigation.journal import Journal
 from navigation.logs import EventLog, RunLog
 from navigation.mission import State
-from navigation.report import Report
-from navigation.restart import unfinished_mission
-from navigation.run_summary import make_run_folder, prepare_picture, summarise, write_run
+from navigation.run.attendance import Attendance
+from navigation.run.report import Report
+from navigation.run.restart import unfinished_mission
+from navigation.run.summary import make_run_folder, prepare_picture, summarise, write_run
+from navigation.run.warm_up import warm_up
+from navigation.run.world import World
 from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
-from navigation.warm_up import warm_up
-from navigation.world import World
 
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard

@@ -19,6 +19,7 @@ from navigation.config import Config
 from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.planning import ArenaPlanner, SceneCheck
+from navigation.run.world import calibration_of, camera_over, others_of
 from navigation.simulator.arena import load_arena
 from navigation.simulator.drive_model import TruePose
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -28,11 +29,10 @@ from navigation.simulator.settings import (
     faults_of,
     true_start_of,
 )
+from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
 from navigation.supervisor import in_words
 from navigation.track import Track
-from navigation.truth import Truth
-from navigation.world import calibration_of, camera_over, others_of
 from planner.scene import FloatArray, Scene
 from vision.camera import Camera, CameraError, Frame, SourceState
 from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits

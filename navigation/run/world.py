@@ -31,7 +31,7 @@ from navigation.simulator.settings import (
     true_start_of,
 )
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
-from navigation.truth import Truth
+from navigation.simulator.truth import Truth
 from vision.calibration import Calibration
 from vision.calibration_file import load_calibration
 from vision.camera import Camera, CameraError

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.report import (
+from navigation.run.report import (
     CaptureToWire,
     FrameCounts,
     Latency,

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from navigation.config import Config, load_config
+from navigation.run.world import World
 from navigation.simulator.shared_pose import PoseFileError, PoseWriter
-from navigation.world import World
 from tests.support.waiting import wait_until
 from vision.camera import CameraError
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @pytest.fixture
