@@ -17,7 +17,7 @@ import click
 
 if TYPE_CHECKING:
     from navigation.config import Config
-    from navigation.doctor import Finding
+    from navigation.machine.doctor import Finding
 
 WELL, ILL = 0, 1
 FIRST_PICTURE_S = 5.0
@@ -41,7 +41,7 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
     With a configuration CONFIG its camera, port and folders are looked at, else what is plugged
     in. Each line says ok, warn or fail, and how to mend it. Exits 1 where something fails.
     """
-    from navigation.doctor import worst
+    from navigation.machine.doctor import worst
 
     configured, loaded = configuration_findings(config)
     findings = [*machine_findings(), *configured]
@@ -52,7 +52,7 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
         for finding in findings:
             _show(finding)
     if bundle is not None:
-        from navigation.bundle import write_bundle
+        from navigation.machine.bundle import write_bundle
 
         names = write_bundle(bundle, config, loaded, findings, os.environ, datetime.now())
         click.echo(f"wrote {bundle}: {', '.join(names)}; look through it before you send it")
@@ -69,9 +69,9 @@ def _show(finding: Finding) -> None:
 def machine_findings() -> Iterator[Finding]:
     """What holds for every configuration."""
     import planner  # chooses the kernels' folder
-    from navigation import doctor
     from navigation.config.last_good import state_folder
     from navigation.control import default_socket
+    from navigation.machine import doctor
     from navigation.run.warm_up import kernels_are_cold
 
     yield doctor.check_python()
@@ -91,9 +91,9 @@ def machine_findings() -> Iterator[Finding]:
 
 def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | None]:
     """What holds for this configuration, or for what is plugged in where there is none."""
-    from navigation import doctor
     from navigation.cli.check import load_checked
     from navigation.config.errors import ConfigError
+    from navigation.machine import doctor
 
     if file is None:
         found = [doctor.check_disk(Path(), _free_bytes)]
@@ -117,7 +117,7 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
 
 def _plugged_in() -> Iterator[Finding]:
     from navigation.cli.devices import cameras_here, serial_ports
-    from navigation.doctor import Finding
+    from navigation.machine.doctor import Finding
 
     for name, found in (("cameras", cameras_here()), ("serial ports", serial_ports())):
         paths = ", ".join(device["path"] for device in found)
@@ -130,8 +130,8 @@ def _plugged_in() -> Iterator[Finding]:
 
 def _camera(config: Config) -> Iterator[Finding]:
     """Its device, and a first picture."""
-    from navigation import doctor
     from navigation.config.sections import SIMULATED
+    from navigation.machine import doctor
 
     source = config.camera.source
     if source == SIMULATED:
@@ -149,7 +149,7 @@ def _camera(config: Config) -> Iterator[Finding]:
 def _first_picture(config: Config) -> Finding:
     import time
 
-    from navigation.doctor import Finding
+    from navigation.machine.doctor import Finding
     from vision.camera import CameraError
     from vision.sources import camera_for
 
@@ -179,8 +179,8 @@ def _first_picture(config: Config) -> Finding:
 
 def _port(config: Config) -> Iterator[Finding]:
     """Its device; it is not opened, since that resets some robots."""
-    from navigation import doctor
     from navigation.config.sections import SIMULATED
+    from navigation.machine import doctor
 
     port = config.serial.port
     if port == SIMULATED:

@@ -29,7 +29,7 @@ def command(config: Path, user: bool, run_as: str | None, only_print: bool, root
     names it /dev/clearway-robot. The configuration is checked first; nothing is started.
     """
     from navigation.cli.check import load_checked
-    from navigation.service import NAME, RULE_FILE, UDEV_FOLDER, UNIT_FOLDER, unit_text
+    from navigation.machine.service import NAME, RULE_FILE, UDEV_FOLDER, UNIT_FOLDER, unit_text
 
     loaded = load_checked(config)
     run_as = run_as or os.environ.get("SUDO_USER")
@@ -70,7 +70,7 @@ def _user_folder() -> Path:
 def _rule(port: str) -> str | None:
     """The udev rule for the port's adapter, where there is one."""
     from navigation.config.sections import SIMULATED
-    from navigation.service import adapter_of, udev_text
+    from navigation.machine.service import adapter_of, udev_text
 
     if port == SIMULATED:
         return None

@@ -19,7 +19,7 @@ from navigation.cli.options import OUTPUT
 
 if TYPE_CHECKING:
     from navigation.config import Config
-    from navigation.logs import EventLog, Level
+    from navigation.machine.logs import EventLog, Level
     from navigation.run.report import Report
     from navigation.run.runner import Runner
 
@@ -72,9 +72,9 @@ def command(
     --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
     CONFIG again: a good one is run from then on, of a bad one every error is told.
     """
-    from navigation.logs import EventLog
+    from navigation.machine.logs import EventLog
+    from navigation.machine.sd_notify import Notifier, watchdog_period_s
     from navigation.run.runner import Runner
-    from navigation.sd_notify import Notifier, watchdog_period_s
 
     say = _say if not quiet else _say_nothing
     log = EventLog(

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from navigation.logs import Level, RunLog
-from navigation.sd_notify import Watchdog
+from navigation.machine.logs import Level, RunLog
+from navigation.machine.sd_notify import Watchdog
 
 if TYPE_CHECKING:
     from navigation.daemon import Daemon

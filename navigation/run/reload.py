@@ -12,7 +12,7 @@ from pathlib import Path
 
 from navigation.config import Config
 from navigation.config.errors import ConfigError
-from navigation.logs import Level
+from navigation.machine.logs import Level
 
 
 class Reloader:

@@ -23,7 +23,8 @@ from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon
 from navigation.daemon_state import DaemonState
 from navigation.journal import Journal
-from navigation.logs import EventLog, RunLog
+from navigation.machine.logs import EventLog, RunLog
+from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission import State
 from navigation.run.attendance import Attendance
 from navigation.run.report import Report
@@ -31,7 +32,6 @@ from navigation.run.restart import unfinished_mission
 from navigation.run.summary import make_run_folder, prepare_picture, summarise, write_run
 from navigation.run.warm_up import warm_up
 from navigation.run.world import World
-from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
 

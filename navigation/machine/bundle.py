@@ -20,7 +20,7 @@ from typing import Final
 
 from navigation.config import Config
 from navigation.config.last_good import LastGood, state_folder
-from navigation.doctor import Finding
+from navigation.machine.doctor import Finding
 
 MOST_RECORDING_BYTES: Final = 20_000_000
 SECRET: Final = re.compile(r"(?i)(token|password|passwd|secret|api_?key)")

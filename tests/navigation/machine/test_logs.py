@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 
-from navigation import logs
-from navigation.logs import EventLog, RunLog
+from navigation.machine import logs
+from navigation.machine.logs import EventLog, RunLog
+from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission import Mission, State, Station
 from navigation.recorder import RecordingCounts
 from navigation.run.attendance import Attendance
-from navigation.sd_notify import Notifier, Watchdog
 from navigation.serial_link import LinkSnapshot, LinkState
 from vision.latest_frame import CameraStatus
 

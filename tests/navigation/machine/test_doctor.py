@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from navigation import doctor
-from navigation.bundle import HIDDEN, without_secrets
-from navigation.doctor import Finding, worst
+from navigation.machine import doctor
+from navigation.machine.bundle import HIDDEN, without_secrets
+from navigation.machine.doctor import Finding, worst
 from tests.support.pictures import call
 from tests.support.recordings import make_recording
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 def assert_ill(finding: Finding, status: str, words: str) -> None:

@@ -19,14 +19,14 @@ from navigation.cli.run import load_or_go_back
 from navigation.config import Config, load_config
 from navigation.config.errors import ConfigError
 from navigation.config.last_good import LastGood, state_folder
-from navigation.logs import EventLog
+from navigation.machine.logs import EventLog
+from navigation.machine.sd_notify import Notifier, Watchdog, watchdog_period_s
+from navigation.machine.service import ServiceError, UsbAdapter, udev_text, unit_text
 from navigation.run.reload import Reloader
-from navigation.sd_notify import Notifier, Watchdog, watchdog_period_s
-from navigation.service import ServiceError, UsbAdapter, udev_text, unit_text
 from tests.support.pictures import call
 from tests.support.waiting import wait_until
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 PROGRAM = Path(sys.executable).parent / "clearway"
 
 
