@@ -1,0 +1,14 @@
+"""What a service's socket to systemd was told."""
+
+from __future__ import annotations
+
+import select
+import socket
+
+
+def told(end: socket.socket) -> list[str]:
+    """Everything that was sent so far."""
+    lines = []
+    while select.select([end], [], [], 0.0)[0]:
+        lines += end.recv(4096).decode().splitlines()
+    return lines
