@@ -133,6 +133,49 @@ def count_bends(line, columns, counters):
     return count
 
 
+@njit(**LEAF)
+def steepest_level(grey, least):
+    """The mean grey value where it changes most, or -1 where no step is ``least`` grey levels.
+
+    A symmetric edge is steepest half-way. A step weighs by its third power, so that what is
+    not quite steep hardly counts.
+    """
+    height, width = grey.shape
+    rows, _ = sample_steps(height, width)
+    weights = 0.0
+    levels = 0.0
+    for y in range(0, height - 1, rows):
+        here, below = grey[y], grey[y + 1]
+        for x in range(width - 1):
+            a = np.float64(here[x])
+            for b in (np.float64(here[x + 1]), np.float64(below[x])):
+                step = abs(b - a)
+                if step >= least:
+                    weights += step**3
+                    levels += step**3 * 0.5 * (a + b)
+    return levels / weights if weights > 0.0 else -1.0
+
+
+@njit(cache=True, nogil=True)
+def flat_histogram(grey, most):
+    """How many of the sampled pixels that are no edge have each grey value: (256,) int64.
+
+    Across none of them, in either direction, does the grey value change by more than ``most``:
+    plateaus, and the ridges of what is too thin to have one.
+    """
+    height, width = grey.shape
+    histogram = np.zeros(256, np.int64)
+    rows, columns = sample_steps(height, width)
+    for y in range(1, height - 1, rows):
+        above, here, below = grey[y - 1], grey[y], grey[y + 1]
+        for x in range(1 + (y // rows) % columns, width - 1, columns):
+            across = abs(np.float64(here[x + 1]) - np.float64(here[x - 1]))
+            down = abs(np.float64(below[x]) - np.float64(above[x]))
+            if across <= most and down <= most:
+                histogram[int(here[x] + 0.5)] += 1
+    return histogram
+
+
 @njit(cache=True, nogil=True)
 def split_histogram(histogram, noise, least):
     """The two classes of a histogram (256,) by minimum error, ``least`` grey levels apart.

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise_kernels import split_histogram
+from vision.binarise_kernels import flat_histogram, split_histogram, steepest_level
 from vision.look import (
     BUSY_NOISE,
     CALM_NOISE,
@@ -30,16 +30,32 @@ LEAST_CONTRAST_SIGMAS = 5.0
 """The same in standard deviations of the noise."""
 DARKEST_SIGMAS = 2.0
 """How far below the middle the darkest free pixels are taken to be, in spreads of the light."""
+PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
+"""How far from a class's middle its pixels lie that blur has left alone: as a share of the
+contrast, and in standard deviations of the noise."""
+MOST_ON_PLATEAU = 0.7
+"""The share of a class's pixels that do so where the class is what it looks like."""
+STEEP = 0.25
+"""Least step from pixel to pixel, as a share of the contrast, that is taken for an edge's."""
+FLAT, FLAT_SIGMAS = 0.1, 4.0
+"""Most that the grey value changes by over two pixels where there is no edge: as a share of the
+contrast, and in standard deviations of the noise."""
+FEWEST_FLAT = 0.02
+"""Least share of a class that has to be no edge for its spread to be known."""
 
 
 @dataclass(frozen=True, slots=True)
 class Classes:
-    """Two classes of grey values: their middles, how wide each is, and how many are dark."""
+    """Two classes of grey values: their middles, how wide each is, and how many are dark.
+
+    ``dark_spread`` is known only where it is not simply that of all dark pixels.
+    """
 
     dark: float
     light: float
     light_spread: float
     dark_share: float
+    dark_spread: float | None = None
 
     @property
     def level(self) -> float:
@@ -56,14 +72,49 @@ def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
     """The two classes of a picture, seen through a little smoothing where it is noisy."""
     strongest = look.noise if strongest is None else strongest
     calming = MEAN if CALM_NOISE <= strongest < BUSY_NOISE else calming_of(strongest)
-    found = split_classes(look.counts_after(calming), look.noise * calming.left)
+    counts = look.counts_after(calming)
+    found = split_classes(counts, look.noise * calming.left)
     if found is None:
         found = _rare_pixels(look.grey_after(calming), strongest * calming.left)
+    else:
+        found = _sharpened(found, look, counts, look.noise * calming.left)
     if found is None or calming is NO_CALMING:
         return found
     # the spread that noise explains, as the unsmoothed picture would have it
     explained = float(np.hypot(look.noise, found.light_spread))
     return replace(found, light_spread=explained)
+
+
+def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: float) -> Classes:
+    """The classes, the rarer one set right where most of its pixels are edge.
+
+    Walls a few pixels wide have hardly a pixel that blur has left as dark as it is: the middle
+    of those there are lies too near the other class, and they spread as if the light were
+    uneven. The level is where edges are steepest then, and the spread that of what is no edge.
+    ``counts`` are the classes' own, ``noise`` is what is left in them.
+    """
+    dark_side = np.arange(256) < found.level
+    rare = dark_side if found.dark_share < 0.5 else ~dark_side
+    middle = found.dark if found.dark_share < 0.5 else found.light
+    reach = max(PLATEAU * found.contrast, PLATEAU_SIGMAS * noise)
+    on_plateau = rare & (np.abs(np.arange(256) - middle) <= reach)
+    if counts[on_plateau].sum() >= MOST_ON_PLATEAU * counts[rare].sum():
+        return found
+    flat = flat_histogram(look.grey, max(FLAT * found.contrast, FLAT_SIGMAS * look.noise))
+    if flat[rare].sum() < FEWEST_FLAT * counts[rare].sum():
+        return found
+    spread = grey_spread(np.where(rare, flat, 0))
+    if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
+        return found
+    least = max(STEEP * found.contrast, LEAST_CONTRAST_SIGMAS * look.noise)
+    level = float(steepest_level(look.grey, least))
+    if level < 0.0:
+        return found
+    if found.dark_share < 0.5:
+        dark = min(max(2.0 * level - found.light, 0.0), found.dark)
+        return replace(found, dark=dark, dark_spread=spread)
+    light = max(min(2.0 * level - found.dark, 255.0), found.light)
+    return replace(found, light=light, light_spread=spread)
 
 
 def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
@@ -88,7 +139,9 @@ def least_room(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
     room = room_left(classes, look.noise)
     if side == "dark":
         return room
-    obstacles = grey_spread(look.counts[: math.ceil(classes.level)])
+    obstacles = classes.dark_spread
+    if obstacles is None:
+        obstacles = grey_spread(look.counts[: math.ceil(classes.level)])
     uneven = max(obstacles**2 - look.noise**2, 0.0) ** 0.5
     return min(room, float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast))
 

@@ -145,3 +145,38 @@ def test_a_ramp_of_light_leaves_obstacles_of_either_side_what_they_are(fall, tow
     inside = binarise(picture, polarity=side).inside.astype(bool)
     wrong = np.count_nonzero(inside != (there == 1))
     assert wrong <= 0.002 * np.count_nonzero(there)
+
+
+def walls(width: float, blur: float, noise: float = 0.0) -> np.ndarray:
+    """A picture of four hollow frames with walls so wide, dark 40 on 215."""
+    frames = []
+    for x, y, angle in ((75, 60, 0.09), (240, 60, 0.4), (75, 175, 0.8), (240, 175, 1.2)):
+        turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+        for half in (45.0, 45.0 - width):
+            corners = half * np.array([(-1, -1), (1, -1), (1, 0.8), (-1, 0.8)])
+            frames.append(corners @ turn.T + (x, y))
+    grey = 215.0 - 175.0 * coverage(frames, SIZE)
+    grey = cv2.GaussianBlur(grey, (0, 0), blur) if blur > 0.0 else grey
+    grey += np.random.default_rng(5).normal(0.0, noise, grey.shape)
+    return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("side", ["dark", "light"])
+@pytest.mark.parametrize(
+    ("width", "blur"), [(3, 0.0), (3, 0.5), (3, 0.7), (4, 0.7), (4, 1.0), (6, 1.5), (10, 1.5)]
+)
+def test_walls_as_thin_as_their_edges_do_not_pull_the_level_up(width, blur, side) -> None:
+    picture = walls(width, blur)
+    binary = binarise(picture if side == "dark" else 255 - picture, polarity=side)
+    assert abs(binary.level - 127.5) < 2.0
+    assert abs(binary.contrast - 175.0) < 4.0
+
+
+@pytest.mark.parametrize("noise", [5.0, 10.0])
+def test_nor_do_they_in_noise(noise: float) -> None:
+    assert abs(binarise(walls(4, 0.7, noise)).level - 127.5) < 4.0
+
+
+def test_thin_gaps_do_not_pull_the_level_down() -> None:
+    binary = binarise(255 - walls(4, 0.7))
+    assert abs(binary.level - 127.5) < 1.5
