@@ -22,8 +22,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from navigation.config import Config, load_config
 from navigation.run.warm_up import warm_up
-from navigation.sweep import Row, Sweep, Variation, run_one, variation
-from navigation.sweep_workers import local_executor
+from navigation.sweep.runs import Row, Sweep, run_one
+from navigation.sweep.variations import Variation, variation
+from navigation.sweep.workers import local_executor
 from tests.support.virtual import CONFIGS, short_config
 
 STATIONS = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.60}]

@@ -17,7 +17,7 @@ from navigation.cli.options import NOT_NEGATIVE, OutputType
 
 if TYPE_CHECKING:
     from navigation.config import Config
-    from navigation.sweep_table import Summary
+    from navigation.sweep.table import Summary
 
 ALL_DONE, SOME_NOT_DONE = 0, 1
 
@@ -66,8 +66,9 @@ def command(
     from rich.progress import track
 
     from navigation.cli.check import load_checked
-    from navigation.sweep import Sweep, variation
-    from navigation.sweep_table import SweepFile, summarise_rows
+    from navigation.sweep.runs import Sweep
+    from navigation.sweep.table import SweepFile, summarise_rows
+    from navigation.sweep.variations import variation
 
     loaded = load_checked(config.absolute())
     chosen = [variation(loaded, seed, run, spread) for run in range(runs)]
@@ -95,13 +96,13 @@ def _executors(
     """What makes an executor, and how many workers it has."""
     if scheduler is None:
         from navigation.run.warm_up import kernels_are_cold, warm_up
-        from navigation.sweep_workers import local_executor
+        from navigation.sweep.workers import local_executor
 
         count = workers or os.cpu_count() or 1
         if kernels_are_cold():  # once here, and not in every worker at the same time
             warm_up(config, lambda line: click.echo(line, err=True))
         return lambda: local_executor(count), count
-    from navigation.sweep_workers import Cluster
+    from navigation.sweep.workers import Cluster
 
     cluster = Cluster(scheduler)
     return cluster.executor, workers or cluster.workers()

@@ -8,7 +8,8 @@ from dataclasses import asdict
 from pathlib import Path
 
 from navigation.config import Config
-from navigation.sweep import Row, Variation
+from navigation.sweep.runs import Row
+from navigation.sweep.variations import Variation
 
 
 def quick(_config: Config, v: Variation) -> Row:

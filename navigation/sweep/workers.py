@@ -9,7 +9,7 @@ import multiprocessing
 from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any, Final
 
-from navigation.sweep import SweepError
+from navigation.sweep.variations import SweepError
 
 CONNECT_S: Final = 10.0
 

@@ -16,7 +16,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from navigation.sweep import COLUMNS, Row, SweepError
+from navigation.sweep.runs import COLUMNS, Row
+from navigation.sweep.variations import SweepError
 
 MEASURES: Final = (
     "duration_s",

@@ -16,24 +16,21 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.simulator.arena import load_arena
-from navigation.sweep import (
-    MOST_ATTEMPTS,
+from navigation.sweep.runs import MOST_ATTEMPTS, Row, Sweep, run_one
+from navigation.sweep.table import SweepFile, summarise_rows, write_rows
+from navigation.sweep.variations import (
     MOST_SPREAD,
     WHEEL_ERROR,
-    Row,
-    Sweep,
     SweepError,
     Variation,
-    run_one,
     variation,
     varied,
 )
-from navigation.sweep_table import SweepFile, summarise_rows, write_rows
-from navigation.sweep_workers import local_executor
+from navigation.sweep.workers import local_executor
 from tests.support import sweeps
 from tests.support.pictures import call
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 SMALL = f"""
 arena:
@@ -254,7 +251,7 @@ def cluster() -> Iterator[Any]:
 def test_a_cluster_gives_the_same_rows_though_one_of_its_workers_is_killed(
     config: Config, cluster: Any
 ) -> None:
-    from navigation.sweep_workers import Cluster
+    from navigation.sweep.workers import Cluster
 
     ours = Cluster(cluster.scheduler_address)
     assert ours.workers() == 2
@@ -265,11 +262,11 @@ def test_a_cluster_gives_the_same_rows_though_one_of_its_workers_is_killed(
 
 
 def test_a_scheduler_that_is_not_there_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    from navigation import sweep_workers
+    from navigation.sweep import workers
 
-    monkeypatch.setattr(sweep_workers, "CONNECT_S", 0.5)
+    monkeypatch.setattr(workers, "CONNECT_S", 0.5)
     with pytest.raises(SweepError, match=r"scheduler tcp://127\.0\.0\.1:1"):
-        sweep_workers.Cluster("tcp://127.0.0.1:1")
+        workers.Cluster("tcp://127.0.0.1:1")
 
 
 # The file.

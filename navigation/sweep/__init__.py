@@ -1,0 +1,1 @@
+"""Many variations of one simulated run, and what came of each."""
