@@ -165,10 +165,10 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat = _flat(mesh, sag)
     for turn in range(ROUNDS + 1):
-        mark_valid(mesh, borders, spacing)
+        changed = mark_valid(mesh, borders, spacing)
         missing = vertex_kernels.solve_vertices(
-            flat, mesh.mask, mesh.at, *pieces, borders.owner, half, half, turn < DOUBTS, tolerance,
-            mesh.place, mesh.rho, mesh.state,
+            flat, changed, mesh.mask, mesh.at, *pieces, borders.owner, half, half, turn < DOUBTS,
+            tolerance, mesh.place, mesh.rho, mesh.state,
         )  # fmt: skip
         if len(missing[0]) and turn < ROUNDS:
             add_sites(mesh, *missing)
@@ -212,9 +212,9 @@ def _flat(mesh: Mesh, sag: float) -> tuple[Any, ...]:
     return mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag
 
 
-def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> None:
-    """Bring centres, sides and valid edges of triangles that changed up to date."""
-    changed = mesh_kernels.centres(
+def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
+    """Bring centres, sides and valid edges of triangles that changed up to date: which did."""
+    changed: IntArray = mesh_kernels.centres(
         mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.seen, mesh.at, mesh.state,
         mesh.side,
     )  # fmt: skip
@@ -228,6 +228,7 @@ def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> None:
         mesh.tri, mesh.label, mesh.side, changed, borders.kind, borders.data, borders.before,
         borders.after, borders.owner, SAME_PLACE * borders.extent, mesh.mask,
     )  # fmt: skip
+    return changed
 
 
 def add_sites(mesh: Mesh, places: FloatArray, labels: IntArray, where: NDArray[np.int64]) -> None:

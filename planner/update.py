@@ -75,28 +75,39 @@ def _anew(roadmap: Roadmap, scene: Scene) -> Roadmap:
 
 def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDArray[np.int64]:
     """(n,) which old object every new one is, -1 where it is none; each old one once at most."""
-    # most are the very same objects, or share their records
-    same = dict(zip(map(id, old), range(len(old)), strict=True))
-    kept = np.array([same.pop(key, -1) for key in map(id, new)], np.int64)
-    left = set(range(len(old))).difference(kept.tolist())
-    unknown = np.flatnonzero(kept < 0)
-    if len(left) and len(unknown):
+    # most share their records with those where they were, or moved up by one
+    ahead = _first_other(old, new)
+    behind = _first_other(old[ahead:][::-1], new[ahead:][::-1])
+    kept = [*range(ahead), *[-1] * (len(new) - ahead - behind), *range(len(old) - behind, len(old))]
+    left = set(range(ahead, len(old) - behind))
+    unknown = list(range(ahead, len(new) - behind))
+    if left and unknown:
         shared = {id(old[i].records): i for i in left}
-        for k in unknown.tolist():
+        for k in unknown:
             i = shared.get(id(new[k].records), -1)
             if i in left and old[i].holes == new[k].holes:
                 kept[k] = i
                 left.discard(i)
-        unknown = unknown[kept[unknown] < 0]
-    if len(left) and len(unknown):
+        unknown = [k for k in unknown if kept[k] < 0]
+    if left and unknown:
         equal: dict[Hashable, list[int]] = {}
         for i in left:
             equal.setdefault((old[i].records, old[i].holes), []).append(i)
-        for k in unknown.tolist():
+        for k in unknown:
             waiting = equal.get((new[k].records, new[k].holes))
             if waiting:
                 kept[k] = waiting.pop()
-    return kept
+    return np.array(kept, np.int64)
+
+
+def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
+    """How many objects at the beginning of both share their records, and have no holes."""
+    n = 0
+    for a, b in zip(old, new, strict=False):
+        if a is not b and not (a.records is b.records and a.holes is b.holes):
+            break
+        n += 1
+    return n
 
 
 def _change_sites(mesh: Mesh, new_label: IntArray, places: FloatArray, labels: IntArray) -> bool:

@@ -20,14 +20,11 @@ SLACK = 1e-9
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _reaches(boxes, x, y, r):
-    """Whether any box comes within r of (x, y)."""
-    for b in range(len(boxes)):
-        dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
-        dy = max(boxes[b, 1] - y, 0.0, y - boxes[b, 3])
-        if dx * dx + dy * dy <= r * r * (1.0 + SLACK):
-            return True
-    return False
+def _reaches(boxes, b, x, y, r):
+    """Whether box b comes within r of (x, y)."""
+    dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
+    dy = max(boxes[b, 1] - y, 0.0, y - boxes[b, 3])
+    return dx * dx + dy * dy <= r * r * (1.0 + SLACK)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -37,15 +34,19 @@ def forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, 
     Triangles are forgotten (``seen``), and chains with a touched point become ``stale``.
     """
     for i in range(len(at)):
-        if np.int64(seen[i, 0]) == DEAD:
-            continue
-        if _reaches(boxes, at[i, 0], at[i, 1], 0.0) or (
-            state[i] != 0 and _reaches(boxes, place[i, 0], place[i, 1], rho[i])
-        ):
-            seen[i, 0], seen[i, 1], seen[i, 2] = DEAD - 1, DEAD, DEAD
+        x, y = at[i, 0], at[i, 1]
+        for b in range(len(boxes)):
+            # not one after the other: most fail, and no one knows at which
+            inside = (x >= boxes[b, 0]) & (x <= boxes[b, 2])
+            inside &= (y >= boxes[b, 1]) & (y <= boxes[b, 3])
+            if inside or (state[i] != 0 and _reaches(boxes, b, place[i, 0], place[i, 1], rho[i])):
+                seen[i, 0], seen[i, 1], seen[i, 2] = DEAD - 1, DEAD, DEAD
     for c in range(len(first) - 1):
         for p in range(start[c], start[c + 1]):
-            if _reaches(boxes, out[p, 0], out[p, 1], out[p, 2]):
+            touched = False
+            for b in range(len(boxes)):
+                touched |= _reaches(boxes, b, out[p, 0], out[p, 1], out[p, 2])
+            if touched:
                 stale[link[first[c]] >> 3] = True
                 break
 

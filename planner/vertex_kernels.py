@@ -147,30 +147,51 @@ def solve_one(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _to_solve(tri, label, changed, mask, state):
+    """The vertices to solve among the changed triangles and their neighbours, in order."""
+    n = len(mask)
+    wanted = np.zeros(n, np.bool_)
+    every = len(changed) == n
+    for m in range(len(changed)):
+        i = np.int64(changed[m])
+        for k in range(1 if every or np.int64(tri[8 * i]) == DEAD else 4):
+            j = i if k == 0 else np.int64(tri[8 * i + 3 + k]) >> 3
+            if mask[j] == 0 or state[j] != UNUSED or wanted[j]:
+                continue
+            a, b = label[np.int64(tri[8 * j])], label[np.int64(tri[8 * j + 1])]
+            if not is_passage(mask[j], a, b, label[np.int64(tri[8 * j + 2])]):
+                wanted[j] = True
+    todo = np.empty(n, np.int32)
+    count = 0
+    for p in range(n):
+        if wanted[p]:
+            todo[count] = p
+            count += 1
+    return todo[:count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_vertices(
-    mesh, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
+    mesh, changed, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
     xy, rho, state
 ):  # fmt: skip
     """Exact places of the vertices that valid edges meet, passages left out.
 
     Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
-    that is UNUSED; the others are as they were. Returns sites that are missing
+    that is UNUSED; the others are as they were. Only the ``changed`` triangles and their
+    neighbours, whose valid edges may have, are looked at. Returns sites that are missing
     around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
     labels (e,) and a triangle near each (e,). With ``doubt``, also where pieces did not meet
     because of another one.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
-    n = len(mask)
-    bad = np.empty((n, 2), np.int32)
+    todo = _to_solve(tri, label, changed, mask, state)
+    bad = np.empty((len(todo), 2), np.int32)
     count = 0
-    for i in range(n):
-        if mask[i] == 0 or state[i] != UNUSED:
-            continue
-        t = 8 * i
+    for i in todo:
+        t = 8 * np.int64(i)
         a, b, c = label[np.int64(tri[t])], label[np.int64(tri[t + 1])], label[np.int64(tri[t + 2])]
-        if is_passage(mask[i], a, b, c):
-            continue
         px, py = at[i, 0], at[i, 1]
         x, y, got, empty = solve_one(
             mesh, kind, data, before, after, owner, t, a, b, c, px, py, half, tolerance
