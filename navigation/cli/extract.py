@@ -74,7 +74,7 @@ def command(
         raise click.BadParameter("is for --method fixed only", param_hint="--threshold")
 
     import vision
-    from navigation.sources import decode_picture
+    from navigation.cli.sources import decode_picture
     from planner.map_files import read_bytes
 
     begin_s = time.perf_counter()

@@ -19,7 +19,7 @@ from navigation.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from navigation.plan_answer import PlanAnswer
+    from navigation.cli.plan_answer import PlanAnswer
     from planner.path import NoPath
     from planner.path import Path as PlannedPath
     from planner.roadmap import Roadmap
@@ -95,7 +95,7 @@ def command(
     Coordinates are the source's own: pixels with y down for a picture, metres with y up for a
     ROS map, cells for a .map. Exits 3 where there is no path, and says why.
     """
-    from navigation.sources import hold_points, load_source
+    from navigation.cli.sources import hold_points, load_source
 
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
@@ -183,7 +183,7 @@ def _answer(
     timings_ms: dict[str, float],
     begin_s: float,
 ) -> PlanAnswer:
-    from navigation.plan_answer import PlanAnswer
+    from navigation.cli.plan_answer import PlanAnswer
     from planner.path import NoPath
     from planner.trajectory import default_limits, time_path
 

@@ -59,7 +59,7 @@ def command(
         )
 
     from navigation.cli.plan import timed_roadmap
-    from navigation.sources import load_source
+    from navigation.cli.sources import load_source
     from planner import exchange
 
     scene = load_source(source, polarity)

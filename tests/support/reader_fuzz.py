@@ -25,7 +25,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from navigation.sources import load_source
+from navigation.cli.sources import load_source
 from planner.scene import Scene, SceneError
 from planner.scene_io import write_scene_text
 from vision import extract

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from navigation.sources import hold_points, load_source, read_shades
+from navigation.cli.sources import hold_points, load_source, read_shades
 from planner.scene import Bounds, SceneError
 from planner.scene_io import read_scene_text
 

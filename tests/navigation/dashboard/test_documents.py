@@ -13,7 +13,7 @@ from tests.support.pictures import call
 from vision.camera import Camera, CameraError
 from vision.latest_frame import LatestFrame
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 GUIDES = ["first_hour", "troubleshooting", "writing_a_robot_port", "writing_a_camera_source"]
 DOCUMENTS = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in GUIDES)]
 

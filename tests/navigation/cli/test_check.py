@@ -15,7 +15,7 @@ from navigation.config.sections import Config
 from vision.calibration import Calibration
 from vision.calibration_file import save_calibration
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def _init(tmp_path: Path, *options: str) -> Path:

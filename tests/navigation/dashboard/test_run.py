@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.pictures import Told, call
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 
 
 @pytest.fixture
