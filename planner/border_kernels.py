@@ -15,8 +15,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.agvd_kernels import corner_points, link_borders, without_repeats
-from planner.distance_kernels import POINT, with_middles
+from planner.agvd_kernels import (
+    corner_points,
+    count_generators,
+    link_borders,
+    place_generators,
+    without_repeats,
+)
+from planner.distance_kernels import POINT, build_tree, object_spans, with_middles
 
 
 @njit(cache=True, nogil=True)
@@ -58,6 +64,81 @@ def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, jo
         out[k + i, 0], out[k + i, 1] = at[i, 0], at[i, 1]
         out_owner[k + i] = flat_owner[max(before[i], after[i])]
     return out_kind, out, out_owner, turned, following, preceding, solid, before, after
+
+
+@njit(cache=True, nogil=True)
+def find_pieces(pieces):
+    """What finds pieces: a box tree's order, large and boxes; the objects' boxes and spans."""
+    kind, data, owner, k = pieces[0], pieces[1], pieces[2], len(pieces[3])
+    order, large, boxes = build_tree(kind[:k], data[:k])
+    object_boxes, span = object_spans(kind, data, owner, k)
+    return order, large, boxes, object_boxes, span
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _flatten(rows, turned, borders):
+    """Owner, border, is_hole and reversed of ``rows``: what :func:`join_primitives` takes.
+
+    ``turned`` are the rows that run backwards; ``borders`` (b, 3) how many rows each border
+    has, whose it is and whether it is a hole's.
+    """
+    n = len(rows)
+    owner, border = np.empty(n, np.int32), np.empty(n, np.int32)
+    is_hole, backwards = np.empty(n, np.bool_), np.zeros(n, np.bool_)
+    m = 0
+    for b in range(len(borders)):
+        for _ in range(borders[b, 0]):
+            owner[m], border[m], is_hole[m] = borders[b, 1], b, borders[b, 2] != 0
+            m += 1
+    for i in turned:
+        backwards[i] = True
+    return owner, border, is_hole, backwards
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def change_borders(
+    kept, objects, old, old_boxes, kind, rows, turned, borders, no_length, joint, spacing
+):  # fmt: skip
+    """The borders of a scene of ``kept`` objects, see :func:`patch_borders`, and of new ones.
+
+    ``kind`` (m,), ``rows`` (m, 6), ``turned`` and ``borders`` are the new objects' primitives,
+    see `_flatten`; ``no_length`` and ``joint`` as in :func:`join_primitives`; ``old_boxes``
+    (o, 4) the old objects' boxes. Returns all pieces as :func:`join_primitives` does; what
+    finds them: order, large, boxes, the objects' boxes and spans; where the old pieces are now;
+    the generators of the new objects, at most ``spacing`` apart, and the pieces they are on; and
+    (b, 4) the boxes of what came and went.
+    """
+    came = 0
+    for j in range(len(kept)):
+        came += kept[j] < 0
+    owner, border, is_hole, backwards = _flatten(rows, turned, borders)
+    fresh = join_primitives(kind, rows, owner, border, is_hole, backwards, no_length, joint, False)
+    pieces, label, fresh_label = patch_borders(kept, objects, old, came, fresh)
+    found = find_pieces(pieces)
+    object_boxes = found[3]
+    touched = np.empty((objects + came, 4))
+    stays = np.zeros(objects, np.bool_)
+    n = 0
+    for j in range(len(kept)):
+        if kept[j] >= 0:
+            stays[kept[j]] = True
+        elif j < len(object_boxes):
+            touched[n] = object_boxes[j]
+            n += 1
+    # the last objects have no boxes where they have no pieces
+    for o in range(min(objects, len(old_boxes))):
+        if not stays[o]:
+            touched[n] = old_boxes[o]
+            n += 1
+    k = len(fresh[3])
+    fresh_kind, fresh_data, at = fresh[0][:k], fresh[1][:k], fresh[1][k:, :2]
+    room = int(count_generators(fresh_kind, fresh_data, spacing)) + len(at)
+    places, labels = place_generators(
+        fresh_kind, fresh_data, fresh[3], at, fresh[7], fresh[8], spacing, room
+    )
+    for i in range(len(labels)):
+        labels[i] = fresh_label[labels[i]]
+    return pieces, found, label, places, labels, touched[:n]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

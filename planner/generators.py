@@ -74,7 +74,7 @@ class Borders:
 
     @property
     def pieces(self) -> tuple[Any, ...]:
-        """The arrays of pieces alone, as :func:`join_primitives` returns them."""
+        """The pieces alone, as :func:`planner.border_kernels.join_primitives` returns them."""
         return (
             self.kind, self.data, self.owner, self.backwards, self.following, self.preceding,
             self.solid, self.before, self.after,
@@ -150,26 +150,18 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     """The scene's borders as pieces, joined and indexed. O(k log k)."""
     flat = scene.primitives()
     box = _free_box(flat)
-    pieces = join_primitives(flat, box, every=mode == "paper")
-    return index_borders(pieces, box)
-
-
-def join_primitives(flat: Primitives, box: FloatArray, *, every: bool = False) -> tuple[Any, ...]:
-    """What :func:`planner.border_kernels.join_primitives` returns, in a free space ``box``."""
-    extent = _extent(box)
-    joined: tuple[Any, ...] = border_kernels.join_primitives(
+    extent = extent_of(box)
+    pieces = border_kernels.join_primitives(
         flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed,
-        NO_LENGTH * extent, JOINT * extent, every,
+        NO_LENGTH * extent, JOINT * extent, mode == "paper",
     )  # fmt: skip
-    return joined
+    return as_borders(pieces, border_kernels.find_pieces(pieces), box)
 
 
-def index_borders(pieces: tuple[Any, ...], box: FloatArray) -> Borders:
-    """Joined pieces, see :func:`join_primitives`, with the indices that find them."""
+def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray) -> Borders:
+    """Joined pieces and what finds them, see :mod:`planner.border_kernels`."""
     kind, data, owner, backwards, following, preceding, solid, before, after = pieces
-    k = len(solid)
-    order, large, boxes = distance_kernels.build_tree(kind[:k], data[:k])
-    object_boxes, span = distance_kernels.object_spans(kind, data, owner, k)
+    order, large, boxes, object_boxes, span = found
     return Borders(
         kind=kind,
         data=data,
@@ -186,11 +178,12 @@ def index_borders(pieces: tuple[Any, ...], box: FloatArray) -> Borders:
         object_boxes=object_boxes,
         span=span,
         box=box,
-        extent=_extent(box),
+        extent=extent_of(box),
     )
 
 
-def _extent(box: FloatArray) -> float:
+def extent_of(box: FloatArray) -> float:
+    """The larger side of a box."""
     return float(max(box[2] - box[0], box[3] - box[1]))
 
 

@@ -11,7 +11,7 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -284,12 +284,27 @@ def grow(mesh: Mesh, more: int) -> None:
 
 def copy_mesh(mesh: Mesh) -> Mesh:
     """A mesh of its own, to be changed."""
-    arrays: dict[str, Any] = {
-        f.name: value.copy()
-        for f in fields(mesh)
-        if isinstance(value := getattr(mesh, f.name), np.ndarray)
-    }
-    return replace(mesh, vacant=list(mesh.vacant), **arrays)
+    return Mesh(
+        xy=mesh.xy.copy(),
+        tri=mesh.tri.copy(),
+        circ=mesh.circ.copy(),
+        alias=mesh.alias.copy(),
+        label=mesh.label.copy(),
+        also=mesh.also.copy(),
+        used=mesh.used,
+        exponent=mesh.exponent,
+        seen=mesh.seen.copy(),
+        at=mesh.at.copy(),
+        place=mesh.place.copy(),
+        rho=mesh.rho.copy(),
+        state=mesh.state.copy(),
+        side=mesh.side.copy(),
+        mask=mesh.mask.copy(),
+        stale=mesh.stale.copy(),
+        vacant=list(mesh.vacant),
+        traced=mesh.traced,
+        bent=mesh.bent,
+    )
 
 
 def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:

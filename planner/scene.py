@@ -246,11 +246,9 @@ class Scene:
 
     def primitives(self, include_bounds: bool = True) -> Primitives:
         """All borders as flat arrays, in the order of the objects; the bounds come last."""
-        flat = _Flattener(self.y_down)
+        flat = Flattener(self.y_down)
         for index, obj in enumerate(self.objects):
-            flat.add_border(obj.records, index, is_hole=False)
-            for hole in obj.holes:
-                flat.add_border(hole, index, is_hole=True)
+            flat.add_object(obj, index)
         if include_bounds:
             c = self.bounds.corners()
             sides = tuple(Segment(c[i], c[(i + 1) % 4]) for i in range(4))
@@ -294,7 +292,7 @@ def _stored_points(record: Record) -> int:
             return 1
 
 
-class _Flattener:
+class Flattener:
     """Collects primitives border by border: a row and a kind each, and how many per border."""
 
     def __init__(self, y_down: bool) -> None:
@@ -304,7 +302,14 @@ class _Flattener:
         self.turned: list[int] = []
         self.borders: list[tuple[int, int, bool]] = []
 
+    def add_object(self, obj: SceneObject, owner: int) -> None:
+        """An object's outline and holes."""
+        self.add_border(obj.records, owner, is_hole=False)
+        for hole in obj.holes:
+            self.add_border(hole, owner, is_hole=True)
+
     def add_border(self, records: Sequence[Record], owner: int, *, is_hole: bool) -> None:
+        """The records of one border of an object; -1 owns the bounds."""
         before = len(self.kind)
         for record in records:
             match record:
@@ -339,6 +344,7 @@ class _Flattener:
         self.rows.append(row)
 
     def finish(self) -> Primitives:
+        """All that was added, as flat arrays."""
         count = len(self.kind)
         flat = chain.from_iterable(self.rows)
         backwards = np.zeros(count, dtype=np.bool_)

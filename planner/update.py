@@ -13,17 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from planner import agvd_kernels, border_kernels, insertion_kernels, removal_kernels, update_kernels
+from planner import border_kernels, insertion_kernels, update_kernels
 from planner.agvd import Agvd, mesh_chains
-from planner.generators import index_borders, join_primitives
+from planner.generators import JOINT, NO_LENGTH, Borders, as_borders
 from planner.mesh import Mesh, add_sites, copy_mesh
 from planner.roadmap import Roadmap, build_roadmap, finish_roadmap
-from planner.scene import FloatArray, IntArray, Scene, SceneObject
+from planner.scene import Flattener, FloatArray, IntArray, Scene, SceneObject
 
 MOST = 0.34
 """More changed objects than this share are a scene to be built anew."""
@@ -40,30 +38,19 @@ def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
     if mesh is None or not isinstance(old_scene, Scene) or old_scene.bounds != scene.bounds:
         return _anew(roadmap, scene)
     kept = match_objects(old_scene.objects, scene.objects)
-    came = np.flatnonzero(kept < 0)
-    went = np.ones(len(old_scene.objects), np.bool_)
-    went[kept[kept >= 0]] = False
-    if len(came) + went.sum() > MOST * (len(scene.objects) + len(old_scene.objects)):
+    came = [j for j, i in enumerate(kept) if i < 0]
+    went = len(old_scene.objects) - len(kept) + len(came)
+    if len(came) + went > MOST * (len(scene.objects) + len(old_scene.objects)):
         return _anew(roadmap, scene)
-    old = roadmap.borders
-    some = replace(scene, objects=tuple(scene.objects[j] for j in came.tolist()))
-    fresh = join_primitives(some.primitives(include_bounds=False), old.box)
-    pieces, new_label, fresh_label = border_kernels.patch_borders(
-        kept, len(old_scene.objects), old.pieces, len(came), fresh
+    borders, new_label, places, labels, touched = _change_borders(
+        roadmap, scene, len(old_scene.objects), kept, came
     )
-    borders = index_borders(pieces, old.box)
     mesh = copy_mesh(mesh)
-    # the last objects have no boxes where they have no pieces
-    there = went[: len(old.span)], came[came < len(borders.span)]
-    touched = np.concatenate([old.object_boxes[there[0]], borders.object_boxes[there[1]]])
-    update_kernels.forget_touched(
-        touched, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
-        mesh.traced.first, mesh.traced.link, mesh.bent.points, mesh.bent.start,
-    )  # fmt: skip
-    places, labels = _generators_of(fresh, roadmap.spacing)
-    if not _change_sites(mesh, new_label, places, fresh_label[labels]):
+    fits = not len(places) or float(abs(places).max()) <= mesh.up
+    if not (fits and _take_out(mesh, new_label, touched)):
         return _anew(roadmap, scene)
-    mesh.bent = replace(mesh.bent, pieces=new_label[mesh.bent.pieces])
+    if len(places):
+        add_sites(mesh, places, labels, np.full(len(places), -1, np.int64))
     agvd = Agvd(borders, roadmap.spacing, mesh)
     chains = mesh_chains(mesh, borders, roadmap.spacing)
     return finish_roadmap(scene, roadmap.radius, "exact", agvd, chains)
@@ -73,8 +60,8 @@ def _anew(roadmap: Roadmap, scene: Scene) -> Roadmap:
     return build_roadmap(scene, roadmap.radius, spacing=roadmap.spacing, mode=roadmap.mode)
 
 
-def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDArray[np.int64]:
-    """(n,) which old object every new one is, -1 where it is none; each old one once at most."""
+def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> list[int]:
+    """Which old object every new one is, -1 where it is none; each old one once at most."""
     # most share their records with those where they were, or moved up by one
     ahead = _first_other(old, new)
     behind = _first_other(old[ahead:][::-1], new[ahead:][::-1])
@@ -97,7 +84,7 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> NDA
             waiting = equal.get((new[k].records, new[k].holes))
             if waiting:
                 kept[k] = waiting.pop()
-    return np.array(kept, np.int64)
+    return kept
 
 
 def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
@@ -110,33 +97,40 @@ def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
     return n
 
 
-def _change_sites(mesh: Mesh, new_label: IntArray, places: FloatArray, labels: IntArray) -> bool:
-    """Take out the sites of pieces that are no more and put in those at the ``places``."""
-    gone, quiet, heirs = update_kernels.unlink_sites(
-        mesh.label, new_label, mesh.alias, mesh.also, mesh.used
-    )
-    if len(gone) and not removal_kernels.remove(mesh.xy, mesh.ghost, mesh.tri, mesh.circ, gone):
-        return False
+def _change_borders(
+    roadmap: Roadmap, scene: Scene, old_objects: int, kept: list[int], came: list[int]
+) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
+    """The scene's borders, and the rest of what :func:`border_kernels.change_borders` returns.
+
+    The objects that ``came`` are flattened and joined, the ``kept`` ones' pieces copied.
+    """
+    old = roadmap.borders
+    flat = Flattener(scene.y_down)
+    for n, j in enumerate(came):
+        flat.add_object(scene.objects[j], n)
+    pieces, found, *rest = border_kernels.change_borders(
+        np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes,
+        np.array(flat.kind, np.int8), np.array(flat.rows, np.float64).reshape(-1, 6),
+        np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),
+        NO_LENGTH * old.extent, JOINT * old.extent, roadmap.spacing,
+    )  # fmt: skip
+    new_label, places, labels, touched = rest
+    return as_borders(pieces, found, old.box), new_label, places, labels, touched
+
+
+def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
+    """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
+    traced, bent = mesh.traced, mesh.bent
+    gone, quiet, heirs, pieces, done = update_kernels.take_out(
+        touched, new_label, mesh.xy, mesh.tri, mesh.circ, mesh.alias, mesh.label, mesh.also,
+        mesh.used, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
+        traced.first, traced.link, bent.points, bent.start, bent.pieces,
+    )  # fmt: skip
+    mesh.bent = replace(bent, pieces=pieces)
     mesh.vacant += [*gone.tolist(), *quiet.tolist()]
-    if len(heirs):
+    if done and len(heirs):
         w, nowhere = np.empty(insertion_kernels.SCRATCH), np.empty(0, np.int64)
         insertion_kernels.insert(
             w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, heirs, nowhere
         )
-    if len(places):
-        if np.abs(places).max() > mesh.up:
-            return False
-        add_sites(mesh, places, labels, np.full(len(places), -1, np.int64))
-    return True
-
-
-def _generators_of(pieces: tuple[Any, ...], spacing: float) -> tuple[FloatArray, IntArray]:
-    """The generators of the new objects' pieces, and which of these each is on."""
-    kind, data, _, backwards, _, _, _, before, after = pieces
-    k = len(backwards)
-    kind, at, data = kind[:k], data[k:, :2], data[:k]
-    room = int(agvd_kernels.count_generators(kind, data, spacing)) + len(before)
-    places, label = agvd_kernels.place_generators(
-        kind, data, backwards, at, before, after, spacing, room
-    )
-    return places, label
+    return bool(done)

@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 
 from planner.insertion_kernels import DEAD
+from planner.removal_kernels import remove
 
 SLACK = 1e-9
 """Circles count as larger by this share."""
@@ -28,7 +29,7 @@ def _reaches(boxes, b, x, y, r):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, start):
+def _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, start):
     """Make everything in the ``boxes`` (b, 4) be computed again.
 
     Triangles are forgotten (``seen``), and chains with a touched point become ``stale``.
@@ -52,7 +53,7 @@ def forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def unlink_sites(label, new_label, alias, also, used):
+def _unlink_sites(label, new_label, alias, also, used):
     """Give all sites their new labels and find out which have to go.
 
     ``new_label`` holds -1 for labels that are no more. Returns the sites that are in the
@@ -95,3 +96,27 @@ def unlink_sites(label, new_label, alias, also, used):
                 last = other
             other = after
     return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def take_out(
+    boxes, new_label, xy, tri, circ, alias, label, also, used, at, place, rho, state, seen, stale,
+    first, link, points, start, pieces,
+):  # fmt: skip
+    """Take the sites of pieces that are no more out of a mesh, see :class:`planner.mesh.Mesh`.
+
+    Everything that reaches into the ``boxes`` (b, 4) of what changed is to be computed again.
+    ``new_label`` is where the pieces are now, -1 for those that are no more. Returns the sites
+    that were taken out, those that were not in the triangulation and go, and those that have to
+    be put in because the site that stood for them is gone; the chains' ``pieces`` (p, 2) as they
+    are numbered now; and False where the mesh is spoiled, since a site was on the hull.
+    """
+    _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, points, start)
+    gone, quiet, heirs = _unlink_sites(label, new_label, alias, also, used)
+    new_pieces = np.empty_like(pieces)
+    for p in range(len(pieces)):
+        # -1 where a chain ends stays -1
+        new_pieces[p, 0] = new_label[pieces[p, 0]]
+        new_pieces[p, 1] = new_label[pieces[p, 1]]
+    done = len(gone) == 0 or remove(xy, len(alias), tri, circ, gone)
+    return gone, quiet, heirs, new_pieces, done
