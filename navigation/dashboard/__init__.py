@@ -2,7 +2,8 @@
 
 - `server`: the port, the thread, its life; `app`: what is at which address.
 - `access`: who may; `seat`: who holds the arena. Both open nothing and read no clock.
-- `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them.
+- `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them, with its
+  `attention`: what it has got and could take.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
 - `metrics`, `palette`, `static/`: numbers for Prometheus, colours shared with the pictures, the
   page itself (ES modules, no build step).

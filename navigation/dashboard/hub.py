@@ -16,11 +16,12 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from navigation.cycle import PlanAnswer
 from navigation.daemon_state import DaemonState
 from navigation.dashboard.access import Gate
+from navigation.dashboard.attention import Attention
 from navigation.dashboard.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.geometry import path_facts, plan_message, world_message
 from navigation.dashboard.packed import pack
@@ -34,9 +35,6 @@ from planner.roadmap import Roadmap
 from planner.scene import Bounds
 from vision.camera import Frame
 from vision.markers import RobotPose
-
-if TYPE_CHECKING:
-    from navigation.dashboard.viewer import Viewer
 
 LOOK_EVERY_S: Final = 1.0 / 60.0
 IDLE_EVERY_S: Final = 0.1
@@ -69,7 +67,7 @@ class Hub:
         self.gate = Gate(section)
         self.seat = Seat(section.hold_s)
         self.chronicle = Chronicle()
-        self.viewers: set[Viewer] = set()
+        self.viewers: set[Attention] = set()
         self.viewers_ever = 0
         self.pictures_sent = 0
         self.hello = {**greeting(daemon.config, self.view), "samples": list(COLUMNS)}
@@ -208,7 +206,8 @@ class Hub:
         frame = state.frame
         if frame is None or frame is self._frame or "picture" in self._busy:
             return
-        if any(viewer.wants_picture(now_s) for viewer in self.viewers):
+        pause_s = self.picture_pause_s()
+        if any(viewer.wants_picture(now_s, pause_s) for viewer in self.viewers):
             self._frame = frame
             self._start("picture", self._make_picture(frame))
 

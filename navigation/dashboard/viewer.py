@@ -2,8 +2,7 @@
 
 Rules
 - Nothing is queued but answers: a viewer that is slow gets the newest of everything, less often.
-- Pictures are sent on credit: two are on their way at most, and each that the page has drawn
-  brings the credit back.
+- Pictures are sent on credit (`attention.py`).
 - What is malformed or too long is refused and counted; whoever goes on with it is cut off.
 """
 
@@ -19,15 +18,13 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from navigation.control import ControlError, read_stations
 from navigation.dashboard.access import Role
+from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.orders import give, refusal_of
 from navigation.dashboard.rings import Ring
 from navigation.dashboard.seat import public_half
 
 MOST_CHARACTERS: Final = 65_536
-CREDITS: Final = 2
-EARLY: Final = 0.75
-"""Pictures come unevenly: one that is early by less than a quarter of the pause is not left out."""
 PATIENCE: Final = 20
 """How many malformed messages one connection may send."""
 ANSWERS: Final = 64
@@ -47,12 +44,8 @@ class Viewer:
         hub.viewers_ever += 1
         self.number = hub.viewers_ever
         self.name = f"viewer {self.number}"
-        self.key = ""
-        self.is_watching = False
-        self.news = asyncio.Event()
+        self.attention = Attention()
         self._socket = socket
-        self._credits = CREDITS
-        self._shown_s = -1e9
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
         self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "picture": 0}
         self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
@@ -62,7 +55,7 @@ class Viewer:
 
     async def serve(self) -> None:
         """Until the visitor leaves, misbehaves, or the dashboard closes."""
-        self.hub.viewers.add(self)
+        self.hub.viewers.add(self.attention)
         tasks = [
             asyncio.ensure_future(work)
             for work in (self._send(), self._take(), self.hub.closing.wait())
@@ -73,16 +66,11 @@ class Viewer:
             for task in (*tasks, *([self._preview] if self._preview else [])):
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
-            self.hub.viewers.discard(self)
-            if not any(other.key == self.key for other in self.hub.viewers):
-                self.hub.seat.go(self.key, self.hub.clock(), left=self._left)
+            self.hub.viewers.discard(self.attention)
+            if not any(other.key == self.attention.key for other in self.hub.viewers):
+                self.hub.seat.go(self.attention.key, self.hub.clock(), left=self._left)
         if self.hub.closing.is_set():
             await self._close(GOING_AWAY, "the program ends")
-
-    def wants_picture(self, now_s: float) -> bool:
-        """Whether a new picture could be sent now."""
-        due = now_s - self._shown_s >= EARLY * self.hub.picture_pause_s()
-        return self.is_watching and self._credits > 0 and due
 
     # Out.
 
@@ -96,8 +84,8 @@ class Viewer:
         )
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             while True:
-                await self.news.wait()
-                self.news.clear()
+                await self.attention.news.wait()
+                self.attention.news.clear()
                 await self._send_news()
 
     async def _send_news(self) -> None:
@@ -114,9 +102,10 @@ class Viewer:
         await self._send_ring("track", hub.chronicle.track, 2000)
         await self._send_ring("samples", hub.chronicle.samples, 240)
         now_s = hub.clock()
-        if self.wants_picture(now_s) and self._is_new("picture", hub.picture_number):
-            self._credits -= 1
-            self._shown_s = now_s
+        attention = self.attention
+        could = attention.wants_picture(now_s, hub.picture_pause_s())
+        if could and self._is_new("picture", hub.picture_number):
+            attention.shown(now_s)
             hub.pictures_sent += 1
             await self._socket.send_bytes(hub.picture)
 
@@ -135,14 +124,14 @@ class Viewer:
             items = [[line.wall_s, line.level, line.text] for line in items]
         await self._send_json({"type": name, "first": first, "items": items})
         if self._next[name] < ring.next:
-            self.news.set()
+            self.attention.news.set()
 
     async def _send_json(self, message: dict[str, Any]) -> None:
         await self._socket.send_text(json.dumps(message, allow_nan=False))
 
     def _answer(self, message: dict[str, Any]) -> None:
         self._answers.append(message)
-        self.news.set()
+        self.attention.news.set()
 
     async def _close(self, code: int, reason: str) -> None:
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
@@ -178,13 +167,13 @@ class Viewer:
             case "join":
                 self._join(message)
             case "ack":
-                self._credits = min(CREDITS, self._credits + 1)
+                self.attention.drawn()
             case "watch":
-                self.is_watching = message.get("on") is True
+                self.attention.is_watching = message.get("on") is True
             case "take":
                 self._sit(message)
             case "release":
-                if self.hub.seat.release(self.key):
+                if self.hub.seat.release(self.attention.key):
                     self.hub.note("info", f"{self.name} left the arena free")
             case "order":
                 self._order(message)
@@ -201,7 +190,7 @@ class Viewer:
             raise MalformedError("key: must be 16 to 128 characters")
         if not isinstance(name, str) or len(name) > NAME_CHARACTERS or not name.isprintable():
             raise MalformedError(f"name: must be at most {NAME_CHARACTERS} printable characters")
-        self.key = key
+        self.attention.key = key
         self.name = name.strip() or f"viewer {self.number}"
         self.hub.seat.come(key, self.name)
         self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
@@ -209,11 +198,11 @@ class Viewer:
     def _sit(self, message: dict[str, Any]) -> None:
         if self.role is not Role.OPERATOR:
             error: str | None = "this token is for looking and stopping only"
-        elif not self.key:
+        elif not self.attention.key:
             raise MalformedError("take: join first")
         else:
-            was_mine = self.hub.seat.is_held_by(self.key)
-            error = self.hub.seat.take(self.key, self.name, self.hub.clock())
+            was_mine = self.hub.seat.is_held_by(self.attention.key)
+            error = self.hub.seat.take(self.attention.key, self.name, self.hub.clock())
             if error is None and not was_mine:
                 self.hub.note("info", f"{self.name} holds the arena")
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
@@ -223,14 +212,14 @@ class Viewer:
         refusal = refusal_of(
             order,
             may_drive=self.role is Role.OPERATOR,
-            holds=bool(self.key) and hub.seat.is_held_by(self.key),
+            holds=bool(self.attention.key) and hub.seat.is_held_by(self.attention.key),
         )
         if refusal is not None:
             hub.gate.count("order")
             self._reply(message, {"ok": False, "error": refusal})
             return
         result = give(message, hub.daemon, self.name)
-        hub.seat.touch(self.key, hub.clock())
+        hub.seat.touch(self.attention.key, hub.clock())
         level = "stop" if order == "stop" else "order"
         outcome = "" if result["ok"] else f" - refused: {result['error']}"
         hub.note(level, f"{self.name}: {_told(message)}{outcome}")
@@ -238,10 +227,10 @@ class Viewer:
 
     def _ask_preview(self, message: dict[str, Any]) -> None:
         stations = read_stations(message.get("stations"))
-        if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.key):
+        if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.attention.key):
             self._reply(message, {"ok": False, "reason": "take the arena first"})
             return
-        self.hub.seat.touch(self.key, self.hub.clock())
+        self.hub.seat.touch(self.attention.key, self.hub.clock())
         if self._preview is not None:
             self._preview.cancel()  # the newest wins
 

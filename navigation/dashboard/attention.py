@@ -1,0 +1,40 @@
+"""What one viewer attends to: whether there is news for it, and whether it could take a picture.
+
+Pictures are sent on credit: two are on their way at most, and each that the page has drawn
+brings the credit back. Seconds of the dashboard's clock.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from typing import Final
+
+CREDITS: Final = 2
+EARLY: Final = 0.75
+"""Pictures come unevenly: one that is early by less than a quarter of the pause is not left out."""
+
+
+class Attention:
+    """As the hub sees a viewer; ``key`` is what it joined with, empty before."""
+
+    def __init__(self) -> None:
+        self.key = ""
+        self.is_watching = False
+        self.news = asyncio.Event()
+        self._credits = CREDITS
+        self._shown_s = -math.inf
+
+    def wants_picture(self, now_s: float, pause_s: float) -> bool:
+        """Whether a new picture could be sent now, ``pause_s`` after the last one or later."""
+        due = now_s - self._shown_s >= EARLY * pause_s
+        return self.is_watching and self._credits > 0 and due
+
+    def shown(self, now_s: float) -> None:
+        """A picture was sent."""
+        self._credits -= 1
+        self._shown_s = now_s
+
+    def drawn(self) -> None:
+        """The page has drawn a picture."""
+        self._credits = min(CREDITS, self._credits + 1)
