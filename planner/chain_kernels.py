@@ -177,6 +177,17 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
+    """Whether the middle of a straight bisector's link is as near to both of its pieces.
+
+    It is not where the link passes the end of one of them.
+    """
+    x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
+    gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
+    return abs(gap) <= 4.0 * tolerance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def bend_chains(
     mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state
 ):  # fmt: skip
@@ -254,7 +265,8 @@ def bend_chains(
                 dx, dy = bx - ax, by - ay
                 span = math.sqrt(dx * dx + dy * dy)
                 is_long = span > max(2.0 * half, LONG * out[n - 1, 2])
-                split, astray = False, False
+                # what ought to be halved and cannot be is a chord, not the bisector
+                split, astray = False, is_long
                 # from the sampled vertex in the middle of the run, then from that of the line
                 for guess in range(2 if is_long or not straight else 0):
                     q_m = q_a
@@ -266,17 +278,19 @@ def bend_chains(
                     elif guess == 0 or span <= half:
                         continue
                     mx, my, split = slide_between(kind, data, left, right, mx, my, tolerance)
+                    slid = split
                     if split and not is_long:
                         bulge, _ = point_to_segment(mx, my, ax, ay, bx, by)
                         split = bulge > BULGE * half
+                    wanted = split
                     split = split and _is_between(
                         kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance
                     )
-                    if guess == 1 and split:
+                    if guess == 1:
                         reach = HALF_AT_MOST * HALF_AT_MOST * span * span
-                        astray = (mx - ax) ** 2 + (my - ay) ** 2 > reach
-                        astray = astray or (bx - mx) ** 2 + (by - my) ** 2 > reach
-                        split = not astray
+                        split = split and (mx - ax) ** 2 + (my - ay) ** 2 <= reach
+                        split = split and (bx - mx) ** 2 + (by - my) ** 2 <= reach
+                        astray = is_long or wanted or not slid
                     if split:
                         # sampled vertices are in order among themselves only
                         bare[top] = guess == 1
@@ -293,9 +307,12 @@ def bend_chains(
                 if n + 2 >= len(out):
                     out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
                 vx, vy, grows = heading(kind, data, left, right, bx, by)
-                # what ought to be halved and cannot be is a chord, not the bisector
                 whole = not (split or astray)
-                ahead[n - 1] = whole and dx * ux + dy * uy >= -tolerance
+                if straight and not is_long:
+                    whole = _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance)
+                # nor is a line that leaves or arrives against the bisector's way
+                whole &= dx * ux + dy * uy >= -tolerance and dx * vx + dy * vy >= -tolerance
+                ahead[n - 1] = whole
                 for turn in range(2):
                     x, y = bx, by
                     if turn == 0:
@@ -305,6 +322,7 @@ def bend_chains(
                             kind, data, left, right, ax, ay, bx, by, tolerance
                         )
                         if not found:
+                            ahead[n - 1] = False
                             continue
                     elif top == 0:
                         break
@@ -324,7 +342,7 @@ def bend_chains(
                                 extra_label[missing], where[missing] = lab, near
                                 missing += 1
                     out[n, 0], out[n, 1], out[n, 2] = x, y, d if which >= 0 else r
-                    sure[n], ahead[n] = which < 0, True
+                    sure[n], ahead[n] = which < 0, whole or turn == 1
                     pair[n, 0], pair[n, 1] = left, right
                     n += 1
                 ax, ay, q_a = bx, by, q_b
