@@ -27,12 +27,9 @@ from planner.insertion_kernels import (
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _set_circle(xy, tri, circ, t):
-    """Triangle t's circle, with the error bound that `insert` explains."""
-    p, a, b = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
-    px, py = xy[2 * p], xy[2 * p + 1]
-    ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
-    bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
+def _circle(px, py, ax, ay, bx, by):
+    """The circle of three sites: x, y, and the band that `insert` explains, squared."""
+    ax, ay, bx, by = ax - px, ay - py, bx - px, by - py
     a_square, b_square = ax * ax + ay * ay, bx * bx + by * by
     a_sum, b_sum = abs(ax) + abs(ay), abs(bx) + abs(by)
     half = 0.5 / (ax * by - ay * bx)
@@ -49,25 +46,40 @@ def _set_circle(xy, tri, circ, t):
     dx, dy = px - x, py - y
     square = dx * dx + dy * dy
     band = 4.0 * error * (reach + error)
-    q = t >> 1
-    circ[q], circ[q + 1], circ[q + 2], circ[q + 3] = x, y, square - band, square + band
+    return x, y, square - band, square + band
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_ear(w, xy, ring, m, i):
-    """Whether the corners i - 1, i, i + 1 of a hole are a triangle with an empty circle."""
-    a, b, c = ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]
-    ax, ay, bx, by = xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1]
-    cx, cy = xy[2 * c], xy[2 * c + 1]
-    if orient(w, ax, ay, bx, by, cx, cy) <= 0:
-        return False
-    for j in range(m):
-        q = ring[j]
-        if q not in (a, b, c) and (
-            in_circle(w, ax, ay, bx, by, cx, cy, xy[2 * q], xy[2 * q + 1]) > 0
-        ):
-            return False
-    return True
+def _find_ear(w, xy, ring, m, circle):
+    """The first corner of a hole that is a triangle with an empty circle with its neighbours.
+
+    -1 where none is. ``circle`` (4,) becomes the ear's, see `_circle`.
+    """
+    before = m - 1
+    for i in range(m):
+        after = i + 1 if i + 1 < m else 0
+        a, b, c = ring[before], ring[i], ring[after]
+        ax, ay, bx, by = xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1]
+        cx, cy = xy[2 * c], xy[2 * c + 1]
+        if orient(w, ax, ay, bx, by, cx, cy) > 0:
+            x, y, low, high = _circle(ax, ay, bx, by, cx, cy)
+            is_empty = True
+            for j in range(m):
+                if j in (before, i, after):
+                    continue
+                qx, qy = xy[2 * ring[j]], xy[2 * ring[j] + 1]
+                square = (qx - x) * (qx - x) + (qy - y) * (qy - y)
+                if square > high:
+                    continue
+                # whatever is NaN or in the band is decided exactly
+                if square < low or in_circle(w, ax, ay, bx, by, cx, cy, qx, qy) > 0:
+                    is_empty = False
+                    break
+            if is_empty:
+                circle[0], circle[1], circle[2], circle[3] = x, y, low, high
+                return i
+        before = i
+    return -1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -102,11 +114,16 @@ def remove(xy, ghost, tri, circ, gone):
     Then, or where the hole cannot be filled, the arrays are left half done.
     """
     w = np.empty(SCRATCH)
+    circle = np.empty(4)
+    wanted = np.zeros(ghost + 1, np.bool_)
+    for g in gone:
+        wanted[g] = True
     at = np.full(ghost + 1, -1, np.int64)
-    for i in range(len(tri) // 8):
-        if np.int64(tri[8 * i]) != DEAD:
+    for h in range(0, len(tri), 8):
+        if np.int64(tri[h]) != DEAD:
             for k in range(3):
-                at[np.int64(tri[8 * i + k])] = 8 * i + k
+                if wanted[np.int64(tri[h + k])]:
+                    at[np.int64(tri[h + k])] = h + k
     ring, outer = np.empty(2 * ghost, np.int64), np.empty(2 * ghost, np.int64)
     slot = np.empty(2 * ghost, np.int64)
     # every other one first, then every other one of the rest: stars stay small for longest
@@ -144,28 +161,28 @@ def remove(xy, ghost, tri, circ, gone):
         free_0, free_1 = slot[m - 1], slot[m - 2]
         n = 0
         while m > 3:
-            ear = -1
-            for i in range(m):
-                if _is_ear(w, xy, ring, m, i):
-                    ear = i
-                    break
+            ear = _find_ear(w, xy, ring, m, circle)
             if ear < 0:
                 return False
-            before = (ear + m - 1) % m
+            before = ear - 1 if ear > 0 else m - 1
+            after = ear + 1 if ear + 1 < m else 0
             s = slot[n]
             n += 1
             _place(
-                tri, at, s, ring[before], ring[ear], ring[(ear + 1) % m],
-                outer[ear], np.int64(-1), outer[before],
+                tri, at, s, ring[before], ring[ear], ring[after], outer[ear], np.int64(-1),
+                outer[before],
             )  # fmt: skip
-            _set_circle(xy, tri, circ, s)
+            circ[s >> 1 : (s >> 1) + 4] = circle
             outer[before] = s + 1
             for i in range(ear, m - 1):
                 ring[i], outer[i] = ring[i + 1], outer[i + 1]
             m -= 1
         s = slot[n]
-        _place(tri, at, s, ring[0], ring[1], ring[2], outer[1], outer[2], outer[0])
-        _set_circle(xy, tri, circ, s)
+        a, b, c = ring[0], ring[1], ring[2]
+        _place(tri, at, s, a, b, c, outer[1], outer[2], outer[0])
+        circ[s >> 1], circ[(s >> 1) + 1], circ[(s >> 1) + 2], circ[(s >> 1) + 3] = _circle(
+            xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], xy[2 * c], xy[2 * c + 1]
+        )
         # the site's own two triangles become free, if they are not already
         tri[free_0], tri[free_1] = DEAD, DEAD
         for own in (16 * p, 16 * p + 8):

@@ -29,21 +29,20 @@ def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_
     numbers, and offsets ``first`` (c + 1,) into ``link`` (l,) int64.
     """
     n = len(mask)
-    edges = 0
-    for i in range(n):
+    kept, todo = _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link)
+    edges = len(old_link)
+    for i in todo:
         edges += int(mask[i] & 1) + int((mask[i] >> 1) & 1) + int(mask[i] >> 2)
-    edges //= 2
     number = np.full(n, -1, np.int32)
-    node = np.empty(n, np.int32)
+    node = np.empty(len(old_node) + len(todo), np.int32)
     used = np.zeros(n, np.uint8)
     ends = np.empty((edges, 2), np.int32)
     first = np.zeros(edges + 1, np.int32)
     link = np.empty(edges, np.int64)
-    todo = np.empty(n + len(old_link) + len(old_ends), np.int32)
-    kept, nodes, count = _keep_chains(
-        tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link,
-        number, node, used, ends, first, link, todo,
-    )  # fmt: skip
+    nodes = _keep_chains(
+        tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
+    )
+    count = len(todo)
     for m in range(count):
         i = todo[m]
         if number[i] < 0 and (mask[i] == 7 or mask[i] == 1 or mask[i] == 2 or mask[i] == 4):
@@ -82,54 +81,67 @@ def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _keep_chains(
-    tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link,
-    number, node, used, ends, first, link, todo,
-):  # fmt: skip
-    """Write the chains that are as they were into node, ends, first and link.
-
-    Returns which they are, how many nodes they have, and how many triangles are now in
-    ``todo``: those where any other chain may pass. ``number`` gets the nodes' numbers and
-    ``used`` the edges at which kept chains leave them.
-    """
-    known = len(old_mask)
+def _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link):
+    """The chains that are as they were, and the triangles where any other chain may pass."""
+    n, known = len(mask), len(old_mask)
+    changed = np.empty(n, np.bool_)
+    for i in range(known):
+        changed[i] = stale[i] | (mask[i] != old_mask[i])
+    changed[known:] = True
+    todo = np.empty(n + len(old_link) + len(old_ends), np.int32)
     count = 0
-    for i in range(len(mask)):
-        if mask[i] != 0 and (stale[i] or i >= known or mask[i] != old_mask[i]):
+    for i in range(n):
+        if changed[i] and mask[i] != 0:
             todo[count] = i
             count += 1
     kept = np.empty(len(old_ends), np.int32)
-    chains, nodes, links = 0, 0, 0
+    chains = 0
     for c in range(len(old_ends)):
         lo, hi = old_first[c], old_first[c + 1]
         end = old_node[old_ends[c, 1]]
-        same = not stale[end] and mask[end] == old_mask[end]
+        same = not changed[end]
         for q in range(lo, hi):
-            i = old_link[q] >> 3
-            same = same and not stale[i] and mask[i] == old_mask[i]
-        if not same:
-            todo[count] = end
-            count += 1
-            for q in range(lo, hi):
-                todo[count] = old_link[q] >> 3
-                count += 1
+            if changed[old_link[q] >> 3]:
+                same = False
+                break
+        if same:
+            kept[chains] = c
+            chains += 1
             continue
+        todo[count] = end
+        count += 1
+        for q in range(lo, hi):
+            todo[count] = old_link[q] >> 3
+            count += 1
+    return kept[:chains], todo[:count]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _keep_chains(
+    tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
+):  # fmt: skip
+    """Write the ``kept`` chains into node, ends, first and link; returns how many nodes they have.
+
+    ``number`` gets the nodes' numbers and ``used`` the edges at which the chains leave them.
+    """
+    nodes, links = 0, 0
+    for m in range(len(kept)):
+        c = kept[m]
+        lo, hi = old_first[c], old_first[c + 1]
         for side in range(2):
             i = old_node[old_ends[c, side]]
             if number[i] < 0:
                 number[i], node[nodes] = nodes, i
                 nodes += 1
-            ends[chains, side] = number[i]
+            ends[m, side] = number[i]
         for q in range(lo, hi):
             link[links] = old_link[q]
             links += 1
         used[old_link[lo] >> 3] |= np.uint8(1 << (old_link[lo] & 3))
         o = np.int64(tri[old_link[hi - 1] + 4])
         used[o >> 3] |= np.uint8(1 << (o & 3))
-        kept[chains] = c
-        chains += 1
-        first[chains] = links
-    return kept[:chains], nodes, count
+        first[m + 1] = links
+    return nodes
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
