@@ -7,6 +7,7 @@ radians, seconds.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -23,9 +24,14 @@ from planner.path import Limits, NoPath, Path
 from planner.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
 from planner.smooth import smooth_path
+from planner.trajectory import TrajectoryError
 
 LONGEST_WAIT_S = 0.25
 """A planner without work turns as often, so that one that hangs can be told from it."""
+
+
+STEERED_RAD = 0.2
+"""The reference robot turns standing for more (``TURN_STANDING`` of its follower)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +94,24 @@ class ArenaPlanner:
                 self._stations = (*(vias[i] for i in path.order), goal)
         visits = [vias[i] for i in path.order] if request.any_order else vias
         keep_m = min(path.min_clearance, self.settings.radius_m + self.settings.margin_m)
-        path = smooth_path(path, roadmap.path_clearance, roadmap.clearance, keep=keep_m)
-        trajectory = planner.time_path(
+        limits = self.settings.limits
+        path = smooth_path(
             path,
-            self.settings.limits,
-            clearance=roadmap.clearance,
-            dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
+            roadmap.path_clearance,
+            roadmap.clearance,
+            keep=keep_m,
+            turning_radius=limits.turning_radius,
         )
-        targets = targets_of(path, trajectory)
-        return PlanAnswer(request.id, self.revision, path, trajectory, targets)
+        try:
+            trajectory = planner.time_path(
+                path if limits.turns_on_spot else begin_as_it_stands(path),
+                limits,
+                clearance=roadmap.clearance,
+                dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
+            )
+        except TrajectoryError as error:  # no way for a robot that cannot turn on the spot
+            return PlanAnswer(request.id, self.revision, NoPath(str(error)))
+        return PlanAnswer(request.id, self.revision, path, trajectory, targets_of(path, trajectory))
 
     def _around_robots(
         self, roadmap: Roadmap, scene: Scene, request: PlanRequest
@@ -150,6 +165,23 @@ class ArenaPlanner:
         """The last way, where the request is for the rest of the same stations in their order."""
         rest = self._stations[-len(request.stations) :]
         return self._way if rest == request.stations and not request.any_order else None
+
+
+def begin_as_it_stands(path: Path) -> Path:
+    """Without the start's heading, where the way leads so nearly there that it is steered for.
+
+    The camera's headings are never the way's to the last digit; a robot that cannot turn on the
+    spot takes up to ``STEERED_RAD`` of difference while it drives.
+    """
+    heading_rad = path.headings_rad[0]
+    ahead = np.flatnonzero(np.any(path.points != path.points[0], axis=1))
+    if heading_rad is None or not len(ahead):
+        return path
+    dx, dy = path.points[ahead[0]] - path.points[0]
+    off_rad = math.remainder(math.atan2(dy, dx) - heading_rad, math.tau)
+    if abs(off_rad) > STEERED_RAD:
+        return path
+    return replace(path, headings_rad=(None, *path.headings_rad[1:]))
 
 
 def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:

@@ -114,6 +114,16 @@ def _robot_fits_into_the_arena(arena: Any, robot: Any) -> _Found:
         )
 
 
+def _bends_fit_into_the_arena(arena: Any, robot: Any) -> _Found:
+    x0, y0, x1, y1 = arena.bounds_m
+    limit = max(x1 - x0, y1 - y0)
+    if 0.0 < limit < robot.turning_radius_m:
+        yield (
+            ("robot", "turning_radius_m"),
+            f"must be <= {limit:g}, the arena's longer side, not {robot.turning_radius_m:g}",
+        )
+
+
 def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) -> _Found:
     places: list[tuple[Location, Place]] = [
         (("mission", "stations", index), station) for index, station in enumerate(mission.stations)
@@ -205,6 +215,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robot", "planning"), _speeds_agree),
     (("robot", "planning"), _spacing_is_fine_enough),
     (("arena", "robot"), _robot_fits_into_the_arena),
+    (("arena", "robot"), _bends_fit_into_the_arena),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),

@@ -21,4 +21,5 @@ def limits_of(config: Config) -> Limits:
         slow_clearance=planning.slow_clearance_m,
         slow_speed=planning.slow_speed_m_s,
         turns_on_spot=robot.turns_on_spot,
+        turning_radius=robot.turning_radius_m,
     )

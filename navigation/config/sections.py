@@ -152,6 +152,11 @@ class RobotSection(MarkerSection):
     turns_on_spot: StrictBool = Field(
         default=True, description="whether it can turn without driving"
     )
+    turning_radius_m: NotNegative = Field(
+        default=0.0,
+        description="no bend is driven tighter; a tighter one is turned standing, or refused "
+        "where the robot cannot",
+    )
 
 
 class PlanningSection(Section):

@@ -3,6 +3,8 @@
 import math
 import threading
 from dataclasses import replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from navigation.mission import Station
 from navigation.pilot import distance_to_polyline
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.traffic import Disc
-from planner.path import NoPath, Path
+from planner.path import NoPath, Path, Trajectory
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
 from planner.trajectory import default_limits
 from tests.support.waiting import wait_until
@@ -206,3 +208,40 @@ def test_a_way_past_stations_that_were_visited_is_stayed_with() -> None:
     first = is_left(arena_planner.answer(tour))
     arena_planner.see(middle(0.002), 2)
     assert is_left(arena_planner.answer(replace(STRAIGHT_ON, start=(0.5, 0.5, 0.0)))) is first
+
+
+def limited(**changes: Any) -> PlanSettings:
+    return replace(SETTINGS, limits=replace(SETTINGS.limits, **changes))
+
+
+def bends_of(trajectory: Trajectory) -> list[float]:
+    """The curvature from each waypoint to the next, where the robot drives: 1/m."""
+    return [
+        abs(math.remainder(b.heading_rad - a.heading_rad, math.tau)) / gap
+        for a, b in pairwise(trajectory.waypoints)
+        if (gap := math.dist((a.x, a.y), (b.x, b.y))) > 0.0
+    ]
+
+
+def test_a_robot_that_cannot_turn_on_the_spot_is_told_where_it_would_have_to() -> None:
+    """It faces away from its goal: no plan, with the reason, and no failure of the planner."""
+    arena_planner = ArenaPlanner(limited(turns_on_spot=False, turning_radius=0.2))
+    arena_planner.see(scene_of(), 3)
+    backwards = PlanRequest(5, (0.2, 0.5, math.pi), (Station(1.8, 0.5),), 3)
+    answer = arena_planner.answer(backwards)
+    assert isinstance(answer.path, NoPath)
+    assert "cannot turn on the spot" in answer.path.reason
+    assert (answer.id, answer.scene_revision) == (5, 3)
+    assert answer.trajectory is None
+    assert isinstance(arena_planner.answer(replace(backwards, start=(0.2, 0.5, 0.0))).path, Path)
+
+
+@pytest.mark.parametrize("radius_m", [0.1, 0.2, 0.35])
+def test_between_its_stops_a_plan_bends_no_tighter_than_the_robot_can(radius_m: float) -> None:
+    """Judged by its own waypoints: three on an arc of radius R turn by their distance over R."""
+    arena_planner = ArenaPlanner(limited(turning_radius=radius_m))
+    arena_planner.see(scene_of((0.6, 0.3, 0.18), (1.2, 0.7, 0.18)), 1)
+    answer = arena_planner.answer(PlanRequest(1, (0.15, 0.5, 0.0), (Station(1.85, 0.5),), 1))
+    assert answer.trajectory is not None
+    bends = bends_of(answer.trajectory)
+    assert 0.2 / radius_m < max(bends) <= 1.02 / radius_m

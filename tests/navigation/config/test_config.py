@@ -491,6 +491,20 @@ def test_the_planner_s_limits_are_the_configuration_s() -> None:
     limits = limits_of(config)
     assert (limits.speed, limits.spacing, limits.slow_speed) == (0.3, 0.07, 0.1)
     assert limits.turns_on_spot
+    assert limits.turning_radius == 0.0
+
+
+def test_a_turning_radius_reaches_the_planner_and_is_no_wider_than_the_arena() -> None:
+    text = GOOD.replace("radius_m: 0.09", "radius_m: 0.09\n  turning_radius_m: 0.2")
+    assert text != GOOD
+    assert limits_of(parse_config(text)).turning_radius == 0.2
+    in_millimetres = text.replace("turning_radius_m: 0.2", "turning_radius_m: 200")
+    ((where, told),) = _problems(in_millimetres)
+    assert where == "robot.turning_radius_m"
+    assert told.startswith("must be <= ")
+    assert told.endswith("the arena's longer side, not 200")
+    ((where, told),) = _problems(text.replace("turning_radius_m: 0.2", "turning_radius_m: -0.2"))
+    assert (where, told) == ("robot.turning_radius_m", "must be >= 0, not -0.2")
 
 
 def test_the_text_s_defaults_survive_pyyaml_as_well() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -73,6 +74,49 @@ def test_the_driven_track_keeps_the_limits_of_turning_on_the_spot_and_on_arcs() 
     accelerations = np.diff(rates) / np.diff(time_s)[1:]
     assert 1.0 < np.abs(rates).max() <= 1.05 * limits.angular_rate_rad_s
     assert 3.0 < np.abs(accelerations).max() <= 1.05 * limits.angular_acceleration_rad_s2
+
+
+def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can() -> None:
+    """In the plan by its own waypoints, and on the ground by turning rate over speed."""
+    config = load_config(CONFIGS / "wide_bends.yaml", {})
+    world, tightest = VirtualWorld(config), 1.0 / config.robot.turning_radius_m
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.give(stations_of(config))
+        ended = cycle_until(daemon, lambda now: now.mission.is_over)
+    assert ended.mission.state is State.DONE, ended.sentence
+    (plan,) = daemon.plans
+    assert plan.trajectory is not None
+    bends = [
+        abs(math.remainder(b.heading_rad - a.heading_rad, math.tau)) / gap
+        for a, b in pairwise(plan.trajectory.waypoints)
+        if (gap := math.dist((a.x, a.y), (b.x, b.y))) > 0.0
+    ]
+    assert 0.5 * tightest < max(bends) <= 1.02 * tightest
+    time_s, x, y, heading = world.truth.track().T
+    speeds = np.hypot(np.diff(x), np.diff(y)) / np.diff(time_s)
+    rates = np.abs(np.diff(np.unwrap(heading))) / np.diff(time_s)
+    drives = speeds > 0.05
+    assert np.count_nonzero(drives) > 300
+    assert np.max(rates[drives] / speeds[drives]) <= 1.1 * tightest
+    assert np.max(rates[~drives]) < 0.2, "it never turns while it stands"
+
+
+def test_where_only_a_turn_on_the_spot_would_help_the_mission_ends_with_the_place() -> None:
+    config = short_config(
+        NEAR[1:],
+        robot={"turns_on_spot": False, "turning_radius_m": 0.3},
+        simulation={"start": {"x_m": 0.2, "y_m": 0.2, "heading_deg": 180.0}},
+        safety={"give_up_s": 3.0},
+    )
+    world = VirtualWorld(config)
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        daemon.give(stations_of(config))
+        ended = cycle_until(daemon, lambda now: now.mission.is_over)
+    assert ended.mission.state is State.FAILED
+    assert "at (0.2" in ended.sentence
+    assert "cannot turn on the spot" in ended.sentence
+    track = world.truth.track()
+    assert np.max(np.abs(np.unwrap(track[:, 3]) - track[0, 3])) < 0.01, "the robot was not moved"
 
 
 def test_an_obstacle_appears_at_its_time_and_the_way_leads_around_it() -> None:
