@@ -20,6 +20,10 @@ from planner.scene import FloatArray, IntArray, Vec
 
 ROOM = 2.0
 """Radii of clearance kept on top of the first, where there is room, per unit of preference."""
+TIGHT = 1e-9
+"""A bend exactly as wide as needed is followed in chords that take so much of the radius."""
+WIDE = 1e-4
+"""The widest way's polyline may be narrower than the way itself by so much of its clearance."""
 FLATNESS = 0.02
 """How far a path may leave the bisector it follows, in radii, where there is room."""
 
@@ -36,7 +40,8 @@ def is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: f
     standing = float(borders.distances(ends)[0].min())
     gap, *_ = distance_kernels.polyline_clearance(*borders.tree, ends)
     wish = min(need * (1.0 + ROOM * preference), standing)
-    return bool(gap >= max(need, wish) - ROUNDING * borders.extent)
+    rounding = ROUNDING * borders.extent
+    return bool(gap >= max(need - EQUAL * borders.extent, wish - rounding))
 
 
 def finish(
@@ -48,10 +53,25 @@ def finish(
     not pulled taut. Returns all points (n, 2), and where each way begins (m + 1,).
     """
     wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
+    return _proved(borders, lines, need, wish, FLATNESS * need)
+
+
+def as_wide(borders: Borders, lines: Lines, need: float, wide: float) -> FloatArray | None:
+    """The first route's polyline, ``wide`` but for a little, or at least ``need``; else None."""
+    for keep in (max(need, wide * (1.0 - WIDE)), need):
+        ways, first = _proved(borders, lines, keep, math.inf, FLATNESS * need)
+        if len(first) > 1:
+            return ways
+    return None
+
+
+def _proved(
+    borders: Borders, lines: Lines, need: float, wish: float, flatness: float
+) -> tuple[FloatArray, IntArray]:
     ways: FloatArray
     ways, first = finish_kernels.finish(
-        *borders.tree, lines.points, lines.pairs, lines.begin, wish, need, FLATNESS * need,
-        EQUAL * borders.extent, 2.0 * ROUNDING * borders.extent,
+        *borders.tree, lines.points, lines.pairs, lines.begin, wish, need, flatness,
+        EQUAL * borders.extent, EQUAL * borders.extent + TIGHT * need,
     )  # fmt: skip
     return ways, first
 
@@ -65,7 +85,7 @@ def best_cut(
     """
     best: FloatArray = finish_kernels.best_cut(
         *borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
-        ROUNDING * borders.extent,
+        EQUAL * borders.extent,
     )  # fmt: skip
     return best
 

@@ -25,8 +25,13 @@ from planner.distance_kernels import nearest
 
 @njit(cache=True, nogil=True)
 def certain(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding):
-    """The route as it is, so close to its bisectors that it keeps ``need``; else empty."""
-    way, _ = follow(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance)
+    """The route as it is, so close to its bisectors that it keeps ``need``; else empty.
+
+    A way through a bend that is no wider than needed falls short by its chords' bulge: by
+    ``rounding`` at most.
+    """
+    keep = need - 0.5 * rounding
+    way, _ = follow(kind, data, order, large, boxes, points, pairs, keep, flatness, tolerance)
     if keeps(kind, data, order, large, boxes, way, need - rounding):
         return way.copy()
     return np.empty((0, 2))

@@ -76,6 +76,9 @@ def widest_way(
     least = ROUNDING * borders.extent
     for a, b in pairwise(stations):
         if a == b:
+            wide = float(borders.distances(np.array([a]))[0][0])
+            if narrowest is None or wide < narrowest[0]:
+                narrowest = (wide, a)
             continue
         entries, exits = attach(borders, network, a, least), attach(borders, network, b, least)
         gap = widest_gap(network, entries, exits)

@@ -28,7 +28,7 @@ from planner.chain_search import (
     routes,
     widest_gap,
 )
-from planner.finish import best_cut, finish, is_clear, judge
+from planner.finish import as_wide, best_cut, finish, is_clear, judge
 from planner.generators import Borders
 from planner.homotopy import Word, anchors, word
 from planner.hysteresis import continued, is_kept, last_legs, preferred
@@ -105,7 +105,7 @@ def plan_request(
     legs: list[Ways] = []
     lasts = last_legs(near, len(request.stations) - 1)
     for (a, b), last in zip(pairwise(request.stations), lasts, strict=True):
-        leg = Leg(borders, network, a, b, need, request.preference)
+        leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
         found = plan_leg(leg, request.alternatives, chains_only=chains_only)
         if not found.lines:
             return Blocked(a, b, need, request.stations)
@@ -118,6 +118,11 @@ def plan_request(
         return best
     others = (_as_path(borders, choice, radius, request, order) for choice in _others(legs))
     return replace(best, alternatives=tuple(islice(others, request.alternatives)))
+
+
+def _kept(borders: Borders, start: Vec, goal: Vec, need: float) -> float:
+    """What the way keeps: what is needed, or less where a station stands nearer by rounding."""
+    return min(need, float(borders.distances(np.array([start, goal]))[0].min()))
 
 
 def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
@@ -198,15 +203,17 @@ def _routes(leg: Leg, alternatives: int) -> list[FloatArray]:
         exits = attach(borders, network, leg.goal, floor, anywhere)
         if not (len(entries) and len(exits)):
             continue
+        best = None
         if preference >= 1.0:
             least = max(floor, widest_gap(network, entries, exits) * (1.0 - 1e-12))
-            lines = routes(network, entries, exits, least, floor, 1)
+            best = as_wide(borders, routes(network, entries, exits, least, floor, 1), need, least)
         else:
             lines = routes(network, entries, exits, floor, floor, ROUTES)
-        ways, first = finish(borders, lines, need, preference)
-        if len(first) == 1:
+            ways, first = finish(borders, lines, need, preference)
+            if len(first) > 1:
+                best = best_cut(borders, ways, first, need, preference)
+        if best is None:
             continue
-        best = ways if preference >= 1.0 else best_cut(borders, ways, first, need, preference)
         if not alternatives:
             return [best]
         return [best, *_others_than(leg, best, entries, exits, alternatives)]

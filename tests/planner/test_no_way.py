@@ -180,3 +180,11 @@ def test_the_widest_robot_is_not_judged_by_the_far_side_of_the_link_it_leaves_by
         no = planner.build_roadmap(scene, radius).plan((294.66, 176.73), (331.78, 39.24))
         assert isinstance(no, NoPath)
         assert no.widest_radius == pytest.approx(17.6, abs=1e-6)
+
+
+def test_a_stay_at_a_place_too_near_a_border_leaves_the_widest_robot_told() -> None:
+    scene = scene_of(SegmentRecord((80.0, -0.5), (80.0, 40.0)))
+    answer = planner.build_roadmap(scene, 20.2).plan((60, 20), (60, 20))
+    assert isinstance(answer, NoPath)
+    assert answer.widest_radius == pytest.approx(20.0)
+    assert answer.bottleneck.width == pytest.approx(40.0)
