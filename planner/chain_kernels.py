@@ -30,6 +30,7 @@ from planner.distance_kernels import (
     segment_clearance,
 )
 from planner.mesh_kernels import nearest_piece
+from planner.run_kernels import find_run
 from planner.vertex_kernels import EXACT, INTRUDED, KEPT, UNUSED
 
 BULGE = 0.1
@@ -189,7 +190,8 @@ def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def bend_chains(
-    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state
+    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
+    known
 ):  # fmt: skip
     """The chains' points on their bisectors, with the narrowest place of every run.
 
@@ -198,7 +200,8 @@ def bend_chains(
     (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
     are missing as in :func:`planner.vertex_kernels.solve_vertices`. Chain c has the links
     ``first[c]`` to ``first[c + 1]`` of :func:`planner.trace_kernels.trace_chains`; ``first``
-    need not begin at 0.
+    need not begin at 0. Runs that are ``known``, see :func:`planner.run_kernels.index_runs`, are
+    not bent again.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
@@ -252,6 +255,20 @@ def bend_chains(
             if s == last:
                 break
             left, right = sides[s, 0], sides[s, 1]
+            p, way = find_run(known, place, s, left, right)
+            if way != 0:
+                while True:
+                    pair[n - 1, 0], pair[n - 1, 1] = left, right
+                    p += way
+                    x, y = known[0][p, 0], known[0][p, 1]
+                    if x == place[s + 1, 0] and y == place[s + 1, 1]:
+                        break
+                    if n + 2 >= len(out):
+                        out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
+                    out[n, 0], out[n, 1], out[n, 2] = x, y, known[0][p, 2]
+                    sure[n], ahead[n] = True, True
+                    n += 1
+                continue
             straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
             # halve the run where the line bulges or is long
             q_a, begin = run[s, 0], n - 1

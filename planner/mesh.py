@@ -21,6 +21,7 @@ from planner import (
     chain_kernels,
     insertion_kernels,
     mesh_kernels,
+    run_kernels,
     trace_kernels,
     vertex_kernels,
 )
@@ -182,6 +183,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
         points, sides, start, proved, *missing = chain_kernels.bend_chains(
             flat, mesh.at, new.first[len(kept) :], new.link, *pieces, half, half, tolerance,
             mesh.place, mesh.rho, mesh.state,
+            run_kernels.index_runs(kept, old.points, old.pieces, old.start, old.proved),
         )  # fmt: skip
         mesh.bent = Bent(
             *trace_kernels.join_chains(

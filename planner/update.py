@@ -121,12 +121,12 @@ def _change_borders(
 def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
     """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
     traced, bent = mesh.traced, mesh.bent
-    gone, quiet, heirs, pieces, done = update_kernels.take_out(
+    gone, quiet, heirs, pieces, proved, done = update_kernels.take_out(
         touched, new_label, mesh.xy, mesh.tri, mesh.circ, mesh.alias, mesh.label, mesh.also,
         mesh.used, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
-        traced.first, traced.link, bent.points, bent.start, bent.pieces,
+        traced.first, traced.link, bent.points, bent.start, bent.pieces, bent.proved,
     )  # fmt: skip
-    mesh.bent = replace(bent, pieces=pieces)
+    mesh.bent = replace(bent, pieces=pieces, proved=proved)
     mesh.vacant += [*gone.tolist(), *quiet.tolist()]
     if done and len(heirs):
         w, nowhere = np.empty(insertion_kernels.SCRATCH), np.empty(0, np.int64)

@@ -29,10 +29,11 @@ def _reaches(boxes, b, x, y, r):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, start):
+def _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, start, proved):
     """Make everything in the ``boxes`` (b, 4) be computed again.
 
-    Triangles are forgotten (``seen``), and chains with a touched point become ``stale``.
+    Triangles are forgotten (``seen``), chains with a touched point become ``stale``, and
+    nothing is ``proved`` of the links there.
     """
     for i in range(len(at)):
         x, y = at[i, 0], at[i, 1]
@@ -49,7 +50,9 @@ def _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out,
                 touched |= _reaches(boxes, b, out[p, 0], out[p, 1], out[p, 2])
             if touched:
                 stale[link[first[c]] >> 3] = True
-                break
+                proved[p] = False
+                if p > start[c]:
+                    proved[p - 1] = False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -101,7 +104,7 @@ def _unlink_sites(label, new_label, alias, also, used):
 @njit(cache=True, nogil=True, error_model="numpy")
 def take_out(
     boxes, new_label, xy, tri, circ, alias, label, also, used, at, place, rho, state, seen, stale,
-    first, link, points, start, pieces,
+    first, link, points, start, pieces, proved,
 ):  # fmt: skip
     """Take the sites of pieces that are no more out of a mesh, see :class:`planner.mesh.Mesh`.
 
@@ -109,9 +112,11 @@ def take_out(
     ``new_label`` is where the pieces are now, -1 for those that are no more. Returns the sites
     that were taken out, those that were not in the triangulation and go, and those that have to
     be put in because the site that stood for them is gone; the chains' ``pieces`` (p, 2) as they
-    are numbered now; and False where the mesh is spoiled, since a site was on the hull.
+    are numbered now, and what is still ``proved`` (p,) of them; and False where the mesh is
+    spoiled, since a site was on the hull.
     """
-    _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, points, start)
+    proved = proved.copy()
+    _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, points, start, proved)
     gone, quiet, heirs = _unlink_sites(label, new_label, alias, also, used)
     new_pieces = np.empty_like(pieces)
     for p in range(len(pieces)):
@@ -119,4 +124,4 @@ def take_out(
         new_pieces[p, 0] = new_label[pieces[p, 0]]
         new_pieces[p, 1] = new_label[pieces[p, 1]]
     done = len(gone) == 0 or remove(xy, len(alias), tri, circ, gone)
-    return gone, quiet, heirs, new_pieces, done
+    return gone, quiet, heirs, new_pieces, proved, done
