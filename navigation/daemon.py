@@ -54,6 +54,9 @@ LEASE_EVERY_S: Final = 0.08
 PLANS_KEPT: Final = 200
 SETTLE_S: Final = 0.3
 """An order's answer waits so long at most for a cycle that acts on it."""
+OTHERS_ROWS: Final = 20_000
+OTHERS_STEP_M: Final = 0.005
+"""Other robots' tracks are drawn, no more: a row every 5 mm, for 100 m."""
 STOP_GRACE_S: Final = 0.35
 """On top of the time that braking takes, for the last words on the wire."""
 
@@ -107,6 +110,8 @@ class Daemon:
         self._poses: Mapping[int, RobotPose] = {}
         self._others: dict[int, RobotPose] = {}
         self._radii_m = {one.marker_id: one.radius_m for one in config.other_robots}
+        self.other_tracks = {i: Track(OTHERS_ROWS, OTHERS_STEP_M) for i in self._radii_m}
+        """By marker id: where the other robots were seen."""
         self._times = StageTimes()
         self._scene_s = self._asked_s = 0.0
         self.started_s = self._clock()
@@ -317,7 +322,11 @@ class Daemon:
         self.processed += 1
         self._frame_s = frame.captured_s
         self._frame, self._poses = frame, glimpse.poses
-        self._others.update((i, p) for i, p in glimpse.poses.items() if i in self._radii_m)
+        for marker_id, pose in glimpse.poses.items():
+            if marker_id in self._radii_m:
+                self._others[marker_id] = pose
+                track = self.other_tracks[marker_id]
+                track.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene

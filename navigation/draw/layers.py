@@ -19,6 +19,8 @@ from navigation.draw.shapes import (
     OBSTACLE,
     OBSTACLE_EDGE,
     OTHER_PATH,
+    OTHER_ROBOT,
+    OTHER_ROBOT_INK,
     PAGE,
     PATH,
     RAMP_STEPS,
@@ -62,6 +64,15 @@ CROP_BELOW = 0.5
 
 
 @dataclass(frozen=True, slots=True)
+class OtherRobot:
+    """Another robot as seen: its track (n, 3) of x, y, heading_rad, at whose end it was last."""
+
+    name: str
+    radius: float
+    track: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
 class Content:
     """All that one picture shows; None or empty is not drawn."""
 
@@ -71,6 +82,7 @@ class Content:
     trajectory: Trajectory | None
     track: FloatArray | None
     earlier: tuple[FloatArray, ...]
+    others: tuple[OtherRobot, ...]
     stations: tuple[tuple[float, ...], ...]
     title: str
 
@@ -133,6 +145,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("obstacles", tuple(_obstacles(content.scene, screen))),
         Layer("bounds", (_frame(screen),)),
         Layer("roadmap", tuple(_roadmap(content, screen))),
+        Layer("other robots", tuple(_others(content, screen))),
         Layer("alternatives", tuple(_alternatives(content, screen))),
         Layer("earlier plans", tuple(_earlier(content, screen))),
         Layer("path", tuple(_path(content, screen))),
@@ -249,6 +262,30 @@ def _earlier(content: Content, screen: Screen) -> Iterator[Shape]:
         yield Strokes(lines, OTHER_PATH, 3.5)
 
 
+def _others(content: Content, screen: Screen) -> Iterator[Shape]:
+    seen = [other for other in content.others if len(other.track)]
+    drawn = screen.points(content.found.points) if content.found else np.empty((0, 2))
+    for other in seen:
+        line = screen.points(other.track[:, :2])
+        if len(line) > 1:
+            yield Strokes((line,), OTHER_ROBOT, 2.0)
+        x, y = line[-1].tolist()
+        size = other.radius * screen.scale
+        yield Disc(x, y, size, fill=OTHER_ROBOT, opacity=0.22)
+        yield Disc(x, y, size, stroke=OTHER_ROBOT, width=2.0)
+        yield _nose(x, y, size, float(other.track[-1, 2]), OTHER_ROBOT, screen)
+        yield _name_beside(other.name, x, y, size, OTHER_ROBOT_INK, screen, drawn)
+
+
+def _nose(
+    x: float, y: float, size: float, heading_rad: float, colour: Colour, screen: Screen
+) -> Strokes:
+    """From a robot's middle to its rim: where it looks."""
+    angle = screen.heading(heading_rad)
+    tip = (x + size * math.cos(angle), y + size * math.sin(angle))
+    return Strokes((np.array([(x, y), tip]),), colour, 2.5)
+
+
 def _path(content: Content, screen: Screen) -> Iterator[Shape]:
     if content.found and len(content.found.points) > 1:
         line = (screen.points(content.found.points),)
@@ -290,9 +327,7 @@ def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
         yield Disc(x, y, size, stroke=colour, width=2.0)
         yield Disc(x, y, 3.5, fill=colour)
         if len(station) == 3:
-            angle = screen.heading(station[2])
-            tip = (x + size * math.cos(angle), y + size * math.sin(angle))
-            yield Strokes((np.array([(x, y), tip]),), colour, 2.5)
+            yield _nose(x, y, size, station[2], colour, screen)
         yield _name_beside(name, x, y, size, colour, screen, drawn)
 
 

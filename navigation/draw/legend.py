@@ -14,6 +14,7 @@ from navigation.draw.shapes import (
     INK,
     OBSTACLE,
     OTHER_PATH,
+    OTHER_ROBOT,
     PAGE,
     PATH,
     RAMP_STEPS,
@@ -119,6 +120,15 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
     if content.track is not None and len(content.track) > 1:
         driven = arc_lengths(content.track)[-1]
         yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {driven:.4g} {units}"
+        y += _ROW
+    seen = [other for other in content.others if len(other.track)]
+    if seen:
+        robot: list[Shape] = [
+            Strokes((bar(y),), OTHER_ROBOT, 2.0),
+            Disc(left + 22.0, y, 8.0, fill=OTHER_ROBOT, opacity=0.22),
+            Disc(left + 22.0, y, 8.0, stroke=OTHER_ROBOT, width=2.0),
+        ]
+        yield robot, f"other robots ({len(seen)}), as seen last"
         y += _ROW
     gap = content.bottleneck()
     if gap is not None:

@@ -2,8 +2,9 @@
 
 Dark obstacles on a light floor; the roadmap coloured by clearance, from warm (tight) to cool
 (wide); the planned path green with the corridor that the robot sweeps, plans that it replaced
-pale green as far as they were driven; waypoints as dots; the driven track violet; the narrowest
-place a red measure across the way; a legend and a scale.
+pale green as far as they were driven; waypoints as dots; the driven track violet, other robots
+and their tracks pale violet; the narrowest place a red measure across the way; a legend and a
+scale.
 The same shapes go into both formats (``shapes.py``).
 """
 
@@ -12,16 +13,16 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from navigation.draw.layers import Content, layers
+from navigation.draw.layers import Content, OtherRobot, layers
 from navigation.draw.legend import LEGEND_WIDTH, legend
 from navigation.draw.shapes import Drawing, fit_screen
 from planner.path import NoPath, Path, Trajectory
-from planner.scene import Scene
+from planner.scene import FloatArray, Scene
 
 if TYPE_CHECKING:
     from planner.roadmap import Roadmap
@@ -37,43 +38,42 @@ class DrawError(ValueError):
     """A picture cannot be written; the message says why."""
 
 
+class Shown(TypedDict, total=False):
+    """What a picture may show besides scene, roadmap and path; what is not given is not drawn."""
+
+    trajectory: Trajectory | None
+    track: ArrayLike | None
+    """(n, 2): where the robot drove, in the scene's units."""
+    earlier: Sequence[ArrayLike]
+    """The driven stretches (n, 2) of plans that the path replaced."""
+    others: Sequence[OtherRobot]
+    stations: Sequence[Sequence[float]]
+    """(x, y) or (x, y, heading_rad) each: start, vias, goal."""
+    title: str
+
+
 def draw_svg(
     scene: Scene,
     roadmap: Roadmap | None = None,
     path: Path | NoPath | None = None,
-    *,
-    trajectory: Trajectory | None = None,
-    track: ArrayLike | None = None,
-    earlier: Sequence[ArrayLike] = (),
-    stations: Sequence[Sequence[float]] = (),
-    title: str = "Clearway",
+    **shown: Unpack[Shown],
 ) -> str:
-    """The picture as SVG text.
-
-    ``track`` (n, 2) is where the robot drove, in the scene's units; ``earlier`` holds the driven
-    stretches (n, 2) of plans that ``path`` replaced; ``stations`` are (x, y) or
-    (x, y, heading_rad): start, vias, goal. What is not given is not drawn.
-    """
+    """The picture as SVG text."""
     from navigation.draw.svg import to_svg
 
-    return to_svg(_drawing(scene, roadmap, path, trajectory, track, earlier, stations, title))
+    return to_svg(_drawing(scene, roadmap, path, shown))
 
 
 def draw_png(
     scene: Scene,
     roadmap: Roadmap | None = None,
     path: Path | NoPath | None = None,
-    *,
-    trajectory: Trajectory | None = None,
-    track: ArrayLike | None = None,
-    earlier: Sequence[ArrayLike] = (),
-    stations: Sequence[Sequence[float]] = (),
-    title: str = "Clearway",
+    **shown: Unpack[Shown],
 ) -> NDArray[np.uint8]:
     """The same picture as (height, width, 3) uint8 pixels, BGR."""
     from navigation.draw.png import to_pixels
 
-    return to_pixels(_drawing(scene, roadmap, path, trajectory, track, earlier, stations, title))
+    return to_pixels(_drawing(scene, roadmap, path, shown))
 
 
 def save_picture(
@@ -81,16 +81,11 @@ def save_picture(
     scene: Scene,
     roadmap: Roadmap | None = None,
     path: Path | NoPath | None = None,
-    *,
-    trajectory: Trajectory | None = None,
-    track: ArrayLike | None = None,
-    earlier: Sequence[ArrayLike] = (),
-    stations: Sequence[Sequence[float]] = (),
-    title: str = "Clearway",
+    **shown: Unpack[Shown],
 ) -> None:
     """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` where that cannot be done."""
     target = FilePath(file)
-    drawing = _drawing(scene, roadmap, path, trajectory, track, earlier, stations, title)
+    drawing = _drawing(scene, roadmap, path, shown)
     match target.suffix.lower():
         case ".svg":
             from navigation.draw.svg import to_svg
@@ -112,19 +107,20 @@ def save_picture(
 
 
 def _drawing(
-    scene: Scene,
-    roadmap: Roadmap | None,
-    path: Path | NoPath | None,
-    trajectory: Trajectory | None,
-    track: ArrayLike | None,
-    earlier: Sequence[ArrayLike],
-    stations: Sequence[Sequence[float]],
-    title: str,
+    scene: Scene, roadmap: Roadmap | None, path: Path | NoPath | None, shown: Shown
 ) -> Drawing:
-    driven = None if track is None else np.asarray(track, dtype=np.float64).reshape(-1, 2)
-    before = tuple(np.asarray(line, dtype=np.float64).reshape(-1, 2) for line in earlier)
-    places = tuple(tuple(float(v) for v in station) for station in stations)
-    content = Content(scene, roadmap, path, trajectory, driven, before, places, title)
+    track = shown.get("track")
+    content = Content(
+        scene,
+        roadmap,
+        path,
+        shown.get("trajectory"),
+        None if track is None else _line(track),
+        tuple(_line(line) for line in shown.get("earlier", ())),
+        tuple(shown.get("others", ())),
+        tuple(tuple(float(v) for v in station) for station in shown.get("stations", ())),
+        shown.get("title", "Clearway"),
+    )
     window = content.window()
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height
@@ -136,5 +132,9 @@ def _drawing(
         height=page_height,
         view=(MARGIN, MARGIN, MARGIN + width, MARGIN + height),
         layers=(*layers(content, screen), shapes),
-        title=title,
+        title=content.title,
     )
+
+
+def _line(points: ArrayLike) -> FloatArray:
+    return np.asarray(points, dtype=np.float64).reshape(-1, 2)

@@ -16,7 +16,7 @@ import numpy as np
 
 from navigation.daemon import Daemon
 from navigation.daemon_state import DrivenPlan
-from navigation.draw import save_picture
+from navigation.draw import OtherRobot, save_picture
 from navigation.mission import State
 from navigation.run.report import (
     FrameCounts,
@@ -114,6 +114,14 @@ def write_run(folder: Path, daemon: Daemon, report: Report) -> None:
         plans[-1].path if plans else None,
         track=track[:, 1:3],
         earlier=driven_stretches(plans, track),
+        others=[
+            OtherRobot(
+                f"robot {one.marker_id}",
+                one.radius_m,
+                daemon.other_tracks[one.marker_id].rows()[:, 1:],
+            )
+            for one in daemon.config.other_robots
+        ],
         stations=[*first, *stations],
         title=f"Clearway: {report.state}",
     )

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from navigation.draw import DrawError, draw_png, draw_svg, save_picture
+from navigation.draw import DrawError, OtherRobot, draw_png, draw_svg, save_picture
 from navigation.draw.picture import MARGIN
 from navigation.draw.shapes import (
     BOTTLENECK,
@@ -18,6 +18,7 @@ from navigation.draw.shapes import (
     FLOOR,
     OBSTACLE,
     OTHER_PATH,
+    OTHER_ROBOT,
     PATH,
     RAMP_STEPS,
     TRACK,
@@ -233,3 +234,22 @@ def test_an_empty_scene_is_a_picture_too():
     scene = read_scene_text("#@ clearway.scene/1\n#@ bounds given 0 0 1 1000\n")
     assert draw_png(scene).shape[2] == 3
     ET.fromstring(draw_svg(scene, build_roadmap(scene, 0.2)))
+
+
+def test_another_robot_is_drawn_where_it_was_last_with_its_track_and_name(
+    arena: tuple[Scene, Roadmap, PlannedPath],
+) -> None:
+    scene, roadmap, path = arena
+    track = np.array([(0.4, 2.6, 0.0), (1.0, 2.6, 0.0), (1.0, 2.2, -math.pi / 2)])
+    other = OtherRobot("robot 8", 0.15, track)
+    image = draw_png(scene, others=[other])
+    plain = draw_png(scene)
+    assert near(pixel(image, scene, 0.7, 2.6), OTHER_ROBOT)
+    assert near(pixel(image, scene, 1.0, 2.2 + 0.15), OTHER_ROBOT), "the rim of its body"
+    assert near(pixel(image, scene, 1.0, 2.2 - 0.1), OTHER_ROBOT), "where it looks"
+    assert pixel(image, scene, 0.4, 2.4) == pixel(plain, scene, 0.4, 2.4)
+    svg = draw_svg(scene, roadmap, path, others=[other])
+    assert "robot 8" in svg
+    assert "other robots (1), as seen last" in svg
+    never_seen = OtherRobot("robot 9", 0.15, np.empty((0, 3)))
+    assert draw_svg(scene, others=[never_seen]) == draw_svg(scene)

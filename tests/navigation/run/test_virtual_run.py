@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from navigation.config import limits_of, load_config
 from navigation.daemon import Daemon
 from navigation.mission import State
+from navigation.run.summary import summarise, write_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
@@ -178,7 +180,7 @@ def test_a_vanished_obstacle_leaves_the_scene() -> None:
         cycle_until(daemon, lambda now: daemon.scene is not None and len(daemon.scene.objects) == 7)
 
 
-def test_the_configuration_with_moving_robots_runs_to_done() -> None:
+def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> None:
     """One robot is let pass, one that stays is driven around, a bucket is planned around."""
     config = load_config(CONFIGS / "moving_obstacle.yaml", {})
     world = VirtualWorld(config)
@@ -196,3 +198,15 @@ def test_the_configuration_with_moving_robots_runs_to_done() -> None:
     assert world.truth.others_clearance(track) >= config.robot.radius_m
     assert daemon.scene is not None
     assert len(daemon.scene.objects) == 8, "the other robots are not in the scene"
+    for other in config.other_robots:
+        seen, (scripted, _) = (
+            daemon.other_tracks[other.marker_id],
+            world.truth.others[other.marker_id],
+        )
+        time_s, *last = seen.rows()[-1]
+        assert math.dist(last[:2], scripted.pose(time_s - world.truth.began_s)[:2]) < 0.01
+    report = summarise(daemon, ended.mission.state, ended.sentence, ended.time_s)
+    write_run(tmp_path, daemon, report)
+    picture = (tmp_path / "track.svg").read_text()
+    assert "robot 8" in picture
+    assert "other robots (2), as seen last" in picture
