@@ -35,6 +35,9 @@ from planner.distance_kernels import (
     segment_distance,
 )
 
+ROUND_LEAST, ROUND_APART = 8.0, 0.8
+"""A circle has so many generators at least; an arc's are no further apart than that, in radians,
+which is as many for a whole turn."""
 SMOOTH = 1e-3
 """Sine of the turn below which a joint counts as smooth, so that it needs a corner point."""
 
@@ -263,7 +266,7 @@ def count_generators(kind, data, spacing):
     """An upper bound of the number of generators, as a float: it may be astronomical."""
     total = 0.0
     for i in range(len(kind)):
-        total += math.ceil(_length(kind, data, i) / spacing) + 4.0
+        total += math.ceil(_length(kind, data, i) / spacing) + ROUND_LEAST
     return total
 
 
@@ -294,9 +297,9 @@ def place_generators(kind, data, backwards, at, before, after, spacing, room):
         tail = 1.0 if point_at_end[i] else 0.5
         if kind[i] == CIRCLE:
             lead, tail = 0.5, 0.5
-            count = max(8.0, math.ceil(length / spacing))
+            count = max(ROUND_LEAST, math.ceil(length / spacing))
         else:
-            least = 1.0 if kind[i] == SEGMENT else math.ceil(data[i, 4] / 0.8)
+            least = 1.0 if kind[i] == SEGMENT else math.ceil(data[i, 4] / ROUND_APART)
             count = max(least, math.ceil(length / spacing - lead - tail) + 1.0)
         step = length / (count - 1.0 + lead + tail)
         turned = kind[i] == ARC and backwards[i]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import planner
-from planner import insertion_kernels, removal_kernels
+from planner import agvd_kernels, insertion_kernels, removal_kernels
+from planner.distance_kernels import ARC, CIRCLE
 from planner.generators import Borders
 from planner.graph import lay_strands
 from planner.path import Path
@@ -174,3 +175,17 @@ def test_an_object_on_the_hull_is_taken_out_by_building_anew() -> None:
     _judge(
         update_roadmap(roadmap, replace(scene, objects=scene.objects[1:])), np.random.default_rng(0)
     )
+
+
+@pytest.mark.parametrize("radius", [1e-6, 0.1, 2.0, 30.0])
+@pytest.mark.parametrize("sweep", [0.01, 3.0, 6.0, None])
+def test_round_objects_have_no_more_generators_than_there_is_room_for(
+    radius: float, sweep: float | None
+) -> None:
+    kind = np.array([CIRCLE if sweep is None else ARC], np.int8)
+    data = np.zeros((1, 9))
+    data[0, :5] = 50.0, 50.0, radius, 0.0, 0.0 if sweep is None else sweep
+    none = np.empty(0, np.int32)
+    backwards, at = np.zeros(1, np.bool_), np.empty((0, 2))
+    sites, _ = agvd_kernels.place_generators(kind, data, backwards, at, none, none, 14.0, 1000)
+    assert len(sites) <= agvd_kernels.count_generators(kind, data, 14.0)
