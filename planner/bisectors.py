@@ -41,13 +41,16 @@ class Piece:
 def describe(
     borders: Borders, points: FloatArray, pairs: IntArray, proved: BoolArray
 ) -> tuple[Piece, ...]:
-    """The runs between the same two pieces along a chain; ``pairs`` as in ``Chains``."""
+    """The runs between the same two pieces along a chain; ``pairs`` as in ``Chains``.
+
+    Every straight line that was measured stays by itself.
+    """
     out: list[Piece] = []
     last = len(points) - 1
     begin = 0
     for i in range(last):
         same = i + 1 < last and (pairs[i + 1] == pairs[begin]).all()
-        if same and bool(proved[i + 1]) == bool(proved[begin]):
+        if same and proved[i + 1] and proved[begin]:
             continue
         left, right = int(pairs[begin, 0]), int(pairs[begin, 1])
         curve: Curve = "straight"

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from planner.distance_kernels import LEAF, POINT, SEGMENT, distance, segment_distance
@@ -134,3 +135,33 @@ def spare(kind, data, order, large, boxes, x, y, most):
         if node > 0:
             node += 1
     return best
+
+
+@njit(cache=True, nogil=True)
+def within(kind, data, order, large, boxes, x, y, reach):
+    """The primitives no farther than ``reach`` from (x, y), in the tree's order."""
+    out = np.empty(len(order), np.int32)
+    m = 0
+    for j in range(large):
+        if distance(kind, data, order[j], x, y) <= reach:
+            out[m] = order[j]
+            m += 1
+    n, leaves = len(order), len(boxes) // 2
+    node = 1
+    while node > 0:
+        dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
+        dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
+        if dx * dx + dy * dy <= reach * reach:
+            if node < leaves:
+                node *= 2
+                continue
+            first = large + (node - leaves) * LEAF
+            for j in range(first, min(first + LEAF, n)):
+                if distance(kind, data, order[j], x, y) <= reach:
+                    out[m] = order[j]
+                    m += 1
+        while node & 1:
+            node >>= 1
+        if node > 0:
+            node += 1
+    return out[:m].copy()

@@ -9,6 +9,8 @@ Rules
 - Chains that meet two by two are one edge. A ``Graph`` holds one edge a pair of nodes and no
   loop: of two edges between the same nodes one is halved by a node of its own, and an edge
   that returns to its node is cut in three.
+- An edge's polyline leaves its bisectors by little, and is as wide as the edge but for
+  ``NARROWER``, never less than the radius but for ``TIGHT``: where chords cut in, they are halved.
 """
 
 from __future__ import annotations
@@ -21,8 +23,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import bisector_kernels, clear_kernels
 from planner.agvd import Chains
-from planner.bisectors import describe
+from planner.bisectors import EQUAL, describe
+from planner.distance_kernels import polyline_clearance
 from planner.generators import BoolArray, Borders
 from planner.scene import FloatArray, IntArray
 
@@ -30,6 +34,14 @@ REACH = 1.0
 """What a dead end must reach beyond its junction, in robot radii (lambda in the literature)."""
 TAPER = 0.3
 """Sine of half the angle of a corner that counts as one: 35 degrees between its sides."""
+NARROWER = 1e-4
+"""An edge's polyline may come nearer to the borders than the edge by this part of its clearance."""
+TIGHT = 1e-7
+"""A bend exactly as wide as the robot is followed in chords that take so much of the radius."""
+BULGE = 0.05
+"""How far the polyline's chords may leave the bisectors, in spacings."""
+SAME = 1e-9
+"""A node is equidistant to what is as near within this share of the scene's extent."""
 
 if TYPE_CHECKING:
     import networkx as nx
@@ -75,13 +87,13 @@ def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
 
     graph: nx.Graph[int] = nx.Graph(radius=roadmap.radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
+    bulge = BULGE * roadmap.spacing
     new = len(chains.node_xy)
     for strand in lay_strands(chains, roadmap.radius):
         u, v = strand.u, strand.v
         run = _run(chains, strand)
-        mine = _owners(borders, run.pairs)
-        owners[u] |= mine
-        owners[v] |= mine
+        owners[u] |= _owners(borders, run.pairs[:1])
+        owners[v] |= _owners(borders, run.pairs[-2:-1])
         for n in (u, v):
             _add_node(graph, n, chains.node_xy[n], chains.node_rho[n])
         if len(run.points) == 1:
@@ -94,11 +106,15 @@ def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
         new += parts - 1
         for i in range(1, parts):
             _add_node(graph, nodes[i], run.points[cuts[i]], run.rho[cuts[i]])
-            owners[nodes[i]] |= mine
+            owners[nodes[i]] |= _owners(borders, run.pairs[cuts[i] - 1 : cuts[i] + 1])
         for i in range(parts):
-            _add_edge(graph, borders, nodes[i], nodes[i + 1], run.part(cuts[i], cuts[i + 1]), mine)
-    for n in graph:
-        graph.nodes[n]["owners"] = tuple(sorted(owners[n]))
+            part = _followed(borders, run.part(cuts[i], cuts[i + 1]), roadmap.radius, bulge)
+            _add_edge(graph, borders, nodes[i], nodes[i + 1], part)
+    for n, data in graph.nodes(data=True):
+        reach = data["clearance"] + SAME * borders.extent
+        x, y = data["pos"]
+        around = clear_kernels.within(*borders.tree, x, y, reach)
+        data["owners"] = tuple(sorted(owners[n] | set(borders.owner[around].tolist())))
     return graph
 
 
@@ -204,26 +220,65 @@ def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
     return np.concatenate([of_links[:-1][::-1], of_links[-1:]])
 
 
+def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
+    """The run with its proved links halved on their bisectors, where chords leave them too far."""
+    keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
+    pairs = np.where(run.proved[:, None], run.pairs, -1)
+    points, _ = bisector_kernels.follow(
+        *borders.tree, run.points, pairs, keep, bulge, EQUAL * borders.extent
+    )
+    if len(points) == len(run.points):
+        return run
+    # every point of the run is still there, in order
+    link = np.zeros(len(points), np.int32)
+    at = 0
+    for i in range(1, len(run.points)):
+        at += 1
+        while (points[at] != run.points[i]).any():
+            link[at] = i - 1
+            at += 1
+        link[at] = i
+    return _with_points(borders, run, points, link)
+
+
 def _divisible(borders: Borders, run: Run, parts: int) -> Run:
     """The run with at least ``parts`` links: each is divided evenly where there are fewer."""
     links = len(run.points) - 1
     if links >= parts:
         return run
-    share = np.linspace(0.0, 1.0, parts + 1)[:-1, None]
-    points = np.concatenate(
-        [*(run.points[i] + share * (run.points[i + 1] - run.points[i]) for i in range(links)),
-         run.points[-1:]]
-    )  # fmt: skip
-    times = np.array([*[parts] * links, 1])
-    rho = borders.distances(np.ascontiguousarray(points))[0]
-    return Run(
-        points,
-        rho,
-        np.repeat(run.pairs, times, axis=0),
-        np.repeat(run.gap, times),
-        np.repeat(run.step / times, times),
-        np.zeros(len(points), np.bool_),
+    points, link = [], []
+    for i in range(links):
+        a, step = run.points[i], run.points[i + 1] - run.points[i]
+        for share in np.linspace(0.0, 1.0, parts, endpoint=False):
+            place = a + share * step
+            if run.proved[i] and share > 0.0:
+                left, right = run.pairs[i].tolist()
+                x, y, _ = bisector_kernels.slide_between(
+                    borders.kind, borders.data, left, right, place[0], place[1],
+                    EQUAL * borders.extent,
+                )  # fmt: skip
+                place = np.array([x, y])
+            points.append(place)
+            link.append(i)
+    return _with_points(
+        borders, run, np.array([*points, run.points[-1]]), np.array([*link, links], np.int32)
     )
+
+
+def _with_points(borders: Borders, run: Run, points: FloatArray, link: IntArray) -> Run:
+    """The run through more points: ``link`` (m,) says in or at the start of which link each lies.
+
+    A part of a proved link is as wide as its narrower end, that of another as is measured.
+    """
+    rho = borders.distances(np.ascontiguousarray(points))[0]
+    proved = run.proved[link]
+    gap, step = np.full(len(points), np.inf), np.zeros(len(points))
+    step[:-1] = np.hypot(*np.diff(points, axis=0).T)
+    for i in range(len(points) - 1):
+        gap[i] = min(rho[i], rho[i + 1])
+        if not proved[i]:
+            gap[i] = polyline_clearance(*borders.tree, points[i : i + 2])[0]
+    return Run(points, rho, run.pairs[link], gap, step, proved)
 
 
 def _owners(borders: Borders, pairs: IntArray) -> set[int]:
@@ -236,9 +291,7 @@ def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) ->
         graph.add_node(n, pos=(float(xy[0]), float(xy[1])), clearance=float(clearance))
 
 
-def _add_edge(
-    graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run, owners: set[int]
-) -> None:
+def _add_edge(graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run) -> None:
     polyline = np.array(run.points)
     polyline.setflags(write=False)
     graph.add_edge(
@@ -248,5 +301,5 @@ def _add_edge(
         geometry=describe(borders, run.points, run.pairs, run.proved),
         length=float(run.step[:-1].sum()),
         clearance=float(run.gap[:-1].min()),
-        owners=tuple(sorted(owners)),
+        owners=tuple(sorted(_owners(borders, run.pairs[:-1]))),
     )

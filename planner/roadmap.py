@@ -102,9 +102,10 @@ class Roadmap:
         """The roadmap as a ``networkx.Graph``, made when first asked for.
 
         Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``geometry``
-        (:class:`planner.bisectors.Piece` in order), ``polyline`` (n, 2) through exact places
-        about half a spacing apart, ``length``, ``clearance`` (its minimum, exact, never below
-        the radius) and ``owners``.
+        (:class:`planner.bisectors.Piece` in order), ``polyline`` (n, 2) through exact places,
+        which leaves it by 5 % of the spacing at most, ``length`` (the polyline's), ``clearance``
+        (its minimum, exact, never below the radius; the polyline's is at most 1e-4 less) and
+        ``owners``.
         """
         if "graph" not in self._made:
             from planner.graph import make_graph
