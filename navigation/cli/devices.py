@@ -6,9 +6,11 @@ import json
 
 import click
 
+from navigation.cli.options import format_option
+
 
 @click.command("devices")
-@click.option("--format", "form", type=click.Choice(["text", "json"]), default="text")
+@format_option()
 def command(form: str) -> None:
     """List the serial ports and cameras of this machine by names that survive replugging."""
     ports, cameras = serial_ports(), cameras_here()

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from navigation.cli.options import format_option
+
 if TYPE_CHECKING:
     from navigation.config import Config
     from navigation.machine.doctor import Finding
@@ -26,9 +28,7 @@ COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 
 @click.command(short_help="Whether this machine can do the run.")
 @click.argument("config", type=click.Path(path_type=Path), required=False)
-@click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True
-)
+@format_option()
 @click.option(
     "--bundle",
     type=click.Path(path_type=Path, dir_okay=False),

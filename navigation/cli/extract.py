@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from navigation.cli.options import OUTPUT, OutputType
+from navigation.cli.options import OUTPUT, OutputType, format_option, polarity_option
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,23 +24,10 @@ class ExtractError(ValueError):
 
 @click.command(short_help="The geometric structure of a picture.")
 @click.argument("image", type=click.Path(path_type=Path))
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="The paper's records, or one JSON object.",
-)
+@format_option("The paper's records, or one JSON object.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 @click.option("--paper", is_flag=True, help="The paper's recipe to the letter.")
-@click.option(
-    "--polarity",
-    type=click.Choice(["dark", "light", "auto"]),
-    default="dark",
-    show_default=True,
-    help="Whether the obstacles are dark or light.",
-)
+@polarity_option("Whether the obstacles are dark or light.")
 @click.option(
     "--method",
     type=click.Choice(["auto", "otsu", "fixed", "adaptive", "background"]),

@@ -1,13 +1,17 @@
-"""Values that several commands take: points, numbers and preferences, checked where typed."""
+"""What several commands take: points, numbers, preferences, checked where typed; options."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
+
+Decorator: TypeAlias = Callable[[Callable[..., Any]], Callable[..., Any]]
+"""What an option does with a command's function."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,3 +144,27 @@ def _finite(word: str) -> float | None:
     except ValueError:
         return None
     return number if math.isfinite(number) and "_" not in word else None
+
+
+def format_option(meaning: str = "Of the answer.") -> Decorator:
+    """``--format text|json``, as ``form``."""
+    choice = click.Choice(["text", "json"])
+    return click.option(
+        "--format", "form", type=choice, default="text", show_default=True, help=meaning
+    )
+
+
+def polarity_option(
+    meaning: str = "Of a picture: whether the obstacles are dark or light.",
+) -> Decorator:
+    """``--polarity dark|light|auto``."""
+    choice = click.Choice(["dark", "light", "auto"])
+    return click.option("--polarity", type=choice, default="dark", show_default=True, help=meaning)
+
+
+RADIUS_OPTION = click.option(
+    "--radius", type=POSITIVE, required=True, help="The robot's, in the scene's units."
+)
+SPACING_OPTION = click.option(
+    "--spacing", type=POSITIVE, help="Between generators; less than 2 radius."
+)

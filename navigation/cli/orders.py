@@ -8,13 +8,10 @@ from typing import Any
 
 import click
 
-from navigation.cli.options import STATION, Station
+from navigation.cli.options import STATION, Station, format_option
 
 socket_option = click.option(
     "--socket", "path", type=click.Path(path_type=Path), help="The daemon's socket."
-)
-format_option = click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True
 )
 
 
@@ -35,7 +32,7 @@ def _send(path: Path | None, form: str, request: dict[str, Any]) -> None:
 @click.argument("stations", nargs=-1, required=True, type=STATION)
 @click.option("--dwell", "dwell_s", type=click.FloatRange(min=0.0), default=0.0)
 @socket_option
-@format_option
+@format_option()
 def go(stations: tuple[Station, ...], dwell_s: float, path: Path | None, form: str) -> None:
     """Drive to X,Y[,DEG], one or several, in metres of the arena."""
     wanted = [
@@ -47,7 +44,7 @@ def go(stations: tuple[Station, ...], dwell_s: float, path: Path | None, form: s
 @click.command(short_help="Emergency stop of the running daemon's robot.")
 @click.option("--reason", default="stopped from the command line")
 @socket_option
-@format_option
+@format_option()
 def stop(reason: str, path: Path | None, form: str) -> None:
     """Stop the robot at once; it stays stopped until `clearway resume` re-arms it."""
     _send(path, form, {"order": "stop", "reason": reason})
@@ -56,7 +53,7 @@ def stop(reason: str, path: Path | None, form: str) -> None:
 def _plain(name: str, short: str, text: str) -> click.Command:
     @click.command(name, short_help=short, help=text)
     @socket_option
-    @format_option
+    @format_option()
     def order(path: Path | None, form: str) -> None:
         _send(path, form, {"order": name})
 

@@ -12,10 +12,13 @@ from navigation.cli.options import (
     DRAWING,
     NOT_NEGATIVE,
     OUTPUT,
-    POSITIVE,
     PREFERENCE,
+    RADIUS_OPTION,
+    SPACING_OPTION,
     STATION,
     Station,
+    format_option,
+    polarity_option,
 )
 
 if TYPE_CHECKING:
@@ -36,7 +39,7 @@ class PlanError(ValueError):
 @click.argument("source", type=click.Path(path_type=Path))
 @click.option("--start", type=STATION, required=True, help="Where the robot stands.")
 @click.option("--goal", type=STATION, required=True, help="Where it is to stand.")
-@click.option("--radius", type=POSITIVE, required=True, help="The robot's, in the scene's units.")
+@RADIUS_OPTION
 @click.option("--via", type=STATION, multiple=True, help="A station on the way; repeatable.")
 @click.option(
     "--order",
@@ -46,7 +49,7 @@ class PlanError(ValueError):
     help="The stations' order: as given, or the one with the shortest way.",
 )
 @click.option("--margin", type=NOT_NEGATIVE, default=0.0, help="Clearance on top of the radius.")
-@click.option("--spacing", type=POSITIVE, help="Between generators; less than 2 radius.")
+@SPACING_OPTION
 @click.option(
     "--prefer", type=PREFERENCE, default="balanced", show_default=True, help="What a path is for."
 )
@@ -57,21 +60,8 @@ class PlanError(ValueError):
     metavar="K",
     help="Other ways round the obstacles, besides the best.",
 )
-@click.option(
-    "--polarity",
-    type=click.Choice(["dark", "light", "auto"]),
-    default="dark",
-    show_default=True,
-    help="Of a picture: whether the obstacles are dark or light.",
-)
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "json"]),
-    default="text",
-    show_default=True,
-    help="Of the answer.",
-)
+@polarity_option()
+@format_option()
 @click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg or FILE.png.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 def command(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from navigation.cli.options import POSITIVE
+from navigation.cli.options import POSITIVE, format_option
 
 if TYPE_CHECKING:
     from navigation.recording.reader import Recording
@@ -26,9 +26,7 @@ MOST_SHOWN = 20
 @click.option("--pose-deg", type=POSITIVE, default=1.0, show_default=True, help="Pose: heading.")
 @click.option("--scene-mm", type=POSITIVE, default=6.0, show_default=True, help="Borders.")
 @click.option("--plan-mm", type=POSITIVE, default=30.0, show_default=True, help="Path.")
-@click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True
-)
+@format_option()
 def command(
     files: tuple[Path, ...],
     pose_mm: float,

@@ -7,14 +7,21 @@ from typing import Literal
 
 import click
 
-from navigation.cli.options import DRAWING, POSITIVE, OutputType
+from navigation.cli.options import (
+    DRAWING,
+    POSITIVE,
+    RADIUS_OPTION,
+    SPACING_OPTION,
+    OutputType,
+    polarity_option,
+)
 
 SUFFIXES = (".graphml", ".geojson", ".json")
 
 
 @click.command(short_help="The AGVD roadmap as a file.")
 @click.argument("source", type=click.Path(path_type=Path))
-@click.option("--radius", type=POSITIVE, required=True, help="The robot's, in the scene's units.")
+@RADIUS_OPTION
 @click.option(
     "-o",
     "--output",
@@ -22,14 +29,8 @@ SUFFIXES = (".graphml", ".geojson", ".json")
     required=True,
     help="FILE.graphml, FILE.geojson (Nav2's route server) or FILE.json (node-link).",
 )
-@click.option("--spacing", type=POSITIVE, help="Between generators; less than 2 radius.")
-@click.option(
-    "--polarity",
-    type=click.Choice(["dark", "light", "auto"]),
-    default="dark",
-    show_default=True,
-    help="Of a picture: whether the obstacles are dark or light.",
-)
+@SPACING_OPTION
+@polarity_option()
 @click.option("--frame", default="map", show_default=True, help="TF frame in GeoJSON.")
 @click.option(
     "--map",

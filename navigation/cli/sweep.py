@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from navigation.cli.options import NOT_NEGATIVE, OutputType
+from navigation.cli.options import NOT_NEGATIVE, OutputType, format_option
 
 if TYPE_CHECKING:
     from navigation.config import Config
@@ -43,9 +43,7 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
     show_default=True,
     help="One row a run.",
 )
-@click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True
-)
+@format_option()
 def command(
     config: Path,
     runs: int,
