@@ -17,14 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.insertion_kernels import (
-    NOT_CONVEX,
-    NOT_EMPTY,
-    TINY,
-    TURNED,
-    WRONG_FLAG,
-    certify,
-)
+from planner.diagram_kernels import NOT_CONVEX, NOT_EMPTY, TURNED, WRONG_FLAG, certify
+from planner.insertion_kernels import TINY
 
 CHECK_TOLERANCE = 1e-9
 """How far a vertex's coordinates may be off, in parts of the scene's size or its circle."""

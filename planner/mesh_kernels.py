@@ -20,8 +20,10 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.diagram_kernels import finite_vertices, list_edges
 from planner.distance_kernels import ARC, CIRCLE, distance, in_object
-from planner.insertion_kernels import DEAD, SCRATCH, _edges, _vertices, circumcentre
+from planner.insertion_kernels import DEAD
+from planner.predicate_kernels import SCRATCH, circumcentre
 
 FREE, BLOCKED, PENDING = 1, 2, 3
 LOOSE = 1e-9
@@ -272,8 +274,8 @@ def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
     for p in range(used):
         if label[p] >= 0:
             representative[label[p]] = label[alias[p]]
-    vertices, vertex_sites = _vertices(w, xy, ghost, exponent, tri, circ, label)
-    edges, flat, ids = _edges(w, xy, ghost, tri, circ, label, 1)
+    vertices, vertex_sites = finite_vertices(w, xy, ghost, exponent, tri, circ, label)
+    edges, flat, ids = list_edges(w, xy, ghost, tri, circ, label, 1)
     valid = np.zeros(len(edges), np.bool_)
     for i in range(2 * ghost):
         for k in range(3):

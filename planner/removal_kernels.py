@@ -17,36 +17,18 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.insertion_kernels import (
-    CIRCLE_SLACK,
-    DEAD,
-    SCRATCH,
-    in_circle,
-    orient,
-)
+from planner.insertion_kernels import DEAD, circle_band
+from planner.predicate_kernels import SCRATCH, in_circle, orient
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _circle(px, py, ax, ay, bx, by):
-    """The circle of three sites: x, y, and the band that `insert` explains, squared."""
+    """The circle of three sites: x, y, and the squared radii that `circle_band` explains."""
     ax, ay, bx, by = ax - px, ay - py, bx - px, by - py
-    a_square, b_square = ax * ax + ay * ay, bx * bx + by * by
-    a_sum, b_sum = abs(ax) + abs(ay), abs(bx) + abs(by)
-    half = 0.5 / (ax * by - ay * bx)
-    cx = (a_square * by - b_square * ay) * half
-    cy = (b_square * ax - a_square * bx) * half
-    spread = abs(half) * a_sum * b_sum
-    reach = abs(cx) + abs(cy)
-    error = CIRCLE_SLACK * (
-        abs(half) * (a_square * b_sum + b_square * a_sum) + spread * reach + reach + 1.0
-    )
-    if spread * CIRCLE_SLACK > 0.25:
-        error = np.inf
-    x, y = px + cx, py + cy
-    dx, dy = px - x, py - y
-    square = dx * dx + dy * dy
-    band = 4.0 * error * (reach + error)
-    return x, y, square - band, square + band
+    return circle_band(
+        px, py, ax, ay, ax * ax + ay * ay, abs(ax) + abs(ay),
+        bx, by, bx * bx + by * by, abs(bx) + abs(by),
+    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -18,8 +18,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from planner.diagram_kernels import diagram, first_bad_row
 from planner.half_edges import HalfEdges, read_sites
-from planner.insertion_kernels import diagram, first_bad_row
 
 Arrays: TypeAlias = tuple[NDArray[Any], ...]
 

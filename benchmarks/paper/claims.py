@@ -54,7 +54,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.3",
             "Insertion: walk the bisectors around the new site, remove what they enclose",
-            "planner/insertion_kernels.py::diagram",
+            "planner/diagram_kernels.py::diagram",
             f"{PAPER}::test_the_papers_walk_gives_the_region_that_the_kernel_gives",
             f"{'Confirmed' if m.walk_agrees else 'Refuted'}: both give one region. The walk"
             " alone does not say what to do at ties, or where the region is unbounded",
@@ -63,7 +63,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.3, 5",
             "Stable against numerical errors",
-            "planner/insertion_kernels.py::certify",
+            "planner/diagram_kernels.py::certify",
             f"{VORONOI}::test_lying_arithmetic_cannot_break_the_topology",
             "Confirmed for the topology: even arithmetic that lies gives a valid graph. But a"
             " valid graph may be the wrong one",
