@@ -399,13 +399,13 @@ def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, toler
     if label_a < k and label_b < k and kind[label_a] != POINT and kind[label_b] != POINT:
         return True
     return not (
-        _is_end(kind, data, label_a, label_b, k, before, after, tolerance)
-        or _is_end(kind, data, label_b, label_a, k, before, after, tolerance)
+        is_end(kind, data, label_a, label_b, k, before, after, tolerance)
+        or is_end(kind, data, label_b, label_a, k, before, after, tolerance)
     )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_end(kind, data, p, q, k, before, after, tolerance):
+def is_end(kind, data, p, q, k, before, after, tolerance):
     """Whether p is a point that lies on piece q, as a corner point on its sides."""
     if p >= k:
         if before[p - k] == q or after[p - k] == q:

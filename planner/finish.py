@@ -22,7 +22,7 @@ ROOM = 2.0
 """Radii of clearance kept on top of the first, where there is room, per unit of preference."""
 TIGHT = 1e-9
 """A bend exactly as wide as needed is followed in chords that take so much of the radius."""
-WIDE = 1e-4
+WIDE = 1e-6
 """The widest way's polyline may be narrower than the way itself by so much of its clearance."""
 FLATNESS = 0.02
 """How far a path may leave the bisector it follows, in radii, where there is room."""

@@ -19,9 +19,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.agvd_kernels import is_valid
+from planner.agvd_kernels import is_end, is_valid
 from planner.bisector_kernels import meet_three, slide_between, turn_at
-from planner.distance_kernels import ARC, distance, foot
+from planner.distance_kernels import ARC, POINT, distance, foot
 from planner.insertion_kernels import DEAD, TINY
 from planner.mesh_kernels import FREE, nearest_piece
 
@@ -112,8 +112,9 @@ def solve_one(
             a, b, c = b, c, a
         elif not ca:
             a, b, c = c, a, b
-        corner, side = (a, b) if a >= k else (b, a)
-        if corner >= k and (before[corner - k] == side or after[corner - k] == side):
+        # a point of one object may lie on another's piece: they touch
+        corner, side = (a, b) if is_end(kind, data, a, b, k, before, after, tolerance) else (b, a)
+        if kind[side] != POINT:
             qx, qy, found = turn_at(kind, data, corner, side, c, x, y, tolerance)
             empty = False
             for _ in range(TURN_TRIES):
