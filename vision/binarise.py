@@ -31,12 +31,12 @@ from vision.grey_classes import (
     classes_of,
     grey_spread,
     least_room,
-    room_left,
     split_classes,
 )
 from vision.light import light_surface
-from vision.look import Look
+from vision.look import CALMINGS, SAFE_MARGIN_SIGMAS, Look
 from vision.room import Room
+from vision.support import Support, follows_edges
 
 Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
 Polarity: TypeAlias = Literal["dark", "light", "auto"]
@@ -46,6 +46,15 @@ POLARITIES: tuple[Polarity, ...] = ("dark", "light", "auto")
 EVEN_MARGIN = 0.25
 """Least distance of the darkest free pixels from the level, as a share of the contrast, at
 which light is even: the edge itself is measured against its own surroundings."""
+UNEVEN_MARGIN = 0.12
+"""Share of the contrast that is left between one level and a class where light is uneven."""
+FEWEST_PAIRS = 256
+"""Pairs of pixels across a level from which a sample of them is enough to judge it by."""
+DIVISION_IS_AS_GOOD = 0.95
+"""What speaks for a division by the light, as a share of what speaks for a level, from which it
+is taken: the edges are measured nearer to half-way then."""
+LIT_SHARE = 0.95
+"""Where in its histogram the best lit part of a picture without edges is."""
 FREE_LEVEL = 200.0
 """Grey value that free pixels get when the picture is divided by its light."""
 MOSTLY = 0.65
@@ -136,24 +145,36 @@ def _by_method(
         level = _otsu(look.grey) + 0.5
         how = Binarisation("otsu", _shown(level, side), side, "asked for")
         return black_and_white(look, level, classes.contrast, how)
-    if classes is not None and least_room(look, classes, side) >= EVEN_MARGIN:
-        return _even(look, classes, side)
-    return _uneven(look, classes, side)
+    return _auto(look, classes, side)
 
 
-def _uneven(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
-    """Divide by the light where that sets the classes apart better than one level does."""
+def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+    """One level where the light is even; else the level or the division that edges speak for."""
     spread = grey_spread(look.counts) if classes is None else classes.light_spread
     if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
         return _uniform(look, side)
-    divided, after = _divided(
+    even = classes
+    if classes is not None and least_room(look, classes, side) < EVEN_MARGIN:
+        even = None
+    if even is not None and follows_edges(look, even, side):
+        return _even(look, even, side)
+    support = Support(look, side)
+    best = support.best_level(look.counts, even)
+    if best.pairs < FEWEST_PAIRS:
+        # what is so rare the sample may have missed
+        support = Support(look, side, 2 * look.grey.size)
+        best = support.best_level(look.counts, even)
+    if even is not None and best.classes is even:
+        return _even(look, even, side)
+    divided, _ = _divided(
         look, side, f"uneven light: free pixels spread by {spread:.0f} grey levels"
     )
-    if after is None:
-        return _uniform(look, side) if classes is None else _even(look, classes, side)
-    if classes is None or room_left(after, divided.noise) > least_room(look, classes, side):
-        return divided
-    return _even(look, classes, side)
+    for_divided = support.of_mask(divided.mask)
+    if best.classes is not None:
+        level = _level(look, best.classes, side)
+        if DIVISION_IS_AS_GOOD * support.of_mask(level.mask) > for_divided:
+            return level
+    return divided if for_divided > 0.0 else _edgeless(look, side)
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
@@ -165,25 +186,46 @@ def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binar
     return black_and_white(look, classes.level, classes.contrast, how)
 
 
+def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+    reason = (
+        f"uneven light, but edges are sharpest at one level: obstacles at {classes.dark:.0f}, "
+        f"free at {classes.light:.0f}, noise {look.noise:.1f} grey levels"
+    )
+    how = Binarisation("otsu", _shown(classes.level, side), side, reason)
+    # where there is least light there is least between the classes
+    margin = UNEVEN_MARGIN * classes.contrast
+    return black_and_white(look, classes.level, classes.contrast, how, margin=margin)
+
+
 def _uniform(look: Look, side: Literal["dark", "light"]) -> Binary:
     """A picture without contrast is all free or all obstacle."""
     mean = float(cv2.mean(look.grey)[0])
-    level = 256.0 if mean < 127.5 else -1.0
-    how = Binarisation(
-        "fixed",
-        127.5,
-        side,
-        f"no contrast: every pixel is within noise of {mean:.0f}, "
-        f"{'darker' if mean < 127.5 else 'lighter'} than half",
-    )
-    return black_and_white(look, level, 255.0, how)
+    why = f"no contrast: every pixel is within noise of {mean:.0f}"
+    return _all_alike(look, side, mean, why)
+
+
+def _edgeless(look: Look, side: Literal["dark", "light"]) -> Binary:
+    """So is one whose grey changes, but nowhere suddenly: it is what its best lit part is."""
+    running = np.cumsum(look.counts)
+    lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
+    return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
+
+
+def _all_alike(look: Look, side: Literal["dark", "light"], grey: float, why: str) -> Binary:
+    dark = grey < 127.5
+    reason = f"{why}, {'darker' if dark else 'lighter'} than half"
+    how = Binarisation("fixed", 127.5, side, reason)
+    return black_and_white(look, 256.0 if dark else -1.0, 255.0, how)
 
 
 def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
     grey = look.grey
     block = (min(grey.shape) // 4) | 1
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
-    offset = LEAST_CONTRAST if classes is None else max(LEAST_CONTRAST, 0.1 * classes.contrast)
+    contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
+    # as far below the mean as noise never is, once it is smoothed as far as it may be
+    at_least = SAFE_MARGIN_SIGMAS * CALMINGS[-1].left * look.noise
+    offset = max(LEAST_CONTRAST, 0.1 * contrast, at_least)
     centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
     how = Binarisation(
         "adaptive",
@@ -191,9 +233,10 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
         side,
         f"a pixel is obstacle {offset:.0f} grey levels below the mean of {block} x {block} pixels",
     )
-    contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
     centred = centred.astype(np.float32, copy=False)
-    return black_and_white(Look(centred, look.room), 127.5, contrast, how, noise=look.noise)
+    return black_and_white(
+        Look(centred, look.room), 127.5, contrast, how, noise=look.noise, margin=offset
+    )
 
 
 def _divided(look: Look, side: Literal["dark", "light"], why: str) -> tuple[Binary, Classes | None]:
@@ -207,7 +250,8 @@ def _divided(look: Look, side: Literal["dark", "light"], why: str) -> tuple[Bina
         flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
     scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
     flat = flat.astype(np.float32, copy=False)
-    divided = Look(flat, look.room)
+    # a room of its own: its mask is compared with another
+    divided = Look(flat)
     divided.noise = float(noise_sigma(flat))
     # where there is little light, division makes the noise stronger
     strongest = max(divided.noise, float(noise_sigma(look.grey)) * scale / float(light.min()))

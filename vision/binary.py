@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.look import CALM_NOISE, NO_CALMING, SAFE_MARGIN_SIGMAS, Look, calming_of
+from vision.look import CALMINGS, NO_CALMING, SAFE_MARGIN_SIGMAS, Look
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,14 +55,16 @@ def black_and_white(
     *,
     noise: float | None = None,
     strongest_noise: float | None = None,
+    margin: float | None = None,
 ) -> Binary:
     """Compare with the level, in a smoothed picture where noise alone could cross it."""
     remarks: tuple[str, ...] = ()
     noise = look.noise if noise is None else noise
     strongest = noise if strongest_noise is None else strongest_noise
-    calming = NO_CALMING
-    if strongest > 0.0 and 0.5 * contrast < SAFE_MARGIN_SIGMAS * strongest:
-        calming = calming_of(max(strongest, CALM_NOISE))
+    margin = 0.5 * contrast if margin is None else margin
+    safe = [one for one in CALMINGS if SAFE_MARGIN_SIGMAS * strongest * one.left <= margin]
+    calming = safe[0] if safe else CALMINGS[-1]
+    if calming is not NO_CALMING:
         remarks = (
             f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: the "
             f"picture was smoothed by {calming.sigma_px:.0f} px before the level was applied",

@@ -43,6 +43,8 @@ BINOMIAL = Calming(1.0, 0.2734, ((np.uint16(6), np.uint16(4), np.uint16(1)), 256
 """The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time."""
 WIDE = Calming(2.0, 0.1411)
 """A Gaussian."""
+CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
+"""Those that a level is applied after: the first that leaves little enough noise."""
 
 
 def calming_of(noise: float) -> Calming:

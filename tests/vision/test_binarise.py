@@ -180,3 +180,72 @@ def test_nor_do_they_in_noise(noise: float) -> None:
 def test_thin_gaps_do_not_pull_the_level_down() -> None:
     binary = binarise(255 - walls(4, 0.7))
     assert abs(binary.level - 127.5) < 1.5
+
+
+LARGE = (640, 480)
+SIX = [
+    *(CircleRecord(at, r) for at, r in (((100, 100), 40), ((540, 100), 30), ((320, 360), 50))),
+    polygon([(275, 70), (365, 60), (370, 125), (280, 135)]),
+    polygon([(80, 310), (130, 320), (120, 410), (70, 400)]),
+    polygon([(500, 320), (580, 325), (575, 400), (495, 395)]),
+]
+
+
+def shadow(share: float, wide: float, at: float = 430.0) -> np.ndarray:
+    """Light that falls off softly beyond a column of a large picture."""
+    x = np.arange(LARGE[0])[None].repeat(LARGE[1], axis=0)
+    return 1.0 - share / (1.0 + np.exp(-(x - at) / wide))
+
+
+def objects_in(picture: np.ndarray, **how: object) -> int:
+    return cv2.connectedComponents(binarise(picture, **how).inside, connectivity=8)[0] - 1
+
+
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.3, 0.4])
+@pytest.mark.parametrize(("wide", "at"), [(5, 200), (15, 430), (80, 430)])
+@pytest.mark.parametrize("noise", [0.0, 5.0])
+def test_a_soft_shadow_is_no_obstacle(share: float, wide: float, at: float, noise: float) -> None:
+    lit = shadow(share, wide, at)
+    picture = draw(SIX, LARGE, lit=lit, noise=noise, rng=np.random.default_rng(6))
+    assert objects_in(picture) == 6
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_light_objects_under_a_spotlight_are_counted(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[: LARGE[1], : LARGE[0]]
+    away = (x - rng.uniform(100, 540)) ** 2 + (y - rng.uniform(100, 380)) ** 2
+    lit = 1.0 - 0.7 * (1.0 - np.exp(-away / 2.0 / 250.0**2))
+    small = [
+        CircleRecord((60.0 + 85.0 * i, rng.uniform(40, 440)), rng.uniform(7, 14)) for i in range(7)
+    ]
+    picture = draw(small, LARGE, dark=215.0, light=40.0, lit=lit)
+    assert objects_in(picture, polarity="light") == 7
+
+
+@pytest.mark.parametrize("noise", [0.0, 5.0, 20.0])
+@pytest.mark.parametrize("lit", [ramp(LARGE, 0.3), ramp(LARGE, 0.8, 0.4), shadow(0.6, 20.0)])
+def test_uneven_light_on_an_empty_arena_is_no_obstacle(lit: np.ndarray, noise: float) -> None:
+    picture = draw([], LARGE, lit=lit, noise=noise, rng=np.random.default_rng(7))
+    assert objects_in(picture) == 0
+
+
+@pytest.mark.parametrize("share", [0.0005, 0.002])
+@pytest.mark.parametrize("seed", range(3))
+def test_few_dark_pixels_under_a_ramp_in_noise_are_all_that_is_seen(
+    share: float, seed: int
+) -> None:
+    radius = math.sqrt(LARGE[0] * LARGE[1] * share / 4 / math.pi)
+    records = [CircleRecord((x, y), radius) for x in (160.0, 480.0) for y in (120.0, 360.0)]
+    lit = ramp(LARGE, 0.8, 0.7 * seed)
+    picture = draw(records, LARGE, lit=lit, noise=20.0, rng=np.random.default_rng(seed))
+    assert objects_in(picture) == 4
+
+
+@pytest.mark.parametrize("side", ["dark", "light"])
+@pytest.mark.parametrize("noise", [0.0, 3.0, 5.0, 10.0, 20.0])
+def test_the_adaptive_level_knows_the_noise(noise: float, side: str) -> None:
+    records = [CircleRecord((100 + 110 * i, 240), 10.0 + 2 * i) for i in range(5)]
+    picture = draw(records, LARGE, noise=noise, rng=np.random.default_rng(9))
+    shown = picture if side == "dark" else 255 - picture
+    assert objects_in(shown, polarity=side, method="adaptive") == 5

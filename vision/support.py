@@ -1,0 +1,151 @@
+"""Whether the border between black and white lies where the picture has its edges.
+
+Rules and units
+- Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so that a step
+  in the dark is worth more: steps are compared by the square root of the picture's own values,
+  whichever side obstacles are on. The logarithm would be right for the light alone, and puts the
+  level of a blurred edge too near its dark side.
+- Light that changes over many pixels makes no edge, however strong it is; a shadow's rim and a
+  lamp's fall-off are borders that nothing speaks for.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.grey_classes import LEAST_CONTRAST, Classes
+from vision.look import Look, calming_of
+from vision.support_kernels import (
+    REACH,
+    SAMPLED_PAIRS,
+    steps_across_level,
+    support_by_level,
+    support_of_mask,
+    typical_step,
+)
+
+FIRST_PAIRS = 16384
+"""Pairs of pixels that are looked at first; more where few of them lie across the level."""
+FEWEST_ACROSS = 32
+"""Pairs across a level from which their mean is believed."""
+WEAK_STEP, STRONG_STEP = 0.35, 1.3
+"""Steps, as shares of the contrast, that are less or more than the classes make."""
+PLAIN_STEP = 0.6
+"""The least step, as a share of the contrast and of the light there is, that shows an obstacle."""
+FEW = 0.2
+"""Share of such pairs up to which a level follows edges: a blurred edge's foot and noise. As many
+may be found on one side of the level with a plain step: edges that it leaves out."""
+COST = 0.3
+"""What a border has to have, as a share of the typical sharp step, to speak for itself."""
+DARK_WORTH = 8.0
+"""Grey levels that are added before the root: in the dark a grey level is not much."""
+NOISE_WORTH = 5.0
+"""The same in standard deviations of the noise."""
+LEAST_SUPPORT = 0.5
+"""What speaks for a border at least, as a share of its cost: noise has no more."""
+NEARLY_ALL, MOST = 0.95, 0.8
+"""The share of the most that any level has from which the level half-way is as good, and where
+the light is even anyway."""
+
+
+def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) -> bool:
+    """Whether edges as strong as the classes' contrast lie where their level is crossed.
+
+    And whether there are hardly any elsewhere, weaker only as the light is.
+    """
+    height, width = look.grey.shape
+    if min(height, width) <= REACH:
+        return True
+    level = np.float32(classes.level)
+    weak = np.float32(WEAK_STEP * classes.contrast)
+    strong = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
+    # without light a pixel is black, which is white where obstacles are light
+    end = 0.0 if side == "dark" else 255.0
+    at_least = DARK_WORTH + NOISE_WORTH * look.noise
+    lightest = classes.light if side == "dark" else end - classes.dark
+    share = PLAIN_STEP * classes.contrast / (lightest + at_least)
+    least = share * at_least + NOISE_WORTH * look.noise
+    plain = tuple(np.float32(v) for v in (share, least, end, 1.0 if side == "dark" else -1.0))
+    pairs = FIRST_PAIRS
+    while True:
+        count, *astray = steps_across_level(look.grey, level, weak, strong, plain, pairs)
+        if count >= FEWEST_ACROSS or pairs >= 2 * height * width:
+            return bool(max(astray) <= FEW * count)
+        pairs *= 16
+
+
+@dataclass(frozen=True, slots=True)
+class BestLevel:
+    """The classes whose level edges speak for most, None where nothing speaks for any.
+
+    ``pairs`` lie across it.
+    """
+
+    pairs: int
+    classes: Classes | None
+
+
+class Support:
+    """What a picture's edges say for one border or another: sums, larger is better.
+
+    Sums are comparable for one picture only; nothing speaks for what has none or less.
+    ``pairs``: how many are looked at, about.
+    """
+
+    def __init__(
+        self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
+    ) -> None:
+        calming = calming_of(look.noise)
+        self._grey: NDArray[Any] = look.grey_after(calming)
+        left = look.noise * calming.left
+        own = np.arange(256.0)
+        at_least = DARK_WORTH + NOISE_WORTH * left
+        worth = np.sqrt(own + at_least)
+        self._worth = worth if side == "dark" else -worth[::-1].copy()
+        # the least contrast, and noise, at the light end of the picture
+        least = LEAST_CONTRAST + 2.0 * NOISE_WORTH * left
+        floor = float(worth[255] - worth[255 - math.ceil(min(least, 128.0))])
+        typical = float(typical_step(self._grey, self._worth, pairs))
+        self._cost = max(COST * typical, floor)
+        self._pairs = pairs
+
+    def best_level(self, counts: NDArray[np.int64], even: Classes | None) -> BestLevel:
+        """The level that most speaks for.
+
+        ``counts`` is the picture's histogram (256,); ``even`` its classes where the light is,
+        whose own level is taken where it has not much less.
+        """
+        support, pairs = support_by_level(self._grey, self._worth, self._cost, self._pairs)
+        # where no pair lies across a level the sum is but rounding
+        enough = np.maximum(LEAST_SUPPORT * self._cost * pairs, LEAST_SUPPORT * self._cost)
+        believed = np.where(support >= enough, support, 0.0)
+        most = float(believed.max())
+        if most <= 0.0:
+            return BestLevel(0, None)
+        if even is not None and believed[math.ceil(even.level)] >= MOST * most:
+            return BestLevel(int(pairs[math.ceil(even.level)]), even)
+        nearly = NEARLY_ALL * most
+        level = int(np.flatnonzero(believed >= nearly).mean())
+        below = np.arange(256) < level
+        dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
+        if believed[math.ceil(0.5 * (dark + light))] < nearly:
+            # one class is two: what is next to the level counts
+            reach = min(level - dark, light - level)
+            dark, light = level - reach, level + reach
+        found = Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
+        return BestLevel(int(pairs[level]), found)
+
+    def of_mask(self, mask: NDArray[np.uint8]) -> float:
+        """What speaks for the borders of a padded mask."""
+        return float(support_of_mask(self._grey, mask, self._worth, self._cost, self._pairs))
+
+
+def _middle(counts: NDArray[np.int64]) -> float:
+    """The median of the grey values that a histogram (256,) counts."""
+    running = np.cumsum(counts)
+    return float(np.searchsorted(running, 0.5 * running[-1]))
