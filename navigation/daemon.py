@@ -148,7 +148,6 @@ class Daemon:
         trace: TracebackType | None,
     ) -> None:
         self.let_the_robot_stop()
-        self.camera.stop()
         self._planner.stop()
         self.link.close()
         self.world.stop()
@@ -163,8 +162,12 @@ class Daemon:
             self._stands_s = self._clock() + braking_s + STOP_GRACE_S
 
     def let_the_robot_stop(self) -> None:
-        """`halt`, and wait until the robot says that it stands, or should by now."""
+        """`halt`, and wait until the robot says that it stands, or should by now.
+
+        The camera is closed meanwhile; no decision needs it any more.
+        """
         self.halt()
+        self.camera.stop()
         while self._clock() < self._stands_s and self.link.snapshot().moving:
             self.world.wait(0.01)
 

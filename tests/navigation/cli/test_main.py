@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable
@@ -187,6 +188,38 @@ def test_help_is_quick() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=True
     )
     assert len(done.stderr.split()) < 30, done.stderr
+
+
+def ended(before: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """The whole program after ``before`` in one interpreter."""
+    script = (
+        f"{before}\nimport sys\nfrom navigation.cli.main import main\n"
+        f"sys.argv = ['clearway', *{arguments!r}]\nmain()\n"
+    )
+    return subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+def test_the_end_writes_all_output_calls_what_was_registered_and_keeps_the_code() -> None:
+    told = ended("import atexit; atexit.register(print, 'bye')", "schema")
+    assert (told.returncode, told.stderr) == (0, "")
+    json.loads(told.stdout.removesuffix("bye\n"))
+    assert told.stdout.endswith("}\nbye\n")
+    wrong = ended("import atexit; atexit.register(print, 'bye')", "no-such-command")
+    assert (wrong.returncode, wrong.stdout) == (2, "bye\n")
+    assert "no-such-command" in wrong.stderr
+
+
+def test_the_end_waits_for_threads_as_the_interpreter_does() -> None:
+    waits = (
+        "import threading, time\n"
+        "def last(): time.sleep(0.3); print('the last word')\n"
+        "threading.Thread(target=last).start()"
+    )
+    told = ended(waits, "--version")
+    assert (told.returncode, told.stderr) == (0, "")
+    assert told.stdout.endswith("the last word\n")
 
 
 def test_a_reader_that_goes_away_is_met_with_silence() -> None:
