@@ -20,6 +20,9 @@ from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceSta
 _OPEN_TIMEOUT_MS = 5000
 _DRIVER_CLOCK_LIMIT_S = 0.5
 _FRAMES_FOR_RATE = 30
+_BURST_S = 1.0
+"""How long after opening a stream's frames say nothing of its rate: what its server or FFmpeg had
+kept comes all at once."""
 
 
 class Capture:
@@ -82,8 +85,9 @@ class Capture:
             return None
         return image.astype(np.uint8, copy=False), captured_s
 
-    def _frame(self, image: Image, captured_s: float) -> Frame:
-        self._rate.add(captured_s)
+    def _frame(self, image: Image, captured_s: float, *, count: bool = True) -> Frame:
+        if count:
+            self._rate.add(captured_s)
         frame = Frame(image, captured_s, self._sequence, self.name)
         self._sequence += 1
         return frame
@@ -184,11 +188,15 @@ def driver_time_s(position_ms: float, grabbed_s: float) -> float:
 
 
 class StreamCamera(Capture):
-    """An RTSP or HTTP stream, through FFmpeg, with bounded waits."""
+    """An RTSP or HTTP stream, through FFmpeg, with bounded waits.
+
+    Its rate is known a second after it was opened.
+    """
 
     def __init__(self, url: str, clock: Clock) -> None:
         super().__init__(without_password(url), clock)
         self._url = url
+        self._opened_s = 0.0
 
     def open(self) -> None:
         """Connect; ``CameraError`` where nobody answers within five seconds."""
@@ -199,13 +207,15 @@ class StreamCamera(Capture):
             _OPEN_TIMEOUT_MS,
         ]
         self._start(self._url, cv2.CAP_FFMPEG, timeouts)
+        self._opened_s = self._clock()
 
     def read(self, timeout_s: float) -> Frame | None:
         """The next frame; FFmpeg bounds the wait by five seconds."""
         grabbed = self._grab()
         if grabbed is None:
             raise CameraError(f"{self.name}: the stream ended or its peer is gone")
-        return self._frame(*grabbed)
+        image, captured_s = grabbed
+        return self._frame(image, captured_s, count=captured_s - self._opened_s >= _BURST_S)
 
     def _why_not(self) -> str:
         return "no stream there, or nobody answered within 5 s"

@@ -4,8 +4,8 @@ Rules
 - The latest frame wins; what nobody took in time is counted as dropped.
 - A source that fails, stalls or freezes is closed and opened again with growing pauses, and
   says so in a plain sentence.
-- A live sensor's noise never gives the same picture twice: a repeated one is no news, so it is
-  not passed on, and its repetition for a while means that the camera is frozen, whatever times
+- A live sensor's noise hardly ever gives the same picture twice: a repeated one is no news, so it
+  is not passed on, and its repetition for a while means that the camera is frozen, whatever times
   it gives. A source without such noise says `may_repeat`.
 - A read that hangs inside a driver cannot be stopped: its thread and its camera are left
   behind and new ones are made.
@@ -30,11 +30,17 @@ CameraState: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class WatchLimits:
-    """When a source counts as stalled or frozen, and how often it is opened again (seconds)."""
+    """When a source counts as stalled or frozen, and how often it is opened again (seconds).
+
+    A picture that repeats is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: where
+    little is sent, a network camera sends a still arena's noise as no change, nine frames in a
+    row of H.264 at 100 kbit/s.
+    """
 
     read_timeout_s: float = 0.5
     stalled_s: float = 1.0
     frozen_s: float = 1.0
+    frozen_frames: int = 12
     hung_s: float = 5.0
     first_pause_s: float = 0.25
     longest_pause_s: float = 8.0
@@ -243,6 +249,7 @@ class _Reader:
         self._last_frame: Frame | None = None
         self._last_news_s = 0.0
         self._same_since_s: float | None = None
+        self._repeats = 0
         self._ended = False
 
     @property
@@ -320,9 +327,10 @@ class _Reader:
 
     def _count_repeat(self, camera: Camera, now_s: float) -> float:
         if self._same_since_s is None:
-            self._same_since_s = now_s
+            self._same_since_s, self._repeats = now_s, 0
+        self._repeats += 1
         same_s = now_s - self._same_since_s
-        if same_s <= self._limits.frozen_s:
+        if same_s <= self._limits.frozen_s or self._repeats < self._limits.frozen_frames:
             return 0.0
         reason = f"{camera.name}: the same picture for {same_s:.1f} s; the camera is frozen"
         return self._fail(reason, "frozen")

@@ -210,6 +210,19 @@ def test_a_frozen_picture_is_no_news_and_is_noticed() -> None:
     assert reader.status().state == "running"
 
 
+def test_a_still_arena_over_a_thin_stream_is_not_frozen() -> None:
+    """At 5 frames a second, nine equal ones take 1.8 s: H.264 that had no bits for the noise."""
+    clock = Clock()
+    script = [picture(1), *[picture(2)] * 9, picture(3), *[picture(4)] * 9, picture(5)]
+    camera = ScriptedCamera(clock, iter(script))
+    reader = LatestFrame(lambda: camera, clock)
+    for _ in range(len(script) + 1):
+        reader.step()
+        clock.wait(0.1)
+        assert reader.status().state != "frozen"
+    assert reader.status().captured == 5
+
+
 def test_a_file_may_repeat_its_picture() -> None:
     clock = Clock()
     camera = ScriptedCamera(clock, iter([picture(1)] * 50))
