@@ -21,6 +21,7 @@ from planner import (
     chain_kernels,
     insertion_kernels,
     mesh_kernels,
+    predicate_kernels,
     run_kernels,
     trace_kernels,
     vertex_kernels,
@@ -65,7 +66,8 @@ class Mesh:
     """A triangulation of generators with room for more, and its solved vertices.
 
     ``xy``, ``tri``, ``circ``, ``alias`` as in :mod:`planner.insertion_kernels`, ``label`` and
-    ``also`` as in :mod:`planner.mesh_kernels`; ``used`` of the sites are taken. Per triangle
+    ``also`` as in :mod:`planner.mesh_kernels`; ``refined`` are the sites that were added at feet
+    around vertices; ``used`` of the sites are taken. Per triangle
     its centre ``at`` and the sites ``seen`` that it was computed for, and ``place``, ``rho``,
     ``state`` as in :mod:`planner.vertex_kernels`; ``side``, whether it is free, and ``mask``,
     its valid edges. ``vacant`` are sites that were taken out again. ``traced`` are the chains
@@ -78,6 +80,7 @@ class Mesh:
     circ: FloatArray
     alias: NDArray[np.int64]
     label: IntArray
+    refined: BoolArray
     also: IntArray
     used: int
     exponent: int
@@ -127,6 +130,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
         circ=circ,
         alias=alias,
         label=label,
+        refined=np.zeros(ghost, np.bool_),
         also=mesh_kernels.link_coincident(alias, ghost),
         used=n,
         exponent=exponent,
@@ -233,13 +237,21 @@ def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
     return changed
 
 
-def add_sites(mesh: Mesh, places: FloatArray, labels: IntArray, where: NDArray[np.int64]) -> None:
+def add_sites(
+    mesh: Mesh,
+    places: FloatArray,
+    labels: IntArray,
+    where: NDArray[np.int64],
+    *,
+    refined: bool = True,
+) -> None:
     """Insert sites, each searched for from triangle ``where``."""
     todo = _numbers(mesh, len(places))
+    mesh.refined[todo] = refined
     vertex_kernels.add_sites(
         mesh.xy, 1.0 / mesh.up, mesh.tri, mesh.label, mesh.also, todo, places, labels
     )
-    w = np.empty(insertion_kernels.SCRATCH)
+    w = np.empty(predicate_kernels.SCRATCH)
     insertion_kernels.insert(w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, todo, where)
     spare = vertex_kernels.link_aliases(mesh.label, mesh.alias, mesh.also, todo)
     mesh.vacant.extend(spare.tolist())
@@ -273,6 +285,7 @@ def grow(mesh: Mesh, more: int) -> None:
     mesh.circ = longer(mesh.circ, 8 * room, np.nan)
     mesh.alias = np.concatenate([mesh.alias, np.arange(ghost, room)])
     mesh.label = longer(mesh.label, room, 0)
+    mesh.refined = longer(mesh.refined, room, 0)
     mesh.also = longer(mesh.also, room, -1)
     mesh.seen = longer(mesh.seen, 2 * room, dead)
     mesh.at = longer(mesh.at, 2 * room, np.nan)
@@ -292,6 +305,7 @@ def copy_mesh(mesh: Mesh) -> Mesh:
         circ=mesh.circ.copy(),
         alias=mesh.alias.copy(),
         label=mesh.label.copy(),
+        refined=mesh.refined.copy(),
         also=mesh.also.copy(),
         used=mesh.used,
         exponent=mesh.exponent,

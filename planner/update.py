@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner import border_kernels, insertion_kernels, update_kernels
+from planner import border_kernels, insertion_kernels, predicate_kernels, update_kernels
 from planner.agvd import Agvd, mesh_chains
 from planner.generators import JOINT, NO_LENGTH, Borders, as_borders
 from planner.mesh import Mesh, add_sites, copy_mesh
@@ -50,7 +50,8 @@ def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
     if not (fits and _take_out(mesh, new_label, touched)):
         return _anew(roadmap, scene)
     if len(places):
-        add_sites(mesh, places, labels, np.full(len(places), -1, np.int64))
+        nowhere = np.full(len(places), -1, np.int64)
+        add_sites(mesh, places, labels, nowhere, refined=False)
     agvd = Agvd(borders, roadmap.spacing, mesh)
     chains = mesh_chains(mesh, borders, roadmap.spacing)
     return finish_roadmap(scene, roadmap.radius, "exact", agvd, chains)
@@ -122,14 +123,14 @@ def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
     """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
     traced, bent = mesh.traced, mesh.bent
     gone, quiet, heirs, pieces, proved, done = update_kernels.take_out(
-        touched, new_label, mesh.xy, mesh.tri, mesh.circ, mesh.alias, mesh.label, mesh.also,
-        mesh.used, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
+        touched, new_label, mesh.xy, mesh.tri, mesh.circ, mesh.alias, mesh.label, mesh.refined,
+        mesh.also, mesh.used, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
         traced.first, traced.link, bent.points, bent.start, bent.pieces, bent.proved,
     )  # fmt: skip
     mesh.bent = replace(bent, pieces=pieces, proved=proved)
     mesh.vacant += [*gone.tolist(), *quiet.tolist()]
     if done and len(heirs):
-        w, nowhere = np.empty(insertion_kernels.SCRATCH), np.empty(0, np.int64)
+        w, nowhere = np.empty(predicate_kernels.SCRATCH), np.empty(0, np.int64)
         insertion_kernels.insert(
             w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, heirs, nowhere
         )

@@ -56,8 +56,47 @@ def _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out,
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _unlink_sites(label, new_label, alias, also, used):
-    """Give all sites their new labels and find out which have to go.
+def _doubtful_sites(tri, seen, refined, alias, also, used):
+    """Sites that were added around a vertex that is forgotten: there may be no reason any more.
+
+    Nor may there be for those that were added next to them. Where borders are nearer than the
+    spacing, what was added decides what is found.
+    """
+    ghost = len(alias)
+    doubtful = np.zeros(ghost + 1, np.bool_)
+    added = np.zeros(ghost + 1, np.bool_)
+    for s in range(used):
+        added[alias[s]] |= refined[s]
+    around = np.empty(len(seen), np.int64)
+    count = 0
+    for i in range(len(seen)):
+        a = np.int64(tri[8 * i])
+        if a != DEAD and (
+            added[a] or added[np.int64(tri[8 * i + 1])] or added[np.int64(tri[8 * i + 2])]
+        ):
+            around[count] = 8 * i
+            count += 1
+    found = True
+    while found:
+        found = False
+        for m in range(count):
+            t = around[m]
+            touched = np.int64(seen[t >> 3, 0]) == DEAD - 1
+            for k in range(3):
+                touched |= doubtful[np.int64(tri[t + k])]
+            for k in range(3):
+                v = np.int64(tri[t + k])
+                if touched and added[v] and not doubtful[v]:
+                    doubtful[v] = found = True
+    goes = np.zeros(ghost, np.bool_)
+    for s in range(used):
+        goes[s] = refined[s] and doubtful[alias[s]]
+    return goes
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _unlink_sites(label, new_label, doubtful, alias, also, used):
+    """Give all sites their new labels and find out which have to go: the ``doubtful``, too.
 
     ``new_label`` holds -1 for labels that are no more. Returns the sites that are in the
     triangulation and go, those that go without being in it, and those that have to be put in
@@ -70,7 +109,7 @@ def _unlink_sites(label, new_label, alias, also, used):
     for p in range(used):
         if label[p] >= 0:
             stands[p] = alias[p] == p
-            label[p] = new_label[label[p]]
+            label[p] = -1 if doubtful[p] else new_label[label[p]]
     for p in range(used):
         if not stands[p]:
             continue
@@ -103,13 +142,14 @@ def _unlink_sites(label, new_label, alias, also, used):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def take_out(
-    boxes, new_label, xy, tri, circ, alias, label, also, used, at, place, rho, state, seen, stale,
-    first, link, points, start, pieces, proved,
+    boxes, new_label, xy, tri, circ, alias, label, refined, also, used, at, place, rho, state,
+    seen, stale, first, link, points, start, pieces, proved,
 ):  # fmt: skip
     """Take the sites of pieces that are no more out of a mesh, see :class:`planner.mesh.Mesh`.
 
     Everything that reaches into the ``boxes`` (b, 4) of what changed is to be computed again.
-    ``new_label`` is where the pieces are now, -1 for those that are no more. Returns the sites
+    ``new_label`` is where the pieces are now, -1 for those that are no more. Sites that were
+    added around what is computed again go, too. Returns the sites
     that were taken out, those that were not in the triangulation and go, and those that have to
     be put in because the site that stood for them is gone; the chains' ``pieces`` (p, 2) as they
     are numbered now, and what is still ``proved`` (p,) of them; and False where the mesh is
@@ -117,7 +157,8 @@ def take_out(
     """
     proved = proved.copy()
     _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, points, start, proved)
-    gone, quiet, heirs = _unlink_sites(label, new_label, alias, also, used)
+    doubtful = _doubtful_sites(tri, seen, refined, alias, also, used)
+    gone, quiet, heirs = _unlink_sites(label, new_label, doubtful, alias, also, used)
     new_pieces = np.empty_like(pieces)
     for p in range(len(pieces)):
         # -1 where a chain ends stays -1

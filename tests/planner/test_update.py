@@ -189,3 +189,56 @@ def test_round_objects_have_no_more_generators_than_there_is_room_for(
     backwards, at = np.zeros(1, np.bool_), np.empty((0, 2))
     sites, _ = agvd_kernels.place_generators(kind, data, backwards, at, none, none, 14.0, 1000)
     assert len(sites) <= agvd_kernels.count_generators(kind, data, 14.0)
+
+
+ROOM = (
+    "L 4 (142.3,94.2)(209.7,94.2)(209.7,165.5)(142.3,165.5)\n#@ hole\n"
+    "L 4 (147.4,99.2)(147.4,160.4)(204.6,160.4)(204.6,99.2)\n"
+)
+TRIANGLE = "L 3 (172.0627,222.85404)(167.73702,225.03469)(188.37724,205.59055)\n"
+BENT_LINE = (
+    "A 2 (283.3045,253.15567)(304.91266,244.00006)\n#@ arc 1 298.600123 259.178368 16.4386459 cw\n"
+)
+CRESCENT = (
+    "L 4 (219.51578973320082,197.69854144355992)(232.9776335011897,101.72036734025923)"
+    "(231.9515634177322,102.30883942340476)(218.69120456354273,196.85049751380853)\n"
+    "#@ arc 1 164.4226489217425 141.03804674236653 79.02952501600359 cw\n"
+    "#@ arc 3 164.4226489217425 141.03804674236653 77.84668132015523 ccw\n"
+)
+STAR = (
+    "L 6 (146.9656,193.35257)(141.79243,209.82865)(121.25639,166.59815)(134.51859,164.29359)"
+    "(148.94824,164.5549)(154.37848,157.62161)\n"
+)
+FRAMES = (
+    "L 4 (43.89163,219.019546)(182.013354,219.019546)(182.013354,280.477788)(43.89163,280.477788)\n"
+    "#@ hole\n"
+    "L 4 (57.3658,232.4937)(57.3658,267.0036)(168.5392,267.0036)(168.5392,232.4937)\n"
+    "#@ object 8\n"
+    "L 4 (180.77991,180.592339)(265.613505,180.592339)(265.613505,290.167402)"
+    "(180.77991,290.167402)\n"
+    "#@ hole\n"
+    "L 4 (191.4613,191.2737)(191.4613,279.486)(254.9321,279.486)(254.9321,191.2737)\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("goes", "stays", "radius"),
+    [
+        (ROOM, TRIANGLE + "#@ object 2\n" + BENT_LINE, 14.23664061472734),
+        (STAR, CRESCENT + "#@ object 2\n" + FRAMES, 9.974665059287808),
+    ],
+)
+def test_what_was_refined_for_an_object_goes_with_it(goes: str, stays: str, radius: float) -> None:
+    head = "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+    before = planner.read_scene_text(head + "#@ object 1\n" + goes + "#@ object 9\n" + stays)
+    after = planner.read_scene_text(head + "#@ object 9\n" + stays)
+    updated = update_roadmap(planner.build_roadmap(before, radius), after)
+    rebuilt = planner.build_roadmap(after, radius)
+    assert _places(updated) == _places(rebuilt)
+    assert _edges(updated)[:, :5] == pytest.approx(_edges(rebuilt)[:, :5], abs=1e-3)
+
+
+def _places(roadmap: Roadmap) -> list[list[float]]:
+    """Where the diagram's generators are, those added by refining included."""
+    places: list[list[float]] = np.round(roadmap.agvd.generators.sites, 6).tolist()
+    return sorted(places)
