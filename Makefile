@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil fuzz faults bench paper pictures browser
+.PHONY: firmware hil fuzz rtsp faults bench paper pictures browser
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -57,6 +57,10 @@ fuzz: $(VENV)/.installed-dev ## libFuzzer on the firmware's parser and the whole
 	  $(BIN)/python -m tests.support.corpus unpack $$one build/corpus/$$one && \
 	  build/firmware/fuzz_$$one -max_len=2000 -max_total_time=$(FUZZ_S) -print_final_stats=1 \
 	    build/corpus/$$one || exit 1; done
+
+rtsp: $(VENV)/.installed-dev ## a real RTSP server that stalls, freezes and dies, two minutes
+	bash .ci/packages rtsp
+	OPENCV_LOG_LEVEL=SILENT OPENCV_FFMPEG_LOGLEVEL=-8 $(BIN)/python -m tests.hil.rtsp
 
 faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmarks/results/faults.md
 	bash .ci/packages firmware
