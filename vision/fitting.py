@@ -8,6 +8,7 @@ Rules and units
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from vision.contours import Borders, EdgePoints
 from vision.edge_prices import edge_prices
 from vision.fitting_kernels import fit_borders
+from vision.separation_kernels import runs_between_two_greys
 from vision.structure import FittedBorders
 
 SMOOTHING = 0.5311
@@ -75,20 +77,25 @@ def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     )
 
 
+def is_drawing(grey: NDArray[Any], borders: Borders) -> bool:
+    """Whether every border runs between the same two values of grey. O(1) for most others."""
+    return bool(runs_between_two_greys(grey, borders.x, borders.y, borders.direction))
+
+
 def fit_edges(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
     borders: Borders,
     tolerance: Tolerance,
     *,
-    in_picture: bool = True,
+    separate: bool = False,
 ) -> FittedBorders:
     """Partition every border into lines and arcs, or take it for a circle. O(points).
 
-    ``in_picture``: the points are the picture's own, and without grey the edges can be compared
-    with the borders' cracks.
+    ``separate``: the points are the picture's own, and it is a drawing without grey, so that every
+    border's edges have to separate its obstacle pixels from the free ones beside them.
     """
-    known = len(borders.x) if in_picture else 0
+    known = len(borders.x) if separate else 0
     kind, edge_starts, edge_kind, data = fit_borders(
         np.ascontiguousarray(points),
         starts,

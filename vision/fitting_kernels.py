@@ -7,7 +7,8 @@ Rules and units
   ``sigma`` the spread of the points about the true edge.
 - One border at a time: is it a circle; where does it break (``vision.partition_kernels``);
   what are its edges and where do they meet (``vision.joint_kernels``); do they cover it
-  (``vision.cover_kernels``).
+  (``vision.cover_kernels``), or without grey, do they separate its pixels
+  (``vision.mend_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -19,11 +20,13 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.cover_kernels import LINE, check_edges, chords, pass_between_pixels
+from vision.cover_kernels import check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
-from vision.mend_kernels import find_cracks, measure_residuals, mend, middles
+from vision.mend_kernels import mend
+from vision.outline_kernels import LINE, finish_edge
 from vision.partition_kernels import partition
+from vision.separation_kernels import find_cracks, measure_residuals, middles
 from vision.shape_kernels import (
     HALF,
     HUGE,
@@ -31,6 +34,7 @@ from vision.shape_kernels import (
     circle_rms,
     fit_circle,
     lost_to_circle,
+    pixels_lost_to_circle,
     refine_circle,
     separate_circle,
 )
@@ -42,14 +46,20 @@ FEWEST = 10
 TANGENT_PX = 0.05
 CRISP_TANGENT_PX = 0.3
 """By how much two smoothly joined edges may miss or cross each other, noise aside."""
+CUT_PX = 0.7
+"""Blur's worth of a missing corner pixel: the sides still meet where they would with it."""
 MOST_PX = 1.0
 """How far an edge may leave a border without noise: less than the pixel that is promised."""
 CALM_LOSS_PX = 0.02
 """Deviation that does not count as area lost."""
-STRICTER, STRICTER_BY = 4, 0.4
-"""Times that a border without grey is broken, and by how much more each time a pixel counts."""
+STRICTER, STRICTER_BY = 2, 0.1
+"""Times that a border without grey is broken, and by how much more the second time a pixel
+counts."""
 SURE = 0.5
-"""Pixels by which mending is stricter than the search: it counts some pairs of pixels once."""
+"""Pixels by which mending is stricter than the search."""
+THIRDS = np.int64(3)
+"""Arcs that a circle is cut into where it does not separate its pixels: each turns by less than
+half a circle."""
 LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
 """Area that an object's edges may lose, as a share of its own, and in pixels."""
 
@@ -57,8 +67,6 @@ HELD_AREA = 400
 """Pixels from which an object drawn again covers its own, whether or not it is round."""
 CIRCLE_LOSS = 1.3
 """How much more than its edges might a circle may lose that spares them all."""
-MENDS = np.int64(2)
-"""Times that lost stretches alone are mended before a border becomes chords all around."""
 CHORD_PX, CRISP_CHORD_PX = 0.45, 0.34
 """How far a chord of a ragged stretch may leave its border points: without grey no farther than
 half a pixel along the axis at 45 degrees."""
@@ -78,9 +86,10 @@ def fit_borders(
 
     ``areas`` (b,): the pixels that each border encloses, holes negative; ``owners`` (b,): the
     outline that it belongs to; the borders' cracks as in
-    ``vision.contours.Borders``, or none where points are not the picture's; ``crisp``: a picture
-    without grey; ``spread``: what noise does to a point; ``guard``, ``trim``: how far a fit, and
-    the search, keep from corners; ``prices`` (3,) of a line, an arc and a circle. Returns
+    ``vision.contours.Borders`` where edges have to separate every crack's pixels, or else none;
+    ``crisp``: a picture without grey; ``spread``: what noise does to a point; ``guard``,
+    ``trim``: how far a fit, and the search, keep from corners; ``prices`` (3,) of a line, an arc
+    and a circle. Returns
     ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
     edge; per edge LINE, ARC_CW or ARC_CCW and data (k, 6): the edge's first point x, y, then
     cx, cy, r of an arc, and the rms deviation. A circle is one edge of kind LINE with its centre
@@ -94,7 +103,7 @@ def fit_borders(
     budgets = np.empty(borders, np.float64)
     pixels = np.zeros(borders, np.int64)
     _allow_losses(point_starts, areas, owners, pixels, budgets)
-    exact = crisp and crack_x.shape[0] > 0
+    exact = crack_x.shape[0] > 0
     room = max(points.shape[0], crack_x.shape[0]) + borders
     for b in range(borders if exact else 0):
         longest = max(longest, crack_starts[b + 1] - crack_starts[b])
@@ -102,13 +111,14 @@ def fit_borders(
     edge_starts = np.empty(borders + 1, np.int64)
     kind = np.empty(room, np.int8)
     data = np.empty((room, 6), np.float64)
-    at = np.empty(room, np.int64)
+    at = np.empty(longest + 1, np.int64)
     state = np.empty(longest + 1, np.int64)
     inside = np.empty(longest + 1, np.bool_)
     qx = np.empty(2 * longest + 2 if exact else 1, np.float64)
     qy = np.empty(2 * longest + 2 if exact else 1, np.float64)
-    upright = np.empty(longest + 1, np.bool_)
-    cracks = np.empty(longest + 1, np.int64)
+    hx = np.empty(2 * longest + 2 if exact else 1, np.float64)
+    hy = np.empty(2 * longest + 2 if exact else 1, np.float64)
+    crack_of = np.empty(longest + 1, np.int64)
     px = np.empty(2 * longest + 2, np.float64)
     py = np.empty(2 * longest + 2, np.float64)
     is_seed = np.empty(longest + 1, np.bool_)
@@ -132,6 +142,7 @@ def fit_borders(
     free = CALM_LOSS_PX + 2.0 * spread
     skip = math.ceil(trim)
     chord = CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread
+    rounded = CUT_PX if exact else blur
     tangent = CRISP_TANGENT_PX if crisp else TANGENT_PX + spread
     seed_tolerance = 0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma
     expected = _expected_cost(dead_zone, sigma, spread)
@@ -153,24 +164,21 @@ def fit_borders(
         px[2 * n] = px[0]
         py[2 * n] = py[0]
         budget = budgets[b]
-        strict = sigma
-        round_cost = _circle_of_all(
-            px,
-            py,
-            n,
-            crisp,
-            dead_zone,
-            sigma,
-            worst,
-            budget,
-            prices[2],
-            circle,
-            active,
-            pixels[b] >= HELD_AREA,
-        )
+        cracks = 0
+        if exact:
+            these = slice(crack_starts[b], crack_starts[b + 1])
+            cracks = middles(crack_x[these], crack_y[these], crack_way[these], qx, qy, hx, hy)
+        round_cost, nearly = _circle_of_all(
+            px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active,
+            pixels[b] >= HELD_AREA, qx, qy, hx, hy, cracks, ox, oy,
+        )  # fmt: skip
         edges = 0
-        for _ in range(STRICTER if crisp else 1):
-            if round_cost <= 3.0 * prices[0] + expected * n:
+        strict = sigma
+        if exact and nearly:
+            # no search would find what it loses: it is mended
+            edges = _thirds(px, py, n, circle, breaks, is_arc, joints, shape)
+        for again in range(STRICTER if crisp else 1):
+            if (edges > 0 and again == 0) or round_cost <= 3.0 * prices[0] + expected * n:
                 break
             edges, cost = partition(
                 px, py, n, skip, crisp, dead_zone, strict, worst, seed_tolerance, round_cost,
@@ -180,9 +188,12 @@ def fit_borders(
                 edges = 0
                 break
             fit_and_join(
-                px, py, n, breaks, is_arc, edges, crisp, guard, blur, tangent, joints, shape,
+                px, py, n, breaks, is_arc, edges, crisp, guard, rounded, tangent, joints, shape,
                 ranges, fresh, active,
             )  # fmt: skip
+            if exact and not is_arc[:edges].any():
+                # what straight sides lose they lose at their corners, which are mended
+                break
             if crisp and budget >= pass_between_pixels(
                 px, py, n, breaks, is_arc, edges, shape, joints, free, allowed, guard,
                 ragged, losses, stale, kinds, rows, circle, push,
@@ -201,54 +212,34 @@ def fit_borders(
             count += 1
             continue
         border_kind[b] = POLYGON
-        check_edges(
-            px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard, budget,
-            ragged, losses, stale, kinds, rows, circle,
-        )  # fmt: skip
-        begin = count
-        bent = False
-        for e in range(edges):
-            if not ragged[e]:
-                kind[count] = kinds[e]
-                for c in range(6):
-                    data[count, c] = rows[e, c]
-                at[count] = breaks[e]
-                bent = bent or kinds[e] != LINE
-                count += 1
-                continue
-            hi = edge_end(breaks, edges, n, e)
-            m = chords(px, py, breaks[e], hi, chord, is_seed, seeds)
-            for t in range(m):
-                kind[count] = LINE
-                data[count, 0] = joints[e, 0] if t == 0 else px[seeds[t]]
-                data[count, 1] = joints[e, 1] if t == 0 else py[seeds[t]]
-                data[count, 2] = 0.0
-                data[count, 3] = 0.0
-                data[count, 4] = 0.0
-                data[count, 5] = 0.5 * chord
-                at[count] = seeds[t] - n if seeds[t] >= n else seeds[t]
-                count += 1
-        for i in range(begin, count):
-            data[i, 0] += ox
-            data[i, 1] += oy
-            if kind[i] != LINE:
-                data[i, 2] += ox
-                data[i, 3] += oy
+        many = 0
         if exact:
-            these = slice(crack_starts[b], crack_starts[b + 1])
-            m = middles(crack_x[these], crack_y[these], crack_way[these], qx, qy, upright)
-            find_cracks(px, py, n, ox, oy, qx, qy, m, cracks)
-            for i in range(begin, count):
-                at[i] = cracks[at[i]]
-            count = mend(
-                qx, qy, upright, m, at, kind, data, begin, count, budget - SURE, MENDS, chord,
-                0.5 * chord, state, inside, is_seed, seeds,
+            many = _finish(
+                px, py, n, breaks, is_arc, edges, shape, joints, ox, oy, circle,
+                kind[count:], data[count:],
             )  # fmt: skip
-            measure_residuals(qx, qy, upright, m, at, kind, data, begin, count)
-        if count - begin < 3 and not bent:
+            find_cracks(px, py, n, ox, oy, qx, qy, cracks, crack_of)
+            for e in range(edges):
+                at[e] = crack_of[breaks[e]]
+            many = mend(
+                qx, qy, hx, hy, cracks, at, kind[count:], data[count:], many, budget - SURE, state,
+                inside, seeds,
+            )  # fmt: skip
+            measure_residuals(qx, qy, cracks, at, kind[count:], data[count:], many)
+        else:
+            check_edges(
+                px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
+                budget, ragged, losses, stale, kinds, rows, circle,
+            )  # fmt: skip
+            many = _write_with_chords(
+                px, py, n, breaks, edges, joints, ox, oy, kinds, rows, ragged, chord, is_seed,
+                seeds, kind[count:], data[count:],
+            )  # fmt: skip
+        if many < 3 and not kind[count : count + many].any():
             # two lines enclose nothing: so small a border is its pixels' outline
             border_kind[b] = TINY
-            count = begin
+            many = 0
+        count += many
     edge_starts[borders] = count
     return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
 
@@ -272,24 +263,102 @@ def _allow_losses(point_starts, areas, owners, pixels, budgets):
 
 
 @njit(**LEAF)
-def _circle_of_all(px, py, n, crisp, dead_zone, sigma, worst, budget, price, circle, active, held):
-    """The circle through a whole border and its cost with its price; HUGE where it is none."""
+def _circle_of_all(
+    px, py, n, crisp, dead_zone, sigma, worst, budget, price, circle, active, held,
+    qx, qy, hx, hy, cracks, ox, oy,
+):  # fmt: skip
+    """The circle through a whole border: its cost with its price, and whether it nearly fits.
+
+    HUGE where it is none. ``nearly``: it runs beside every point, but loses too many pixels.
+    """
     # a sample tells most other shapes from a circle
     if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
-        return HUGE
+        return HUGE, False
     far = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
     if far >= HUGE or not fit_circle(px, py, NONE, n, ONE, circle):
-        return HUGE
+        return HUGE, False
     refine_circle(px, py, NONE, n, REFINEMENTS, circle)
     if crisp:
         separate_circle(px, py, NONE, n, circle, active)
         if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
             lost = lost_to_circle(px, py, n, circle)
+            if cracks > 0:
+                lost = pixels_lost_to_circle(qx, qy, hx, hy, cracks, ox, oy, circle)
             if lost <= budget:
-                return price
+                return price, False
             if held and lost > max(CIRCLE_LOSS * budget, 1.0):
-                return HUGE
-    return price + circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
+                return HUGE, True
+    cost = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
+    return price + cost, False
+
+
+@njit(**LEAF)
+def _thirds(px, py, n, circle, breaks, is_arc, joints, shape):
+    """Write a circle as three arcs; returns their number."""
+    for t in range(THIRDS):
+        k = t * n // THIRDS
+        x = px[k] - circle[0]
+        y = py[k] - circle[1]
+        share = circle[2] / max(math.sqrt(x * x + y * y), 1e-9)
+        breaks[t] = k
+        is_arc[t] = True
+        joints[t, 0] = circle[0] + x * share
+        joints[t, 1] = circle[1] + y * share
+        for c in range(3):
+            shape[t, c] = circle[c]
+        shape[t, 4] = 0.0
+    return THIRDS
+
+
+@njit(**LEAF)
+def _finish(px, py, n, breaks, is_arc, edges, shape, joints, ox, oy, circle, kind, data):
+    """Write the edges between their joints, in the picture's pixels; returns their number."""
+    for e in range(edges):
+        kind[e] = finish_edge(
+            px, py, breaks[e], edge_end(breaks, edges, n, e), is_arc[e], shape, e, joints,
+            e + 1 if e + 1 < edges else 0, data, circle,
+        )  # fmt: skip
+    _place(data, edges, ox, oy, kind)
+    return edges
+
+
+@njit(cache=True, nogil=True)
+def _write_with_chords(
+    px, py, n, breaks, edges, joints, ox, oy, kinds, rows, ragged, chord, is_seed, found, kind,
+    data,
+):  # fmt: skip
+    """Write finished edges, and chords instead of the ragged ones; returns their number."""
+    count = 0
+    for e in range(edges):
+        if not ragged[e]:
+            kind[count] = kinds[e]
+            for c in range(6):
+                data[count, c] = rows[e, c]
+            count += 1
+            continue
+        m = chords(px, py, breaks[e], edge_end(breaks, edges, n, e), chord, is_seed, found)
+        for t in range(m):
+            kind[count] = LINE
+            data[count, 0] = joints[e, 0] if t == 0 else px[found[t]]
+            data[count, 1] = joints[e, 1] if t == 0 else py[found[t]]
+            data[count, 2] = 0.0
+            data[count, 3] = 0.0
+            data[count, 4] = 0.0
+            data[count, 5] = 0.5 * chord
+            count += 1
+    _place(data, count, ox, oy, kind)
+    return count
+
+
+@njit(**LEAF)
+def _place(data, count, ox, oy, kind):
+    """Move finished edges from the border's own origin to the picture's."""
+    for i in range(count):
+        data[i, 0] += ox
+        data[i, 1] += oy
+        if kind[i] != LINE:
+            data[i, 2] += ox
+            data[i, 3] += oy
 
 
 @njit(**LEAF)

@@ -1,15 +1,13 @@
-"""Whether finished edges separate the pixels of a border without grey, and the cure where not.
+"""The cure where finished edges do not separate the pixels of a border without grey.
 
 Rules and units
-- A crack lies between the centres of an obstacle pixel and a free one, half a pixel away each.
-  Edges drawn again give both back exactly where they cross the way from one centre to the other
-  an odd number of times: no estimate.
-- ``qx``, ``qy``: the middles of one border's n cracks, twice over, in the picture's pixels;
-  ``upright`` (n,): whether the crack is, so that its pixels lie side by side.
-- Edges ``begin .. count - 1`` of ``kind`` and ``data`` (see ``vision.fitting_kernels``), whose
-  first cracks' indices are in ``at``, ascending around the border.
-- A cure replaces the stretch of lost cracks alone, by chords from middle to middle; the edges on
-  both sides stay what they are.
+- Cracks, edges and their first cracks as in ``vision.separation_kernels``.
+- A cure replaces the stretch of lost cracks alone, by chords that cross every crack's way; the
+  edges on both sides stay what they are. Where little would be left of them the whole border
+  becomes such chords, which take no pixel for what it is not.
+- A chord is as long as it can be: from its first point the ways ahead are looked through like
+  windows, until nothing is left of the cone of sight (J. Sklansky and V. Gonzalez, Fast
+  Polygonal Approximation of Digitized Curves, 1980).
 """
 
 # mypy: allow-untyped-defs
@@ -21,246 +19,75 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.cover_kernels import ARC_CCW, FLATTEST_PX, LINE, chords
 from vision.kernel_options import LEAF
-from vision.shape_kernels import HUGE
+from vision.outline_kernels import ARC_CCW, FLATTEST_PX, LINE, distance_to_edge, in_sweep
+from vision.separation_kernels import GRAVE, OK, find_lost
+from vision.shape_kernels import HALF
 
-HALF = 0.5
-AHEAD, SAME_PX = 12, 1e-6
-"""The crack of an edge point is looked for among so many; one so near is it."""
-NEAR_JOINT_PX = 2.0
-"""So near to a joint more than its own edge may pass a point."""
-NEIGHBOURS = 2
-"""Edges on either side that may pass a point."""
-JUT_PX, AROUND, TOUCH_PX = 1.2, 8, 0.51
-"""A corner farther from its border may hold a pixel that is none of the object's; it is compared
-with so many cracks on either side. A free pixel touches the obstacle across a crack's middle."""
-GRAVE_PX = 0.75
-"""A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
-than one from what is drawn."""
-BESIDE_PX = 0.4
-"""A crack farther from its edge may be its neighbour's."""
-OK, LOST, GRAVE = 0, 1, 2
-"""What becomes of a point."""
+WAY = 0.998
+"""Share of a crack's way that a chord may cross: no pixel's centre lies on it by a hair."""
+CHORD_RESIDUAL_PX = 0.25
+"""What a chord is off until its cracks have been measured."""
+TIP_LEAST, TIP = 3, 5
+"""Cracks lost that are no tip yet; and those around the last two pixels of a tip: where both are
+lost, nothing drawn lies beside the last."""
+ROUNDS = 4
+"""Times that lost stretches alone are mended before a border becomes chords all around."""
 
 
 @njit(**LEAF)
-def middles(xs, ys, directions, qx, qy, upright):
-    """Fill ``qx``, ``qy`` and ``upright`` from a border's cracks; returns their number."""
-    n = xs.shape[0]
-    for k in range(n):
-        d = np.int64(directions[k])
-        upright[k] = d & 1 == 1
-        qx[k] = xs[k] + HALF * ((d & 1) * (2 - d))
-        qy[k] = ys[k] + HALF * ((1 - (d & 1)) * (d - 1))
-        qx[n + k] = qx[k]
-        qy[n + k] = qy[k]
-    qx[2 * n] = qx[0]
-    qy[2 * n] = qy[0]
-    return n
+def straight_ways(qx, qy, hx, hy, lo, hi, x0, y0, x1, y1, found):
+    """Chords from (x0, y0) on crack lo's way to (x1, y1) on crack hi's: their number.
 
-
-@njit(**LEAF)
-def find_cracks(px, py, points, ox, oy, qx, qy, n, cracks):
-    """``cracks`` (points,): which crack every edge point was measured across, ascending."""
-    c = -1
-    for k in range(points):
-        x = px[k] + ox
-        y = py[k] + oy
-        nearest = HUGE
-        where = c + 1
-        last = min(c + AHEAD, n - points + k)
-        for j in range(c + 1, last + 1):
-            d = abs(qx[j] - x) + abs(qy[j] - y)
-            if d < nearest:
-                nearest = d
-                where = j
-            if d < SAME_PX:
-                break
-        c = where
-        cracks[k] = c
-
-
-@njit(**LEAF)
-def _in_sweep(kind, data, i, x0, y0, x1, y1, x, y):
-    """Whether a point of arc i's circle lies on the arc from (x0, y0) to (x1, y1)."""
-    cx = data[i, 2]
-    cy = data[i, 3]
-    ax = x0 - cx
-    ay = y0 - cy
-    bx = x1 - cx
-    by = y1 - cy
-    if kind[i] == ARC_CCW:
-        ax, ay, bx, by = bx, by, ax, ay
-    dx = x - cx
-    dy = y - cy
-    after_a = ax * dy - ay * dx >= 0.0
-    before_b = dx * by - dy * bx >= 0.0
-    return (after_a and before_b) if ax * by - ay * bx >= 0.0 else (after_a or before_b)
-
-
-@njit(**LEAF)
-def _crossings(kind, data, i, after, x, y, upright):
-    """How often edge i crosses the way between the two pixels of the crack at (x, y)."""
-    x0 = data[i, 0]
-    y0 = data[i, 1]
-    x1 = data[after, 0]
-    y1 = data[after, 1]
-    if kind[i] == LINE:
-        if upright:
-            if (y0 <= y) == (y1 <= y):
-                return 0
-            there = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
-            return 1 if abs(there - x) < HALF else 0
-        if (x0 <= x) == (x1 <= x):
-            return 0
-        there = y0 + (x - x0) * (y1 - y0) / (x1 - x0)
-        return 1 if abs(there - y) < HALF else 0
-    cx = data[i, 2]
-    cy = data[i, 3]
-    r = data[i, 4]
-    off = y - cy if upright else x - cx
-    square = r * r - off * off
-    if square <= 0.0:
-        return 0
-    root = math.sqrt(square)
-    found = 0
-    for side in range(2):
-        reach = root if side == 0 else -root
-        qx = cx + reach if upright else x
-        qy = y if upright else cy + reach
-        if abs(qx - x) < HALF and abs(qy - y) < HALF:
-            found += _in_sweep(kind, data, i, x0, y0, x1, y1, qx, qy)
-    return found
-
-
-@njit(**LEAF)
-def _distance(kind, data, i, after, x, y):
-    """From (x, y) to edge i."""
-    x0 = data[i, 0]
-    y0 = data[i, 1]
-    x1 = data[after, 0]
-    y1 = data[after, 1]
-    if kind[i] != LINE:
-        if _in_sweep(kind, data, i, x0, y0, x1, y1, x, y):
-            return abs(math.sqrt((x - data[i, 2]) ** 2 + (y - data[i, 3]) ** 2) - data[i, 4])
-        return math.sqrt(min((x - x0) ** 2 + (y - y0) ** 2, (x - x1) ** 2 + (y - y1) ** 2))
-    dx = x1 - x0
-    dy = y1 - y0
-    square = dx * dx + dy * dy
-    t = 0.0
-    if square > 0.0:
-        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
-    return math.sqrt((x - x0 - t * dx) ** 2 + (y - y0 - t * dy) ** 2)
-
-
-@njit(**LEAF)
-def _judge(kind, data, begin, count, i, x, y, upright):
-    """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
-    after = i + 1 if i + 1 < count else begin
-    own = _crossings(kind, data, i, after, x, y, upright)
-    near = NEAR_JOINT_PX * NEAR_JOINT_PX
-    beside = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < near
-    beside = beside or (x - data[after, 0]) ** 2 + (y - data[after, 1]) ** 2 < near
-    if own == 1 and not beside:
-        return OK
-    edges = count - begin
-    reach = min(NEIGHBOURS, (edges - 1) // 2)
-    first = -reach
-    last = reach if edges > 2 * NEIGHBOURS else edges - 1 - reach
-    for step in range(first, last + 1):
-        if step != 0:
-            j = begin + (i - begin + step + edges) % edges
-            own += _crossings(kind, data, j, j + 1 if j + 1 < count else begin, x, y, upright)
-    if own % 2 == 1:
-        return OK
-    for step in range(first, last + 1):
-        j = begin + (i - begin + step + edges) % edges
-        if _distance(kind, data, j, j + 1 if j + 1 < count else begin, x, y) <= GRAVE_PX:
-            return LOST
-    return GRAVE
-
-
-@njit(**LEAF)
-def _juts_out(qx, qy, n, k, x, y, ax, ay, bx, by):
-    """Whether a corner at (x, y), before crack k, holds a pixel that touches no obstacle.
-
-    (ax, ay) and (bx, by) are where its edges come from and go to.
+    ``found``: the crack at whose middle every chord begins; the first one begins at (x0, y0).
     """
-    nearest = HUGE
-    for step in range(-AROUND, AROUND + 1):
-        j = (k + step + n) % n
-        nearest = min(nearest, (qx[j] - x) ** 2 + (qy[j] - y) ** 2)
-    if nearest < JUT_PX * JUT_PX:
-        return False
-    reach = math.sqrt(nearest)
-    # a pixel lies in the corner where it lies on the inner side of both edges
-    turn = (x - ax) * (by - y) - (y - ay) * (bx - x)
-    side = 1.0 if turn > 0.0 else -1.0
-    for py in range(math.ceil(y - reach), math.floor(y + reach) + 1):
-        for px in range(math.ceil(x - reach), math.floor(x + reach) + 1):
-            if (px - x) ** 2 + (py - y) ** 2 >= nearest:
+    m = 0
+    here = lo
+    x = x0
+    y = y0
+    while here < hi:
+        found[m] = here
+        m += 1
+        best = here + 1
+        # towards the cone's sides: the free pixels' and the obstacle's
+        free_x = 0.0
+        free_y = 0.0
+        dark_x = 0.0
+        dark_y = 0.0
+        for k in range(here + 1, hi + 1):
+            tx = (x1 if k == hi else qx[k]) - x
+            ty = (y1 if k == hi else qy[k]) - y
+            seen = tx * dark_y - ty * dark_x > 0.0 and tx * free_y - ty * free_x < 0.0
+            if k > here + 1 and seen:
+                best = k
+            a = qx[k] + WAY * hx[k] - x
+            b = qy[k] + WAY * hy[k] - y
+            c = qx[k] - WAY * hx[k] - x
+            d = qy[k] - WAY * hy[k] - y
+            if a * d - b * c <= 0.0:
+                # the border turns back
+                break
+            if k == here + 1:
+                free_x, free_y, dark_x, dark_y = a, b, c, d
                 continue
-            if side * ((x - ax) * (py - ay) - (y - ay) * (px - ax)) < 0.0:
-                continue
-            if side * ((bx - x) * (py - y) - (by - y) * (px - x)) < 0.0:
-                continue
-            touches = False
-            for step in range(-AROUND, AROUND + 1):
-                j = (k + step + n) % n
-                touches = touches or (qx[j] - px) ** 2 + (qy[j] - py) ** 2 < TOUCH_PX * TOUCH_PX
-            if not touches:
-                return True
-    return False
+            if a * free_y - b * free_x < 0.0:
+                free_x, free_y = a, b
+            if c * dark_y - d * dark_x > 0.0:
+                dark_x, dark_y = c, d
+            if free_x * dark_y - free_y * dark_x <= 0.0:
+                break
+        here = best
+        x = qx[here]
+        y = qy[here]
+    return m
 
 
 @njit(**LEAF)
-def _find_lost(qx, qy, upright, n, at, kind, data, begin, count, state):
-    """``state`` (n,) of every crack; pixels lost at most, and how many cracks gravely."""
-    lost = 0
-    grave = 0
-    for i in range(begin, count):
-        after = i + 1 if i + 1 < count else begin
-        lo = at[i]
-        hi = at[after]
-        hi = hi + n if hi <= lo else hi
-        x0 = data[i, 0]
-        y0 = data[i, 1]
-        dx = data[after, 0] - x0
-        dy = data[after, 1] - y0
-        # a crack well within a line is told by the line alone
-        square = dx * dx + dy * dy if kind[i] == LINE else 0.0
-        margin = NEAR_JOINT_PX * math.sqrt(square)
-        across_upright = HALF * abs(dy)
-        across_level = HALF * abs(dx)
-        for k in range(lo, hi):
-            here = k - n if k >= n else k
-            x = qx[k] - x0
-            y = qy[k] - y0
-            along = x * dx + y * dy
-            limit = across_upright if upright[here] else across_level
-            if (margin < along) & (along < square - margin) & (abs(x * dy - y * dx) < limit):
-                state[here] = OK
-                continue
-            found = _judge(kind, data, begin, count, i, qx[k], qy[k], upright[here])
-            state[here] = found
-            lost += found != OK
-            grave += found == GRAVE
-    for i in range(begin, count):
-        after = i + 1 if i + 1 < count else begin
-        before = i - 1 if i > begin else count - 1
-        if kind[i] == LINE and kind[before] == LINE and _juts_out(
-            qx, qy, n, at[i], data[i, 0], data[i, 1], data[before, 0], data[before, 1],
-            data[after, 0], data[after, 1],
-        ):  # fmt: skip
-            state[at[i]] = GRAVE
-            grave += 1
-    return lost, grave
-
-
-@njit(**LEAF)
-def _weigh_runs(upright, n, state, weights):
+def _weigh_runs(qx, qy, hx, hy, n, state, weights):
     """Per run of lost cracks how many pixels, where it ends: negative where one is grave.
+
+    A tip lost is grave too: all cracks of a pixel that hangs on by a corner, or so many as ``TIP``
+    around one that hangs on by a side.
 
     A pixel is lost at one upright and one level crack where the border runs aslant. Returns
     the pixels of all runs, and of the heaviest one that is not grave.
@@ -273,16 +100,24 @@ def _weigh_runs(upright, n, state, weights):
     standing = 0
     lying = 0
     grave = False
+    around = 0
+    most = 0
     for k in range(n):
         weights[k] = 0
     for t in range(1, n + 1):
         k = start + t if start + t < n else start + t - n
         if state[k] != OK:
-            standing += upright[k]
-            lying += not upright[k]
+            standing += hx[k] != 0.0
+            lying += hx[k] == 0.0
             grave = grave or state[k] == GRAVE
+            j = k - 1 if k > 0 else n - 1
+            apart = abs(qx[k] - hx[k] - qx[j] + hx[j]) + abs(qy[k] - hy[k] - qy[j] + hy[j])
+            around = around + 1 if apart < HALF and standing + lying > 1 else 1
+            most = max(most, around)
             continue
         pixels = max(standing, lying)
+        grave = grave or most >= 4 or (most == 3 and standing + lying >= TIP)
+        most = 0
         if pixels > 0:
             weights[k - 1 if k > 0 else n - 1] = -pixels if grave else pixels
             total += pixels
@@ -307,7 +142,10 @@ def _mark_runs(state, n, budget, total, heaviest, weights, inside):
         least -= 1
         for k in range(n):
             if weights[k] == least:
-                total -= least
+                if total > budget:
+                    total -= least
+                else:
+                    weights[k] = 0
     for k in range(n):
         if weights[k] < 0 or weights[k] >= max(least, 1):
             j = k
@@ -319,101 +157,136 @@ def _mark_runs(state, n, budget, total, heaviest, weights, inside):
 
 
 @njit(**LEAF)
-def _on_edge(kind, data, i, after, x, y, out):
-    """Where edge i passes the crack at (x, y): on the way between its pixels, or nearest."""
-    x0 = data[i, 0]
-    y0 = data[i, 1]
-    if kind[i] != LINE:
-        dx = x - data[i, 2]
-        dy = y - data[i, 3]
-        share = data[i, 4] / max(math.sqrt(dx * dx + dy * dy), 1e-9)
-        out[0] = data[i, 2] + dx * share
-        out[1] = data[i, 3] + dy * share
-        return
-    dx = data[after, 0] - x0
-    dy = data[after, 1] - y0
-    square = dx * dx + dy * dy
-    t = 0.0
-    if square > 0.0:
-        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
-    out[0] = x0 + t * dx
-    out[1] = y0 + t * dy
+def _on_way(kind, rows, i, after, x, y, hx, hy, out):
+    """Where edge i crosses the way of the crack at (x, y), or else its point nearest to there.
+
+    Returns whether it crosses.
+    """
+    upright = hx != 0.0
+    if kind[i] == LINE:
+        dx = rows[after, 0] - rows[i, 0]
+        dy = rows[after, 1] - rows[i, 1]
+        run = dy if upright else dx
+        if abs(run) > 1e-9:
+            t = (y - rows[i, 1]) / run if upright else (x - rows[i, 0]) / run
+            qx = x if not upright else rows[i, 0] + t * dx
+            qy = y if upright else rows[i, 1] + t * dy
+            if 0.0 <= t <= 1.0 and abs(qx - x) + abs(qy - y) < WAY * HALF:
+                out[0] = qx
+                out[1] = qy
+                return True
+    else:
+        off = y - rows[i, 3] if upright else x - rows[i, 2]
+        root = math.sqrt(max(rows[i, 4] * rows[i, 4] - off * off, 0.0))
+        # the crossing on the crack's side of the centre
+        if upright:
+            qx = rows[i, 2] + (root if x > rows[i, 2] else -root)
+            qy = y
+        else:
+            qx = x
+            qy = rows[i, 3] + (root if y > rows[i, 3] else -root)
+        if abs(qx - x) + abs(qy - y) < WAY * HALF:
+            out[0] = qx
+            out[1] = qy
+            return in_sweep(kind, rows, i, after, qx, qy)
+    _, out[0], out[1] = distance_to_edge(kind, rows, i, after, x, y)
+    return False
 
 
 @njit(cache=True, nogil=True)
-def mend(
-    qx, qy, upright, n, at, kind, data, begin, count, budget, rounds, chord, residual, state,
-    inside, is_seed, found,
-):  # fmt: skip
+def mend(qx, qy, hx, hy, n, at, kind, rows, count, budget, state, inside, found):
     """Replace what loses more pixels than ``budget`` by chords; returns the new ``count``.
 
-    ``residual``: the deviation that a chord is written with. ``state``, ``inside``, ``is_seed``,
-    ``found`` (n + 1,) are room to work in. There are never more edges than cracks.
+    ``state``, ``inside``, ``found`` (n + 1,) are room to work in. There are never more edges
+    than cracks.
     """
-    total = heaviest = 0
-    for again in range(rounds + 1):
-        lost, grave = _find_lost(qx, qy, upright, n, at, kind, data, begin, count, state)
-        if lost <= budget and grave == 0:
+    for again in range(ROUNDS + 1):
+        lost, grave = find_lost(qx, qy, hx, n, at, kind, rows, count, state)
+        if grave == 0 and lost <= min(budget, TIP_LEAST):
+            return count
+        if again == ROUNDS or 2 * lost >= n:
             break
-        if 2 * lost < n:
-            total, heaviest = _weigh_runs(upright, n, state, found)
-            if total <= budget and grave == 0:
-                break
-        if again < rounds and 2 * lost < n:
-            _mark_runs(state, n, budget, total, heaviest, found, inside)
-            first = begin
-            while first < count and inside[at[first]]:
-                first += 1
-            if first < count:
-                count = _replace(
-                    qx, qy, upright, n, at, kind, data, begin, count, first, chord, residual,
-                    inside, is_seed, found,
-                )  # fmt: skip
-                continue
-        # little would be left: chords all around
-        edges = chords(qx, qy, 0, n, chord, is_seed, found)
-        for t in range(edges):
-            i = begin + t
-            _write(kind, data, at, i, qx[found[t]], qy[found[t]], found[t], residual)
-        count = begin + edges
-        break
+        total, heaviest = _weigh_runs(qx, qy, hx, hy, n, state, found)
+        if total <= budget and found[:n].min() >= 0:
+            return count
+        _mark_runs(state, n, budget, total, heaviest, found, inside)
+        first = 0
+        while first < count and inside[at[first]]:
+            first += 1
+        if first == count:
+            break
+        count = _replace(qx, qy, hx, hy, n, at, kind, rows, count, first, inside, found)
+    return _all_chords(qx, qy, hx, hy, n, at, kind, rows, found)
+
+
+@njit(**LEAF)
+def _all_chords(qx, qy, hx, hy, n, at, kind, rows, found):
+    """Chords all around, from the crack farthest from the middle on."""
+    mx = 0.0
+    my = 0.0
+    for k in range(n):
+        mx += qx[k]
+        my += qy[k]
+    mx /= n
+    my /= n
+    far = -1.0
+    first = 0
+    for k in range(n):
+        d = (qx[k] - mx) ** 2 + (qy[k] - my) ** 2
+        if d > far:
+            far = d
+            first = k
+    x = qx[first]
+    y = qy[first]
+    count = straight_ways(qx, qy, hx, hy, first, first + n, x, y, x, y, found)
+    for t in range(count):
+        k = found[t]
+        _write(kind, rows, at, t, qx[k], qy[k], k - n if k >= n else k)
     return count
 
 
 @njit(**LEAF)
-def _write(kind, data, at, i, x, y, k, residual):
+def _write(kind, rows, at, i, x, y, k):
     kind[i] = LINE
-    data[i, 0] = x
-    data[i, 1] = y
-    data[i, 2] = 0.0
-    data[i, 3] = 0.0
-    data[i, 4] = 0.0
-    data[i, 5] = residual
+    rows[i, 0] = x
+    rows[i, 1] = y
+    rows[i, 2] = 0.0
+    rows[i, 3] = 0.0
+    rows[i, 4] = 0.0
+    rows[i, 5] = CHORD_RESIDUAL_PX
     at[i] = k
 
 
 @njit(cache=True, nogil=True)
-def _replace(
-    qx, qy, upright, n, at, kind, data, begin, count, first, chord, residual, inside, is_seed,
-    found,
-):  # fmt: skip
-    """Chords instead of the points that are ``inside``; returns the new count."""
-    edges = count - begin
-    kinds = kind[begin:count].copy()
-    rows = data[begin:count].copy()
-    points = at[begin:count].copy()
+def _replace(qx, qy, hx, hy, n, at, kind, rows, count, first, inside, found):
+    """Chords instead of the cracks that are ``inside``; returns the new count.
+
+    Edge ``first`` begins outside.
+    """
+    kinds = kind[:count].copy()
+    old = rows[:count].copy()
+    points = at[:count].copy()
     spot = np.empty(2, np.float64)
+    ahead = np.empty(2, np.float64)
     begun = 0
-    i = begin
-    for t in range(edges):
-        e = (first - begin + t) % edges
-        after = e + 1 if e + 1 < edges else 0
+    begun_x = 0.0
+    begun_y = 0.0
+    next_x = 0.0
+    next_y = 0.0
+    carried = False
+    i = 0
+    for t in range(count):
+        e = (first + t) % count
+        after = e + 1 if e + 1 < count else 0
         lo = points[e]
         hi = points[after]
         hi = hi + n if hi <= lo else hi
-        turned = lo < points[first - begin]
+        turned = lo < points[first]
+        from_x = next_x if carried else old[e, 0]
+        from_y = next_y if carried else old[e, 1]
+        carried = False
         if not inside[lo]:
-            _keep(kind, data, at, i, kinds, rows, e, rows[e, 0], rows[e, 1], lo)
+            _keep(kind, rows, at, i, kinds, old, e, from_x, from_y, lo)
             i += 1
         for k in range(lo, hi):
             here = k - n if k >= n else k
@@ -423,80 +296,79 @@ def _replace(
             next_ = here + 1 if here + 1 < n else 0
             if not inside[before]:
                 begun = k + n if turned else k
-                spot[0] = rows[e, 0]
-                spot[1] = rows[e, 1]
-                if k > lo:
-                    _on_edge(kinds, rows, e, after, qx[k], qy[k], spot)
-                _write(kind, data, at, i, spot[0], spot[1], here, residual)
-                i += 1
+                begun_x = from_x
+                begun_y = from_y
+                # the crack at a joint may be crossed by the edge before
+                last = e if k > lo else (e - 1 if e > 0 else count - 1)
+                behind = after if k > lo else e
+                crosses = _on_way(kinds, old, last, behind, qx[k], qy[k], hx[k], hy[k], spot)
+                if k > lo or crosses:
+                    begun_x = spot[0]
+                    begun_y = spot[1]
             if not inside[next_]:
                 end = k + n if turned else k
-                m = chords(qx, qy, begun, end, chord, is_seed, found)
-                for s in range(1, m):
+                crosses = _on_way(kinds, old, e, after, qx[k], qy[k], hx[k], hy[k], spot)
+                if not crosses and k == hi - 1:
+                    # or by the edge after, which then begins here
+                    behind = after + 1 if after + 1 < count else 0
+                    carried = _on_way(
+                        kinds, old, after, behind, qx[k], qy[k], hx[k], hy[k], ahead
+                    )  # fmt: skip
+                    if carried:
+                        spot[0] = ahead[0]
+                        spot[1] = ahead[1]
+                        next_x = ahead[0]
+                        next_y = ahead[1]
+                shift = n if begun >= n else 0
+                m = straight_ways(
+                    qx, qy, hx, hy, begun - shift, end - shift, begun_x, begun_y, spot[0], spot[1],
+                    found,
+                )  # fmt: skip
+                for s in range(m):
                     q = found[s]
-                    x = qx[q]
-                    y = qy[q]
-                    _write(kind, data, at, i, x, y, q - n if q >= n else q, residual)
+                    x = begun_x if s == 0 else qx[q]
+                    y = begun_y if s == 0 else qy[q]
+                    _write(kind, rows, at, i, x, y, q - n if q >= n else q)
                     i += 1
-                _on_edge(kinds, rows, e, after, qx[k], qy[k], spot)
-                _keep(kind, data, at, i, kinds, rows, e, spot[0], spot[1], here)
-                i += 1
-    for j in range(begin, i):
+                if not carried:
+                    _keep(kind, rows, at, i, kinds, old, e, spot[0], spot[1], here)
+                    i += 1
+    if carried:
+        rows[0, 0] = next_x
+        rows[0, 1] = next_y
+    for j in range(i):
         if kind[j] != LINE:
-            _straighten(kind, data, at, n, begin, i, j)
+            _straighten(kind, rows, at, n, i, j)
     return i
 
 
 @njit(**LEAF)
-def _keep(kind, data, at, i, kinds, rows, e, x, y, k):
+def _keep(kind, rows, at, i, kinds, old, e, x, y, k):
     """What edge e was, from (x, y) on."""
     kind[i] = kinds[e]
-    data[i, 0] = x
-    data[i, 1] = y
+    rows[i, 0] = x
+    rows[i, 1] = y
     for c in range(2, 6):
-        data[i, c] = rows[e, c]
+        rows[i, c] = old[e, c]
     at[i] = k
 
 
 @njit(**LEAF)
-def _straighten(kind, data, at, n, begin, count, j):
+def _straighten(kind, rows, at, n, count, j):
     """Make a line of what is left of an arc where it is flat, or would turn the long way round."""
-    after = j + 1 if j + 1 < count else begin
+    after = j + 1 if j + 1 < count else 0
     hi = at[after]
     hi = hi + n if hi <= at[j] else hi
-    ax = data[j, 0] - data[j, 2]
-    ay = data[j, 1] - data[j, 3]
-    bx = data[after, 0] - data[j, 2]
-    by = data[after, 1] - data[j, 3]
+    ax = rows[j, 0] - rows[j, 2]
+    ay = rows[j, 1] - rows[j, 3]
+    bx = rows[after, 0] - rows[j, 2]
+    by = rows[after, 1] - rows[j, 3]
     turn = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
     turn = -turn if kind[j] == ARC_CCW else turn
     turn = turn + 2.0 * math.pi if turn < 0.0 else turn
-    rise = data[j, 4] * (1.0 - math.cos(min(0.5 * turn, 0.5 * math.pi)))
-    if turn * data[j, 4] > 2.0 * (hi - at[j]) + 4.0 or rise < FLATTEST_PX:
+    rise = rows[j, 4] * (1.0 - math.cos(min(0.5 * turn, 0.5 * math.pi)))
+    if turn * rows[j, 4] > 2.0 * (hi - at[j]) + 4.0 or rise < FLATTEST_PX:
         kind[j] = LINE
-        data[j, 2] = 0.0
-        data[j, 3] = 0.0
-        data[j, 4] = 0.0
-
-
-@njit(**LEAF)
-def measure_residuals(qx, qy, upright, n, at, kind, data, begin, count):
-    """Write every edge's rms distance from the cracks of its stretch, all of them.
-
-    A crack at a corner may be the neighbour's.
-    """
-    for i in range(begin, count):
-        after = i + 1 if i + 1 < count else begin
-        lo = at[i]
-        hi = at[after]
-        hi = hi + n if hi <= lo else hi
-        before = i - 1 if i > begin else count - 1
-        behind = after + 1 if after + 1 < count else begin
-        total = 0.0
-        for k in range(lo, hi):
-            d = _distance(kind, data, i, after, qx[k], qy[k])
-            if d > BESIDE_PX:
-                d = min(d, _distance(kind, data, before, i, qx[k], qy[k]))
-                d = min(d, _distance(kind, data, after, behind, qx[k], qy[k]))
-            total += d * d
-        data[i, 5] = math.sqrt(total / (hi - lo))
+        rows[j, 2] = 0.0
+        rows[j, 3] = 0.0
+        rows[j, 4] = 0.0

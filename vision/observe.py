@@ -20,8 +20,7 @@ from planner.scene import Bounds, Scene, SceneObject
 from vision.binarise import Method, Polarity, binarise
 from vision.binary import Binary
 from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
-from vision.cover import is_drawing, keep_cover
-from vision.fitting import fit_edges, tolerance_of
+from vision.fitting import fit_edges, is_drawing, tolerance_of
 from vision.grey import PictureError, as_array
 from vision.paper import paper_objects
 from vision.placement import Placement, drop_outside, ignored_pixels
@@ -94,10 +93,8 @@ def extract(
         edges.starts,
         borders,
         tolerance,
-        in_picture=calibration is None,
+        separate=calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)),
     )
-    if calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)):
-        fitted = keep_cover(borders, fitted)
     specks = find_specks(borders, binary.noise, binary.contrast)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, remarks = drop_outside(objects, placement)

@@ -19,7 +19,7 @@ import math
 
 from numba import njit
 
-from vision.kernel_options import SUMS
+from vision.kernel_options import LEAF, SUMS
 
 HUGE = 1e18
 """The cost of what may not be."""
@@ -316,6 +316,36 @@ def lost_to_circle(px, py, n, circle):
         y = abs(py[k] - cy)
         away = math.sqrt(x * x + y * y)
         lost += abs(away - r) * away > HALF * max(x, y)
+    return lost
+
+
+@njit(**LEAF)
+def pixels_lost_to_circle(qx, qy, hx, hy, cracks, ox, oy, circle):
+    """How many pixels beside a border's cracks a circle about (ox, oy) takes for what they are not.
+
+    ``qx`` to ``hy`` as in ``vision.separation_kernels``. A pixel's cracks follow one another.
+    """
+    cx = ox + circle[0]
+    cy = oy + circle[1]
+    square = circle[2] * circle[2]
+    # a hole lies within its free pixels
+    turn = 0.0
+    for k in range(cracks):
+        turn += (qx[k] - cx) * hx[k] + (qy[k] - cy) * hy[k]
+    lost = 0
+    last_x = -1.0
+    last_y = -1.0
+    for side in range(2):
+        sign = 1.0 if side == 0 else -1.0
+        outside = (sign > 0.0) == (turn > 0.0)
+        for k in range(cracks):
+            x = qx[k] + sign * hx[k]
+            y = qy[k] + sign * hy[k]
+            away = (x - cx) * (x - cx) + (y - cy) * (y - cy)
+            if (away > square) != outside and (x != last_x or y != last_y):
+                lost += 1
+                last_x = x
+                last_y = y
     return lost
 
 

@@ -12,10 +12,6 @@ import pytest
 from planner.scene import CircleRecord, PolygonRecord, Scene, object_records
 from tests.support.render import coverage, outline_points
 from vision import extract
-from vision.binarise import binarise
-from vision.contours import follow_borders
-from vision.raster_kernels import find_misfits
-from vision.structure import pixel_outline
 
 SIDE = 200
 LEAST_AREA = 400
@@ -130,25 +126,3 @@ def test_a_ring_is_covered_on_both_sides(seed: int) -> None:
     again = covered(extract(np.where(mask, 0, 255).astype(np.uint8)))
     assert (mask & again).sum() / (mask | again).sum() >= 0.995
     assert farthest(mask, again) <= 1.0 + 1e-6
-
-
-@pytest.mark.parametrize("shape", [ellipse, blob, rounded_square, stadium, star, drawn_by_opencv])
-def test_an_audit_finds_the_pixels_that_a_drawing_of_the_records_finds(
-    shape: Callable[[np.random.Generator], Mask],
-) -> None:
-    for seed in range(5):
-        mask = shape(np.random.default_rng([33, seed]))
-        borders = follow_borders(binarise(np.where(mask, 0, 255).astype(np.uint8)).mask)
-        # outlines that are wrong on purpose: every third corner of the pixels' own outline
-        wrong, kept = mask.copy(), []
-        for b in range(len(borders.area)):
-            corners = np.array(pixel_outline(*borders.cracks_of(b)))[::3]
-            data = np.zeros((len(corners), 6))
-            data[:, :2] = corners
-            xs, ys, directions = borders.cracks_of(b)
-            kinds = np.zeros(len(corners), np.int8)
-            kept.append(corners)
-            found = find_misfits(kinds, data, 0, len(kinds), False, xs, ys, directions, 0, len(xs))
-            assert len(np.unique(found[:, :2], axis=0)) == len(found)
-            wrong[found[:, 1], found[:, 0]] ^= True
-        assert np.array_equal(coverage(kept, (SIDE, SIDE), lines=1) >= 0.5, wrong)
