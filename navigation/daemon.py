@@ -30,6 +30,7 @@ from navigation.eye import Eye, Glimpse
 from navigation.journal import Journal, SentPlan
 from navigation.link_snapshot import LinkSnapshot
 from navigation.mission import Mission, Station
+from navigation.other_robots import OtherRobots
 from navigation.parts import Surroundings
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, SceneCheck
@@ -38,7 +39,6 @@ from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_
 from navigation.supervisor import Part, Supervisor, in_words
 from navigation.targets import to_wire
 from navigation.track import Track
-from navigation.traffic import LOST_S, Mover
 from planner.path import NoPath
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
@@ -54,9 +54,6 @@ LEASE_EVERY_S: Final = 0.08
 PLANS_KEPT: Final = 200
 SETTLE_S: Final = 0.3
 """An order's answer waits so long at most for a cycle that acts on it."""
-OTHERS_ROWS: Final = 20_000
-OTHERS_STEP_M: Final = 0.005
-"""Other robots' tracks are drawn, no more: a row every 5 mm, for 100 m."""
 STOP_GRACE_S: Final = 0.35
 """On top of the time that braking takes, for the last words on the wire."""
 
@@ -108,10 +105,7 @@ class Daemon:
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
         self._frame: Frame | None = None
         self._poses: Mapping[int, RobotPose] = {}
-        self._others: dict[int, RobotPose] = {}
-        self._radii_m = {one.marker_id: one.radius_m for one in config.other_robots}
-        self.other_tracks = {i: Track(OTHERS_ROWS, OTHERS_STEP_M) for i in self._radii_m}
-        """By marker id: where the other robots were seen."""
+        self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self._times = StageTimes()
         self._scene_s = self._asked_s = 0.0
         self.started_s = self._clock()
@@ -325,11 +319,7 @@ class Daemon:
         self.processed += 1
         self._frame_s = frame.captured_s
         self._frame, self._poses = frame, glimpse.poses
-        for marker_id, pose in glimpse.poses.items():
-            if marker_id in self._radii_m:
-                self._others[marker_id] = pose
-                track = self.other_tracks[marker_id]
-                track.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
+        self.others.see(glimpse.poses)
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene
@@ -365,14 +355,8 @@ class Daemon:
             clearance_m=clearance,
             failed=failed,
             camera_reason=_reason_of(self.camera.status()),
-            others=tuple(self._mover(other, now_s) for other in self._others.values()),
+            others=self.others.movers(now_s),
         )
-
-    def _mover(self, other: RobotPose, now_s: float) -> Mover:
-        """Another robot, carried on to now for as long as its velocity can be trusted."""
-        age_s = now_s - other.captured_s
-        x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
-        return Mover(other.id, x, y, other.vx, other.vy, self._radii_m[other.id], age_s)
 
     def _write_journal(self, orders: Orders) -> None:
         """Before anything takes effect: progress, and the plan that the robot is given next."""

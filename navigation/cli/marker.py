@@ -40,7 +40,10 @@ def command(
 ) -> None:
     """Write the marker ID, or a board, as PDF and PNG that print at true size."""
     if (marker_id is None) == (board is None):
-        raise click.UsageError("give a marker's ID, or --board for a calibration board")
+        raise click.UsageError(
+            "give a marker's ID, or --board for a calibration board"
+            + ("" if board is None else ", not both")
+        )
     for path in output:
         if path.suffix.lower() not in (".pdf", ".png"):
             raise click.UsageError(f"-o {path}: must end in .pdf or .png")

@@ -118,7 +118,7 @@ def write_run(folder: Path, daemon: Daemon, report: Report) -> None:
             OtherRobot(
                 f"robot {one.marker_id}",
                 one.radius_m,
-                daemon.other_tracks[one.marker_id].rows()[:, 1:],
+                daemon.others.tracks[one.marker_id].rows()[:, 1:],
             )
             for one in daemon.config.other_robots
         ],

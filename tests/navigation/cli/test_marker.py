@@ -116,6 +116,19 @@ def test_a_chessboard_is_found_in_its_own_print(tmp_path: Path) -> None:
     assert isinstance(view, BoardView)
 
 
+def test_the_first_hour_s_sheets_fit_on_their_paper(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    guide = Path(__file__).parents[3] / "docs" / "first_hour.md"
+    commands = re.findall(
+        r"^clearway (marker .*)$", guide.read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert len(commands) >= 2
+    for command in commands:
+        assert run(command.split()) == 0, command
+
+
 def test_the_files_are_named_after_the_marker(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -137,7 +150,7 @@ def test_the_files_are_named_after_the_marker(
         (["7", "-o", "m.svg"], ".pdf or .png"),
         (["7", "-o", "no/such/folder/m.pdf"], "cannot be written"),
         ([], "--board"),
-        (["7", "--board", "charuco"], "--board"),
+        (["7", "--board", "charuco"], "not both"),
         (["--board", "charuco", "--squares", "5by7"], "9x6"),
         (["-3"], "3"),
     ],

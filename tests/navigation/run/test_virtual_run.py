@@ -200,7 +200,7 @@ def test_the_configuration_with_moving_robots_runs_to_done(tmp_path: Path) -> No
     assert len(daemon.scene.objects) == 8, "the other robots are not in the scene"
     for other in config.other_robots:
         seen, (scripted, _) = (
-            daemon.other_tracks[other.marker_id],
+            daemon.others.tracks[other.marker_id],
             world.truth.others[other.marker_id],
         )
         time_s, *last = seen.rows()[-1]

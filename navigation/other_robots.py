@@ -1,0 +1,42 @@
+"""The other robots as they were seen: where each was last, and where it has been.
+
+Metres, radians, seconds of the world's clock; by marker id.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from navigation.track import Track
+from navigation.traffic import LOST_S, Mover
+from vision.markers import RobotPose
+
+TRACK_ROWS: Final = 20_000
+TRACK_STEP_M: Final = 0.005
+"""The tracks are drawn, no more: a row every 5 mm, for 100 m."""
+
+
+class OtherRobots:
+    """Fed with what each picture shows; ``radii_m`` names the robots and their bodies' radii."""
+
+    def __init__(self, radii_m: Mapping[int, float]) -> None:
+        self._radii_m = dict(radii_m)
+        self._last: dict[int, RobotPose] = {}
+        self.tracks = {marker_id: Track(TRACK_ROWS, TRACK_STEP_M) for marker_id in radii_m}
+
+    def see(self, poses: Mapping[int, RobotPose]) -> None:
+        """Take those among the poses that are other robots."""
+        for marker_id, pose in poses.items():
+            if marker_id in self._radii_m:
+                self._last[marker_id] = pose
+                self.tracks[marker_id].add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
+
+    def movers(self, now_s: float) -> tuple[Mover, ...]:
+        """Each that was ever seen, carried on to now for as long as its velocity can be trusted."""
+        return tuple(self._mover(pose, now_s) for pose in self._last.values())
+
+    def _mover(self, other: RobotPose, now_s: float) -> Mover:
+        age_s = now_s - other.captured_s
+        x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
+        return Mover(other.id, x, y, other.vx, other.vy, self._radii_m[other.id], age_s)
