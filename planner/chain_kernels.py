@@ -65,13 +65,20 @@ def solve_rings(mesh, node, at, kind, data, before, after, half, tolerance, xy, 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _order_turns(kind, data, place, pair, run, last):
+def _order_turns(kind, data, at, link, half, place, pair, run, last):
     """Swap turning points of the two sides that sampling put in the wrong order.
 
     Where the left border turned from A to its corner P and then the right one from its corner
-    Q to B, with P Q between, but the places are the other way round, A B is between.
+    Q to B, with P Q between, but the places are the other way round, A B is between. Sampling
+    mistakes only what is near: a long run may well end behind where it began.
     """
+    near = 16.0 * half * half
     for i in range(1, last - 1):
+        m = link[(run[i, 0] + run[i, 1]) // 2] >> 3
+        if (at[m, 0] - place[i, 0]) ** 2 + (at[m, 1] - place[i, 1]) ** 2 > near:
+            continue
+        if (place[i + 1, 0] - place[i, 0]) ** 2 + (place[i + 1, 1] - place[i, 1]) ** 2 > near:
+            continue
         left, right = pair[i, 0], pair[i, 1]
         mid_left, mid_right = pair[i - 1, 0], pair[i + 1, 1]
         if left == mid_left:
@@ -244,7 +251,7 @@ def bend_chains(
                 run[m, 0], run[m, 1] = q, q + 1
             m += 1
         last = m - 1
-        _order_turns(kind, data, place, sides, run, last)
+        _order_turns(kind, data, at, link, half, place, sides, run, last)
         for s in range(last + 1):
             if n + 2 >= len(out):
                 out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -38,3 +40,24 @@ def test_no_wider_robot_makes_the_journey_than_along_the_widest_way(seed):
             continue
         wider = build_roadmap(scene, widest.min_clearance * 1.01)
         assert isinstance(wider.plan(start, goal, prefer="clearance"), NoPath)
+
+
+@pytest.mark.parametrize("radius", [3.0, 5.0, 8.0])
+@pytest.mark.parametrize("gap", [0.0, 1e-6, 1e-3, 0.1])
+def test_a_way_around_inside_an_arc_ends_behind_where_it_began(gap, radius):
+    """A wall stands before the end of a C: the bisector of the two runs all around in the C.
+
+    The turns at its ends lie back to back, and were taken for two that sampling had swapped.
+    """
+    first, last = 0.6, math.tau - gap / 60.0
+    ends = [(200.0 + 60.0 * math.cos(a), 150.0 + 60.0 * math.sin(a)) for a in (first, last)]
+    (ax, ay), (bx, by) = ends
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+        f"#@ object 0\nA 2 ({ax!r},{ay!r})({bx!r},{by!r})\n#@ arc 1 200.0 150.0 60.0 cw\n"
+        "#@ object 1\nS (260.0,150.0) (250.0,152.0)\n"
+    )
+    path = build_roadmap(scene, radius).plan((20, 20), (200, 150), prefer="clearance")
+    assert isinstance(path, Path)
+    # in the mouth, from the wall's tip to the C's other end
+    assert path.min_clearance == pytest.approx(0.5 * np.hypot(ax - 250.0, ay - 152.0), rel=1e-5)
