@@ -1,103 +1,86 @@
-"""Walls that are objects of their own and touch: exact as one wall with corners is."""
+"""Walls of several objects that end at one another: where one ends, the diagram turns exactly."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+import itertools
+import math
 
 import numpy as np
 import pytest
 
 import planner
-from planner.path import NoPath, Path
-from planner.scene import Bounds, Scene, SegmentRecord, Vec
-from tests.support.planner_scenes import box, scene_of
+from planner.scene import Scene
 
-HALF = 13.86
-BEND = [(100.0, 100.0), (300.0, 100.0), (300.0, 300.0)]
-INNER = [(0.0, 127.72), (100.0, 127.72), (272.28, 127.72), (272.28, 300.0)]
+HALF_WIDTH = 13.86
 
 
-def walls(*lines: list[Vec], turned: bool = False) -> Scene:
-    made = [SegmentRecord(a, b) for line in lines for a, b in pairwise(line)]
-    return scene_of(*(made[::-1] if turned else made), bounds=Bounds(0.0, 0.0, 400.0, 300.0))
+def _walls(*lines: str) -> Scene:
+    head = "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+    return planner.read_scene_text(head + "".join(f"S {line}\n" for line in lines))
 
 
-@pytest.mark.parametrize("part", [0.3, 0.41, 0.7, 0.99, 0.9999999])
-def test_a_corridor_between_touching_walls_is_exact_where_it_bends(part: float) -> None:
-    """Where a wall ends at the next one no vertex was solved: the end's normal leads to it."""
-    roadmap = planner.build_roadmap(walls(BEND, INNER), part * HALF)
-    proved, wide = roadmap.agvd.vertices_proved(roadmap.radius)
-    assert proved == wide
-    least = min(d["clearance"] for *_, d in roadmap.graph.edges(data=True))
-    assert least == pytest.approx(HALF, rel=1e-9)
-    path = roadmap.plan((60, 60), (300 - HALF, 300 - HALF - 1), prefer="clearance")
-    assert path.min_clearance == pytest.approx(HALF, rel=2e-6)
-
-
-@pytest.mark.parametrize("radius", [13.9, 15.0, 20.0, 27.0])
-def test_the_widest_robot_between_touching_walls_does_not_depend_on_the_radius(
-    radius: float,
-) -> None:
-    answer = planner.build_roadmap(walls(BEND, INNER), radius).plan((60, 60), (300 - HALF, 280))
-    assert isinstance(answer, NoPath)
-    assert answer.widest_radius == pytest.approx(HALF, rel=1e-6)
-
-
-def maze(seed: int) -> tuple[list[list[Vec]], float]:
-    """Walls of a grid of cells, each an object of its own, and half a passage's width."""
-    rng = np.random.default_rng(seed)
-    cell, columns, rows = 40.0, 8, 6
-    free = {((0, 0), (0, 0))}
-    seen, stack = {(0, 0)}, [(0, 0)]
-    while stack:
-        x, y = stack[-1]
-        near = [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)]
-        near = [n for n in near if n not in seen and 0 <= n[0] < columns and 0 <= n[1] < rows]
-        if not near:
-            stack.pop()
-            continue
-        there = near[int(rng.integers(len(near)))]
-        free |= {((x, y), there), (there, (x, y))}
-        seen.add(there)
-        stack.append(there)
-    lines: list[list[Vec]] = []
-    for x in range(columns):
-        for y in range(rows):
-            if x + 1 < columns and ((x, y), (x + 1, y)) not in free:
-                lines.append([((x + 1) * cell, y * cell), ((x + 1) * cell, (y + 1) * cell)])
-            if y + 1 < rows and ((x, y), (x, y + 1)) not in free:
-                lines.append([(x * cell, (y + 1) * cell), ((x + 1) * cell, (y + 1) * cell)])
-    return lines, 0.5 * cell
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_a_maze_takes_every_robot_that_fits_whatever_the_order_of_its_walls(seed: int) -> None:
-    lines, half = maze(seed)
-    frame = Bounds(0.0, 0.0, 320.0, 240.0)
-    for turned in (False, True):
-        made = [SegmentRecord(*line) for line in (lines[::-1] if turned else lines)]
-        scene = scene_of(*made, bounds=frame)
-        for radius in (half * (1.0 - 1e-7), 0.6 * half):
-            path = planner.build_roadmap(scene, radius).plan((20, 20), (300, 220))
-            assert isinstance(path, Path)
-            assert path.min_clearance >= radius * (1.0 - 1e-9)
-        for radius in (half * (1.0 + 1e-6), 1.3 * half):
-            answer = planner.build_roadmap(scene, radius).plan((20, 20), (300, 220))
-            assert isinstance(answer, NoPath)
-            assert answer.widest_radius == pytest.approx(half, rel=1e-6)
-
-
-def test_a_wall_that_ends_on_another_ones_side_is_exact_beside_it() -> None:
-    """A tip on a side: their bisector is the normal there, which no diagram needs."""
-    frame = Bounds(0.0, 0.0, 200.0, 160.0)
-    tee = scene_of(
-        SegmentRecord((20.0, 100.0), (180.0, 100.0)),
-        SegmentRecord((100.0, 100.0), (100.0, 160.0)),
-        box(60, 40, 140, 60),
-        bounds=frame,
+def _bent_corridor(turn: tuple[int, ...] = (0, 1, 2, 3, 4)) -> Scene:
+    """A corridor between single segments, bent once, ``2 HALF_WIDTH`` wide all along."""
+    near, far = 100 + 2 * HALF_WIDTH, 300 - 2 * HALF_WIDTH
+    lines = (
+        "(100,100) (300,100)",
+        "(300,100) (300,300)",
+        f"(100,{near}) ({far},{near})",
+        f"({far},{near}) ({far},300)",
+        f"(0,{near}) (100,{near})",
     )
-    roadmap = planner.build_roadmap(tee, 5.0)
-    proved, wide = roadmap.agvd.vertices_proved(5.0)
+    return _walls(*(lines[i] for i in turn))
+
+
+@pytest.mark.parametrize("share", [0.3, 0.45, 0.6, 0.77, 0.9, 0.99, 1.0 - 1e-7])
+def test_corridor_of_touching_walls_is_as_wide_as_it_is(share: float) -> None:
+    roadmap = planner.build_roadmap(_bent_corridor(), HALF_WIDTH * share)
+    clearances = [d["clearance"] for *_, d in roadmap.graph.edges(data=True)]
+    assert min(clearances, default=HALF_WIDTH) == pytest.approx(HALF_WIDTH, abs=1e-6)
+    path = roadmap.plan((60, 60), (300 - HALF_WIDTH, 285), prefer="clearance")
+    assert isinstance(path, planner.Path)
+    assert path.min_clearance == pytest.approx(HALF_WIDTH, rel=2e-4)
+
+
+@pytest.mark.parametrize("radius", [13.87, 14.0, 17.0, 25.0])
+def test_widest_robot_of_a_corridor_of_touching_walls_is_told(radius: float) -> None:
+    told = planner.build_roadmap(_bent_corridor(), radius).plan((60, 60), (286.14, 285))
+    assert isinstance(told, planner.NoPath)
+    assert told.widest_radius == pytest.approx(HALF_WIDTH, rel=1e-6)
+
+
+def test_touching_walls_may_come_in_any_order() -> None:
+    lengths = set()
+    for turn in itertools.islice(itertools.permutations(range(5)), 0, 120, 7):
+        roadmap = planner.build_roadmap(_bent_corridor(turn), 8.0)
+        edges = [d for *_, d in roadmap.graph.edges(data=True)]
+        lengths.add((len(edges), round(sum(d["length"] for d in edges), 3)))
+    assert len(lengths) == 1
+
+
+@pytest.mark.parametrize(
+    "second", ["(150,200) (150,290)", "(250,200) (150,200)", "(150,200) (90,260)"]
+)
+def test_vertices_beside_an_end_on_another_wall_are_exact(second: str) -> None:
+    """An end on another wall's side, on its end and against its direction; a wall opposite."""
+    scene = _walls("(60,200) (150,200)", second, "(40,160) (300,160)", "(100,200) (100,290)")
+    roadmap = planner.build_roadmap(scene, 9.0)
+    proved, wide = roadmap.agvd.vertices_proved(9.0)
     assert proved == wide
-    path = roadmap.plan((10, 80), (190, 80), prefer="clearance")
-    assert path.min_clearance == pytest.approx(10.0)
+
+
+def test_points_on_walls_and_on_one_another_change_no_clearance() -> None:
+    plain = _walls("(60,200) (250,200)", "(40,160) (300,160)")
+    dotted = planner.read_scene_text(
+        "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+        "S (60,200) (250,200)\nS (40,160) (300,160)\nP (120,200)\nP (60,200)\nP (120,200)\n"
+    )
+    places = np.column_stack([np.linspace(70, 240, 40), np.full(40, 180.0)])
+    for radius in (5.0, 9.0, 19.99):
+        widths = []
+        for scene in (plain, dotted):
+            path = planner.build_roadmap(scene, radius).plan((20, 180), (330, 180), prefer=1.0)
+            assert isinstance(path, planner.Path)
+            widths.append(path.min_clearance)
+        assert math.isclose(*widths, rel_tol=2e-4)
+    assert planner.build_roadmap(dotted, 5.0).clearance(places) == pytest.approx(20.0)
