@@ -3,7 +3,6 @@
 import math
 import threading
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,10 @@ from navigation.mission import Station
 from navigation.pilot import distance_to_polyline
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.traffic import Disc
-from planner.path import NoPath, Path, Trajectory
+from planner.path import NoPath, Path
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
 from planner.trajectory import default_limits
+from tests.support.bends import bends_of
 from tests.support.waiting import wait_until
 
 RADIUS_M, MARGIN_M = 0.09, 0.02
@@ -212,15 +212,6 @@ def test_a_way_past_stations_that_were_visited_is_stayed_with() -> None:
 
 def limited(**changes: Any) -> PlanSettings:
     return replace(SETTINGS, limits=replace(SETTINGS.limits, **changes))
-
-
-def bends_of(trajectory: Trajectory) -> list[float]:
-    """The curvature from each waypoint to the next, where the robot drives: 1/m."""
-    return [
-        abs(math.remainder(b.heading_rad - a.heading_rad, math.tau)) / gap
-        for a, b in pairwise(trajectory.waypoints)
-        if (gap := math.dist((a.x, a.y), (b.x, b.y))) > 0.0
-    ]
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_is_told_where_it_would_have_to() -> None:

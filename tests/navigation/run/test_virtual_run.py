@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from navigation.run.summary import summarise, write_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
+from tests.support.bends import bends_of
 from tests.support.virtual import CONFIGS, cycle_until, is_driving, short_config
 
 NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}]
@@ -88,11 +88,7 @@ def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can
     assert ended.mission.state is State.DONE, ended.sentence
     (plan,) = daemon.plans
     assert plan.trajectory is not None
-    bends = [
-        abs(math.remainder(b.heading_rad - a.heading_rad, math.tau)) / gap
-        for a, b in pairwise(plan.trajectory.waypoints)
-        if (gap := math.dist((a.x, a.y), (b.x, b.y))) > 0.0
-    ]
+    bends = bends_of(plan.trajectory)
     assert 0.5 * tightest < max(bends) <= 1.02 * tightest
     time_s, x, y, heading = world.truth.track().T
     speeds = np.hypot(np.diff(x), np.diff(y)) / np.diff(time_s)
