@@ -20,7 +20,10 @@ from numba import njit
 from planner.bisector_kernels import follow
 from planner.clear_kernels import blocker, keeps, spare
 from planner.corridor_kernels import pull_taut
-from planner.distance_kernels import nearest
+from planner.distance_kernels import nearest, segment_clearance
+
+FOLD = 0.25
+"""A way never turns back within so much of what it needs, where it can go straight on."""
 
 
 @njit(cache=True, nogil=True)
@@ -35,6 +38,36 @@ def certain(kind, data, order, large, boxes, points, pairs, need, flatness, tole
     if keeps(kind, data, order, large, boxes, way, need - rounding):
         return way.copy()
     return np.empty((0, 2))
+
+
+@njit(cache=True, nogil=True)
+def unfolded(kind, data, order, large, boxes, way, reach, tolerance):
+    """The way (n, 2) without turns back by more than a right angle before or after ``reach``.
+
+    Where the way came onto a chain, or changed to another, it may overshoot by a hair. A turn
+    stays where the straight line past it would be narrower than the way is there.
+    """
+    out = np.empty((len(way), 2))
+    m = 0
+    for i in range(len(way)):
+        x, y = way[i, 0], way[i, 1]
+        while m >= 2:
+            px, py, qx, qy = out[m - 2, 0], out[m - 2, 1], out[m - 1, 0], out[m - 1, 1]
+            ux, uy, vx, vy = qx - px, qy - py, x - qx, y - qy
+            short = min(ux * ux + uy * uy, vx * vx + vy * vy)
+            if ux * vx + uy * vy >= 0.0 or short > reach * reach:
+                break
+            old, _, _ = segment_clearance(kind, data, order, large, boxes, px, py, qx, qy, np.inf)
+            old, _, _ = segment_clearance(kind, data, order, large, boxes, qx, qy, x, y, old)
+            _, _, which = segment_clearance(
+                kind, data, order, large, boxes, px, py, x, y, old - tolerance
+            )
+            if which >= 0:
+                break
+            m -= 1
+        out[m, 0], out[m, 1] = x, y
+        m += 1
+    return out[:m].copy()
 
 
 @njit(cache=True, nogil=True)
@@ -61,6 +94,7 @@ def finish(
             )
         if len(way) == 0:
             continue
+        way = unfolded(kind, data, order, large, boxes, way, FOLD * need, tolerance)
         lo, hi = first[count], first[count] + len(way)
         if hi > len(out):
             more = np.empty((2 * hi, 2))

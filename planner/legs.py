@@ -206,7 +206,7 @@ class Track:
         kept = first + fewer_vertices(self.points[span], 0.1 * self.limits.chord_tolerance)
         steps = np.diff(self.points[kept], axis=0)
         direction = np.arctan2(steps[:, 1], steps[:, 0])
-        turns = _wrap(np.diff(direction))
+        turns = wrap_angles(np.diff(direction))
         half = 0.5 * np.diff(self.lengths[kept])
         with np.errstate(divide="ignore"):
             by_tolerance = EVEN * self.limits.chord_tolerance / np.tan(0.25 * np.abs(turns))
@@ -342,12 +342,13 @@ def speed_cells(leg: Leg, spacing: float) -> FloatArray:
     return np.append(nodes[apart], length)
 
 
-def _wrap(angles: FloatArray) -> FloatArray:
-    """Angles brought into (-pi, pi]."""
+def wrap_angles(angles: FloatArray) -> FloatArray:
+    """Angles brought into (-pi, pi]; rounding never makes them -pi."""
     wrapped: FloatArray = math.pi - np.mod(math.pi - angles, math.tau)
-    return wrapped
+    return np.where(wrapped > -math.pi, wrapped, math.pi)
 
 
 def wrap_angle(angle: float) -> float:
-    """The same angle in (-pi, pi]."""
-    return math.pi - (math.pi - angle) % math.tau
+    """The same angle in (-pi, pi]; rounding never makes it -pi."""
+    wrapped = math.pi - (math.pi - angle) % math.tau
+    return wrapped if wrapped > -math.pi else math.pi

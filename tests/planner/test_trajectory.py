@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from planner.legs import Track, speed_cells, wrap_angle
+from planner.legs import Track, speed_cells, wrap_angle, wrap_angles
 from planner.path import Limits, Path, Trajectory
 from planner.speed_profile import plan_speed
 from planner.trajectory import TrajectoryError, default_limits, time_path, turning_time
@@ -432,3 +432,12 @@ def test_a_robot_that_can_neither_bend_nor_turn_is_told_where():
 def test_the_turning_radius_must_be_finite_and_not_negative(value):
     with pytest.raises(TrajectoryError, match=r"limits\.turning_radius = "):
         time_path(make_path([(0, 0), (1, 0)]), replace(LIMITS, turning_radius=value))
+
+
+def test_an_angle_a_hair_beyond_half_a_turn_is_brought_into_the_range() -> None:
+    """The difference to pi was rounded to a whole turn, and the heading to -pi."""
+    for angle in (-math.pi, math.nextafter(-math.pi, 0.0), math.nextafter(math.pi, 4.0), math.pi):
+        for turns in range(-3, 4):
+            assert -math.pi < wrap_angle(angle + turns * math.tau) <= math.pi
+            (wrapped,) = wrap_angles(np.array([angle + turns * math.tau]))
+            assert -math.pi < wrapped <= math.pi

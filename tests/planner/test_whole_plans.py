@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import planner
-from planner.path import Limits, Path, Trajectory, Waypoint
-from planner.scene import FloatArray, Scene
+from planner.path import Limits, NoPath, Path, Trajectory, Waypoint
+from planner.scene import Bounds, FloatArray, Scene, SegmentRecord
 from planner.smooth import smooth_path
 from planner.trajectory import default_limits, time_path
-from tests.support.planner_scenes import random_scene, slow_distance
+from tests.support.planner_scenes import random_scene, scene_of, slow_distance
 
 TIGHT = 1.0 + 1e-6
 SECOND = 1e-7
@@ -160,3 +160,24 @@ def test_plans_begin_and_end_standing_with_the_heading_asked_for() -> None:
         turn = last.heading_rad - path.headings_rad[-1]
         assert math.cos(turn) == pytest.approx(1.0, abs=1e-9)
         assert timed.duration_s == pytest.approx(last.time_s)
+
+
+def test_no_way_overshoots_a_junction_and_turns_back() -> None:
+    """Retraction met a chain 2e-3 beside where the way along it began: the robot turned twice."""
+    outer = [(100.0, 100.0), (300.0, 100.0), (300.0, 300.0)]
+    inner = [(0.0, 127.72), (100.0, 127.72), (272.28, 127.72), (272.28, 300.0)]
+    made = [SegmentRecord(a, b) for line in (outer, inner) for a, b in pairwise(line)]
+    scene = scene_of(*made, bounds=Bounds(0.0, 0.0, 400.0, 300.0))
+    rng = np.random.default_rng(0)
+    for radius in (5.0, 8.0, 11.0):
+        roadmap = planner.build_roadmap(scene, radius)
+        for start, goal in rng.uniform(0.0, [400.0, 300.0], (40, 2, 2)):
+            for prefer in ("clearance", "balanced"):
+                path = roadmap.plan(start, goal, prefer=prefer)
+                if isinstance(path, NoPath):
+                    continue
+                steps = np.diff(path.points, axis=0)
+                back = (steps[1:] * steps[:-1]).sum(axis=1) < 0.0
+                size = np.hypot(*steps.T)
+                folded = back & (np.minimum(size[1:], size[:-1]) < 0.05)
+                assert not folded.any(), path.points[1:-1][folded]
