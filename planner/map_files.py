@@ -34,6 +34,8 @@ ReadPicture: TypeAlias = Callable[[Path], Shades]
 
 MAP_SAVER_UNKNOWN = 205
 NAV2_OCCUPIED_THRESH, NAV2_FREE_THRESH = 0.65, 0.25
+MOST_BYTES = 1 << 30
+"""Bytes of a file that are read at most: a device or a sparse file may have no end."""
 LEAST_RESOLUTION_M = 1e-6
 """Smaller cells would vanish beside an origin of 1e9 m."""
 PASSABLE, BLOCKED = ".GS", "@OTW"
@@ -279,11 +281,15 @@ class _HeaderReader:
 def read_bytes(path: Path) -> bytes:
     """The file's bytes; :class:`SceneError` where it cannot be read."""
     try:
-        return path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise SceneError(f"{path}: {error.strerror or error}") from None
     except ValueError as error:
         raise SceneError(f"{str(path)!r}: {error}") from None
+    if len(data) > MOST_BYTES:
+        raise SceneError(f"{path}: more than {MOST_BYTES} bytes: must be at most that")
+    return data
 
 
 def read_text(path: Path) -> str:

@@ -143,9 +143,15 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
             points = places[np.ravel(ids), :2] * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
-        return f"no ChArUco board of {spec.columns}x{spec.rows} squares with {spec.dictionary}"
+        return (
+            f"no ChArUco board of {spec.columns}x{spec.rows} squares with {spec.dictionary}, or "
+            "one too small in the picture"
+        )
     if len(best[0]) < _MIN_CHARUCO_CORNERS:
-        return f"only {len(best[0])} corners of the ChArUco board: must be {_MIN_CHARUCO_CORNERS}"
+        return (
+            f"only {len(best[0])} corners of the ChArUco board: must be {_MIN_CHARUCO_CORNERS}; "
+            "come nearer, or show more of it"
+        )
     if np.linalg.matrix_rank(best[1] - best[1].mean(axis=0)) < 2:
         return "the corners seen of the ChArUco board lie in one line"
     return best

@@ -21,17 +21,23 @@ from vision.picture_size import oversize
 PICTURE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"})
 """Names of files that are taken for pictures; any other file is tried as a video."""
 
+MOST_BYTES = 1 << 30
+"""Bytes of a picture file that are read at most: a device or a sparse file may have no end."""
+
 Wait = Callable[[float], object]
 
 
 def read_picture(path: Path) -> Image:
     """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none."""
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise CameraError(f"{path}: cannot be read: {error.strerror}") from error
     if not data:
         raise CameraError(f"{path}: an empty file, not a picture")
+    if len(data) > MOST_BYTES:
+        raise CameraError(f"{path}: more than {MOST_BYTES} bytes: no picture is as large")
     large = oversize(data)
     if large:
         raise CameraError(f"{path}: {large}")

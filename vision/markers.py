@@ -53,7 +53,7 @@ __all__ = [
 
 _UNIT_CORNERS = np.array([-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j])
 _SIZE_TOLERANCE = 0.15
-_SQUARE_TOLERANCE = 0.06
+_SQUARE_TOLERANCE = 0.02
 _COARSE_SIDE_PX = 24.0
 """A marker is still decoded at this size, so a picture is searched no finer than needed."""
 
@@ -159,7 +159,17 @@ class MarkerTracker:
         """Ids of markers that belong to no robot, as the last search of a whole picture saw."""
 
     def update(self, frame: Frame) -> tuple[RobotPose, ...]:
-        """The poses of the robots seen in this frame, by id; empty where none is."""
+        """The poses of the robots seen in this frame, by id; empty where none is.
+
+        Raises ``MarkerError`` for a frame of another size than the calibration's.
+        """
+        height, width = frame.image.shape[:2]
+        if (width, height) != tuple(self._calibration.size):
+            fits = self._calibration.size
+            raise MarkerError(
+                f"the frame is {width} x {height} pixels: its calibration is for "
+                f"{fits[0]} x {fits[1]}"
+            )
         self._frames += 1
         self._first_s = frame.captured_s if self._first_s is None else self._first_s
         grey = grey_of(frame.image)

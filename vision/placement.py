@@ -44,8 +44,18 @@ class Placement:
     def of(
         cls, calibration: Calibration | None, bounds: Bounds | None, size: tuple[int, int]
     ) -> Placement:
-        """Pixels without a calibration; metres with one, inside the bounds or what is seen."""
+        """Pixels without a calibration; metres with one, inside the bounds or what is seen.
+
+        Raises ``PictureError`` where the calibration is for pictures of another size.
+        """
         width, height = size
+        # one of the caller's own need not know its pictures' size
+        fits: tuple[int, int] = getattr(calibration, "size", size)
+        if tuple(fits) != (width, height):
+            raise PictureError(
+                f"the picture is {width} x {height} pixels: its calibration is for "
+                f"{fits[0]} x {fits[1]}"
+            )
         whole = Bounds(-0.5, -0.5, width - 0.5, height - 0.5)
         if calibration is None:
             return cls("px", whole, True, 1.0, None)
@@ -78,7 +88,10 @@ def ignored_pixels(
         return None
     if isinstance(ignore, np.ndarray) and ignore.dtype == np.bool_:
         return ignore
-    discs = np.asarray(ignore, dtype=np.float64).reshape(-1, 3)
+    try:
+        discs = np.asarray(ignore, dtype=np.float64).reshape(-1, 3)
+    except ValueError:
+        raise PictureError("ignore: must be a mask, or discs (x, y, radius)") from None
     if not np.isfinite(discs).all():
         raise PictureError("ignore: a disc's centre and radius must be finite")
     height, width = image.shape[:2]
@@ -103,8 +116,8 @@ def drop_outside(
     dropped = len(objects) - len(kept)
     if dropped == 0:
         return objects, ()
-    which = "1 object lies" if dropped == 1 else f"{dropped} objects lie"
-    return kept, (f"{which} outside the bounds and was left out",)
+    which = "1 object was" if dropped == 1 else f"{dropped} objects were"
+    return kept, (f"{which} left out: outside the bounds",)
 
 
 def _meets(obj: SceneObject, bounds: Bounds) -> bool:

@@ -24,6 +24,8 @@ from tests.support.reader_fuzz import (
 )
 from vision.calibration import CalibrationError
 from vision.calibration_file import load_calibration
+from vision.camera import CameraError
+from vision.files import read_picture
 
 READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]
 
@@ -112,6 +114,22 @@ def test_a_picture_that_claims_gigabytes_costs_nothing(tmp_path: Path) -> None:
     assert told.code == 2
     assert "32768 x 32768 pixels: must be at most" in told.err
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kib < 100_000
+
+
+@pytest.mark.parametrize("name", ["sparse.png", "sparse.txt", "sparse.map"])
+def test_a_file_without_end_is_refused(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("planner.map_files.MOST_BYTES", 1 << 20)
+    monkeypatch.setattr("vision.files.MOST_BYTES", 1 << 20)
+    path = tmp_path / name
+    with path.open("wb") as file:
+        file.truncate((1 << 20) + 1)
+    told = call("plan", path, "--start", "3,3", "--goal", "12,3", "--radius", "0.2")
+    assert told.code == 2
+    assert "more than 1048576 bytes" in told.err
+    with pytest.raises(CameraError, match="more than 1048576 bytes"):
+        read_picture(path)
 
 
 def test_a_map_with_cells_too_small_for_its_place_is_refused(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ from planner.scene import (
     object_records,
 )
 from tests.support.render import coverage, cut_disc, draw, outline_points, polygon, ramp, rounded
-from vision import PictureError, extract
+from vision import Calibration, PictureError, extract
 
 
 def drawn_again(scene: Scene) -> np.ndarray:
@@ -332,3 +332,16 @@ def test_real_pictures_give_their_objects(name: str, polarity: str, objects: int
     picture = cv2.imread(str(Path(folder) / "shapes" / name), cv2.IMREAD_UNCHANGED)
     scene = extract(picture, polarity=polarity)
     assert len(scene.objects) == objects
+
+
+def test_a_picture_of_another_size_than_its_calibration_s_is_refused() -> None:
+    plan = Calibration.from_scale(0.01, (64, 48))
+    picture = np.full((48, 64), 220, np.uint8)
+    assert extract(picture, calibration=plan).size == (64, 48)
+    with pytest.raises(PictureError, match="32 x 48 pixels: its calibration is for 64 x 48"):
+        extract(picture[:, :32], calibration=plan)
+
+
+def test_discs_to_ignore_that_are_none_are_refused() -> None:
+    with pytest.raises(PictureError, match="discs"):
+        extract(np.full((48, 64), 220, np.uint8), ignore=[(1, 2)])  # type: ignore[list-item]
