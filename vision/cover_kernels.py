@@ -132,11 +132,12 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     next_ = e + 1 if e + 1 < edges else 0
     before = e - 1 if e > 0 else edges - 1
     behind = next_ + 1 if next_ + 1 < edges else 0
-    near_begin = max(guard, TIP_PX) ** 2
-    near_end = near_begin
-    if crisp:
-        near_begin = _tip(rows, before, e, next_) ** 2
-        near_end = _tip(rows, e, next_, behind) ** 2
+    near_begin = _tip(rows, before, e, next_) ** 2
+    near_end = _tip(rows, e, next_, behind) ** 2
+    if not crisp:
+        # where it is narrow the light of both sides meets
+        near_begin = max(near_begin, guard * guard, TIP_PX * TIP_PX)
+        near_end = max(near_end, guard * guard, TIP_PX * TIP_PX)
     if _nothing_lost(px, py, lo, hi, e, next_, kinds, rows, crisp, free, near_begin, near_end):
         return 0.0, 0.0
     worst = 0.0
@@ -183,19 +184,30 @@ def pass_between_pixels(
     """
     total = HUGE
     for again in range(2):
-        for e in range(edges):
-            ragged[e] = False
-            stale[e] = True
-        _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
-        bad, total = _find_losses(
-            px, py, n, breaks, edges, True, free, allowed, guard, ragged, losses, stale, kinds, rows
-        )
-        if bad:
-            total = HUGE
+        total = area_lost(
+            px, py, n, breaks, is_arc, edges, shape, joints, True, free, allowed, guard,
+            ragged, losses, stale, kinds, rows, circle,
+        )  # fmt: skip
         if total == 0.0 or again == 1:
             break
         polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, push)
     return total
+
+
+@njit(**LEAF)
+def area_lost(
+    px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
+    ragged, losses, stale, kinds, rows, circle,
+):  # fmt: skip
+    """Finish the edges: the area that they lose, HUGE where one strays too far."""
+    for e in range(edges):
+        ragged[e] = False
+        stale[e] = True
+    _finish_stale(px, py, n, breaks, is_arc, edges, shape, joints, stale, kinds, rows, circle)
+    bad, total = _find_losses(
+        px, py, n, breaks, edges, crisp, free, allowed, guard, ragged, losses, stale, kinds, rows
+    )
+    return HUGE if bad else total
 
 
 @njit(**LEAF)

@@ -20,7 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.cover_kernels import check_edges, chords, pass_between_pixels
+from vision.cover_kernels import area_lost, check_edges, chords, pass_between_pixels
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
 from vision.mend_kernels import mend
@@ -55,6 +55,10 @@ CALM_LOSS_PX = 0.02
 STRICTER, STRICTER_BY = 2, 0.1
 """Times that a border without grey is broken, and by how much more the second time a pixel
 counts."""
+CALMER_BY, FINER_BY = 0.25, 0.4
+QUIET_PX = 0.1
+"""The same with grey: by how much less deviation is free, and by how much nearer to each other the
+places are where it may break; and the noise up to which that tells."""
 SURE = 0.5
 """Pixels by which mending is stricter than the search."""
 THIRDS = np.int64(3)
@@ -67,7 +71,7 @@ HELD_AREA = 400
 """Pixels from which an object drawn again covers its own, whether or not it is round."""
 CIRCLE_LOSS = 1.3
 """How much more than its edges might a circle may lose that spares them all."""
-CHORD_PX, CRISP_CHORD_PX = 0.45, 0.34
+CHORD_PX, CRISP_CHORD_PX = 0.2, 0.34
 """How far a chord of a ragged stretch may leave its border points: without grey no farther than
 half a pixel along the axis at 45 degrees."""
 ROUGH = 64
@@ -177,11 +181,13 @@ def fit_borders(
         if exact and nearly:
             # no search would find what it loses: it is mended
             edges = _thirds(px, py, n, circle, breaks, is_arc, joints, shape)
-        for again in range(STRICTER if crisp else 1):
+        calm = dead_zone
+        seeded = seed_tolerance
+        for again in range(STRICTER if crisp or spread <= QUIET_PX else 1):
             if (edges > 0 and again == 0) or round_cost <= 3.0 * prices[0] + expected * n:
                 break
             edges, cost = partition(
-                px, py, n, skip, crisp, dead_zone, strict, worst, seed_tolerance, round_cost,
+                px, py, n, skip, crisp, calm, strict, worst, seeded, round_cost,
                 prices, is_seed, seeds, breaks, is_arc, active,
             )  # fmt: skip
             if round_cost <= cost:
@@ -199,7 +205,16 @@ def fit_borders(
                 ragged, losses, stale, kinds, rows, circle, push,
             ):  # fmt: skip
                 break
-            strict *= STRICTER_BY
+            if crisp:
+                strict *= STRICTER_BY
+                continue
+            if budget >= area_lost(
+                px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
+                ragged, losses, stale, kinds, rows, circle,
+            ):  # fmt: skip
+                break
+            calm *= CALMER_BY
+            seeded *= FINER_BY
         if edges == 0:
             border_kind[b] = CIRCLE
             kind[count] = LINE

@@ -39,6 +39,8 @@ SHALLOW = 0.03
 """Sine of the angle below which two lines are taken for one."""
 SMOOTH_SLIDE = 24
 """Points by which a break beside an arc may move to where the fits of both sides are best."""
+TURN = 6
+"""Points on either side of a break that tell where its border comes from and goes to."""
 SLIDE = 8
 """Points by which a break may move towards its corner at a time."""
 
@@ -164,10 +166,11 @@ def _fit_edges(
 
 
 @njit(**LEAF)
-def _crossing(a, a_arc, b, b_arc, x, y, out):
+def _crossing(a, a_arc, b, b_arc, x, y, from_x, from_y, to_x, to_y, out):
     """The crossing of two neighbouring edges nearest to (x, y); False where there is none.
 
-    out = x, y and half the sine of the angle between the edges, as a share of the rounding.
+    out = x, y and half the sine of the angle between the edges, as a share of the rounding; the
+    border comes from (from_x, from_y) and goes to (to_x, to_y).
     """
     if not a_arc and not b_arc:
         cross = a[2] * b[3] - a[3] * b[2]
@@ -179,7 +182,6 @@ def _crossing(a, a_arc, b, b_arc, x, y, out):
         # sine of half the corner's inner angle: a narrow tip is rounded far back
         out[2] = math.sqrt(max(0.5 * (1.0 + a[2] * b[2] + a[3] * b[3]), 0.0))
         return True
-    out[2] = 1.0
     if a_arc and b_arc:
         dx = b[0] - a[0]
         dy = b[1] - a[1]
@@ -208,7 +210,23 @@ def _crossing(a, a_arc, b, b_arc, x, y, out):
         off = -off
     out[0] = base_x + off * off_x
     out[1] = base_y + off * off_y
+    ax, ay = _tangent(a, a_arc, out[0], out[1], x - from_x, y - from_y)
+    bx, by = _tangent(b, b_arc, out[0], out[1], to_x - x, to_y - y)
+    out[2] = math.sqrt(max(0.5 * (1.0 + ax * bx + ay * by), 0.0))
     return True
+
+
+@njit(**LEAF)
+def _tangent(row, is_arc, x, y, along_x, along_y):
+    """The unit vector along a fitted edge at (x, y), towards (along_x, along_y)."""
+    tx = row[2]
+    ty = row[3]
+    if is_arc:
+        tx = (row[1] - y) / row[2]
+        ty = (x - row[0]) / row[2]
+    if tx * along_x + ty * along_y < 0.0:
+        return -tx, -ty
+    return tx, ty
 
 
 @njit(**LEAF)
@@ -345,7 +363,10 @@ def _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh)
                 joints[e, 1] = found[1]
                 moved[e] = where
                 continue
-        if _crossing(a, a_arc, b, b_arc, x, y, found):
+        p = here - min(TURN, n // 4)
+        q = here + min(TURN, n // 4)
+        p = p + n if p < 0 else p
+        if _crossing(a, a_arc, b, b_arc, x, y, px[p], py[p], px[q], py[q], found):
             where, distance = nearest_point(
                 px, py, n, here, min(SLIDE, room_before), min(SLIDE, room_after),
                 found[0], found[1],
