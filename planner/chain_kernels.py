@@ -121,16 +121,21 @@ def _more(extra, extra_label, where):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _is_between(kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance):
-    """Whether m lies ahead of a, where u is ahead, and before b, where they are near."""
+    """Whether m lies ahead of a, where u is ahead, if near, and before b, if no farther than a."""
     near = 16.0 * half * half
+    span = (bx - ax) ** 2 + (by - ay) ** 2
+    tx, ty, _ = heading(kind, data, left, right, mx, my)
     dx, dy = mx - ax, my - ay
-    if dx * dx + dy * dy <= near and dx * ux + dy * uy <= tolerance:
+    square, ahead = dx * dx + dy * dy, dx * ux + dy * uy > tolerance
+    # farther away only what runs as a does is behind it
+    if not ahead and (square <= near or (square < span and tx * ux + ty * uy > 0.0)):
         return False
     dx, dy = bx - mx, by - my
-    if dx * dx + dy * dy <= near:
-        tx, ty, _ = heading(kind, data, left, right, mx, my)
-        return dx * tx + dy * ty > tolerance
-    return True
+    square, ahead = dx * dx + dy * dy, dx * tx + dy * ty > tolerance
+    if ahead or square > max(near, span):
+        return True
+    vx, vy, _ = heading(kind, data, left, right, bx, by)
+    return square > near and tx * vx + ty * vy <= 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner import bisector_kernels, mesh, mesh_kernels
+from planner import bisector_kernels, chain_kernels, distance_kernels, mesh, mesh_kernels
 from planner.chain_kernels import BULGE
 from planner.generators import Borders, gather_borders, place_generators
 from planner.roadmap import Roadmap
@@ -195,3 +195,37 @@ def test_all_but_a_few_vertices_are_proved_and_the_rest_are_counted() -> None:
         proved, wide = proved + some, wide + all_of_them
     assert wide > 1000
     assert proved >= 0.99 * wide
+
+
+def test_a_place_that_slid_past_the_end_of_its_run_is_not_between() -> None:
+    """Sampled vertices of a run that lie elsewhere slide to either side of it, far away, too."""
+    kind = np.array([POINT, ARC], np.int8)
+    data = distance_kernels.with_middles(
+        kind,
+        np.array(
+            [
+                (101.46096881591419, 100.6066885330694, 0.0, 0.0, 0.0, 0.0),
+                (
+                    64.909147142905,
+                    235.1990049486365,
+                    53.9969840061,
+                    -3.0311885581,
+                    4.8111449522,
+                    0.0,
+                ),
+            ]
+        ),
+    )
+    places = [(187.9, 146.3), (162.87, 147.67), (144.2, 148.03), (129.36, 147.66), (105.9, 145.3)]
+    solved = [bisector_kernels.slide_between(kind, data, 0, 1, *p, 1e-9)[:2] for p in places]
+    behind, a, m, b, beyond = solved
+    ux, uy, _ = bisector_kernels.heading(kind, data, 0, 1, *a)
+    assert ux < 0.0
+
+    def is_between(x: float, y: float) -> bool:
+        found = chain_kernels._is_between(kind, data, 0, 1, *a, ux, uy, x, y, *b, 1.41, 1e-9)
+        return bool(found)
+
+    assert is_between(*m)
+    assert not is_between(*behind)
+    assert not is_between(*beyond)
