@@ -131,7 +131,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
         alias=alias,
         label=label,
         refined=np.zeros(ghost, np.bool_),
-        also=mesh_kernels.link_coincident(alias, ghost),
+        also=mesh_kernels.link_coincident(alias, label, ghost),
         used=n,
         exponent=exponent,
         seen=np.full((2 * ghost, 3), insertion_kernels.DEAD, np.uint32),

@@ -31,14 +31,20 @@ LOOSE = 1e-9
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def link_coincident(alias, count):
-    """``also`` (count,) int32: the next site at the same place, -1 at the end."""
+def link_coincident(alias, label, count):
+    """``also`` (count,) int32: the next site at the same place, -1 at the end.
+
+    The first one has the least ``label``, which is swapped with another's for that: where two
+    borders coincide, one of them stands for both all along, whichever site went in first.
+    """
     also = np.full(count, -1, np.int32)
     for p in range(count):
         v = alias[p]
         if v != p:
             also[p] = also[v]
             also[v] = p
+            if label[p] < label[v]:
+                label[p], label[v] = label[v], label[p]
     return also
 
 

@@ -86,3 +86,15 @@ def test_points_apart_in_one_object_all_stay() -> None:
     apart = SceneObject(0, (PointRecord(A), PointRecord(D), SegmentRecord(D, B)))
     roadmap = planner.build_roadmap(scene_of(apart, bounds=BOUNDS), 3.0)
     assert roadmap.clearance([A, D, B, (54.5, 30.0)]) == pytest.approx([0.0, 0.0, 0.0, 4.5])
+
+
+def test_two_objects_that_coincide_have_the_roadmap_of_one() -> None:
+    """Of coincident sites the same border stands for both: no chain runs between the two."""
+    head = "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+    arc = "A 2 (290,150)(155,227.9423)\n#@ arc 1 200 150 90 ccw\n"
+    once = planner.read_scene_text(head + "#@ object 1\n" + arc)
+    twice = planner.read_scene_text(head + "#@ object 1\n" + arc + "#@ object 2\n" + arc)
+    one, two = (planner.build_roadmap(scene, 16.3) for scene in (once, twice))
+    assert len(two.chains) == len(one.chains)
+    # the polylines' points may differ, within their tolerance of the bisectors
+    assert np.sort(two.chains.length) == pytest.approx(np.sort(one.chains.length), rel=1e-3)
