@@ -114,6 +114,29 @@ def binarise(
     return binary
 
 
+def warm_up(polarity: Polarity = "dark") -> None:
+    """Compile, or load, the kernels that only uneven light, noise and thin walls ask for.
+
+    A run's first shadow must not wait for seconds.
+    """
+    ground = np.full((96, 128), 200.0)
+    ground[20:60, 20:50] = 40.0
+    ground[30:33, 70:120] = 40.0
+    light = np.linspace(1.0, 0.25, 128)
+    walls = np.full((96, 128), 200.0)
+    walls[20:80:20] = walls[21:80:20] = walls[22:80:20] = 40.0
+    noise = np.random.default_rng(0).normal(0.0, 1.0, ground.shape)
+    blurred = cv2.GaussianBlur(walls, (0, 0), 0.7)
+    uneven = ground * light
+    drawn = (ground, ground + 20.0 * noise, uneven, uneven + 8.0 * noise, blurred)
+    for each in drawn:
+        shown = each if polarity != "light" else 255.0 - each
+        picture = np.clip(np.rint(shown), 0.0, 255.0).astype(np.uint8)
+        # as a frame is: kernels are compiled for one kind
+        picture.setflags(write=False)
+        binarise(picture, polarity=polarity)
+
+
 def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:
     """Which side of the level obstacles lie on: the rarer, where it is ours to find out."""
     if polarity != "auto":

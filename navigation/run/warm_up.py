@@ -39,6 +39,7 @@ from planner.scene import (
     Segment,
 )
 from planner.trajectory import default_limits
+from vision.binarise import warm_up as warm_up_binarisation
 from vision.calibration import Calibration
 from vision.camera import Frame, Image
 from vision.markers import MarkedRobot, MarkerTracker, dictionary_by_name
@@ -106,6 +107,7 @@ def kernels_are_cold() -> bool:
 
 def _see(config: Config) -> list[Scene]:
     """The scenes of an arena in which a disc appears and goes again: three of them."""
+    warm_up_binarisation(config.vision.polarity)
     flat = Calibration.from_scale(METRES_PER_PIXEL, SIZE_PX)
     calibration = replace(flat, distortion=np.array(SLIGHT_LENS))
     robot = MarkedRobot(config.robot.marker_id, MARKER_PX * METRES_PER_PIXEL)
