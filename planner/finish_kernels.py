@@ -172,14 +172,19 @@ def judge(kind, data, order, large, boxes, way, need, weight, most):
 def best_cut(kind, data, order, large, boxes, ways, first, need, wish, weight, rounding):
     """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` when they are cut short.
 
-    A cut may change to another side of an obstacle; it is never longer.
+    A cut may change to another side of an obstacle; it is never longer. The cheapest is cut from
+    its end on, too: what a way costs should not hang on where it begins.
     """
-    best, least = ways[:0].copy(), np.inf
+    best, least, which = ways[:0].copy(), np.inf, 0
     for i in range(len(first) - 1):
         way = cut_short(
             kind, data, order, large, boxes, ways[first[i] : first[i + 1]], need, wish, rounding
         )
         cost = judge(kind, data, order, large, boxes, way, need, weight, least)
         if cost < least:
-            best, least = way, cost
+            best, least, which = way, cost, i
+    back = ways[first[which] : first[which + 1]][::-1].copy()
+    way = cut_short(kind, data, order, large, boxes, back, need, wish, rounding)
+    if judge(kind, data, order, large, boxes, way, need, weight, least) < least:
+        best = way[::-1].copy()
     return best

@@ -104,6 +104,9 @@ def test_the_best_cut_is_the_cheapest_of_all_cuts(seed: int) -> None:
     )
     cuts = [_cut(roadmap, scene, way, need, wish) for way in ways]
     prices = [_price(scene, cut, need, weight) for cut in cuts]
+    # the cheapest is cut from its other end on, too
+    back = _cut(roadmap, scene, ways[int(np.argmin(prices))][::-1], need, wish)[::-1]
+    cuts, prices = [*cuts, back], [*prices, _price(scene, back, need, weight)]
     assert _price(scene, best, need, weight) == pytest.approx(min(prices), rel=1e-9)
     assert best == pytest.approx(cuts[int(np.argmin(prices))], abs=0.0)
 
