@@ -96,7 +96,8 @@ def test_a_robot_that_cannot_turn_on_the_spot_drives_no_bend_tighter_than_it_can
     drives = speeds > 0.05
     assert np.count_nonzero(drives) > 300
     assert np.max(rates[drives] / speeds[drives]) <= 1.1 * tightest
-    assert np.max(rates[~drives]) < 0.2, "it never turns while it stands"
+    stands = speeds < 0.01  # on the spot it would turn with up to 2 rad/s
+    assert np.max(rates[stands]) <= 0.1 + 0.01 * tightest, "it never turns while it stands"
 
 
 def test_where_only_a_turn_on_the_spot_would_help_the_mission_ends_with_the_place() -> None:
