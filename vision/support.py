@@ -66,7 +66,8 @@ def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) 
     strong = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
     # without light a pixel is black, which is white where obstacles are light
     end = 0.0 if side == "dark" else 255.0
-    at_least = DARK_WORTH + NOISE_WORTH * look.noise
+    # and half of an edge between black and white is no plain step, whatever light there is
+    at_least = PLAIN_STEP * classes.contrast + NOISE_WORTH * look.noise
     lightest = classes.light if side == "dark" else end - classes.dark
     share = PLAIN_STEP * classes.contrast / (lightest + at_least)
     least = share * at_least + NOISE_WORTH * look.noise
