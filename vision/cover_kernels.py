@@ -15,11 +15,12 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.crisp_kernels import HALF
 from vision.joint_kernels import edge_end, onto
 from vision.kernel_options import LEAF
 from vision.outline_kernels import ARC_CCW, LINE, arc_length, distance_to_edge, finish_edge
 from vision.polish_kernels import polish_edges
-from vision.shape_kernels import HALF, HUGE
+from vision.shape_kernels import HUGE
 
 CHECKS = 6
 """Times that the finished edges are compared with the border."""

@@ -21,23 +21,14 @@ import numpy as np
 from numba import njit
 
 from vision.cover_kernels import area_lost, check_edges, chords, pass_between_pixels
+from vision.crisp_kernels import HALF, lost_to_circle, pixels_lost_to_circle, separate_circle
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
 from vision.mend_kernels import mend
 from vision.outline_kernels import LINE, finish_edge
 from vision.partition_kernels import partition
 from vision.separation_kernels import find_cracks, measure_residuals, middles
-from vision.shape_kernels import (
-    HALF,
-    HUGE,
-    circle_cost,
-    circle_rms,
-    fit_circle,
-    lost_to_circle,
-    pixels_lost_to_circle,
-    refine_circle,
-    separate_circle,
-)
+from vision.shape_kernels import HUGE, circle_cost, circle_rms, fit_circle, refine_circle
 
 POLYGON, CIRCLE, TINY = 0, 1, 2
 """Kinds of a border; TINY has too few points for a fit."""

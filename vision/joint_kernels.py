@@ -17,17 +17,9 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.crisp_kernels import separate_circle, separate_line
 from vision.kernel_options import LEAF
-from vision.shape_kernels import (
-    HUGE,
-    circle_rms,
-    fit_circle,
-    fit_line,
-    line_rms,
-    refine_circle,
-    separate_circle,
-    separate_line,
-)
+from vision.shape_kernels import HUGE, circle_rms, fit_circle, fit_line, line_rms, refine_circle
 
 ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before."""

@@ -19,10 +19,10 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.crisp_kernels import HALF
 from vision.kernel_options import LEAF
 from vision.outline_kernels import ARC_CCW, FLATTEST_PX, LINE, distance_to_edge, in_sweep
 from vision.separation_kernels import GRAVE, OK, find_lost
-from vision.shape_kernels import HALF
 
 WAY = 0.998
 """Share of a crack's way that a chord may cross: no pixel's centre lies on it by a hair."""

@@ -19,7 +19,7 @@ import math
 from numba import njit
 
 from vision.kernel_options import SUMS
-from vision.shape_kernels import FLATTEST_RADIUS_PX
+from vision.shape_kernels import taubin
 
 FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
@@ -140,37 +140,4 @@ def circle_of(px, py, sums, out):
         + mm * mm
         + 4.0 * (mx * mx * xx + 2.0 * mx * my * xy + my * my * yy - mx * ex - my * ey)
     )
-    mz = xx + yy
-    cov = xx * yy - xy * xy
-    var = zz - mz * mz
-    a3 = 4.0 * mz
-    a2 = -3.0 * mz * mz - zz
-    a1 = var * mz + 4.0 * cov * mz - xz * xz - yz * yz
-    a0 = xz * (xz * yy - yz * xy) + yz * (yz * xx - xz * xy) - var * cov
-    eta = 0.0
-    value = a0
-    for _ in range(30):
-        slope = a1 + eta * (2.0 * a2 + 3.0 * a3 * eta)
-        if slope == 0.0:
-            break
-        new = eta - value / slope
-        new_value = a0 + new * (a1 + new * (a2 + new * a3))
-        if not abs(new_value) < abs(value):
-            break
-        near = abs(new - eta) <= 1e-12 * abs(new)
-        eta = new
-        value = new_value
-        if near:
-            break
-    det = eta * eta - eta * mz + cov
-    if abs(det) < 1e-12 * (mz * mz + 1e-300):
-        return False
-    cx = (xz * (yy - eta) - yz * xy) / det / 2.0
-    cy = (yz * (xx - eta) - xz * xy) / det / 2.0
-    square = cx * cx + cy * cy + mz
-    if not square < FLATTEST_RADIUS_PX * FLATTEST_RADIUS_PX:
-        return False
-    out[0] = sums[ORIGIN_X] + mx + cx
-    out[1] = sums[ORIGIN_Y] + my + cy
-    out[2] = math.sqrt(square)
-    return out[2] > 0.0
+    return taubin(xx, xy, yy, xz, yz, zz, sums[ORIGIN_X] + mx, sums[ORIGIN_Y] + my, out)

@@ -15,9 +15,10 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.crisp_kernels import separate_circle
 from vision.kernel_options import LEAF
 from vision.moment_kernels import FIRST, ROOM, circle_of, grow, line_of
-from vision.shape_kernels import HUGE, circle_cost, line_cost, separate_circle
+from vision.shape_kernels import HUGE, circle_cost, line_cost
 
 LINE, ARC = 0, 1
 """Where the prices of a line and of an arc stand."""

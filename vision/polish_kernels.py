@@ -17,9 +17,9 @@ import math
 
 from numba import njit
 
+from vision.crisp_kernels import HALF, SEPARATION_MARGIN
 from vision.joint_kernels import edge_end, nearest_point
 from vision.kernel_options import LEAF, SUMS
-from vision.shape_kernels import HALF, SEPARATION_MARGIN
 
 LINE, ARC_CW = 0, 1
 """Kinds of an edge, as in ``vision.cover_kernels``."""

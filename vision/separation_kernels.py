@@ -20,9 +20,10 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.crisp_kernels import HALF
 from vision.kernel_options import LEAF
 from vision.outline_kernels import LINE, distance_to_edge, in_sweep
-from vision.shape_kernels import HALF, HUGE
+from vision.shape_kernels import HUGE
 
 AHEAD, SAME_PX = 12, 1e-6
 """The crack of an edge point is looked for among so many; one so near is it."""

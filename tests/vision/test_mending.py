@@ -15,9 +15,9 @@ from tests.vision.test_unusual_shapes import walls
 from vision import extract
 from vision.binarise import binarise
 from vision.contours import Borders, follow_borders
+from vision.crisp_kernels import pixels_lost_to_circle
 from vision.mend_kernels import mend, straight_ways
 from vision.separation_kernels import find_lost, middles
-from vision.shape_kernels import pixels_lost_to_circle
 
 Mask = np.ndarray
 Cracks = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
