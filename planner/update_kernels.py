@@ -95,7 +95,7 @@ def _doubtful_sites(tri, seen, refined, alias, also, used):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _unlink_sites(label, new_label, doubtful, alias, also, used):
+def _unlink_sites(label, new_label, doubtful, refined, alias, also, used):
     """Give all sites their new labels and find out which have to go: the ``doubtful``, too.
 
     ``new_label`` holds -1 for labels that are no more. Returns the sites that are in the
@@ -136,6 +136,10 @@ def _unlink_sites(label, new_label, doubtful, alias, also, used):
                 alias[other] = head
                 also[last] = other
                 last = other
+                # of borders that coincide the same one takes over, wherever it goes
+                if label[p] < 0 and label[other] < label[head]:
+                    label[other], label[head] = label[head], label[other]
+                    refined[other], refined[head] = refined[head], refined[other]
             other = after
     return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs]
 
@@ -158,7 +162,7 @@ def take_out(
     proved = proved.copy()
     _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, points, start, proved)
     doubtful = _doubtful_sites(tri, seen, refined, alias, also, used)
-    gone, quiet, heirs = _unlink_sites(label, new_label, doubtful, alias, also, used)
+    gone, quiet, heirs = _unlink_sites(label, new_label, doubtful, refined, alias, also, used)
     new_pieces = np.empty_like(pieces)
     for p in range(len(pieces)):
         # -1 where a chain ends stays -1

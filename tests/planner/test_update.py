@@ -242,3 +242,16 @@ def _places(roadmap: Roadmap) -> list[list[float]]:
     """Where the diagram's generators are, those added by refining included."""
     places: list[list[float]] = np.round(roadmap.agvd.generators.sites, 6).tolist()
     return sorted(places)
+
+
+@pytest.mark.parametrize("goes", [0, 1, 2])
+def test_one_of_three_objects_that_coincide_is_taken_out(goes: int) -> None:
+    arc = "A 2 (290,150)(155,227.9423)\n#@ arc 1 200 150 90 ccw\n"
+    head = "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
+    scene = planner.read_scene_text(head + "".join(f"#@ object {i}\n{arc}" for i in range(3)))
+    left = tuple(o for i, o in enumerate(scene.objects) if i != goes)
+    updated = update_roadmap(planner.build_roadmap(scene, 16.3), replace(scene, objects=left))
+    one = planner.build_roadmap(replace(scene, objects=left[:1]), 16.3)
+    assert len(updated.chains) == len(one.chains)
+    # the polylines' points may differ, within their tolerance of the bisectors
+    assert np.sort(updated.chains.length) == pytest.approx(np.sort(one.chains.length), rel=1e-3)
