@@ -121,9 +121,10 @@ def _more(extra, extra_label, where):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _is_between(kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance):
-    """Whether m lies ahead of a, where u is ahead, if near, and before b, if no farther than a."""
+    """Whether m lies ahead of a, where u is ahead, and before b, as far as that can be told."""
     near = 16.0 * half * half
-    span = (bx - ax) ** 2 + (by - ay) ** 2
+    # a ring that begins and ends at a or near it returns there: what is far is not judged
+    span = 9.0 * ((bx - ax) ** 2 + (by - ay) ** 2)
     tx, ty, _ = heading(kind, data, left, right, mx, my)
     dx, dy = mx - ax, my - ay
     square, ahead = dx * dx + dy * dy, dx * ux + dy * uy > tolerance

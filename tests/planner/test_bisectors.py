@@ -228,4 +228,6 @@ def test_a_place_that_slid_past_the_end_of_its_run_is_not_between() -> None:
 
     assert is_between(*m)
     assert not is_between(*behind)
+    far = bisector_kernels.slide_between(kind, data, 0, 1, 214.0, 144.0, 1e-9)[:2]
+    assert not is_between(*far)
     assert not is_between(*beyond)
