@@ -98,6 +98,9 @@ def board_spec(
     """The board that the options describe."""
     from vision.board import BoardSpec
 
+    if board != "charuco" and (dictionary or marker_mm is not None):
+        option = "--dictionary" if dictionary else "--marker-mm"
+        raise click.UsageError(f"{option}: a chessboard has no markers; --board charuco has")
     text = squares or ("5x7" if board == "charuco" else "9x6")
     columns, rows = _pair(text, "--squares")
     return BoardSpec(
@@ -124,7 +127,8 @@ def _read(path: Path) -> Image:
 
 
 def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
-    """The pictures named, and those of the folders named."""
+    """The pictures named, and those of the folders named; damaged ones are told, left out."""
+    from vision.camera import CameraError
     from vision.sources import PICTURE_SUFFIXES
 
     files: list[Path] = []
@@ -133,7 +137,15 @@ def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
             files += sorted(p for p in path.iterdir() if p.suffix.lower() in PICTURE_SUFFIXES)
         else:
             files.append(path)
-    return [(str(path), _read(path)) for path in files]
+    taken: list[tuple[str, Image]] = []
+    for path in files:
+        try:
+            taken.append((str(path), _read(path)))
+        except CameraError as error:
+            if not path.exists() or len(files) == 1:
+                raise
+            click.echo(f"{error}: left out", err=True)
+    return taken
 
 
 def _take_live(source: str, spec: BoardSpec) -> list[tuple[str, Image]]:
@@ -193,10 +205,19 @@ def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) ->
 
 def _known_lens(path: Path) -> Lens:
     """The lens of a calibration made before, for a camera that was moved."""
+    import numpy as np
+
+    from vision.calibration import CalibrationError, nominal_camera_matrix
     from vision.calibration_file import load_calibration
     from vision.lens import Lens
 
     known = load_calibration(path)
+    supposed = np.array_equal(known.camera_matrix, nominal_camera_matrix(known.size))
+    if known.lens_rms_px is None and supposed and not known.distortion.any():
+        raise CalibrationError(
+            f"{path}: has no lens: it was made without pictures of a board, "
+            "and its focal length is supposed"
+        )
     terms = 0
     for index, term in enumerate(known.distortion.tolist(), start=1):
         terms = index if term != 0.0 else terms

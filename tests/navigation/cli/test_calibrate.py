@@ -171,3 +171,42 @@ def test_the_real_chessboards_calibrate(
     assert run(["calibrate", folder, *board]) == 0
     said = capsys.readouterr().out
     assert float(said.split("lens: ")[1].split(" px")[0]) <= 0.20
+
+
+def test_a_damaged_picture_is_named_and_left_out(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = sorted(pictures.glob("view[0-4].png"))
+    damaged, missing = tmp_path / "cut.png", tmp_path / "missing.png"
+    damaged.write_bytes(whole[0].read_bytes()[:2000])
+    given = [*map(str, whole), str(damaged)]
+    assert run(["calibrate", *given, *BOARD]) == 0
+    said = capsys.readouterr()
+    assert str(damaged) in said.err
+    assert "left out" in said.err
+    assert "over 5 pictures" in said.out
+    assert run(["calibrate", *given, str(missing), *BOARD]) == 2
+    assert str(missing) in capsys.readouterr().err
+    assert run(["calibrate", str(damaged), *BOARD]) == 2
+
+
+def test_a_calibration_without_a_lens_is_no_lens(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A supposed focal length would put the camera at a wrong height without a word."""
+    points = points_file(tmp_path / "p.csv", seen_from((0.05, 0.08, 0.0)))
+    first, second = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    given = ["calibrate", "--points", str(points)]
+    assert run([*given, "--size", "480x360", "-o", str(first)]) == 0
+    capsys.readouterr()
+    assert run([*given, "--lens", str(first), "-o", str(second)]) == 2
+    assert "has no lens" in capsys.readouterr().err
+    assert not second.exists()
+
+
+@pytest.mark.parametrize("option", [["--dictionary", "NOPE"], ["--marker-mm", "12"]])
+def test_markers_of_a_chessboard_are_refused(
+    option: list[str], pictures: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["calibrate", str(pictures), *BOARD, *option]) == 2
+    assert option[0] in capsys.readouterr().err
