@@ -13,10 +13,9 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from planner.generators import BoolArray, Borders
-from planner.mesh import EQUAL
 from planner.scene import ARC, CIRCLE, POINT, FloatArray, IntArray, Vec
 
-__all__ = ["EQUAL", "Curve", "Piece", "describe"]
+__all__ = ["Curve", "Piece", "describe"]
 
 Curve: TypeAlias = Literal["line", "parabola", "hyperbola", "ellipse", "straight"]
 

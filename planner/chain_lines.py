@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner import bisector_kernels
-from planner.bisectors import EQUAL, Piece
+from planner.bisectors import Piece
 from planner.generators import Borders
 from planner.scene import FloatArray
 
@@ -19,6 +19,6 @@ def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> Fl
     curve: FloatArray
     curve, _ = bisector_kernels.follow(
         *borders.tree, points, np.array([*pairs, (-1, -1)], np.int32), 0.0, flatness,
-        EQUAL * borders.extent,
+        borders.equal,
     )  # fmt: skip
     return curve

@@ -16,7 +16,6 @@ import numpy as np
 
 from planner import alternative_kernels, attach_kernels, route_kernels, search_kernels
 from planner.agvd import Chains
-from planner.bisectors import EQUAL
 from planner.generators import BoolArray, Borders
 from planner.scene import FloatArray, IntArray, Vec
 
@@ -111,7 +110,7 @@ def attach(
     found = attach_kernels.attach(
         *borders.tree, chains.points, chains.first, chains.pieces, chains.proved, chains.rho,
         chains.gap, network.cost, *place, floor, -1.0 if anywhere else NEAR * floor,
-        ROUNDING * extent, EQUAL * extent, 2.0 * extent, ENTRIES,
+        ROUNDING * extent, borders.equal, 2.0 * extent, ENTRIES,
     )  # fmt: skip
     return Gates(*found)
 

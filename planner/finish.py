@@ -13,7 +13,6 @@ import math
 import numpy as np
 
 from planner import distance_kernels, finish_kernels
-from planner.bisectors import EQUAL
 from planner.chain_search import DETOUR, ROUNDING, Lines
 from planner.generators import Borders
 from planner.scene import FloatArray, IntArray, Vec
@@ -41,7 +40,7 @@ def is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: f
     gap, *_ = distance_kernels.polyline_clearance(*borders.tree, ends)
     wish = min(need * (1.0 + ROOM * preference), standing)
     rounding = ROUNDING * borders.extent
-    return bool(gap >= max(need - EQUAL * borders.extent, wish - rounding))
+    return bool(gap >= max(need - borders.equal, wish - rounding))
 
 
 def finish(
@@ -71,7 +70,7 @@ def _proved(
     ways: FloatArray
     ways, first = finish_kernels.finish(
         *borders.tree, lines.points, lines.pairs, lines.begin, wish, need, flatness,
-        EQUAL * borders.extent, EQUAL * borders.extent + TIGHT * need,
+        borders.equal, borders.equal + TIGHT * need,
     )  # fmt: skip
     return ways, first
 
@@ -85,7 +84,7 @@ def best_cut(
     """
     best: FloatArray = finish_kernels.best_cut(
         *borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
-        EQUAL * borders.extent,
+        borders.equal,
     )  # fmt: skip
     return best
 

@@ -32,6 +32,11 @@ NO_LENGTH = 1e-13
 """Edges shorter than this share of the scene's extent are points."""
 SAME_PLACE = 1e-9
 """Distances below this share of the scene's extent count as none."""
+EQUAL = 1e-12
+"""Distances are equal within this share of the scene's extent, and within ``UNITS``."""
+UNITS = 4.0
+"""How many units in the last place of the largest coordinate two places differ by for nothing:
+far from the origin, as in a map's coordinates, that is much more than the share."""
 
 
 class HasPrimitives(Protocol):
@@ -71,6 +76,7 @@ class Borders:
     span: IntArray
     box: FloatArray
     extent: float
+    equal: float
 
     @property
     def pieces(self) -> tuple[Any, ...]:
@@ -179,12 +185,18 @@ def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray)
         span=span,
         box=box,
         extent=extent_of(box),
+        equal=_equal(box),
     )
 
 
 def extent_of(box: FloatArray) -> float:
     """The larger side of a box."""
     return float(max(box[2] - box[0], box[3] - box[1]))
+
+
+def _equal(box: FloatArray) -> float:
+    """How far apart equal places may be in a scene of this box."""
+    return max(EQUAL * extent_of(box), UNITS * math.ulp(float(np.abs(box).max())))
 
 
 def _free_box(flat: Primitives) -> FloatArray:

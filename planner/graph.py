@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from planner import bisector_kernels, clear_kernels
 from planner.agvd import Chains
-from planner.bisectors import EQUAL, describe
+from planner.bisectors import describe
 from planner.distance_kernels import polyline_clearance
 from planner.generators import BoolArray, Borders
 from planner.scene import FloatArray, IntArray
@@ -225,7 +225,7 @@ def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
     keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
     points, _ = bisector_kernels.follow(
-        *borders.tree, run.points, pairs, keep, bulge, EQUAL * borders.extent
+        *borders.tree, run.points, pairs, keep, bulge, borders.equal
     )
     if len(points) == len(run.points):
         return run
@@ -255,7 +255,7 @@ def _divisible(borders: Borders, run: Run, parts: int) -> Run:
                 left, right = run.pairs[i].tolist()
                 x, y, _ = bisector_kernels.slide_between(
                     borders.kind, borders.data, left, right, place[0], place[1],
-                    EQUAL * borders.extent,
+                    borders.equal,
                 )  # fmt: skip
                 place = np.array([x, y])
             points.append(place)

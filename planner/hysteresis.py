@@ -17,7 +17,6 @@ from itertools import pairwise
 import numpy as np
 
 from planner import clear_kernels, distance_kernels
-from planner.bisectors import EQUAL
 from planner.finish import judge
 from planner.generators import Borders
 from planner.homotopy import anchors, word
@@ -92,7 +91,7 @@ def _joined(
 
 def is_kept(borders: Borders, way: FloatArray, need: float) -> bool:
     """Whether the way is nowhere nearer to a border than is needed."""
-    return bool(clear_kernels.keeps(*borders.tree, way, need - EQUAL * borders.extent))
+    return bool(clear_kernels.keeps(*borders.tree, way, need - borders.equal))
 
 
 def preferred(

@@ -34,8 +34,6 @@ ROUNDS = 6
 """How often generators are added at most; one or two rounds were enough on random scenes."""
 DOUBTS = 2
 """In how many rounds vertices that could not be solved ask for generators, too."""
-EQUAL = 1e-12
-"""Distances are equal within this share of the scene's extent."""
 ROOM = 0.125
 """Room for generators to add, as a share of those there are."""
 
@@ -165,7 +163,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
 
     Changes the mesh; its chains are then ``traced`` and ``bent``.
     """
-    half, tolerance = 0.5 * spacing, EQUAL * borders.extent
+    half, tolerance = 0.5 * spacing, borders.equal
     pieces = borders.kind, borders.data, borders.before, borders.after
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat = _flat(mesh, sag)

@@ -93,7 +93,7 @@ def test_following_a_bisector_keeps_the_flatness_asked_for(flatness: float) -> N
             np.array([chains.pieces[i], (-1, -1)], np.int32),
             roadmap.radius,
             flatness,
-            mesh.EQUAL * borders.extent,
+            borders.equal,
         )
         for a, b, pair in zip(points[:-1], points[1:], pairs[:-1], strict=True):
             if math.dist(a, b) > 1e-6:
