@@ -6,7 +6,8 @@ Rules and units
   the run's.
 - Places within a run are put in where the straight line would bulge or be too long. They are
   slid onto the bisector from the sampled vertices that the run passes, and each proves itself
-  by its own empty circle.
+  by its own empty circle. Where one does not slide, as at a hairpin's turn, and the run is wide
+  on both sides of it, it stays as sampled, unproved: a chord would not be as narrow as the turn.
 - Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
 """
 
@@ -234,6 +235,7 @@ def bend_chains(
     run = np.empty((most + 1, 2), np.int64)
     stack = np.empty((HALVINGS + 2, 2))
     stack_q, bare = np.empty(HALVINGS + 2, np.int64), np.zeros(HALVINGS + 2, np.bool_)
+    rough = np.zeros(HALVINGS + 2, np.bool_)
     n = 0
     for c in range(chains):
         # the stations, and the run of links after each
@@ -286,7 +288,7 @@ def bend_chains(
             # halve the run where the line bulges or is long
             q_a, begin = run[s, 0], n - 1
             stack[0, 0], stack[0, 1] = place[s + 1, 0], place[s + 1, 1]
-            stack_q[0], bare[0] = run[s, 1], False
+            stack_q[0], bare[0], rough[0] = run[s, 1], False, False
             top = 1
             ax, ay = place[s, 0], place[s, 1]
             ux, uy, falls = heading(kind, data, left, right, ax, ay)
@@ -296,7 +298,8 @@ def bend_chains(
                 span = math.sqrt(dx * dx + dy * dy)
                 is_long = span > max(2.0 * half, LONG * out[n - 1, 2])
                 # what ought to be halved and cannot be is a chord, not the bisector
-                split, astray = False, is_long
+                split, astray, as_sampled = False, is_long, False
+                is_wide = min(out[n - 1, 2], distance(kind, data, left, bx, by)) >= relevant
                 # from the sampled vertex in the middle of the run, then from that of the line
                 for guess in range(2 if is_long or not straight else 0):
                     q_m = q_a
@@ -307,7 +310,14 @@ def bend_chains(
                         mx, my = at[i, 0], at[i, 1]
                     elif guess == 0 or span <= half:
                         continue
+                    px, py = mx, my
                     mx, my, split = slide_between(kind, data, left, right, mx, my, tolerance)
+                    if guess == 0 and (mx - px) ** 2 + (my - py) ** 2 > 16.0 * half * half:
+                        # at a hairpin's turn: what it slid to is before or behind it
+                        split, astray = False, True
+                        if is_wide:
+                            break
+                        continue
                     slid = split
                     if split and not is_long:
                         bulge, _ = point_to_segment(mx, my, ax, ay, bx, by)
@@ -326,8 +336,15 @@ def bend_chains(
                         bare[top] = guess == 1
                         bare[top - 1] |= guess == 1
                         break
+                if astray and not split and is_wide and q_b - q_a >= 2 and not bare[top - 1]:
+                    # the way round may be narrow where the chord is not: it goes as sampled
+                    q_m = (q_a + q_b) // 2
+                    i = link[q_m] >> 3
+                    mx, my, split, as_sampled = at[i, 0], at[i, 1], True, True
+                    bare[top] = False
                 if split and top <= HALVINGS:
                     stack[top, 0], stack[top, 1], stack_q[top] = mx, my, q_m
+                    rough[top] = as_sampled
                     top += 1
                     continue
                 # the link from a to b is short and straight enough
@@ -357,6 +374,9 @@ def bend_chains(
                     elif top == 0:
                         break
                     r = distance(kind, data, left, x, y)
+                    loose = turn == 1 and rough[top]
+                    if loose:
+                        r = min(r, distance(kind, data, right, x, y))
                     d, which = nearest_piece(
                         mesh, kind, data, before, after, near, x, y, r - 4.0 * tolerance, half,
                         left, right, -1,
@@ -372,7 +392,7 @@ def bend_chains(
                                 extra_label[missing], where[missing] = lab, near
                                 missing += 1
                     out[n, 0], out[n, 1], out[n, 2] = x, y, d if which >= 0 else r
-                    sure[n], ahead[n] = which < 0, whole or turn == 1
+                    sure[n], ahead[n] = which < 0 and not loose, whole or turn == 1
                     pair[n, 0], pair[n, 1] = left, right
                     n += 1
                 ax, ay, q_a = bx, by, q_b

@@ -84,6 +84,20 @@ def is_passage(mask, a, b, c):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
+    """Whether two pieces are equally far from (x, y) because both of their feet are one corner.
+
+    They are that all round it, and no vertex of theirs is there. Within ``tolerance`` of such a
+    place a foot moves by the root of that.
+    """
+    ax, ay = foot(kind, data, a, x, y)
+    bx, by = foot(kind, data, b, x, y)
+    square = (ax - x) ** 2 + (ay - y) ** 2
+    apart = (bx - ax) ** 2 + (by - ay) ** 2
+    return square >= relevant * relevant and apart <= 16.0 * tolerance * math.sqrt(square)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def solve_one(
     mesh, kind, data, before, after, owner, t, a, b, c, x, y, half, tolerance
 ):  # fmt: skip
@@ -105,7 +119,11 @@ def solve_one(
     if ab and bc and ca:
         reach = 4.0 * half + distance(kind, data, a, x, y)
         qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
-        if found:
+        if found and not (
+            _is_corner(kind, data, a, b, qx, qy, half, tolerance)
+            or _is_corner(kind, data, b, c, qx, qy, half, tolerance)
+            or _is_corner(kind, data, c, a, qx, qy, half, tolerance)
+        ):
             return qx, qy, EXACT, False
     elif ab + bc + ca == 2:
         if not bc:
@@ -127,6 +145,10 @@ def solve_one(
                 )  # fmt: skip
                 empty = i < 0
                 if empty:
+                    break
+                if is_end(kind, data, corner, i, k, before, after, tolerance):
+                    # the corner's other side comes before this one all along its normal
+                    found = False
                     break
                 c = i
                 qx, qy, found = turn_at(kind, data, corner, side, i, qx, qy, tolerance)
@@ -182,8 +204,8 @@ def solve_vertices(
     that is UNUSED; the others are as they were. Only the ``changed`` triangles and their
     neighbours, whose valid edges may have, are looked at. Returns sites that are missing
     around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
-    labels (e,) and a triangle near each (e,). With ``doubt``, also where pieces did not meet
-    because of another one.
+    labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
+    of them is nearer than its sites and, with ``doubt``, because another one is.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
@@ -218,11 +240,21 @@ def solve_vertices(
             if r >= relevant and not overshot:
                 bad[count, 0], bad[count, 1] = i, which
                 count += 1
-        elif doubt and got == KEPT and r >= relevant:
+        elif got == KEPT and r >= relevant:
             # the pieces do not meet here: one that is nearer than they are has too few sites
             far = max(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
             far = max(far, distance(kind, data, c, x, y))
-            _, which = nearest_piece(mesh, kind, data, before, after, t, x, y, far, half, a, b, c)
+            if doubt:
+                _, which = nearest_piece(
+                    mesh, kind, data, before, after, t, x, y, far, half, a, b, c
+                )
+            if which < 0 and far - r > 4.0 * tolerance:
+                # or the nearest of them has: a circle reached through it to what is behind
+                which = a
+                if distance(kind, data, b, x, y) == r:
+                    which = b
+                elif distance(kind, data, c, x, y) == r:
+                    which = c
             if which >= 0:
                 bad[count, 0], bad[count, 1] = i, which
                 count += 1
