@@ -22,6 +22,7 @@ from numba import njit
 
 from vision.cover_kernels import area_lost, check_edges, chords, pass_between_pixels
 from vision.crisp_kernels import HALF, lost_to_circle, pixels_lost_to_circle, separate_circle
+from vision.fillet_kernels import ROUNDS, round_corners, touch_lines
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
 from vision.mend_kernels import mend
@@ -188,6 +189,11 @@ def fit_borders(
                 px, py, n, breaks, is_arc, edges, crisp, guard, rounded, tangent, joints, shape,
                 ranges, fresh, active,
             )  # fmt: skip
+            if not crisp:
+                edges = _round_corners(
+                    px, py, n, breaks, is_arc, edges, guard, rounded, tangent, calm, strict, worst,
+                    expected, prices, joints, shape, ranges, fresh, active, stale,
+                )  # fmt: skip
             if exact and not is_arc[:edges].any():
                 # what straight sides lose they lose at their corners, which are mended
                 break
@@ -296,6 +302,32 @@ def _circle_of_all(
                 return HUGE, True
     cost = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
     return price + cost, False
+
+
+@njit(cache=True, nogil=True)
+def _round_corners(
+    px, py, n, breaks, is_arc, edges, guard, blur, tangent, dead_zone, sigma, worst, expected,
+    prices, joints, shape, ranges, fresh, active, is_fillet,
+):  # fmt: skip
+    """Put fillets where sharp corners do not fit, and fit again; returns the number of edges."""
+    is_fillet[:edges] = False
+    corner = np.empty(7, np.float64)
+    for _ in range(ROUNDS):
+        edges, changed = round_corners(
+            px, py, n, breaks, is_arc, edges, shape, joints, blur, dead_zone, sigma, worst,
+            expected, prices, is_fillet,
+        )  # fmt: skip
+        if not changed:
+            break
+        fit_and_join(
+            px, py, n, breaks, is_arc, edges, False, guard, blur, tangent, joints, shape, ranges,
+            fresh, active,
+        )  # fmt: skip
+        touch_lines(
+            px, py, n, breaks, is_arc, edges, shape, joints, is_fillet, dead_zone, sigma, worst,
+            corner,
+        )  # fmt: skip
+    return edges
 
 
 @njit(**LEAF)

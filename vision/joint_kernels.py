@@ -202,14 +202,14 @@ def _crossing(a, a_arc, b, b_arc, x, y, from_x, from_y, to_x, to_y, out):
         off = -off
     out[0] = base_x + off * off_x
     out[1] = base_y + off * off_y
-    ax, ay = _tangent(a, a_arc, out[0], out[1], x - from_x, y - from_y)
-    bx, by = _tangent(b, b_arc, out[0], out[1], to_x - x, to_y - y)
+    ax, ay = tangent_at(a, a_arc, out[0], out[1], x - from_x, y - from_y)
+    bx, by = tangent_at(b, b_arc, out[0], out[1], to_x - x, to_y - y)
     out[2] = math.sqrt(max(0.5 * (1.0 + ax * bx + ay * by), 0.0))
     return True
 
 
 @njit(**LEAF)
-def _tangent(row, is_arc, x, y, along_x, along_y):
+def tangent_at(row, is_arc, x, y, along_x, along_y):
     """The unit vector along a fitted edge at (x, y), towards (along_x, along_y)."""
     tx = row[2]
     ty = row[3]

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
-from planner.scene import Arc, PolygonRecord, object_records
-from tests.support.render import coverage, draw, outline_points, polygon
+from planner.scene import Arc, PolygonRecord, Segment, object_records
+from tests.support.render import Points, coverage, draw, outline_points, polygon, rounded
 from vision import extract
 
 SIZE = 200, 200
@@ -75,3 +76,50 @@ def test_an_ellipse_of_a_calm_camera_is_covered() -> None:
     # once 0.9901 at the least, and 8 of 24
     assert min(overlaps) >= 0.991
     assert sum(overlap >= 0.995 for overlap in overlaps) >= 14
+
+
+def rectangle(rng: np.random.Generator, half: Points) -> Points:
+    """The vertices of a turned rectangle, clockwise on the screen."""
+    turn, at = rng.uniform(0.0, math.tau), rng.uniform(95.0, 105.0, 2)
+    c, s = math.cos(turn), math.sin(turn)
+    signs = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+    vertices: Points = signs * half @ np.array([(c, s), (-s, c)]) + at
+    return vertices
+
+
+@pytest.mark.parametrize(("blur", "noise"), [(0.7, 0.0), (1.5, 0.0), (0.7, 5.0)])
+def test_a_rounded_rectangle_is_four_lines_and_four_arcs(blur: float, noise: float) -> None:
+    """Small arcs once were chords, whose joints left out all that lay off them: 1 px at most."""
+    for seed in range(16):
+        rng = np.random.default_rng([94, seed])
+        radius = float(rng.uniform(8.0, 25.0))
+        truth = rounded(rectangle(rng, rng.uniform(10.0, 50.0, 2)), radius)
+        (only,) = extract(draw([truth], SIZE, blur=blur, noise=noise, rng=rng)).objects
+        (record,) = only.records
+        assert isinstance(record, PolygonRecord)
+        assert len(record.edges) == 8, f"seed {seed}"
+        arcs = [e for e in record.edges if isinstance(e, Arc)]
+        assert len(arcs) == 4, f"seed {seed}"
+        for arc in arcs:
+            near = min(math.dist(arc.center, t.center) for t in truth.edges if isinstance(t, Arc))
+            assert near < 0.7, f"seed {seed}"
+            assert abs(arc.radius - radius) < 0.7, f"seed {seed}"
+
+
+@pytest.mark.parametrize(("blur", "noise"), [(0.7, 0.0), (1.5, 0.0), (0.7, 10.0)])
+def test_a_bevel_is_not_taken_for_a_rounded_corner(blur: float, noise: float) -> None:
+    for seed in range(8):
+        rng = np.random.default_rng([95, seed])
+        corners = rectangle(rng, rng.uniform(30.0, 60.0, 2))
+        cut = float(rng.uniform(6.0, 14.0))
+        bevelled = []
+        for i in range(4):
+            for other in (corners[i - 1], corners[(i + 1) % 4]):
+                along = (other - corners[i]) / math.dist(other, corners[i])
+                bevelled.append(corners[i] + cut * along)
+        picture = draw([polygon(bevelled)], SIZE, blur=blur, noise=noise, rng=rng)
+        (only,) = extract(picture).objects
+        (record,) = only.records
+        assert isinstance(record, PolygonRecord)
+        assert len(record.edges) == 8, f"seed {seed}"
+        assert all(isinstance(edge, Segment) for edge in record.edges), f"seed {seed}"
