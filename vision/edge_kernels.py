@@ -9,6 +9,9 @@ Rules and units
   through the normal distribution's inverse is exact to a few thousandths of a pixel.
 - The half level is taken from both plateaus beside the edge, averaged over a stretch of the
   border, so that objects of different darkness and uneven light do not move the edge.
+- Where a wall or a gap is so narrow that a plateau may not be reached, nothing beyond its middle
+  is read: the light is not smoothed, and the given level counts, unless what is seen of the
+  plateau tells another one.
 - One border at a time: its profiles are gathered from the picture into rows of ``work``, a
   column a crack, and everything else runs over whole rows, several cracks at once.
 """
@@ -32,16 +35,21 @@ WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""
 CRISP = 0.95
 """Share of the contrast in one step from which an edge counts as drawn without grey."""
-BEHIND, SAMPLES = 3, 8
+BEHIND, SAMPLES = 4, 10
 """A profile has so many pixels behind its obstacle pixel, and so many in all."""
+UNREACHED = 1 / 8
+"""So far from half-way between what is seen of both plateaus, as a share of what lies between
+them, the given level is still believed at a narrow wall: a fifth of the contrast is unseen."""
 BLOCK = 16
 """Cracks that share their plateaus."""
-MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 8, 9, 10, 11, 12, 13, 14
-NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY, ROWS = 15, 16, 17, 18, 19, 20, 21
+MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 10, 11, 12, 13, 14, 15, 16
+NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY = 17, 18, 19, 20, 21, 22
+WALL, GAP, ROWS = 23, 24, 25
 """Rows of ``work`` behind those of the profile: twice a crack's middle; 1 where both plateaus are
 there, where the crack gives a point, where the border runs aslant; the plateaus beside it; the
 smoothed profile at the obstacle pixel and at the free one; the plateaus of its stretch; where the
-light crosses the half level, in pixels from the obstacle pixel; 1 where that lies farther away."""
+light crosses the half level, in pixels from the obstacle pixel; 1 where that lies farther away;
+1 where the obstacle, and where the free space, is three or four pixels wide."""
 
 
 @njit(cache=True, nogil=True)
@@ -78,7 +86,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
         _look_beside(level, by_level, n, work)
         _find_plateaus(n, work, sums, plateaus)
         _find_crossings(level, n, work, totals)
-        count = _place(grey, x, y, direction, n, work, totals, points, count)
+        count = _place(grey, level, x, y, direction, n, work, totals, points, count)
     point_starts[borders] = count
     slope = totals[0] / totals[1] if totals[1] > 0 else 0.4
     crispness = totals[2] / totals[3] if totals[3] > 0 else 0.0
@@ -113,18 +121,18 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work):
         middle_x[REACH + i] = 2 * x + nx
         middle_y[REACH + i] = 2 * y + ny
         crossing[i] = 0.0
-        if 4 <= x < width - 5 and 4 <= y < height - 5:
+        if 5 <= x < width - 5 and 5 <= y < height - 5:
             # unsigned: no index counts from the end
             at = np.uint64(y * width + x)
             step = np.uint64(ny * width + nx)
             back = at - step
+            work[3, i] = flat_grey[back]
+            back -= step
             work[2, i] = flat_grey[back]
             back -= step
             work[1, i] = flat_grey[back]
             back -= step
             work[0, i] = flat_grey[back]
-            work[3, i] = flat_grey[at]
-            at += step
             work[4, i] = flat_grey[at]
             at += step
             work[5, i] = flat_grey[at]
@@ -132,6 +140,10 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work):
             work[6, i] = flat_grey[at]
             at += step
             work[7, i] = flat_grey[at]
+            at += step
+            work[8, i] = flat_grey[at]
+            at += step
+            work[9, i] = flat_grey[at]
             clear[i] = 1.0
             if not by_level:
                 here = (y + 1) * stride + x + 1
@@ -195,32 +207,57 @@ def _look_along(directions, n, work):
 def _look_beside(level, by_level, n, work):
     """The plateaus beside every crack, and the profile smoothed at its two pixels.
 
-    A plateau is the mean of two pixels, or the nearer one where that is on the wrong side.
+    A plateau is the mean of two pixels, or the nearer one where the outer one may be at the far
+    side, or in a narrow wall or gap the middle.
     """
-    a3 = work[0]
-    a2 = work[1]
-    a1 = work[2]
-    here = work[3]
-    b1 = work[4]
-    b2 = work[5]
-    b3 = work[6]
-    b4 = work[7]
+    a4 = work[0]
+    a3 = work[1]
+    a2 = work[2]
+    a1 = work[3]
+    here = work[4]
+    b1 = work[5]
+    b2 = work[6]
+    b3 = work[7]
+    b4 = work[8]
+    b5 = work[9]
+    wall = work[WALL]
+    gap = work[GAP]
     clear = work[CLEAR]
     dark = work[DARK]
     light = work[LIGHT]
     near = work[NEAR]
     far = work[FAR]
+    walls = 0.0
+    gaps = 0.0
     if by_level:
         for i in range(n):
             dark_side = (a1[i] < level) & (a2[i] < level)
             light_side = (b2[i] >= level) & (b3[i] >= level)
             clear[i] = clear[i] if dark_side & light_side else 0.0
     for i in range(n):
-        # the outermost sample may lie beyond a thin wall, or a narrow gap
-        dark[i] = 0.5 * (a2[i] + a3[i]) if a3[i] < level else a2[i]
-        light[i] = 0.5 * (b3[i] + b4[i]) if b4[i] >= level else b3[i]
+        three = a3[i] >= level
+        four = a4[i] >= level
+        five = a4[i] + a4[i] > a2[i] + level
+        middle = a1[i] if three else 0.5 * (a1[i] + a2[i])
+        beyond = a2[i] if five else 0.5 * (a2[i] + a3[i])
+        dark[i] = middle if three | four else beyond
+        wall[i] = 1.0 if three | four else 0.0
+        walls += wall[i]
+        three = b4[i] < level
+        four = b5[i] < level
+        five = b5[i] + b5[i] < b3[i] + level
+        middle = b2[i] if three else 0.5 * (b2[i] + b3[i])
+        beyond = b3[i] if five else 0.5 * (b3[i] + b4[i])
+        light[i] = middle if three | four else beyond
+        gap[i] = 1.0 if three | four else 0.0
+        gaps += gap[i]
         near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
         far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
+    # the few places where a narrow wall looks wide, at its corners, show no plateau either
+    if 2.0 * walls > n:
+        wall[:n] = 1.0
+    if 2.0 * gaps > n:
+        gap[:n] = 1.0
 
 
 @njit(**SUMS)
@@ -297,8 +334,10 @@ def _find_crossings(level, n, work, totals):
 
     ``totals``: the sum and number of slopes, full steps and slanted cracks.
     """
-    here = work[3]
-    beside = work[4]
+    here = work[BEHIND]
+    beside = work[BEHIND + 1]
+    wall = work[WALL]
+    gap = work[GAP]
     clear = work[CLEAR]
     chosen = work[CHOSEN]
     slanted = work[SLANTED]
@@ -335,7 +374,8 @@ def _find_crossings(level, n, work, totals):
         t = (level - g0) / (step if step > 0.0 else 1.0) if plain else 0.5
         t = -p0 / (rise if rise > 1e-6 else 1.0) if good else t
         crossing[i] = 0.5 if crossing[i] < 0.0 else t
-        astray[i] = 1.0 if seen & (not between) else 0.0
+        narrow = wall[i] + gap[i] > 0.0
+        astray[i] = 1.0 if seen & (narrow | (not between)) else 0.0
     totals[0] += slopes
     totals[1] += crossed
     totals[2] += steps
@@ -351,7 +391,7 @@ def _probit(w):
 
 
 @njit(**LEAF)
-def _place(grey, xs, ys, directions, n, work, totals, points, count):
+def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
     """The points of the chosen cracks, in order; returns the next point's number."""
     crossing = work[CROSSING]
     chosen = work[CHOSEN]
@@ -360,7 +400,10 @@ def _place(grey, xs, ys, directions, n, work, totals, points, count):
         nx, ny = _out(np.int64(directions[i]))
         t = crossing[i]
         if astray[i] * chosen[i] > 0.0:
-            t = _crossing_beside(grey, xs[i], ys[i], nx, ny, i, work, totals)
+            if work[WALL, i] + work[GAP, i] > 0.0:
+                t = _crossing_narrow(level, i, work)
+            else:
+                t = _crossing_beside(grey, xs[i], ys[i], nx, ny, i, work, totals)
         points[count, 0] = xs[i] + t * nx
         points[count, 1] = ys[i] + t * ny
         count += np.int64(chosen[i])
@@ -391,6 +434,27 @@ def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
             totals[1] += 1.0
             return k - p0 / (p1 - p0)
     return 0.5
+
+
+@njit(**LEAF)
+def _crossing_narrow(level, i, work):
+    """Where the profile itself crosses the half level, at a wall or a gap three or four wide."""
+    dark = work[DARK_LEVEL, i]
+    light = work[LIGHT_LEVEL, i]
+    half = 0.5 * (light + dark)
+    # what a plateau lacks can only lie beyond what is seen of it
+    lowest = half - (UNREACHED * (light - dark) if work[WALL, i] > 0.0 else 0.0)
+    highest = half + (UNREACHED * (light - dark) if work[GAP, i] > 0.0 else 0.0)
+    if lowest <= level <= highest:
+        half = level
+    k = BEHIND
+    while work[k, i] >= half and k > BEHIND - WANDER:
+        k -= 1
+    while work[k + 1, i] < half and k < BEHIND + WANDER:
+        k += 1
+    g0 = work[k, i]
+    g1 = work[k + 1, i]
+    return k - BEHIND + (half - g0) / (g1 - g0) if g0 < half <= g1 else 0.5
 
 
 @njit(**LEAF)
