@@ -33,6 +33,7 @@ from planner.scene import (
     Vec,
 )
 from vision.chains import chain_edges, open_chain
+from vision.clipping import clip_circle, clip_polygon
 from vision.contours import Borders
 from vision.placement import Placement
 
@@ -96,6 +97,11 @@ def build_objects(
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
     thin = may_be_thin(borders).tolist()
+    # in metres the picture's edge is not the bounds'
+    in_pixels = placement.calibration is None
+    low_x, low_y = placement.bounds.x_min, placement.bounds.y_min
+    limits = (low_x, low_y, placement.bounds.x_max, placement.bounds.y_max)
+    strays = _may_stray(fitted, limits).tolist()
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}
     for b, owner in enumerate(borders.owner.tolist()):
@@ -108,9 +114,11 @@ def build_objects(
             record = straight
         elif border_kind[b] == CIRCLE:
             _, _, cx, cy, r, rms = rows[starts[b]]
-            record = CircleRecord((cx, cy), r, rms)
+            circle = CircleRecord((cx, cy), r, rms)
+            record = clip_circle(circle, limits) if in_pixels else circle
         else:
-            record = _polygon(kinds, rows, starts[b], starts[b + 1])
+            polygon = _polygon(kinds, rows, starts[b], starts[b + 1])
+            record = clip_polygon(polygon, limits) if in_pixels and strays[b] else polygon
         if owner == b:
             outline[b] = record
         else:
@@ -121,6 +129,20 @@ def build_objects(
     )
 
 
+def _may_stray(
+    fitted: FittedBorders, limits: tuple[float, float, float, float]
+) -> NDArray[np.bool_]:
+    """Which borders have a corner, or an arc's whole circle, beyond the picture's edge: (b,)."""
+    x, y, cx, cy, r, _ = fitted.data.T
+    bent = fitted.kind != LINE
+    out = (x < limits[0]) | (y < limits[1]) | (x > limits[2]) | (y > limits[3])
+    out |= bent & ((cx - r < limits[0]) | (cx + r > limits[2]))
+    out |= bent & ((cy - r < limits[1]) | (cy + r > limits[3]))
+    before = np.concatenate([[0], np.cumsum(out)])
+    found: NDArray[np.bool_] = before[fitted.edge_starts[1:]] > before[fitted.edge_starts[:-1]]
+    return found
+
+
 def _placed_rows(data: NDArray[np.float64], placement: Placement) -> list[list[float]]:
     if placement.calibration is not None:
         x, y = placement.scale, placement.y_scale
@@ -129,7 +151,7 @@ def _placed_rows(data: NDArray[np.float64], placement: Placement) -> list[list[f
     return rows
 
 
-def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -> Record:
+def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -> PolygonRecord:
     edges: list[Edge] = []
     total = 0.0
     x0, y0 = rows[first][0], rows[first][1]
