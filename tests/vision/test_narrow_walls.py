@@ -20,7 +20,8 @@ def box(half_width: float, half_height: float, angle: float) -> np.ndarray:
     turn = np.array(
         [[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]]
     )  # fmt: skip
-    return corners @ turn + (100.3, 99.6)
+    placed: np.ndarray = corners @ turn + (100.3, 99.6)
+    return placed
 
 
 def picture_of(covered: np.ndarray, blur_px: float, dark: float = DARK) -> np.ndarray:
