@@ -121,7 +121,8 @@ def test_what_is_told_to_be_usable_is_the_roadmap(roadmap: Roadmap) -> None:
     pieces = [points[first[c] : first[c + 1]] for c in np.flatnonzero(usable)]
     told_m = sum(np.hypot(*np.diff(piece, axis=0).T).sum() for piece in pieces)
     whole_m = sum(length for _, _, length in roadmap.graph.edges(data="length"))
-    assert told_m == pytest.approx(whole_m, abs=1e-3)
+    # the graph's edges follow their bisectors more closely than the chains' points do
+    assert whole_m * (1.0 - 1e-3) <= told_m <= whole_m + 1e-6
     assert not usable.all(), "the arena has places that are too tight"
 
 
