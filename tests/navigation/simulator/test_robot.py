@@ -160,7 +160,10 @@ def test_a_robot_that_resets_is_noticed() -> None:
 
 
 def robot_command(*options: str) -> subprocess.Popen[bytes]:
-    program = "from navigation.cli.main import main; main()"
+    # a runner under nohup, or in the background, ignores these, and so would what it starts
+    heeded = "import signal; [signal.signal(n, signal.SIG_DFL) for n in (1, 2, 15)]; "
+    heeded += "signal.signal(2, signal.default_int_handler); "
+    program = heeded + "from navigation.cli.main import main; main()"
     return subprocess.Popen(
         [sys.executable, "-uc", program, "robot", *options],
         stdout=subprocess.PIPE,
