@@ -186,7 +186,7 @@ def test_stop_stops_the_wheels_at_once_and_is_latched(
 
 
 def test_neither_loading_nor_coming_back_fires_the_stop(open_page: OpenPage, live: Live) -> None:
-    page = open_page()
+    page = open_page(allowed="ERR_CONNECTION_REFUSED")  # while the program is away
     wait_for_picture(page)
     drive(live, page)
     page.reload()
