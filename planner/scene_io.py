@@ -17,7 +17,10 @@ from planner.scene_text import HEADER, read_scene_text, write_scene_text
 
 __all__ = ["is_picture", "load_scene", "read_scene_text", "save_scene", "write_scene_text"]
 
-_PICTURE_STARTS = (b"\x89PNG", b"\xff\xd8\xff", b"BM", b"GIF8", b"II*\x00", b"MM\x00*")
+_PICTURE_STARTS = (
+    *(b"\x89PNG", b"\xff\xd8\xff", b"BM", b"GIF8", b"II*\x00", b"MM\x00*"),
+    *(b"\xff\x4f\xff\x51", b"\x59\xa6\x6a\x95", b"#?RADIANCE", b"#?RGBE"),
+)
 
 
 def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
@@ -50,10 +53,16 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def is_picture(data: bytes) -> bool:
-    """Whether a file that begins so is a picture (PNG, JPEG, BMP, GIF, TIFF, WebP, PNM)."""
+    """Whether a file that begins so is a picture.
+
+    PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance, Sun raster.
+    """
     if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
         return True
-    return data.startswith(_PICTURE_STARTS) or re.match(rb"P[1-7]\s+[\d#]", data) is not None
+    if data[4:11] == b"ftypavi" or data[4:8] == b"jP  ":
+        return True
+    words = re.match(rb"P[1-6Ff]\s+[\d#]|P7\s+[A-Z#]", data)
+    return data.startswith(_PICTURE_STARTS) or words is not None
 
 
 def _looks_like_map_header(text: str) -> bool:

@@ -18,8 +18,14 @@ from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceSta
 from vision.capture import Capture
 from vision.picture_size import oversize
 
-PICTURE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".tif", ".tiff"})
-"""Names of files that are taken for pictures; any other file is tried as a video."""
+PICTURE_SUFFIXES = frozenset(
+    (
+        *(".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff"),
+        *(".webp", ".avif", ".jp2"),
+        *(".pbm", ".pgm", ".ppm", ".pnm", ".pam", ".ras"),
+    )
+)
+"""Names of files that are taken for pictures; any other file, a GIF too, is tried as a video."""
 
 MOST_BYTES = 1 << 30
 """Bytes of a picture file that are read at most: a device or a sparse file may have no end."""

@@ -2,7 +2,8 @@
 
 A file of a hundred bytes can claim a picture of gigabytes: decoding it takes many seconds and
 all memory, for nothing. So the size is read, and refused, before a picture is decoded.
-Sources: the PNG, JPEG (T.81), GIF89a, BMP, TIFF 6, WebP and Netpbm specifications.
+Sources: the PNG, JPEG (T.81), JPEG 2000 (T.800), GIF89a, BMP, TIFF 6, WebP, AVIF (HEIF), Radiance,
+Sun raster and Netpbm specifications.
 """
 
 from __future__ import annotations
@@ -38,21 +39,20 @@ def picture_size(data: bytes) -> tuple[int, int] | None:
         if data.startswith(b"GIF8"):
             return _pair("<HH", data, 6)
         if data.startswith(b"BM"):
-            width, height = _pair("<ii", data, 18)
-            return abs(width), abs(height)
+            return _bmp(data)
         if data[:4] in (b"II*\x00", b"MM\x00*"):
             return _tiff(data)
         if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
             return _webp(data)
+        if data.startswith(b"\x59\xa6\x6a\x95"):
+            return _pair(">II", data, 4)
+        if data.startswith(b"\xff\x4f\xff\x51") or data[4:8] == b"jP  ":
+            return _jpeg_2000(data)
+        if data[4:8] == b"ftyp":
+            return _avif(data)
     except struct.error:
         return None
-    # A comment may stand between the words of a Netpbm header.
-    words = re.sub(rb"#[^\n]*\n", b" ", data[:4096]).split(None, 3)
-    if len(words) >= 3 and re.fullmatch(rb"P[1-6]", words[0]):
-        sides = words[1:3]
-        if all(re.fullmatch(rb"\d{1,12}", side) for side in sides):
-            return int(sides[0]), int(sides[1])
-    return None
+    return _in_words(data[:4096])
 
 
 def _longest_chunk(data: bytes) -> int:
@@ -68,6 +68,14 @@ def _longest_chunk(data: bytes) -> int:
 def _pair(form: str, data: bytes, at: int) -> tuple[int, int]:
     first, second = struct.unpack_from(form, data, at)
     return int(first), int(second)
+
+
+def _bmp(data: bytes) -> tuple[int, int]:
+    """OS/2's header of twelve bytes has sides of two; elsewhere a negative height runs down."""
+    if struct.unpack_from("<I", data, 14)[0] == 12:
+        return _pair("<HH", data, 18)
+    width, height = _pair("<ii", data, 18)
+    return abs(width), abs(height)
 
 
 def _jpeg(data: bytes) -> tuple[int, int] | None:
@@ -113,4 +121,41 @@ def _webp(data: bytes) -> tuple[int, int] | None:
     if kind == b"VP8 ":
         width, height = _pair("<HH", data, 26)
         return width & 0x3FFF, height & 0x3FFF
+    return None
+
+
+def _jpeg_2000(data: bytes) -> tuple[int, int] | None:
+    """The segment SIZ that begins the codestream, whether a file's boxes stand round it or not.
+
+    The decoder makes room for what the codestream says, not for what the box `ihdr` says.
+    """
+    at = data.find(b"\xff\x4f\xff\x51")
+    if at < 0:
+        return None
+    right, bottom, left, top = struct.unpack_from(">IIII", data, at + 8)
+    return max(0, int(right) - int(left)), max(0, int(bottom) - int(top))
+
+
+def _avif(data: bytes) -> tuple[int, int] | None:
+    """The largest of the boxes `ispe`: a picture, its alpha and its parts have one each."""
+    sizes = [_pair(">II", data, found.end() + 4) for found in re.finditer(rb"ispe", data[:65536])]
+    return max(sizes, key=lambda size: size[0] * size[1]) if sizes else None
+
+
+def _in_words(head: bytes) -> tuple[int, int] | None:
+    """Netpbm with PFM and PAM, and Radiance: headers that are text."""
+    # A comment may stand between the words of a Netpbm header.
+    words = re.sub(rb"#[^\n]*\n", b" ", head).split(None, 3)
+    if len(words) >= 3 and re.fullmatch(rb"P[1-6Ff]", words[0]):
+        sides = words[1:3]
+        if all(re.fullmatch(rb"\d{1,12}", side) for side in sides):
+            return int(sides[0]), int(sides[1])
+    if words[:1] == [b"P7"]:
+        found = [re.search(rb"\b%s\s+(\d{1,12})\s" % key, head) for key in (b"WIDTH", b"HEIGHT")]
+        if found[0] and found[1]:
+            return int(found[0][1]), int(found[1][1])
+    radiance = re.search(rb"\n[-+][XY] (\d{1,12}) [-+]([XY]) (\d{1,12})\n", head)
+    if head.startswith(b"#?") and radiance:
+        first, second = int(radiance[1]), int(radiance[3])
+        return (second, first) if radiance[2] == b"X" else (first, second)
     return None

@@ -23,7 +23,11 @@ from planner.scene_io import is_picture, load_scene
 Polarity = Literal["dark", "light", "auto"]
 
 PICTURE_SUFFIXES = frozenset(
-    (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".webp", ".pgm", ".ppm", ".pnm")
+    (
+        *(".png", ".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff"),
+        *(".webp", ".avif", ".jp2"),
+        *(".pbm", ".pgm", ".ppm", ".pnm", ".pam", ".ras"),
+    )
 )
 
 

@@ -12,12 +12,10 @@ from __future__ import annotations
 import argparse
 import os
 import re
-import struct
 import sys
 import tempfile
 import time
 import traceback
-import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,17 +25,22 @@ import numpy as np
 
 from navigation.cli.sources import load_source
 from planner.scene import Scene, SceneError
-from planner.scene_io import write_scene_text
+from planner.scene_io import read_scene_text, write_scene_text
+from tests.support.picture_formats import formats
+from tests.support.picture_harms import cut, flip, harms_for, put_number, splice
 from vision import extract
 from vision.calibration import Calibration, CalibrationError
 from vision.calibration_file import calibration_text, load_calibration
 from vision.camera import CameraError
 from vision.files import read_picture
 from vision.grey import PictureError
-from vision.survey import read_survey
+from vision.survey import Survey, read_survey
 
 MOST_S = 5.0
 MOST_CHARACTERS = 400
+MAP_PICTURES = (".pgm", "c0_8.png", "c2_16.png", "c3_1_t.png", "c4_8_i.png", "cmyk.jpg")
+"""Pictures that are read as those of a ROS map too."""
+
 REFUSALS = (SceneError, PictureError, CalibrationError, CameraError)
 
 PLAIN_SCENE = """\
@@ -100,61 +103,6 @@ class Finding:
     answer: str
 
 
-def pictures() -> Iterator[tuple[str, bytes]]:
-    """Small pictures of every kind that OpenCV writes, by name."""
-    grey = np.full((24, 32), 220, np.uint8)
-    cv2.rectangle(grey, (8, 6), (18, 15), 30, -1)
-    colour = cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR)
-    alpha = np.dstack([colour, np.where(grey > 100, 255, 128).astype(np.uint8)])
-    deep = grey.astype(np.uint16) * 257
-    wanted = [
-        ("grey.png", grey, []),
-        ("colour.png", colour, []),
-        ("alpha.png", alpha, []),
-        ("deep.png", deep, []),
-        ("deep_colour.png", cv2.cvtColor(deep, cv2.COLOR_GRAY2BGR), []),
-        ("bits.png", grey, [cv2.IMWRITE_PNG_BILEVEL, 1]),
-        ("grey.jpg", grey, []),
-        ("colour.jpg", colour, []),
-        ("progressive.jpg", colour, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1]),
-        ("grey.tif", grey, []),
-        ("deep.tif", deep, []),
-        ("plain.tif", colour, [cv2.IMWRITE_TIFF_COMPRESSION, 1]),
-        ("float.tif", grey.astype(np.float32) / 255.0, []),
-        ("grey.bmp", grey, []),
-        ("colour.bmp", colour, []),
-        ("text.pgm", grey, [cv2.IMWRITE_PXM_BINARY, 0]),
-        ("binary.pgm", grey, []),
-        ("deep.pgm", deep, []),
-        ("colour.ppm", colour, []),
-        ("lossy.webp", colour, []),
-        ("grey.gif", colour, []),
-    ]
-    for name, picture, how in wanted:
-        written, data = cv2.imencode(Path(name).suffix, picture, how)
-        if written:
-            yield name, data.tobytes()
-    yield "palette.png", palette_png()
-
-
-def palette_png() -> bytes:
-    """8x8 pixels of two colours by palette, with a transparent entry."""
-    rows = b"".join(b"\x00" + bytes((x // 4 + y // 4) % 2 for x in range(8)) for y in range(8))
-    chunks = (
-        (b"IHDR", struct.pack(">IIBBBBB", 8, 8, 8, 3, 0, 0, 0)),
-        (b"PLTE", bytes((0, 0, 0, 250, 250, 250))),
-        (b"tRNS", bytes((255, 10))),
-        (b"IDAT", zlib.compress(rows)),
-        (b"IEND", b""),
-    )
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(kind, body) for kind, body in chunks)
-
-
-def chunk(kind: bytes, body: bytes) -> bytes:
-    """A PNG chunk with its right check sum."""
-    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
-
 def rich_scene() -> Scene:
     """A hole, a circle, an arc, a point and a line, as ``clearway extract`` would tell them."""
     picture = np.full((60, 80), 220, np.uint8)
@@ -169,10 +117,10 @@ def rich_scene() -> Scene:
 def seeds() -> dict[str, tuple[Reader, bytes]]:
     """What is damaged, by name: a reader and a file that is well."""
     found: dict[str, tuple[Reader, bytes]] = {}
-    for name, data in pictures():
+    for name, data in formats():
         found[f"source {name}"] = Reader(load_source, name), data
         found[f"picture {name}"] = Reader(read_picture, name), data
-        if name.endswith((".pgm", ".png")):
+        if name.endswith(MAP_PICTURES):
             header = ROS_YAML.replace("map.pgm", name).encode()
             found[f"map {name}"] = (
                 Reader(
@@ -182,7 +130,7 @@ def seeds() -> dict[str, tuple[Reader, bytes]]:
                 ),
                 data,
             )
-    grey_pgm = dict(pictures())["binary.pgm"]
+    grey_pgm = dict(formats())["binary.pgm"]
     found["plain scene"] = Reader(load_source, "scene.txt"), PLAIN_SCENE.encode()
     found["scene text"] = Reader(load_source, "full.txt"), write_scene_text(rich_scene()).encode()
     found["movingai"] = Reader(load_source, "grid.map"), MOVINGAI.encode()
@@ -198,41 +146,16 @@ def seeds() -> dict[str, tuple[Reader, bytes]]:
 
 def damaged(data: bytes, rng: np.random.Generator) -> bytes:
     """A mutant of a file: one to four small harms."""
-    text = not data.startswith((b"\x89PNG", b"\xff\xd8", b"II", b"MM", b"BM", b"RIFF", b"GIF"))
+    text = b"\0" not in data[:64] and not data.startswith(b"\xff\xd8")
     for _ in range(int(rng.integers(1, 5))):
-        harms = BYTE_HARMS + (TEXT_HARMS if text else ())
-        if data.startswith(b"\x89PNG"):
-            harms += (repaired_png,) * 6
+        harms = BYTE_HARMS + (TEXT_HARMS if text else ()) + harms_for(data) * 8
         data = harms[int(rng.integers(len(harms)))](data, rng)
     return data
-
-
-def cut(data: bytes, rng: np.random.Generator) -> bytes:
-    return data[: int(rng.integers(0, len(data) + 1))]
-
-
-def flip(data: bytes, rng: np.random.Generator) -> bytes:
-    if not data:
-        return data
-    out = bytearray(data)
-    for _ in range(int(rng.integers(1, 9))):
-        out[int(rng.integers(len(out)))] ^= 1 << int(rng.integers(8))
-    return bytes(out)
 
 
 def flip_early(data: bytes, rng: np.random.Generator) -> bytes:
     """Headers matter most."""
     return flip(data[:64], rng) + data[64:]
-
-
-def put_number(data: bytes, rng: np.random.Generator) -> bytes:
-    """Four bytes that are an extreme number."""
-    if len(data) < 8:
-        return data
-    value = (0, 1, 0xFF, 0x7FFF, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
-    order = ">I" if rng.random() < 0.5 else "<I"
-    at = int(rng.integers(0, min(len(data) - 4, 128 if rng.random() < 0.7 else len(data) - 4)))
-    return data[:at] + struct.pack(order, value[int(rng.integers(9))]) + data[at + 4 :]
 
 
 def drop(data: bytes, rng: np.random.Generator) -> bytes:
@@ -243,39 +166,6 @@ def drop(data: bytes, rng: np.random.Generator) -> bytes:
 def repeat(data: bytes, rng: np.random.Generator) -> bytes:
     a, b = sorted(int(v) for v in rng.integers(0, len(data) + 1, 2))
     return data[:b] + data[a:b] * int(rng.integers(1, 4)) + data[b:]
-
-
-def splice(data: bytes, rng: np.random.Generator) -> bytes:
-    at = int(rng.integers(0, len(data) + 1))
-    return data[:at] + rng.bytes(int(rng.integers(1, 30))) + data[at:]
-
-
-def repaired_png(data: bytes, rng: np.random.Generator) -> bytes:
-    """A PNG with one chunk harmed and its check sum right, so that decoders look inside."""
-    chunks, at = [], 8
-    while at + 8 <= len(data) and len(chunks) < 64:
-        size = struct.unpack(">I", data[at : at + 4])[0]
-        if size > len(data):
-            break
-        chunks.append((data[at + 4 : at + 8], data[at + 8 : at + 8 + size]))
-        at += 12 + size
-    if not chunks:
-        return data
-    i = 0 if rng.random() < 0.5 else int(rng.integers(len(chunks)))
-    kind, body = chunks[i]
-    if kind == b"IDAT" and rng.random() < 0.5:
-        try:
-            body = zlib.compress(flip(zlib.decompress(body), rng))
-        except zlib.error:
-            body = flip(body, rng)
-    elif kind == b"IHDR" and rng.random() < 0.5:
-        side = (0, 1, 7, 8, 9, 300, 20000, 65536, 1 << 20, 1 << 30, 0x7FFFFFFF)
-        width, height = (side[int(v)] for v in rng.integers(0, len(side), 2))
-        body = struct.pack(">II", width, height) + body[8:]
-    else:
-        body = (flip, cut, put_number, splice)[int(rng.integers(4))](body, rng)
-    chunks[i] = kind, body
-    return data[:8] + b"".join(chunk(k, b) for k, b in chunks)
 
 
 def swap_word(data: bytes, rng: np.random.Generator) -> bytes:
@@ -323,7 +213,9 @@ def wrong_answer(reader: Reader, data: bytes, folder: Path) -> str:
     path.write_bytes(data)
     begin_s = time.process_time()
     try:
-        reader.read(path)
+        wrong = wrong_value(reader.read(path))
+        if wrong:
+            return wrong
     except REFUSALS as error:
         said = str(error)
         # A name may be long, the sentence may not.
@@ -338,6 +230,22 @@ def wrong_answer(reader: Reader, data: bytes, folder: Path) -> str:
         return traceback.format_exc(limit=-3)
     if time.process_time() - begin_s > MOST_S:
         return f"took {time.process_time() - begin_s:.1f} s"
+    return ""
+
+
+def wrong_value(value: object) -> str:
+    """What no reader may give as read: no picture, no numbers, a scene that its text would lose."""
+    if isinstance(value, np.ndarray):
+        fine = value.dtype == np.uint8 and value.ndim in (2, 3) and value.size > 0
+        return "" if fine and value.shape[2:] in ((), (3,)) else f"not a picture: {value.shape}"
+    if isinstance(value, Scene) and read_scene_text(write_scene_text(value)) != value:
+        return "the scene's text gives another scene"
+    if isinstance(value, Survey):
+        finite = np.isfinite(value.pixels).all() and np.isfinite(value.places_m).all()
+        return "" if finite else "a survey of numbers that are none"
+    if isinstance(value, Calibration):
+        corners = value.arena_from_image(np.array([(0.0, 0.0), (value.size[0] - 1.0, 0.0)]))
+        return "" if np.isfinite(corners).all() else "a calibration without places"
     return ""
 
 
