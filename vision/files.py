@@ -34,7 +34,13 @@ Wait = Callable[[float], object]
 
 
 def read_picture(path: Path) -> Image:
-    """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none."""
+    """A picture file as uint8, grey (h, w) or BGR (h, w, 3); ``CameraError`` where it is none.
+
+    Pixels are those of the sensor, as the file has them: an EXIF orientation is left aside
+    (``vision.picture_turn`` says why), but a TIFF's, which its decoder heeds. libpng and libjpeg
+    may write a line of their own to stderr: to catch it would take the descriptor away from every
+    other thread.
+    """
     try:
         with path.open("rb") as file:
             data = file.read(MOST_BYTES + 1)
@@ -48,7 +54,8 @@ def read_picture(path: Path) -> Image:
     if large:
         raise CameraError(f"{path}: {large}")
     try:
-        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_ANYCOLOR)
+        how = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
+        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), how)
     except cv2.error as error:
         raise CameraError(f"{path}: not a picture that OpenCV can decode") from error
     if image is None:

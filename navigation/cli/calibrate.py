@@ -121,9 +121,25 @@ def _pair(text: str, option: str) -> tuple[int, int]:
 
 
 def _read(path: Path) -> Image:
+    """The picture as its sensor saw it; ``CameraError`` where it is none, or a damaged one."""
+    from navigation.cli.decoder_lines import caught_decoder_lines
+    from vision.camera import CameraError
+    from vision.picture_turn import orientation
     from vision.sources import read_picture
 
-    return read_picture(path)
+    with caught_decoder_lines() as said:
+        picture = read_picture(path)
+    if said.damage:
+        raise CameraError(f"{path}: a damaged picture: {said.damage}")
+    if said.doubt:
+        click.echo(f"{path}: the picture may be damaged: {said.doubt}", err=True)
+    told = orientation(path.read_bytes())
+    if told != 1:
+        click.echo(
+            f"{path}: its EXIF orientation, {told}, is left aside: pixels are the sensor's",
+            err=True,
+        )
+    return picture
 
 
 def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:

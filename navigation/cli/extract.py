@@ -65,7 +65,7 @@ def command(
     from planner.map_files import read_bytes
 
     begin_s = time.perf_counter()
-    picture = decode_picture(read_bytes(image), image)
+    picture, remarks = decode_picture(read_bytes(image), image)
     load_ms = 1e3 * (time.perf_counter() - begin_s)
     try:
         scene = vision.extract(
@@ -79,7 +79,7 @@ def command(
         raise ExtractError(f"{image}: {error}") from error
     total_ms = 1e3 * (time.perf_counter() - begin_s)
     timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
-    scene = replace(scene, timings_ms=timings_ms)
+    scene = replace(scene, timings_ms=timings_ms, remarks=(*remarks, *scene.remarks))
     answer = _as_json(scene) if form == "json" else _as_text(scene)
     if output is None:
         click.echo(answer, nl=False)

@@ -159,6 +159,8 @@ def _end_process(code: int) -> None:
         return
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
+        if stream is None:  # the process was started without it
+            continue
         with contextlib.suppress(OSError, ValueError):  # closed: nobody is there to be told
             stream.flush()
     os._exit(code)

@@ -42,9 +42,10 @@ def load_source(
     begin_s = clock()
     data = read_bytes(path)
     if is_picture(data) or path.suffix.lower() in PICTURE_SUFFIXES:
-        image = decode_picture(data, path)
+        image, remarks = decode_picture(data, path)
         loaded_s = clock()
         scene = _extract(image, polarity, path)
+        scene = replace(scene, remarks=(*remarks, *scene.remarks))
     else:
         scene = load_scene(path, read_picture=read_shades)
         loaded_s = clock()
@@ -52,8 +53,13 @@ def load_source(
 
 
 def read_shades(path: Path) -> Shades:
-    """A map's picture as shades in [0, 1] and a mask of its transparent pixels."""
-    image = decode_picture(read_bytes(path), path)
+    """A map's picture as shades in [0, 1] and a mask of its transparent pixels.
+
+    The cells are those of the file: map servers heed no EXIF orientation.
+    """
+    image, doubts = _decode(read_bytes(path), path)
+    if doubts:
+        raise SceneError(f"{path}: {doubts[0]}")
     most = float(np.iinfo(image.dtype).max)
     if image.ndim == 2:
         return image / most, np.zeros(image.shape, dtype=np.bool_)
@@ -83,13 +89,26 @@ def hold_points(scene: Scene, points: list[tuple[float, float]], room: float) ->
     return replace(scene, bounds=bounds)
 
 
-def decode_picture(data: bytes, path: Path) -> NDArray[Any]:
-    """A file's picture as OpenCV decodes it: grey, BGR or BGRA, 8 or 16 bits a channel.
+def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """A file's picture as it is shown, and remarks: grey, BGR or BGRA, 8 or 16 bits a channel.
 
-    Raises :class:`SceneError`, naming the file, where ``data`` is none.
+    It is turned as its EXIF orientation asks, as viewers and ``cv2.imread`` do. Raises
+    :class:`SceneError`, naming the file, where ``data`` is no picture or a damaged one.
     """
+    from vision.picture_turn import orientation, turned
+
+    image, remarks = _decode(data, path)
+    told = orientation(data)
+    if told == 1:
+        return image, remarks
+    return turned(image, told), (*remarks, f"turned as its EXIF orientation asks, {told}")
+
+
+def _decode(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """A file's picture as it is stored, and remarks."""
     import cv2
 
+    from navigation.cli.decoder_lines import caught_decoder_lines
     from vision.picture_size import oversize
 
     if not data:
@@ -97,17 +116,21 @@ def decode_picture(data: bytes, path: Path) -> NDArray[Any]:
     large = oversize(data)
     if large:
         raise SceneError(f"{path}: {large}")
-    try:
-        image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        image = None
+    with caught_decoder_lines() as said:
+        try:
+            image = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_UNCHANGED)
+        except cv2.error:
+            image = None
     if image is None and not is_picture(data):
         raise SceneError(f"{path}: not a picture: its content is none that OpenCV can decode")
     if image is None:
-        raise SceneError(f"{path}: a damaged picture, or of a kind that OpenCV cannot decode")
+        why = f" ({said.damage})" if said.damage else ""
+        raise SceneError(f"{path}: a damaged picture, or of a kind that OpenCV cannot decode{why}")
+    if said.damage:
+        raise SceneError(f"{path}: a damaged picture: {said.damage}")
     if image.dtype not in (np.uint8, np.uint16):
         raise SceneError(f"{path}: a picture of {image.dtype}: must have 8 or 16 bits a channel")
-    return image
+    return image, ((f"the picture may be damaged: {said.doubt}",) if said.doubt else ())
 
 
 def _extract(image: NDArray[Any], polarity: Polarity, path: Path) -> Scene:

@@ -11,6 +11,7 @@ import pytest
 
 from navigation.cli.main import run
 from tests.support.boards import chessboard_patch, render
+from tests.support.picture_formats import chunk, exif
 from vision.calibration import Calibration
 from vision.calibration_file import load_calibration
 
@@ -188,6 +189,21 @@ def test_a_damaged_picture_is_named_and_left_out(
     assert run(["calibrate", *given, str(missing), *BOARD]) == 2
     assert str(missing) in capsys.readouterr().err
     assert run(["calibrate", str(damaged), *BOARD]) == 2
+
+
+def test_a_picture_that_was_held_otherwise_is_taken_as_its_sensor_saw_it(
+    pictures: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    whole = sorted(pictures.glob("view[0-4].png"))
+    assert run(["calibrate", *map(str, whole), *BOARD]) == 0
+    lens = capfd.readouterr().out
+    held = tmp_path / "held.png"
+    data = whole[0].read_bytes()
+    held.write_bytes(data[:33] + chunk(b"eXIf", exif(3)) + data[33:])
+    assert run(["calibrate", str(held), *map(str, whole[1:]), *BOARD]) == 0
+    said = capfd.readouterr()
+    assert said.out == lens
+    assert f"{held}: its EXIF orientation, 3, is left aside" in said.err
 
 
 def test_a_calibration_without_a_lens_is_no_lens(

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+import vision
+from navigation.cli.decoder_lines import caught_decoder_lines
 from navigation.cli.sources import hold_points, load_source, read_shades
 from planner.scene import Bounds, SceneError
 from planner.scene_io import read_scene_text
+from tests.support.picture_formats import chunk, formats
+
+FORMATS = dict(formats())
 
 
 def arena(dark: int, light: int) -> np.ndarray:
@@ -115,3 +124,82 @@ def test_loading_is_timed_by_the_clock_that_is_given(tmp_path):
     ticks = iter([10.0, 10.25])
     scene = load_source(tmp_path / "scene", clock=lambda: next(ticks))
     assert scene.timings_ms["load"] == 250.0
+
+
+def corrupt_scan() -> bytes:
+    """A JPEG whose scan breaks off in the middle, though its end is marked."""
+    data = FORMATS["restarts.jpg"]
+    scan = data.index(b"\xff\xda")
+    return data[: scan + (len(data) - scan) // 2] + b"\xff\xd9"
+
+
+def padded() -> bytes:
+    """A JPEG with bytes of nobody's between its header and a marker, as some cameras write."""
+    data = FORMATS["grey.jpg"]
+    at = data.index(b"\xff\xdb")
+    return data[:at] + bytes(9) + data[at:]
+
+
+def no_width() -> bytes:
+    header = struct.pack(">IIBBBBB", 0, 24, 8, 0, 0, 0, 0)
+    data = FORMATS["c0_8.png"]
+    return data[:8] + chunk(b"IHDR", header) + data[33:]
+
+
+def test_what_a_decoder_complains_of_is_a_part_of_the_one_sentence(tmp_path, capfd, monkeypatch):
+    monkeypatch.setenv("OPENCV_LOG_LEVEL", "SILENT")  # as the command line does
+    for name, data, said in (
+        ("a.png", no_width(), "(libpng error: Invalid IHDR data)"),
+        ("a.jpg", corrupt_scan(), "a damaged picture: "),
+    ):
+        path = tmp_path / name
+        path.write_bytes(data)
+        with pytest.raises(SceneError) as caught:
+            load_source(path)
+        assert said in str(caught.value)
+        assert "lib" in str(caught.value) or "Corrupt JPEG data" in str(caught.value)
+        assert len(str(caught.value).splitlines()) == 1
+    assert "lib" not in capfd.readouterr().err
+
+
+def test_a_picture_with_bytes_of_nobody_s_is_read_with_a_remark(tmp_path, capfd, monkeypatch):
+    monkeypatch.setenv("OPENCV_LOG_LEVEL", "SILENT")
+    path = tmp_path / "padded.jpg"
+    path.write_bytes(padded())
+    scene = load_source(path)
+    assert len(scene.objects) == 1
+    assert any("may be damaged: Corrupt JPEG data: 9 extraneous" in a for a in scene.remarks)
+    with pytest.raises(SceneError, match="may be damaged"):
+        read_shades(path)
+    assert "Corrupt" not in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("told", range(1, 9))
+def test_a_picture_is_read_as_viewers_show_it(tmp_path, told):
+    path = tmp_path / "held.jpg"
+    path.write_bytes(FORMATS[f"turned_{told}.jpg"])
+    shown = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    scene = load_source(path)
+    assert scene.size == shown.shape[::-1]
+    assert scene.objects == vision.extract(shown).objects
+    assert any("EXIF orientation" in a for a in scene.remarks) == (told != 1)
+    cells, _ = read_shades(path)
+    assert cells.shape == (24, 32)
+
+
+def test_the_lines_of_other_programs_come_through_where_opencv_s_do(tmp_path, capfd, monkeypatch):
+    for level, seen in (("SILENT", False), ("INFO", True)):
+        monkeypatch.setenv("OPENCV_LOG_LEVEL", level)
+        with caught_decoder_lines() as said:
+            os.write(2, b"libpng warning: of no weight\nlibpng error: bad \x1b[2J thing\n")
+        assert said.lines == ("libpng error: bad [2J thing",)
+        assert ("libpng warning: of no weight" in capfd.readouterr().err) == seen
+
+
+def test_a_process_without_stderr_reads_pictures_too(tmp_path):
+    path = tmp_path / "well.png"
+    path.write_bytes(FORMATS["c0_8.png"])
+    program = f"{Path(sys.executable).with_name('clearway')} extract {path} 2>&-"
+    told = subprocess.run(program, shell=True, stdout=subprocess.PIPE, timeout=120)
+    assert told.returncode == 0
+    assert told.stdout.count(b"\nL ") == 1
