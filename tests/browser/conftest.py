@@ -17,7 +17,7 @@ PICTURES = Path(__file__).parents[2] / "build" / "browser"
 playwright_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Browser, ConsoleMessage, Page, expect, sync_playwright  # noqa: E402
 
-PATIENCE_MS = 15_000
+PATIENCE_MS = 45_000
 """Nothing may depend on the machine's being fast."""
 expect.set_options(timeout=PATIENCE_MS)
 

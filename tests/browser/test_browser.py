@@ -144,11 +144,52 @@ def test_the_whole_way_goes_by_keyboard(open_page: OpenPage, live: Live) -> None
     page.keyboard.press(",")
     expect(page.locator("#goal-stations li")).to_have_text("1.18, 1.00 m, 15°")
     expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    expect(page.locator("#send")).to_be_enabled()
     page.keyboard.press("Enter")
     expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
     stations = live.daemon.pilot.mission.stations
     assert (stations[-1].x, stations[-1].y) == (1.18, 1.0)
     assert stations[-1].heading_rad == pytest.approx(math.radians(15))
+
+
+def test_enter_before_the_plan_is_there_says_that_nothing_was_sent(
+    open_page: OpenPage, live: Live
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.locator("#stage").focus()
+    page.keyboard.press("Shift+ArrowLeft")
+    page.evaluate(
+        """() => {  // both within one task of the page: no answer can come between
+          for (let time = 0; time < 2; time += 1) {
+            document.getElementById("stage").dispatchEvent(
+              new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+          }
+        }"""
+    )
+    expect(page.locator("#refusal")).to_contain_text("Not sent: the plan is not there yet")
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    assert live.state is not State.DRIVING
+    page.keyboard.press("Enter")
+    assert wait_until(live.drives, 20.0)
+    expect(page.locator("#refusal")).to_be_hidden()
+
+
+def test_a_plan_can_be_sent_before_a_state_tells_whose_the_arena_is(
+    open_page: OpenPage, live: Live
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.evaluate(  # states stop; answers to orders go on
+        """() => {
+          const { connection } = globalThis.clearway;
+          const emit = connection.emit.bind(connection);
+          connection.emit = (kind, ...rest) => { if (kind !== "state") emit(kind, ...rest); };
+        }"""
+    )
+    click_at(page, *THERE)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    expect(page.locator("#send")).to_be_enabled(timeout=1000)
 
 
 @pytest.mark.parametrize("by", ["click", "key", "key on a focused button", "finger"])

@@ -51,7 +51,10 @@ export class Goal {
   }
 
   async submit() {
-    if (this.send.disabled) return;
+    if (this.send.disabled) {
+      if (this.#stations.length) this.say(`Not sent: ${this.#missing}`);
+      return;
+    }
     this.send.disabled = true;
     const answer = await this.connection.ask({ type: "order", order: "go", stations: this.#stations });
     if (answer.ok) this.clear();
@@ -146,14 +149,15 @@ export class Goal {
     this.#preview = null;
     this.#draw();
     this.#show();
+    this.say("");
     this.#taking = this.seat.takeIfFree();
     const taken = await this.#taking;
     if (taken.ok) {
       this.#ask();
     } else {
       this.clear();
+      this.say(taken.error);
     }
-    this.say(taken.ok ? "" : taken.error);
   }
 
   async #ask() {
@@ -173,6 +177,15 @@ export class Goal {
   #follow(state) {
     this.stopped = state.mission.state === "stopped";
     this.send.disabled = !this.#ready;
+  }
+
+  /** Why the goal cannot be sent now. */
+  get #missing() {
+    if (!this.connection.isUp) return "there is no connection";
+    if (this.stopped) return "the robot is stopped; re-arm it first";
+    if (!this.#preview) return "the plan is not there yet; look at it, then send again";
+    if (!this.#preview.ok) return "there is no plan to this goal";
+    return this.seat.isMine ? "the last order is still on its way" : "somebody else holds the arena";
   }
 
   get #ready() {

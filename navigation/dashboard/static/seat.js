@@ -3,6 +3,8 @@
 export class Seat {
   #mine = "";
   #state = null;
+  /** Taken, but no state tells of it yet: orders need not wait for one. */
+  #granted = false;
 
   constructor(connection) {
     this.connection = connection;
@@ -21,8 +23,12 @@ export class Seat {
       localStorage.setItem("clearway.name", this.name.value.trim());
       connection.join();
     });
-    connection.on("state", (state) => { this.#state = state; this.#show(); });
-    connection.on("down", () => this.#show());
+    connection.on("state", (state) => {
+      this.#state = state;
+      if (state.seat) this.#granted = false;
+      this.#show();
+    });
+    connection.on("down", () => { this.#granted = false; this.#show(); });
   }
 
   get mayDrive() {
@@ -30,19 +36,25 @@ export class Seat {
   }
 
   get isMine() {
-    return Boolean(this.#mine) && this.#state?.seat?.id === this.#mine;
+    return this.#granted || (Boolean(this.#mine) && this.#state?.seat?.id === this.#mine);
   }
 
   async toggle() {
     if (!this.mayDrive) return;
-    if (this.isMine) this.connection.send({ type: "release" });
-    else await this.takeIfFree();
+    if (this.isMine) {
+      this.#granted = false;
+      this.connection.send({ type: "release" });
+    } else {
+      await this.takeIfFree();
+    }
   }
 
   /** Make sure that this page holds the arena; {ok, error}. */
   async takeIfFree() {
     if (this.isMine) return { ok: true };
-    return this.connection.ask({ type: "take" });
+    const answer = await this.connection.ask({ type: "take" });
+    this.#granted = answer.ok;
+    return answer;
   }
 
   #show() {
