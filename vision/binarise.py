@@ -128,7 +128,8 @@ def warm_up(polarity: Polarity = "dark") -> None:
     noise = np.random.default_rng(0).normal(0.0, 1.0, ground.shape)
     blurred = cv2.GaussianBlur(walls, (0, 0), 0.7)
     uneven = ground * light
-    drawn = (ground, ground + 20.0 * noise, uneven, uneven + 8.0 * noise, blurred)
+    wild = 0.7 * ground + 50.0 + 60.0 * noise
+    drawn = (ground, ground + 20.0 * noise, wild, uneven, uneven + 8.0 * noise, blurred)
     for each in drawn:
         shown = each if polarity != "light" else 255.0 - each
         picture = np.clip(np.rint(shown), 0.0, 255.0).astype(np.uint8)

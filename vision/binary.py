@@ -2,7 +2,8 @@
 
 Rules and units
 - A pixel is obstacle where its grey value lies below the level.
-- Where noise alone could cross the level it is compared in a smoothed picture.
+- Where noise alone could cross the level it is compared in a smoothed picture; dots that are too
+  small for that are added by their depth.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ class Binary:
     multiple of eight bytes; ``grey`` (h, w), obstacles dark, ``level`` in its values;
     ``noise`` its standard deviation and ``contrast`` the step between free and obstacle.
     ``by_level``: the mask is what lies below the level in ``grey``, no more and no less.
+    ``doubtful``: even smoothed as far as may be, the noise alone could have made single pixels.
     """
 
     mask: NDArray[np.uint8]
@@ -35,6 +37,7 @@ class Binary:
     how: Binarisation
     remarks: tuple[str, ...] = ()
     by_level: bool = False
+    doubtful: bool = False
 
     @property
     def size(self) -> tuple[int, int]:
@@ -69,6 +72,6 @@ def black_and_white(
             f"noise of up to {strongest:.0f} grey levels at a contrast of {contrast:.0f}: the "
             f"picture was smoothed by {calming.sigma_px:.0f} px before the level was applied",
         )
-    mask = look.mask_below(level, calming)
+    mask = look.mask_below(level, calming, strongest)
     by_level = calming is NO_CALMING
-    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level)
+    return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level, not safe)

@@ -31,22 +31,16 @@ def calmed_histogram(grey, weights, norm):
     line = np.empty(width, np.uint8)
     rows, columns = sample_steps(height, width)
     for y in range(0, height, rows):
-        _sum_rows(grey, y, weights, sums)
+        sum_rows(grey, y, weights, sums)
         _divide(sums, weights, norm, line)
         count_greys(line[(y // rows) % columns :], columns, counters)
     return summed(counters)
 
 
-@njit(cache=True, nogil=True)
-def mark_below(grey, bound, weights, norm, mask):
-    """Mark with 1 in a padded mask (h + 2, w') where the smoothed, rounded grey is <= ``bound``."""
-    height, width = grey.shape
-    sums = np.empty(width + 2 * MARGIN, np.uint16)
-    # rounded to bound + 1 from half a grey level below it on
-    limit = np.uint16(min(max((bound + 1) * norm - norm // 2, 0), 65535))
-    for y in range(height):
-        _sum_rows(grey, y, weights, sums)
-        _compare(sums, weights, limit, mask[y + 1, 1 : width + 1])
+@njit(**LEAF)
+def sum_limit(bound, norm):
+    """The sum from which on a smoothed grey value is rounded to more than ``bound``."""
+    return np.uint16(min(max((bound + 1) * norm - norm // 2, 0), 65535))
 
 
 @njit(**LEAF)
@@ -60,7 +54,7 @@ def _mirrored(i, count):
 
 
 @njit(**LEAF)
-def _sum_rows(grey, y, weights, sums):
+def sum_rows(grey, y, weights, sums):
     """The weighted sums over five rows around row ``y``, with the margin at both ends."""
     height, width = grey.shape
     _weigh(
@@ -105,7 +99,7 @@ def _divide(sums, weights, norm, line):
 
 
 @njit(**LEAF)
-def _compare(sums, weights, limit, out):
+def compare(sums, weights, limit, out):
     """Whether the smoothed grey values of a row lie below the limit, times ``norm``."""
     width = out.shape[0]
     centre, near, far = weights

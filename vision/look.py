@@ -5,6 +5,7 @@ Grey values are 0 .. 255; noise is its standard deviation in grey levels.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise_kernels import noise_sigma, sampled_histogram
-from vision.calm_kernels import calmed_histogram, mark_below
+from vision.calm_kernels import calmed_histogram
+from vision.dot_kernels import dots_left_out, mark_below_but_dots, mark_dots
 from vision.room import Room
 
 SAFE_MARGIN_SIGMAS = 6.0
@@ -85,9 +87,10 @@ class Look:
             return cv2.GaussianBlur(self.grey, (5, 5), 0.0)
         return cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px)
 
-    def mask_below(self, level: float, calming: Calming) -> NDArray[np.uint8]:
+    def mask_below(self, level: float, calming: Calming, noise: float) -> NDArray[np.uint8]:
         """Where the smoothed picture lies below the level: 1 in a padded mask (h + 2, w').
 
+        With dots that are too small for the smoothed picture and stand out of such ``noise``.
         The mask has a margin of zeros and rows of a multiple of eight bytes; it stays until
         the room is used again.
         """
@@ -98,12 +101,18 @@ class Look:
         mask[:, 0] = 0
         mask[:, width + 1 :] = 0
         inside = mask[1:-1, 1 : width + 1]
-        bound = int(np.ceil(level)) - 1
-        if self.grey.dtype != np.uint8:
-            inside[:] = self.grey_after(calming) < level
-        elif calming.kernel is None:
-            compared = self.grey_after(calming)
-            cv2.threshold(compared, float(bound), 1, cv2.THRESH_BINARY_INV, dst=inside)
+        whole = self.grey.dtype == np.uint8
+        bound = min(max(math.ceil(level) - 1, -1), 255)
+        if whole and calming.kernel is not None:
+            places = mark_below_but_dots(self.grey, bound, *calming.kernel, mask)
+            mark_dots(self.grey, noise, places, mask)
+            return mask
+        smoothed = self.grey_after(calming)
+        if whole:
+            cv2.threshold(smoothed, float(bound), 1, cv2.THRESH_BINARY_INV, dst=inside)
         else:
-            mark_below(self.grey, bound, *calming.kernel, mask)
+            inside[:] = smoothed < level
+        if calming is not NO_CALMING:
+            of_its_kind = np.uint8(min(bound + 1, 255)) if whole else self.grey.dtype.type(level)
+            mark_dots(self.grey, noise, dots_left_out(self.grey, of_its_kind, mask), mask)
         return mask

@@ -9,6 +9,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from time import perf_counter
 from typing import Any, Literal, Protocol, TypeAlias
@@ -95,7 +96,7 @@ def extract(
         tolerance,
         separate=calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)),
     )
-    specks = find_specks(borders, binary.noise, binary.contrast)
+    specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, remarks = drop_outside(objects, placement)
     clock.lap("geometry")

@@ -14,6 +14,7 @@ from vision.binarise import binarise
 from vision.binarise_kernels import noise_sigma
 from vision.grey import PictureError, as_grey
 from vision.light import light_surface
+from vision.observe import extract
 
 SIZE = (320, 240)
 
@@ -249,3 +250,55 @@ def test_the_adaptive_level_knows_the_noise(noise: float, side: str) -> None:
     picture = draw(records, LARGE, noise=noise, rng=np.random.default_rng(9))
     shown = picture if side == "dark" else 255 - picture
     assert objects_in(shown, polarity=side, method="adaptive") == 5
+
+
+def dots(radius: float, disc: bool) -> list[CircleRecord]:
+    """Dots 26 px apart on a large picture, where there is a disc none on it."""
+    rng = np.random.default_rng(5)
+    places = [
+        (16.0 + 26 * i + rng.uniform(-5, 5), 16.0 + 26 * j + rng.uniform(-5, 5))
+        for i in range(24)
+        for j in range(18)
+    ]
+    if not disc:
+        return [CircleRecord(at, radius) for at in places]
+    far = [CircleRecord(at, radius) for at in places if math.dist(at, (320, 240)) > 90.0]
+    return [*far, CircleRecord((320.0, 240.0), 70.0)]
+
+
+@pytest.mark.parametrize(
+    ("radius", "noise", "disc"),
+    [(0.8, 10.0, False), (1.2, 20.0, False), (1.5, 20.0, False), (1.2, 20.0, True), (2, 20, True)],
+)
+def test_dots_that_stand_out_of_the_noise_are_all_counted(radius, noise, disc) -> None:
+    records = dots(radius, disc)
+    rng = np.random.default_rng(6)
+    picture = draw(records, LARGE, blur=0.5, noise=noise, rng=rng)
+    assert len(extract(picture).objects) == len(records)
+
+
+@pytest.mark.parametrize("side", ["dark", "light"])
+def test_single_pixels_nine_sigmas_deep_are_obstacles_and_noise_is_not(side: str) -> None:
+    rng = np.random.default_rng(7)
+    grey = np.full((480, 640), 215.0)
+    grey[20:120, 20:120] = 40.0
+    grey[200::40, 200::40] = 40.0
+    picture = np.clip(np.rint(grey + rng.normal(0.0, 19.0, grey.shape)), 0, 255).astype(np.uint8)
+    shown = picture if side == "dark" else 255 - picture
+    assert abs(len(extract(shown, polarity=side).objects) - (1 + 7 * 11)) <= 1
+
+
+def test_no_noise_alone_is_a_dot() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        picture = draw([CircleRecord((320, 240), 60.0)], LARGE, noise=24.0, rng=rng)
+        assert len(extract(picture).objects) == 1
+
+
+def test_dots_beside_something_large_do_not_fray_its_edge() -> None:
+    rng = np.random.default_rng(9)
+    block = polygon([(80, 60), (560, 60), (560, 420), (80, 420)])
+    picture = draw([block], LARGE, noise=20.0, rng=rng)
+    inside = binarise(picture).inside
+    assert cv2.connectedComponents(inside, connectivity=8)[0] == 2
+    assert abs(int(inside.sum()) - 480 * 360) < 400

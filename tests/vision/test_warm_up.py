@@ -10,12 +10,14 @@ import pytest
 
 COUNT = """
 import sys
-from vision import binarise_kernels as b, calm_kernels as c, support_kernels as s
+from vision import binarise_kernels as b, calm_kernels as c, dot_kernels as d
+from vision import support_kernels as s
 from vision.binarise import warm_up
 warm_up(sys.argv[1])
 kernels = (b.sampled_histogram, b.noise_sigma, b.split_histogram, b.steepest_level,
-           b.flat_histogram, c.calmed_histogram, c.mark_below, s.steps_across_level,
-           s.typical_step, s.support_by_level, s.support_of_mask)
+           b.flat_histogram, c.calmed_histogram, d.mark_below_but_dots, d.mark_dots,
+           d.dots_left_out, s.steps_across_level, s.typical_step, s.support_by_level,
+           s.support_of_mask)
 print([k.py_func.__name__ for k in kernels if not k.signatures])
 """
 
