@@ -38,6 +38,8 @@ MOST_BYTES = 1 << 30
 """Bytes of a file that are read at most: a device or a sparse file may have no end."""
 LEAST_RESOLUTION_M = 1e-6
 """Smaller cells would vanish beside an origin of 1e9 m."""
+MOST_NAME = 255
+"""Characters of a picture's name, folders included: errors name it in one readable sentence."""
 PASSABLE, BLOCKED = ".GS", "@OTW"
 
 
@@ -221,6 +223,9 @@ class _HeaderReader:
         image = self.nodes["image"]
         if not isinstance(image, yaml.ScalarNode) or not image.value:
             raise self.error("image", ": must be a file name")
+        if len(image.value) > MOST_NAME:
+            said = f": a name of {len(image.value)} characters: must be at most {MOST_NAME}"
+            raise self.error("image", said)
         resolution = self.number("resolution", self.nodes["resolution"])
         if resolution <= 0.0:
             raise self.error("resolution", f" = {resolution:g}: must be > 0")

@@ -36,9 +36,15 @@ class SceneError(ValueError):
     """A scene, or a file that should hold one, cannot be used; the message says why."""
 
     def __init__(self, message: str) -> None:
-        # Words of a damaged file stand in messages: nothing of them may steer a terminal.
-        shown = (c if c.isprintable() else ascii(c)[1:-1] for c in message)
-        super().__init__("".join(shown))
+        super().__init__(printable(message))
+
+
+def printable(message: str) -> str:
+    """The message with what cannot be printed as escapes.
+
+    Words of a damaged file stand in messages: nothing of them may steer a terminal.
+    """
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
 
 
 @dataclass(frozen=True, slots=True)

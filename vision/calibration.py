@@ -21,6 +21,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from planner.scene import printable
+
 FloatArray = NDArray[np.float64]
 
 _MIN_STRETCH = 1e-3
@@ -29,6 +31,9 @@ _MIN_STRETCH = 1e-3
 
 class CalibrationError(ValueError):
     """A calibration cannot be used, made or read; the message says what and where."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

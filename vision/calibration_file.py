@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from planner.scene import printable
 from vision.calibration import Calibration, CalibrationError, FloatArray
 
 SCHEMA = "clearway.calibration/1"
@@ -145,7 +146,9 @@ def _number(node: yaml.Node, name: str, key: str) -> float:
     try:
         value = float(text)
     except ValueError as error:
-        raise CalibrationError(f"{_where(name, node)}: {key}: '{text}' is no number") from error
+        raise CalibrationError(
+            f"{_where(name, node)}: {key}: '{text[:24]}' is no number"
+        ) from error
     if not math.isfinite(value):
         raise CalibrationError(f"{_where(name, node)}: {key}: {text}: must be finite")
     return value
@@ -189,4 +192,4 @@ def _remarks(nodes: Mapping[str, yaml.Node], name: str) -> tuple[str, ...]:
         return ()
     if not isinstance(node, yaml.SequenceNode):
         raise CalibrationError(f"{_where(name, node)}: remarks: must be a list of sentences")
-    return tuple(_text(item, name, "remarks") for item in node.value)
+    return tuple(printable(_text(item, name, "remarks")) for item in node.value)

@@ -18,6 +18,8 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from planner.scene import printable
+
 Image: TypeAlias = NDArray[np.uint8]
 Clock: TypeAlias = Callable[[], float]
 SourceState: TypeAlias = Literal["closed", "running", "ended"]
@@ -25,6 +27,9 @@ SourceState: TypeAlias = Literal["closed", "running", "ended"]
 
 class CameraError(ValueError):
     """A camera cannot be opened or gives no more pictures; the message says which and why."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

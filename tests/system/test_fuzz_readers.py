@@ -20,6 +20,7 @@ from vision.calibration import CalibrationError
 from vision.calibration_file import load_calibration
 from vision.camera import CameraError
 from vision.files import read_picture
+from vision.grey import PictureError
 
 NO_WHOLE_NUMBERS = ("float.tif", ".pfm", ".hdr")
 READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]
@@ -49,7 +50,7 @@ def test_the_campaign_would_see_a_traceback_and_a_sentence_over_two_lines(tmp_pa
         return {}[path]
 
     def babbles(path: Path) -> object:
-        raise CalibrationError(f"{path}: bad\nand worse")
+        raise PictureError(f"{path}: bad\nand worse")
 
     assert "KeyError" in wrong_answer(Reader(stumbles, "x"), b"", tmp_path)
     assert "not one sentence" in wrong_answer(Reader(babbles, "x"), b"", tmp_path)
@@ -148,3 +149,35 @@ def test_what_a_file_says_cannot_steer_the_terminal(tmp_path: Path) -> None:
     assert told.code == 2
     assert "\\x1b[2J" in told.err
     assert "\x1b" not in told.err
+
+
+@pytest.mark.parametrize("word", ["\\e[2J", "\\ufeff", "1\\u202e0"])
+def test_what_a_calibration_says_cannot_steer_the_terminal(word: str, tmp_path: Path) -> None:
+    data = seeds()["calibration"][1]
+    for well in (b"0.47500000000000003", b"remarks: []"):
+        new = f'"{word}"' if well.startswith(b"0") else f'remarks: ["{word}"]'
+        path = tmp_path / "c.yaml"
+        path.write_bytes(data.replace(well, new.encode()))
+        try:
+            said = "".join(load_calibration(path).remarks)
+        except CalibrationError as error:
+            said = str(error)
+        assert "\\" in said
+        assert said.isprintable()
+
+
+def test_a_name_cannot_steer_the_terminal_either(tmp_path: Path) -> None:
+    for path in (tmp_path / "\x1b[2J.png", tmp_path / "\u202e.png"):
+        for data in (b"", b"none"):
+            path.write_bytes(data)
+            with pytest.raises(CameraError) as caught:
+                read_picture(path)
+            assert str(caught.value).isprintable()
+
+
+def test_a_map_whose_picture_has_an_endless_name_is_refused_at_its_place(tmp_path: Path) -> None:
+    reader, data = seeds()["ros yaml"]
+    harmed = data.replace(b"map.pgm", b"m" + b"( " * 300)
+    assert wrong_answer(reader, harmed, tmp_path) == ""
+    with pytest.raises(SceneError, match=r"map.yaml:1:8: image: a name of .* characters: must be"):
+        reader.read(tmp_path / "map.yaml")
