@@ -74,12 +74,19 @@ def _clip_at(edges: tuple[Edge, ...], axis: int, limit: float, sign: float) -> t
             if math.dist(piece.start, piece.end) <= SAME and len(places) > 2:
                 continue
             if sign * (_middle(piece)[axis] - limit) <= SAME:
-                if kept and math.dist(kept[-1].end, piece.start) > SAME:
-                    kept.append(Segment(kept[-1].end, piece.start))
+                if kept:
+                    kept += _between(kept[-1].end, piece.start)
+                    piece = _piece(piece, kept[-1].end, piece.end)
                 kept.append(piece)
-    if kept and math.dist(kept[-1].end, kept[0].start) > SAME:
-        kept.append(Segment(kept[-1].end, kept[0].start))
+    if kept:
+        kept += _between(kept[-1].end, kept[0].start)
+        kept[-1] = _piece(kept[-1], kept[-1].start, kept[0].start)
     return tuple(kept)
+
+
+def _between(end: Vec, start: Vec) -> list[Edge]:
+    """What joins two pieces: nothing where they meet but for rounding."""
+    return [Segment(end, start)] if math.dist(end, start) > SAME else []
 
 
 def _crossings(edge: Edge, axis: int, limit: float) -> list[Vec]:

@@ -65,3 +65,23 @@ def test_an_outline_inside_stays_what_it_is() -> None:
     edges = tuple(Segment(a, b) for a, b in zip(places, [*places[1:], places[0]], strict=True))
     record = PolygonRecord(edges)
     assert clip_polygon(record, BOUNDS) is record
+
+
+def test_a_cut_outline_is_closed_to_the_last_bit() -> None:
+    rng = np.random.default_rng(1)
+    cut = 0
+    for _ in range(300):
+        turns = np.sort(rng.uniform(0.0, math.tau, int(rng.integers(3, 9))))
+        around = np.column_stack([np.cos(turns), np.sin(turns)]) * rng.uniform(2.0, 40.0)
+        points = around + rng.uniform(-10.0, 90.0, 2)
+        near = rng.random(points.shape) < 0.2
+        points[near] = -0.5 + rng.choice([0.0, 1e-16, 1e-10, -1e-10], int(near.sum()))
+        places = [(float(x), float(y)) for x, y in points]
+        edges = tuple(
+            Segment(a, b) for a, b in zip(places, [*places[1:], places[0]], strict=True) if a != b
+        )
+        record = PolygonRecord(edges)
+        edges = clip_polygon(record, BOUNDS).edges
+        cut += edges != record.edges
+        assert all(a.end == b.start for a, b in zip(edges, [*edges[1:], edges[0]], strict=True))
+    assert cut > 100
