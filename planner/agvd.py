@@ -261,4 +261,7 @@ def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:
         points,
         1e-7 * borders.extent,
     )
-    return alone
+    # none where another object lies around
+    around = np.c_[alone, borders.distances(alone)[0]].tolist()
+    free = [not borders.owners_around(x, y, r).any() for x, y, r in around]
+    return alone[np.array(free, np.bool_)]

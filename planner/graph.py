@@ -1,7 +1,8 @@
 """The roadmap as a ``networkx.Graph``: what a robot of the radius can use, without spurs.
 
 Rules
-- A chain is in the graph where it keeps the radius throughout.
+- What of a chain keeps the radius is in the graph: one that is too narrow in places is cut there,
+  see ``clip.py``, and the cuts are nodes.
 - A dead end is a spur, and left out, where the disc at its end reaches less than ``REACH``
   radii beyond the disc at its junction, or where it only runs into a corner: there the
   clearance falls by more than ``TAPER`` a step. Whatever a spur leads to is reached from its
@@ -26,6 +27,7 @@ from numpy.typing import NDArray
 from planner import bisector_kernels, clear_kernels
 from planner.agvd import Chains
 from planner.bisectors import describe
+from planner.clip import Clipped
 from planner.distance_kernels import polyline_clearance
 from planner.generators import BoolArray, Borders
 from planner.scene import FloatArray, IntArray
@@ -82,14 +84,15 @@ class Run:
 
 def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
     """The chains that keep the radius as a graph."""
-    chains, borders = roadmap.chains, roadmap.borders
+    clipped, borders = roadmap.clipped, roadmap.borders
+    chains = clipped.chains
     import networkx as nx  # late: a plan counts the graph without it, and it takes 0.2 s
 
     graph: nx.Graph[int] = nx.Graph(radius=roadmap.radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
     bulge = BULGE * roadmap.spacing
     new = len(chains.node_xy)
-    for strand in lay_strands(chains, roadmap.radius):
+    for strand in lay_strands(clipped, roadmap.radius):
         u, v = strand.u, strand.v
         run = _run(chains, strand)
         owners[u] |= _owners(borders, run.pairs[:1])
@@ -118,12 +121,13 @@ def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
     return graph
 
 
-def count_graph(chains: Chains, radius: float) -> tuple[int, int]:
+def count_graph(clipped: Clipped, radius: float) -> tuple[int, int]:
     """How many nodes and edges the graph has, without making it."""
+    chains = clipped.chains
     nodes: set[int] = set()
     pairs: set[tuple[int, int]] = set()
     extra_nodes, edges = 0, 0
-    for strand in lay_strands(chains, radius):
+    for strand in lay_strands(clipped, radius):
         nodes |= {strand.u, strand.v}
         c = strand.chains[0][0]
         if chains.first[c + 1] - chains.first[c] == 1:
@@ -136,9 +140,10 @@ def count_graph(chains: Chains, radius: float) -> tuple[int, int]:
     return len(nodes) + extra_nodes, edges
 
 
-def lay_strands(chains: Chains, radius: float) -> list[Strand]:
+def lay_strands(clipped: Clipped, radius: float) -> list[Strand]:
     """The edges: maximal rows of the chains that are kept, joined where only two meet."""
-    kept = without_spurs(chains, radius)
+    chains = clipped.chains
+    kept = without_spurs(clipped, radius)
     around: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
     ends = chains.ends.tolist()
     for c in kept:
@@ -167,9 +172,10 @@ def lay_strands(chains: Chains, radius: float) -> list[Strand]:
     return strands
 
 
-def without_spurs(chains: Chains, radius: float) -> list[int]:
-    """The chains that keep the radius, less the dead ends that lead nowhere of their own."""
-    kept = set(np.flatnonzero(chains.clearance >= radius).tolist())
+def without_spurs(clipped: Clipped, radius: float) -> list[int]:
+    """The wide chains, less the dead ends that lead nowhere of their own."""
+    chains = clipped.chains
+    kept = set(np.flatnonzero(clipped.wide).tolist())
     ends, length = chains.ends.tolist(), chains.length.tolist()
     rho = chains.node_rho.tolist()
     around: defaultdict[int, set[int]] = defaultdict(set)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner import distance_kernels, overlap_kernels
-from planner.agvd import Chains
+from planner.clip import Clipped
 from planner.generators import SAME_PLACE, Borders
 from planner.scene import FloatArray
 
@@ -23,14 +23,14 @@ COMPASS = np.array([(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
 """Where a circle reaches farthest along the axes."""
 
 
-def remarks_on(borders: Borders, chains: Chains, radius: float) -> tuple[str, ...]:
+def remarks_on(borders: Borders, clipped: Clipped, radius: float) -> tuple[str, ...]:
     """Sentences on the scene's objects and on a roadmap that is empty."""
     out: list[str] = []
     if not len(borders.span):
         out.append("the scene has no objects: the roadmap is that of the empty bounds")
     out += _some(_relations(borders), "pairs of obstacles that meet or nest")
     out += _some(_strays(borders), "obstacles that leave the bounds")
-    if not (chains.clearance >= radius).any():
+    if not clipped.wide.any():
         out.append(f"the roadmap is empty: no way is {2.0 * radius:g} wide")
     return tuple(out)
 

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from planner import distance_kernels
 from planner.agvd import Agvd, Chains, diagram, join_chains, omit_invalid, solve_chains
+from planner.clip import Clipped, clip_chains
 from planner.generators import (
     Borders,
     HasPrimitives,
@@ -75,12 +76,19 @@ class Roadmap:
         return self.agvd.borders
 
     @property
+    def clipped(self) -> Clipped:
+        """The chains, cut where their clearance passes the radius."""
+        if "clipped" not in self._made:
+            self._made["clipped"] = clip_chains(self.borders, self.chains, self.radius)
+        return self._made["clipped"]  # type: ignore[no-any-return]
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """Plain sentences: objects that touch, cross, nest or coincide; an empty roadmap."""
         if "remarks" not in self._made:
             from planner.remarks import remarks_on
 
-            self._made["remarks"] = remarks_on(self.borders, self.chains, self.radius)
+            self._made["remarks"] = remarks_on(self.borders, self.clipped, self.radius)
         return self._made["remarks"]  # type: ignore[no-any-return]
 
     @property
@@ -89,7 +97,7 @@ class Roadmap:
         from planner.graph import count_graph
 
         generators, vertices = self.agvd.counts
-        nodes, edges = count_graph(self.chains, self.radius)
+        nodes, edges = count_graph(self.clipped, self.radius)
         return {
             "generators": generators,
             "voronoi_vertices": vertices,
@@ -104,7 +112,8 @@ class Roadmap:
         Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``geometry``
         (:class:`planner.bisectors.Piece` in order), ``polyline`` (n, 2) through exact places,
         which leaves it by 5 % of the spacing at most, ``length`` (the polyline's), ``clearance``
-        (its minimum, exact, never below the radius; the polyline's is at most 1e-4 less) and
+        (its minimum, exact, never below the radius but by rounding; the polyline's is at most 1e-4
+        less) and
         ``owners``.
         """
         if "graph" not in self._made:

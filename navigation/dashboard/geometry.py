@@ -24,14 +24,15 @@ def world_message(roadmap: Roadmap, number: int) -> bytes:
 
     Arrays: ``border`` points with ``border_first`` (where each begins, and the end),
     ``border_object`` and ``border_closed``; ``chain`` points with ``chain_clearance``,
-    ``chain_first`` and ``chain_usable`` (1: on the roadmap of this robot).
+    ``chain_first`` and ``chain_usable`` (1: on the roadmap of this robot), cut where that ends.
     """
     scene = roadmap.scene
     assert isinstance(scene, Scene)
     borders, owner, closed = _borders(scene)
-    chains = roadmap.chains
+    clipped = roadmap.clipped
+    chains = clipped.chains
     usable = np.zeros(len(chains), dtype=np.uint8)
-    usable[without_spurs(chains, roadmap.radius)] = 1
+    usable[without_spurs(clipped, roadmap.radius)] = 1
     arrays: dict[str, NDArray[np.generic]] = {
         "border": _single(borders),
         "border_first": _firsts(borders),

@@ -20,8 +20,8 @@ EVERYWHERE = Bounds(-1e6, -1e6, 1e6, 1e6)
 @pytest.mark.parametrize("name", list(hand_made()))
 def test_graph_holds_every_chain_it_keeps_from_end_to_end(name: str) -> None:
     roadmap = planner.build_roadmap(hand_made()[name], 3.0)
-    chains = roadmap.chains
-    kept = [c for s in lay_strands(chains, 3.0) for c, _ in s.chains]
+    chains = roadmap.clipped.chains
+    kept = [c for s in lay_strands(roadmap.clipped, 3.0) for c, _ in s.chains]
     assert len(set(kept)) == len(kept)
     total = sum(data["length"] for _, _, data in roadmap.graph.edges(data=True))
     # chords that would be narrower than their edge are halved, and so a little longer
@@ -45,7 +45,7 @@ def test_only_halving_nodes_have_two_edges(seed: int) -> None:
     roadmap = planner.build_roadmap(random_scene(rng), float(rng.uniform(1.5, 6.0)))
     graph = roadmap.graph
     for n, degree in graph.degree():
-        if degree != 2 or n >= len(roadmap.chains.node_xy):
+        if degree != 2 or n >= len(roadmap.clipped.chains.node_xy):
             continue
         # a node of a closed way without a junction, which has to begin somewhere
         part = nx.node_connected_component(graph, n)
@@ -74,7 +74,7 @@ def test_a_halved_edge_is_as_wide_as_its_own_half() -> None:
         "L 4 (182.33,40.35)(182.37,41.89)(178.42,24.03)(189.28,29.47)\nP (357.31,107.29)\n"
     )
     roadmap = planner.build_roadmap(scene, 11.261981799457654)
-    halves = [n for n in roadmap.graph if n >= len(roadmap.chains.node_xy)]
+    halves = [n for n in roadmap.graph if n >= len(roadmap.clipped.chains.node_xy)]
     assert halves
     for _, _, data in roadmap.graph.edges(halves, data=True):
         parts = zip(data["polyline"], data["polyline"][1:], strict=False)

@@ -23,9 +23,9 @@ Edge = tuple[float, ...]
 
 def _edges(roadmap: Roadmap) -> FloatArray:
     """Every edge of the graph: its two ends, clearance and length, sorted; a loop has no ends."""
-    c = roadmap.chains
+    c = roadmap.clipped.chains
     rows = []
-    for strand in lay_strands(c, roadmap.radius):
+    for strand in lay_strands(roadmap.clipped, roadmap.radius):
         ids = [k for k, _ in strand.chains]
         ends = sorted(np.round(c.node_xy[[strand.u, strand.v]], 4).tolist())
         if strand.u == strand.v:
