@@ -21,6 +21,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import (
     ARC,
     CIRCLE,
@@ -42,7 +43,7 @@ SMOOTH = 1e-3
 """Sine of the turn below which a joint counts as smooth, so that it needs a corner point."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _end(kind, data, backwards, i, last):
     """The first or last point of primitive i in its border's order."""
     if kind[i] == SEGMENT:
@@ -66,7 +67,7 @@ def _tangent(kind, data, backwards, i, x, y):
     return dx / d, dy / d
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _length(kind, data, i):
     if kind[i] == SEGMENT:
         return math.sqrt((data[i, 2] - data[i, 0]) ** 2 + (data[i, 3] - data[i, 1]) ** 2)
@@ -155,7 +156,7 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
     return following, preceding, solid, crossed
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _x_range(kind, data, i):
     """A range of x that primitive i lies within."""
     if kind[i] == SEGMENT:
@@ -191,7 +192,7 @@ def _crosses_itself(kind, data, first, last):
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _meet(kind, data, i, j):
     """Whether two segments or arcs have a point in common."""
     if kind[j] == SEGMENT:
@@ -213,7 +214,7 @@ def _meet(kind, data, i, j):
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _signed_area(kind, data, backwards, first, last):
     """Area inside a closed chain, positive where it turns from x to y."""
     area = 0.0
@@ -261,7 +262,7 @@ def corner_points(kind, data, backwards, following, preceding, solid, every):
     return at[:c], before[:c], after[:c]
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def count_generators(kind, data, spacing):
     """An upper bound of the number of generators, as a float: it may be astronomical."""
     total = 0.0
@@ -389,7 +390,7 @@ def free_vertices(
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, tolerance):
     """Whether a Voronoi edge between two labels belongs to the diagram."""
     if paper:
@@ -404,7 +405,7 @@ def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, toler
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def is_end(kind, data, p, q, k, before, after, tolerance):
     """Whether p is a point that lies on piece q, as a corner point on its sides."""
     if p >= k:

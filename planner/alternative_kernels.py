@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.route_kernels import between, gates_of, lay, left_to, put_behind, search
 
 COST, ENTRY, EXIT, BEGIN, END, TAKEN = 0, 1, 2, 3, 4, 5
@@ -52,7 +53,7 @@ def _noted(routes, steps, count, cost, entry, out, root, rest):
     return routes, steps, count + 1
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _shut_repeats(access, cost, rounding):
     """Shut the gates of all entries but one at each place: beyond it their routes are the same.
 
@@ -67,7 +68,7 @@ def _shut_repeats(access, cost, rounding):
                 cost[2 * j], cost[2 * j + 1] = np.inf, np.inf
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _bar_own(where, cost, barred):
     """Bar the steps over a station's own chain, where it stands on one only.
 
@@ -83,7 +84,7 @@ def _bar_own(where, cost, barred):
         barred[2 * own], barred[2 * own + 1] = True, True
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _passes(way, chain):
     """Whether the steps lead over the whole of a chain."""
     passes = False

@@ -18,6 +18,7 @@ import numpy as np
 from numba import njit
 
 from planner.bisector_kernels import slide_between
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import foot, nearest, point_to_segment, polyline_clearance
 
 SHRINKS = 60
@@ -93,7 +94,7 @@ def nearest_links(points, first, x, y, count):
     return chain, link, part, away
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _to_ends(first, rho, gap, cost, proved, chain, link, part, out):
     """Write cost and clearance from a place inside a chain to its first and to its last point.
 

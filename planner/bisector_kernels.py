@@ -20,6 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import SEGMENT, foot, segment_clearance
 
 STEPS = 40
@@ -32,7 +33,7 @@ HALVINGS = 20
 """How often one link is halved at most; its bulge falls by four with each."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _normal(kind, data, i, x, y):
     """Distance from piece i and the unit vector from its foot to (x, y)."""
     fx, fy = foot(kind, data, i, x, y)
@@ -43,7 +44,7 @@ def _normal(kind, data, i, x, y):
     return d, dx / d, dy / d
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     """The place equidistant to three pieces near (x, y): x, y, whether it was found."""
     sx, sy = x, y
@@ -69,7 +70,7 @@ def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     return sx, sy, False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def slide_between(kind, data, a, b, x, y, tolerance):
     """Slide (x, y) onto the bisector of two pieces: x, y, whether it got there."""
     sx, sy = x, y
@@ -87,7 +88,7 @@ def slide_between(kind, data, a, b, x, y, tolerance):
     return sx, sy, False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def turn_at(kind, data, corner, side, c, x, y, tolerance):
     """The place on a primitive's normal at its corner point that piece c is as near to."""
     px, py = data[corner, 0], data[corner, 1]
@@ -115,7 +116,7 @@ def turn_at(kind, data, corner, side, c, x, y, tolerance):
     return x, y, False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def heading(kind, data, left, right, x, y):
     """The direction along the bisector with ``left`` to the left, and how clearance grows.
 
@@ -136,7 +137,7 @@ def heading(kind, data, left, right, x, y):
     return tx, ty, (nx * tx + ny * ty) / d
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
     """The bisector's least clearance between two of its places, if inside: x, y, found."""
     lo, hi = 0.0, 1.0

@@ -22,6 +22,7 @@ from planner.agvd_kernels import (
     place_generators,
     without_repeats,
 )
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import POINT, build_tree, object_spans, with_middles
 
 
@@ -214,7 +215,7 @@ def patch_borders(kept, objects, old, came, fresh):
     return arrays, label, new_label
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _renumber(
     label, arrays, k, out_backwards, out_solid, out_following, out_preceding, out_before, out_after
 ):

@@ -22,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from planner.bisector_kernels import heading, narrowest, slide_between
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import (
     POINT,
     SEGMENT,
@@ -44,7 +45,7 @@ HALF_AT_MOST = 0.75
 """A half of a line's part of it, at most: what slides elsewhere is another branch's."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def solve_rings(mesh, node, at, kind, data, before, after, half, tolerance, xy, rho, state):
     """Slide the nodes of closed runs onto their bisectors: they were passages until now."""
     tri, label = mesh[1], mesh[2]
@@ -65,7 +66,7 @@ def solve_rings(mesh, node, at, kind, data, before, after, half, tolerance, xy, 
         state[i] = INTRUDED if which >= 0 else (EXACT if found else KEPT)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _order_turns(kind, data, at, link, half, place, pair, run, last):
     """Swap turning points of the two sides that sampling put in the wrong order.
 
@@ -120,7 +121,7 @@ def _more(extra, extra_label, where):
     return new, new_label, new_where
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _is_between(kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance):
     """Whether m lies ahead of a, where u is ahead, and before b, as far as that can be told."""
     near = 16.0 * half * half
@@ -140,7 +141,7 @@ def _is_between(kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, t
     return square > near and tx * vx + ty * vy <= 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _across(kind, data, left, right, x, y):
     """A place and a direction of the line that the two pieces are nearest along, as seen there.
 
@@ -157,7 +158,7 @@ def _across(kind, data, left, right, x, y):
     return px, py, data[right, 0] - px, data[right, 1] - py
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
     """The narrowest place of the bisector between a and b, if inside: x, y, found.
 
@@ -182,7 +183,7 @@ def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
     return x, y, found and (x - mx) ** 2 + (y - my) ** 2 <= reach
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
     """Whether a place is as near to both pieces as to anything."""
     return (
@@ -191,7 +192,7 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
     """Whether the middle of a straight bisector's link is as near to both of its pieces.
 

@@ -17,10 +17,11 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import LEAF, POINT, SEGMENT, distance, segment_distance
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, keep):
     """Whether primitive i lies beyond a line's box, or ``keep`` or more to one of its sides.
 
@@ -46,7 +47,7 @@ def _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, keep):
     return abs(off) - r >= keep
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
     """A primitive nearer than ``keep`` to the segment a b, -1 where there is none.
 
@@ -97,7 +98,7 @@ def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
     return -1
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def keeps(kind, data, order, large, boxes, line, keep):
     """Whether the polyline (n, 2), n >= 1, is nowhere nearer than ``keep`` to any primitive."""
     last = len(line) - 1
@@ -112,7 +113,7 @@ def keeps(kind, data, order, large, boxes, line, keep):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def spare(kind, data, order, large, boxes, x, y, most):
     """The distance from (x, y) to the nearest primitive, or ``most`` where that is less."""
     best = most

@@ -19,6 +19,7 @@ import numpy as np
 from numba import njit
 
 from planner.bisector_kernels import slide_between
+from planner.borrowing_kernels import BORROWING
 from planner.clear_kernels import keeps
 from planner.distance_kernels import ARC, CIRCLE, foot
 
@@ -28,7 +29,7 @@ TURNS_RAD = (0.2, 0.05)
 """How far a border's foot may turn from one portal to the next: tried in this order."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _look(kind, data, left, right, x, y, out):
     """Write a place and, from the feet on both sides, the vectors to it and their lengths."""
     out[0], out[1] = x, y
@@ -40,7 +41,7 @@ def _look(kind, data, left, right, x, y, out):
     out[5], out[6], out[7] = dx, dy, math.sqrt(dx * dx + dy * dy)
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _portal(seen, keep, out):
     """Write left x, y and right x, y of the portal at a place that was looked from."""
     s = 1.0 - keep / seen[4] if seen[4] > keep else 0.0
@@ -49,7 +50,7 @@ def _portal(seen, keep, out):
     out[2], out[3] = seen[0] - t * seen[5], seen[1] - t * seen[6]
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _turns_little(a, b, round_left, round_right, least_cosine):
     """Whether the directions from both pieces' feet turn by little from one place to another.
 
@@ -62,7 +63,7 @@ def _turns_little(a, b, round_left, round_right, least_cosine):
     return bulge <= (1.0 - least_cosine) * n and other <= (1.0 - least_cosine) * e
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _roundness(kind, data, piece, keep):
     """How much more a chord around a piece bulges than one around a point."""
     if kind[piece] == CIRCLE or kind[piece] == ARC:
@@ -132,12 +133,12 @@ def _grown(table):
     return more
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _side(ax, ay, bx, by, cx, cy):
     return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def between(gates, sx, sy, gx, gy):
     """The first and last portal that the way from s to g has to pass: first, last + 1.
 

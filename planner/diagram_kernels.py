@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.insertion_kernels import DEAD, conflict, load_sites, triangulate
 from planner.predicate_kernels import SCRATCH, circumcentre, in_circle, orient
 
@@ -24,7 +25,7 @@ TURNED, NOT_EMPTY, WRONG_FLAG, NOT_CONVEX = 1, 2, 3, 4
 """What `certify` may find: at a vertex, at an edge, at an edge, at a half-edge."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def first_bad_row(sites, limit):
     """The first row with a NaN, an infinity or a magnitude above `limit`, or -1."""
     for i in range(sites.shape[0]):

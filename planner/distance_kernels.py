@@ -20,6 +20,8 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
+
 POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
 LEAF = 4
 """Primitives in a leaf of the tree."""
@@ -31,7 +33,7 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def on_sweep(data, i, x, y):
     """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
     dx, dy = x - data[i, 0], y - data[i, 1]
@@ -55,7 +57,7 @@ def with_middles(kind, data):
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def foot(kind, data, i, x, y):
     """The point of primitive i that is nearest to (x, y)."""
     k = kind[i]
@@ -73,7 +75,7 @@ def foot(kind, data, i, x, y):
     return _round_foot(kind, data, i, x, y)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _round_foot(kind, data, i, x, y):
     """The point of a circle or an arc that is nearest to (x, y)."""
     cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
@@ -93,7 +95,7 @@ def _round_foot(kind, data, i, x, y):
     return x1, y1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def distance(kind, data, i, x, y):
     """Distance from (x, y) to primitive i."""
     k = kind[i]
@@ -104,7 +106,7 @@ def distance(kind, data, i, x, y):
     return math.sqrt((x - fx) ** 2 + (y - fy) ** 2)
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def point_to_segment(px, py, ax, ay, bx, by):
     """Distance from p to the segment a b, and how far along (0 to 1) its foot lies."""
     dx, dy = bx - ax, by - ay
@@ -115,7 +117,7 @@ def point_to_segment(px, py, ax, ay, bx, by):
     return math.sqrt((px - ax - t * dx) ** 2 + (py - ay - t * dy) ** 2), t
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
     """Distance between segments a b and c d, and where along a b it is taken."""
     ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
@@ -139,7 +141,7 @@ def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
     return best, at
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def segment_distance(kind, data, i, ax, ay, bx, by):
     """Distance between the segment a b and primitive i, and where along a b it is taken.
 
@@ -179,7 +181,7 @@ def segment_distance(kind, data, i, ax, ay, bx, by):
     return best, at
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def box_of(kind, data, i, box):
     """The box of primitive i: x_min, y_min, x_max, y_max (of the whole circle for an arc)."""
     if kind[i] == SEGMENT:
@@ -191,7 +193,7 @@ def box_of(kind, data, i, box):
     box[1], box[3] = data[i, 1] - r, data[i, 1] + r
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _spread(v):
     """The 16 low bits of v, one every second bit."""
     v = (v | (v << 8)) & 0x00FF00FF
@@ -246,7 +248,7 @@ def build_tree(kind, data):
     return order, large, boxes
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _box_distance2(boxes, node, x, y):
     dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
     dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
@@ -287,7 +289,7 @@ def nearest(kind, data, order, large, boxes, x, y, bound):
     return best, which
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
     """A lower bound of the distance between a box and a segment with unit normal (nx, ny)."""
     x0, y0, x1, y1 = boxes[node, 0], boxes[node, 1], boxes[node, 2], boxes[node, 3]
@@ -362,7 +364,7 @@ def polyline_clearance(kind, data, order, large, boxes, points):
     return best, px, py, piece, where
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _crosses(kind, data, i, x, y):
     """Whether a rightward ray from (x, y) crosses primitive i an odd number of times.
 
@@ -381,7 +383,7 @@ def _crosses(kind, data, i, x, y):
     return k == ARC and _arc_crossings(data, i, x, y) % 2 == 1
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def crossings(kind, data, owner, solid, x, y, inside):
     """Toggle ``inside[owner]`` once for every crossing of a rightward ray from (x, y).
 
@@ -393,7 +395,7 @@ def crossings(kind, data, owner, solid, x, y, inside):
             inside[o] = not inside[o]
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _arc_crossings(data, i, x, y):
     """How often a rightward ray from (x, y) crosses the arc."""
     cx, cy, r, a0 = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
@@ -440,7 +442,7 @@ def object_spans(kind, data, owner, count):
     return boxes, span
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _ray_is_inside(kind, data, owner, solid, boxes, span, x, y):
     """Whether (x, y) lies in any object, by one ray."""
     for o in range(len(boxes)):
@@ -455,7 +457,7 @@ def _ray_is_inside(kind, data, owner, solid, boxes, span, x, y):
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def in_object(kind, data, owner, solid, boxes, span, x, y, reach):
     """Whether (x, y), ``reach`` away from every border, lies in an object, by even-odd.
 

@@ -16,6 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
+
 WHOLE_LIMIT = 2.0**57
 """Differences are scaled below this, so that two parts add up to at most 58 bits."""
 NOT_WHOLE = -(1 << 62)
@@ -26,7 +28,7 @@ SPLITTER = 134_217_729.0
 """2^27 + 1: splits a float64 into two halves (Dekker 1971)."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def difference(a, b, out):
     """out = a - b, exactly (2 terms at most)."""
     s = a - b
@@ -40,7 +42,7 @@ def difference(a, b, out):
     out[0] = n
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def add(e, f, sign, out):
     """out = e + sign * f, exactly; zero terms are dropped."""
     n_e, n_f = np.int64(e[0]), np.int64(f[0])
@@ -66,7 +68,7 @@ def add(e, f, sign, out):
     out[0] = m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def scale(e, factor, out):
     """out = e * factor, exactly; zero terms are dropped."""
     c = SPLITTER * factor
@@ -98,7 +100,7 @@ def scale(e, factor, out):
     out[0] = m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def product(e, f, out, spare):
     """out = e * f, exactly; `spare` has room for twice the result."""
     half = spare.shape[0] // 2
@@ -111,7 +113,7 @@ def product(e, f, out, spare):
             out[i] = total[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def two_products(a, b, c, d, sign, out, spare):
     """out = a * b + sign * c * d, exactly; `spare` has room for four products."""
     quarter = spare.shape[0] // 4
@@ -121,7 +123,7 @@ def two_products(a, b, c, d, sign, out, spare):
     add(left, right, sign, out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def value(e):
     """The value of an expansion, rounded."""
     total = 0.0
@@ -130,13 +132,13 @@ def value(e):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def sign_of(x):
     """-1, 0 or 1."""
     return (1 if x > 0.0 else 0) - (1 if x < 0.0 else 0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def as_whole(a, b, factor):
     """(a - b) * factor as an integer of at most 58 bits, or NOT_WHOLE; factor: a power of two."""
     high = a - b
@@ -151,7 +153,7 @@ def as_whole(a, b, factor):
     return i + j
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def minor(ax, ay, bx, by):
     """ax * by - ay * bx as limbs."""
     ax_0, ax_1, ay_0, ay_1 = ax & LIMB, ax >> 29, ay & LIMB, ay >> 29
@@ -162,7 +164,7 @@ def minor(ax, ay, bx, by):
     return m_0 & LIMB, m_1 & LIMB, m_2 & LIMB, m_2 >> 29
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def limb_product(m, s):
     """The product of two numbers of four limbs as seven sums, without carries."""
     return (

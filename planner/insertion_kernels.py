@@ -32,6 +32,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.predicate_kernels import SCRATCH, UNIT, in_circle, orient
 from planner.site_order_kernels import coarse_to_fine, spatial_order
 
@@ -43,7 +44,7 @@ CIRCLE_SLACK = 32.0 * UNIT
 """Twice the first-order error bound of a circle's centre, see `circle_band`."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def load_sites(sites, order, xy):
     """Scale the sites into xy[: 2n], in this order; returns the factor that scales back."""
     n = order.shape[0]
@@ -68,7 +69,7 @@ def load_sites(sites, order, xy):
     return exponent
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def conflict(w, xy, ghost, tri, t, px, py):
     """1 where p removes triangle t (given as 8 t), 0 where it lies on its circle, else -1; exact.
 
@@ -92,7 +93,7 @@ def conflict(w, xy, ghost, tri, t, px, py):
     return 1 if min(ay, by) < py < max(ay, by) else -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _locate(w, xy, ghost, tri, t, px, py):
     """The triangle (as 8 t) that p removes, or -1 - site where p coincides with that site.
 
@@ -131,7 +132,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
     return t
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _first_triangle(w, xy, n, ghost, tri, circ):
     """Lay the first triangle and its ghosts; returns its three sites, -1 where there is none."""
     second = 1
@@ -176,7 +177,7 @@ def _first_triangle(w, xy, n, ghost, tri, circ):
     return a, second, third
 
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
     """The circle through p and the sites at a and b from it: x, y, and its squared radii.
 

@@ -20,6 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.diagram_kernels import finite_vertices, list_edges
 from planner.distance_kernels import ARC, CIRCLE, distance, in_object
 from planner.insertion_kernels import DEAD
@@ -81,7 +82,7 @@ def centres(xy, ghost, up, tri, circ, seen, at, state, side):
     return changed[:n]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _is_joined(xy, up, tri, at, i, k, j, limit):
     """Whether the Voronoi edge from i over half-edge k to j stays off the borders."""
     a, b = np.int64(tri[8 * i + ((9 >> (2 * k)) & 3)]), np.int64(tri[8 * i + ((18 >> (2 * k)) & 3)])
@@ -152,7 +153,7 @@ def mark_sides(
             side[queue[m]] = known
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _nearest_site(xy, tri, h, x, y):
     """The half-edge opposite the site nearest to (x, y), scaled, by walking from h's site."""
     s = np.int64(tri[h])
@@ -177,7 +178,7 @@ def _nearest_site(xy, tri, h, x, y):
         h = to
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def largest_sag(kind, data, half):
     """The largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
     sag = 0.0
@@ -188,7 +189,7 @@ def largest_sag(kind, data, half):
     return sag
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def nearest_piece(
     mesh, kind, data, before, after, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=-1
 ):  # fmt: skip

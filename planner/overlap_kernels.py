@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import (
     POINT,
     SEGMENT,
@@ -29,7 +30,7 @@ MEET, WITHIN = 1, 2
 """How two objects are related: their borders meet, or the first lies inside the second."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _start(kind, data, i):
     """A point of primitive i."""
     if kind[i] == POINT or kind[i] == SEGMENT:
@@ -38,7 +39,7 @@ def _start(kind, data, i):
     return data[i, 0] + data[i, 2] * math.cos(a), data[i, 1] + data[i, 2] * math.sin(a)
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _meet(kind, data, i, j, tolerance):
     """Whether primitives i and j come within the tolerance of each other."""
     if kind[j] == POINT or kind[j] == SEGMENT:

@@ -16,6 +16,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.exact_kernels import (
     LIMB,
     NOT_WHOLE,
@@ -43,7 +44,7 @@ SCRATCH = 5247
 """Room for the expansions of `_in_circle_exact`, the longest of 1,536 terms."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _orient_exact(w, ax, ay, bx, by, cx, cy):
     """The sign of `orient` by expansions."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]
@@ -56,7 +57,7 @@ def _orient_exact(w, ax, ay, bx, by, cx, cy):
     return sign_of(out[np.int64(out[0])])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py):
     """The sign of `in_circle` by expansions."""
     adx, ady, bdx, bdy, cdx, cdy = w[0:3], w[3:6], w[6:9], w[9:12], w[12:15], w[15:18]
@@ -82,7 +83,7 @@ def _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py):
     return sign_of(total[np.int64(total[0])])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _in_circle_whole(ax, ay, bx, by, cx, cy):
     """The sign of `in_circle` for whole differences to p of at most 58 bits."""
     one = limb_product(minor(bx, by, cx, cy), minor(ax, -ay, ay, ax))
@@ -100,7 +101,7 @@ def _in_circle_whole(ax, ay, bx, by, cx, cy):
     return 1 if carry > 0 else -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def orient(w, ax, ay, bx, by, cx, cy):
     """1 where a, b, c turn left, -1 right, 0 on one line; exact. `w`: SCRATCH floats."""
     left = (ax - cx) * (by - cy)
@@ -126,7 +127,7 @@ def orient(w, ax, ay, bx, by, cx, cy):
     return _orient_exact(w, ax, ay, bx, by, cx, cy)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
     """1 where p lies inside the circle through a, b, c (turning left), -1 outside, 0 on it; exact.
 
@@ -175,7 +176,7 @@ def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
     return (1 if whole > 0 else 0) - (1 if whole < 0 else 0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def circumcentre(w, ax, ay, bx, by, cx, cy):
     """The centre of the circle through three sites not on one line, to a few ulps of its reach."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]

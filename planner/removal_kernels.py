@@ -17,11 +17,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.insertion_kernels import DEAD, circle_band
 from planner.predicate_kernels import SCRATCH, in_circle, orient
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _circle(px, py, ax, ay, bx, by):
     """The circle of three sites: x, y, and the squared radii that `circle_band` explains."""
     ax, ay, bx, by = ax - px, ay - py, bx - px, by - py
@@ -31,7 +32,7 @@ def _circle(px, py, ax, ay, bx, by):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _find_ear(w, xy, ring, m, circle):
     """The first corner of a hole that is a triangle with an empty circle with its neighbours.
 
@@ -64,7 +65,7 @@ def _find_ear(w, xy, ring, m, circle):
     return -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
     """Write triangle a, b, c into slot s; outer_x is the half-edge across from x, or -1."""
     tri[s], tri[s + 1], tri[s + 2] = a, b, c
@@ -77,7 +78,7 @@ def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
         tri[s + 6], tri[outer_c + 4] = outer_c, s + 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _move(tri, circ, at, old, new):
     """Move the triangle in slot ``old`` to slot ``new``."""
     for k in range(3):

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.search_kernels import costs_from, pop, push, pushed
 
 
@@ -35,7 +36,7 @@ def gates_of(where, price, ends, floor, dearer):
     return node, cost
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def between(first, rho, gap, cost, proved, where, price, i, other_where, other_price, j):
     """Clearance and cost of the way within one chain from one station's entry to another's.
 
@@ -130,7 +131,7 @@ def left_to(around, leaving, ends, total, clearance, floor, s_where, s_price, g_
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _add(line, pair, m, x, y, left, right):
     """Write one point and the pair of its link; a repeated point takes the later link."""
     if m > 0 and line[m - 1, 0] == x and line[m - 1, 1] == y:
@@ -140,7 +141,7 @@ def _add(line, pair, m, x, y, left, right):
     return m + 1
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _beside(pieces, proved, link, forwards):
     """The pieces left and right of a link walked that way, -1 where it is straight."""
     if not proved[link]:
@@ -150,7 +151,7 @@ def _beside(pieces, proved, link, forwards):
     return pieces[link, 1], pieces[link, 0]
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _add_points(points, pieces, proved, a, b, forwards, through, line, pair, m):
     """Write the points from a to b, both included, none where b lies behind a.
 
@@ -166,7 +167,7 @@ def _add_points(points, pieces, proved, a, b, forwards, through, line, pair, m):
     return m
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _walk(points, first, pieces, proved, chain, entered, left_at, forwards, line, pair, m):
     """Write the points of a chain between two of its links; -1 stands for its end there."""
     lo, hi = first[chain], first[chain + 1] - 1
@@ -306,7 +307,7 @@ def widest_way(
     return best
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _known(used, count):
     """Whether row ``count`` is one of those before it."""
     for k in range(count):
@@ -378,7 +379,7 @@ def put_behind(line, pair, size, xy, beside):
     return line, pair
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def cheapest_inside(first, rho, gap, cost, proved, floor, s_where, s_price, g_where, g_price):
     """What the cheapest way within one chain costs, infinity where there is none."""
     best = np.inf

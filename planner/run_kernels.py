@@ -16,8 +16,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _slot(bits_x, bits_y, size):
     """Where in a table of a power of two a place is looked for first."""
     mixed = bits_x ^ (bits_x >> 17) ^ (bits_x >> 34) ^ (bits_y >> 7) ^ (bits_y >> 25)

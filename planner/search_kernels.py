@@ -16,6 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
+
 
 @njit(cache=True, nogil=True)
 def chain_costs(rho, gap, step, first, length, radius, weight):
@@ -49,7 +51,7 @@ def adjacency(ends, nodes):
     return first, leaving
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def push(keys, items, size, key, item):
     """Put an item into the heap; ``size`` is the number of entries before."""
     i = size
@@ -59,7 +61,7 @@ def push(keys, items, size, key, item):
     keys[i], items[i] = key, item
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def pop(keys, items, size):
     """Take the least; ``size`` is the number of entries before. Returns key, item."""
     key, item = keys[0], items[0]

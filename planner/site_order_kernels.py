@@ -13,13 +13,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
+
 COARSENING = 4
 """Of a round's sites, one in so many went in before."""
 CROWD = 12
 """A cell of the curve with more sites than this is sorted within itself."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _hilbert(x, y, levels):
     """The place of cell (x, y) along the Hilbert curve over 2^levels by 2^levels cells."""
     place = 0
@@ -38,7 +40,7 @@ def _hilbert(x, y, levels):
     return place
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _sort_run(sites, order, lo, hi, keyed, spare, counts):
     """Sort order[lo:hi] along a Hilbert curve over its own bounding square.
 

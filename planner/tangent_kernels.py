@@ -18,6 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import ARC, POINT, SEGMENT, TAU, segment_clearance
 from planner.search_kernels import pop, push
 
@@ -33,14 +34,14 @@ CHECK, ENTRY = 60, 10
 """What a clearance query and an entry in the queue cost, in tangents tried."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _turn(a, b, side):
     """The angle from a to b towards ``side``, in [0, 2 pi), rounding taken for none."""
     t = (side * (b - a)) % TAU
     return 0.0 if t > TAU - ANGLE else t
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _ends(kind, data, i, out):
     """Both ends of a segment or arc, each with the direction from it along the piece."""
     if kind[i] == SEGMENT:
@@ -122,7 +123,7 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
     return out[:kept]
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _exposed(discs, i, a):
     """Whether direction ``a`` lies in disc i's cone."""
     if discs[i, 4] >= TAU:
@@ -131,7 +132,7 @@ def _exposed(discs, i, a):
     return t <= discs[i, 4] + ANGLE or t >= TAU - ANGLE
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _tangent(discs, i, si, j, sj, out):
     """Write the tangent from disc i on side si to disc j on side sj; False where there is none.
 

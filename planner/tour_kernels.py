@@ -12,6 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
+
 
 @njit(cache=True, nogil=True)
 def held_karp(distance, closed):
@@ -62,7 +64,7 @@ def held_karp(distance, closed):
     return order, best
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def tour_cost(distance, tour):
     """Sum of the distances along ``tour``, ends included."""
     total = 0.0

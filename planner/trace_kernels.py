@@ -17,6 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link):
@@ -116,7 +118,7 @@ def _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link
     return kept[:chains], todo[:count]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _keep_chains(
     tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
 ):  # fmt: skip

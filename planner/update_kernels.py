@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borrowing_kernels import BORROWING
 from planner.insertion_kernels import DEAD
 from planner.removal_kernels import remove
 
@@ -20,7 +21,7 @@ SLACK = 1e-9
 """Circles count as larger by this share."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _reaches(boxes, b, x, y, r):
     """Whether box b comes within r of (x, y)."""
     dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
@@ -28,7 +29,7 @@ def _reaches(boxes, b, x, y, r):
     return dx * dx + dy * dy <= r * r * (1.0 + SLACK)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _forget_touched(boxes, at, place, rho, state, seen, stale, first, link, out, start, proved):
     """Make everything in the ``boxes`` (b, 4) be computed again.
 

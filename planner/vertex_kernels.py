@@ -21,6 +21,7 @@ from numba import njit
 
 from planner.agvd_kernels import is_end, is_valid
 from planner.bisector_kernels import meet_three, slide_between, turn_at
+from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import ARC, POINT, distance, foot
 from planner.insertion_kernels import DEAD, TINY
 from planner.mesh_kernels import FREE, nearest_piece
@@ -37,7 +38,7 @@ UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
 empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tolerance, mask):
     """Set in ``mask`` (t,) bit k where the edge opposite site k of a free triangle is valid.
 
@@ -77,13 +78,13 @@ def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tole
                 mask[n] &= ~bit
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def is_passage(mask, a, b, c):
     """Whether a vertex with labels a, b, c only passes from one edge to the next."""
     return (mask == 3 or mask == 5 or mask == 6) and (a == b or b == c or c == a)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     """Whether two pieces are equally far from (x, y) because both of their feet are one corner.
 
@@ -97,7 +98,7 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     return square >= relevant * relevant and apart <= 16.0 * tolerance * math.sqrt(square)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def solve_one(
     mesh, kind, data, before, after, owner, t, a, b, c, x, y, half, tolerance
 ):  # fmt: skip
@@ -279,7 +280,7 @@ def solve_vertices(
     return extra[:n], extra_label[:n], where[:n]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**BORROWING, error_model="numpy")
 def add_sites(xy, down, tri, label, also, todo, places, labels):
     """Write the sites ``todo``, which the mesh does not have yet, into xy and label."""
     for j in range(len(todo)):
