@@ -222,9 +222,15 @@ class StreamCamera(Capture):
 
 
 def without_password(url: str) -> str:
-    """The URL as messages may show it: user and password left out."""
-    scheme, _, rest = url.partition("://")
+    """The URL as messages may show it: user and password left out; other texts as they are."""
+    scheme, mark, rest = url.partition("://")
+    if not mark:
+        return url
     host, slash, path = rest.partition("/")
+    port = host.partition(":")[2]
+    if "@" not in host and port and not port.isdecimal() and "@" in path:
+        # A password with a slash that should have been written %2F: nothing of it is shown.
+        host, slash, path = path.rpartition("@")[2].partition("/")
     return f"{scheme}://{host.rpartition('@')[2]}{slash}{path}"
 
 

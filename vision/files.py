@@ -1,7 +1,6 @@
-"""Files as cameras: videos, single pictures and folders of pictures.
+"""Files as cameras: a picture's pixels, the pace of files, and videos.
 
 Rules and units
-- Pictures are read in the order of their names; a single picture is shown for ever.
 - Files are paced at their rate where ``paced``: a late reader gets no burst of missed frames.
 - Times are seconds on the clock passed in.
 """
@@ -14,7 +13,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+from vision.camera import CameraError, Clock, Frame, Image
 from vision.capture import Capture
 from vision.picture_size import oversize
 
@@ -75,6 +74,10 @@ class Pace:
     def restart(self) -> None:
         """The next frame is due at once."""
         self._due_s = None
+
+    def pause(self, pause_s: float) -> None:
+        """Wait, whether paced or not: what was asked for is not there yet."""
+        self._wait(pause_s)
 
     def wait_for_turn(self, rate_hz: float, timeout_s: float) -> float | None:
         """The present time when the next frame is due; None where that is after the timeout."""
@@ -140,89 +143,3 @@ class VideoCamera(Capture):
 
     def _why_not(self) -> str:
         return "neither a picture nor a video that OpenCV can decode"
-
-
-class FolderCamera:
-    """The pictures of a folder in the order of their names."""
-
-    may_repeat = True
-
-    def __init__(self, path: Path, pace: Pace, rate_hz: float | None, loop: bool) -> None:
-        self.name = str(path)
-        self.state: SourceState = "closed"
-        self.reason = ""
-        self._path = path
-        self._pace = pace
-        self._rate_wanted_hz = rate_hz or 10.0
-        self._loop = loop
-        self._rate = RateMeter()
-        self._files: list[Path] = []
-        self._next = 0
-        self._sequence = 0
-
-    @property
-    def rate_hz(self) -> float:
-        """Frames a second really got."""
-        return self._rate.rate_hz
-
-    def open(self) -> None:
-        """List the pictures; ``CameraError`` where there are none."""
-        self._files = self._list()
-        self._next = 0
-        self._rate = RateMeter()
-        self._pace.restart()
-        self.state, self.reason = "running", ""
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next picture when it is due; None before that, and after the last (``ended``)."""
-        if self.state == "closed":
-            raise CameraError(f"{self.name}: read while closed")
-        if self.state == "ended":
-            return None
-        if self._next >= len(self._files):
-            if not self._loop:
-                self.state, self.reason = "ended", f"{self.name}: no more pictures"
-                return None
-            self._next = 0
-        now_s = self._pace.wait_for_turn(self._rate_wanted_hz, timeout_s)
-        if now_s is None:
-            return None
-        image = self._picture(self._files[self._next])
-        self._next += 1
-        self._rate.add(now_s)
-        frame = Frame(image, now_s, self._sequence, self.name)
-        self._sequence += 1
-        return frame
-
-    def close(self) -> None:
-        """Forget the list; harmless when closed."""
-        self._files = []
-        self.state = "closed"
-
-    def _list(self) -> list[Path]:
-        try:
-            entries = sorted(self._path.iterdir())
-        except OSError as error:
-            raise CameraError(f"{self.name}: cannot be read: {error.strerror}") from error
-        files = [p for p in entries if p.suffix.lower() in PICTURE_SUFFIXES and p.is_file()]
-        if not files:
-            raise CameraError(f"{self.name}: a folder without pictures")
-        return files
-
-    def _picture(self, path: Path) -> Image:
-        return read_picture(path)
-
-
-class PictureCamera(FolderCamera):
-    """One picture, shown for ever; decoded once."""
-
-    def __init__(self, path: Path, pace: Pace, rate_hz: float | None) -> None:
-        super().__init__(path, pace, rate_hz, loop=True)
-        self._image: Image | None = None
-
-    def _list(self) -> list[Path]:
-        self._image = read_picture(self._path)
-        return [self._path]
-
-    def _picture(self, path: Path) -> Image:
-        return self._image if self._image is not None else read_picture(path)

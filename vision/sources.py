@@ -13,15 +13,8 @@ from pathlib import Path
 
 from vision.camera import Camera, CameraError, Clock
 from vision.capture import DeviceCamera, StreamCamera, driver_time_s, list_devices, without_password
-from vision.files import (
-    PICTURE_SUFFIXES,
-    FolderCamera,
-    Pace,
-    PictureCamera,
-    VideoCamera,
-    Wait,
-    read_picture,
-)
+from vision.files import PICTURE_SUFFIXES, Pace, VideoCamera, Wait, read_picture
+from vision.folder import FolderCamera, PictureCamera
 
 __all__ = [
     "PICTURE_SUFFIXES",
@@ -53,14 +46,23 @@ def camera_for(
     for so many seconds. Raises ``CameraError`` where the source is nothing that can be opened.
     """
     text = str(source).strip()
+    shown = without_password(text)
     if rate_hz is not None and not 0.0 < rate_hz <= 1000.0:
-        raise CameraError(f"camera {text}: rate_hz = {rate_hz}: must be in (0, 1000]")
+        raise CameraError(f"camera {shown}: rate_hz = {rate_hz}: must be in (0, 1000]")
     if size is not None and not (0 < size[0] <= 32768 and 0 < size[1] <= 32768):
-        raise CameraError(f"camera {text}: size = {size}: must be in 1..32768 pixels")
-    if text.isdecimal() or text.startswith("/dev/"):
+        raise CameraError(f"camera {shown}: size = {size}: must be in 1..32768 pixels")
+    if (text.isascii() and text.isdecimal()) or text.startswith("/dev/"):
         return DeviceCamera(text, clock, rate_hz, size)
     if text.lower().startswith(_STREAMS):
         return StreamCamera(text, clock)
+    if not text:
+        raise CameraError(
+            "the camera's source is empty: must be a number, a device, an address, a file or a "
+            "folder"
+        )
+    if "://" in text:
+        kinds = ", ".join(_STREAMS)
+        raise CameraError(f"{shown}: must begin with one of {kinds}")
     path = Path(text)
     pause = wait or threading.Event().wait
     pace = Pace(clock, pause, paced)

@@ -464,6 +464,9 @@ def test_a_stream_that_nobody_serves_is_told_of_without_its_password() -> None:
 def test_a_password_never_shows_in_a_message() -> None:
     assert without_password("rtsp://me:secret@host:554/live") == "rtsp://host:554/live"
     assert without_password("http://host/a@b") == "http://host/a@b"
+    assert without_password("http://host:80/a@b") == "http://host:80/a@b"
+    assert without_password("rtsp://me:se/cr@et@host/live") == "rtsp://host/live"
+    assert without_password("arena.png") == "arena.png"
 
 
 @given(st.floats(0.0, 1e6), st.floats(0.0, 1e6))
@@ -471,3 +474,110 @@ def test_a_driver_stamp_on_another_clock_is_not_believed(stamp_s: float, now_s: 
     told = driver_time_s(1000.0 * stamp_s, now_s)
     assert told <= now_s
     assert now_s - told <= 0.5
+
+
+def read_all(camera: Camera, reads: int) -> list[int]:
+    """The values of the pictures that so many reads gave."""
+    frames = [camera.read(1.0) for _ in range(reads)]
+    return [int(frame.image[0, 0]) for frame in frames if frame is not None]
+
+
+@pytest.mark.parametrize("paced", [True, False])
+def test_a_damaged_picture_of_a_folder_is_left_out_and_named(tmp_path: Path, paced: bool) -> None:
+    for name, value in (("a.png", 10), ("b.png", 20), ("c.png", 30)):
+        save(tmp_path / name, value)
+    (tmp_path / "b.png").write_bytes(b"no picture")
+    clock = Clock()
+    reader = LatestFrame(
+        lambda: camera_for(str(tmp_path), clock=clock, paced=paced, wait=clock.wait), clock
+    )
+    values = []
+    while reader.status().state != "ended":
+        reader.step()
+        assert reader.status().state in ("starting", "running", "ended")
+        frame = reader.take()
+        if frame is not None:
+            values.append(int(frame.image[0, 0]))
+            named = f"{tmp_path / 'b.png'}: not a picture"
+            assert reader.status().reason.startswith(named) == (values[-1] == 30)
+    assert values == [10, 30]
+    assert reader.status().reopened == 0
+
+
+def test_a_picture_that_is_still_being_written_is_waited_for(tmp_path: Path) -> None:
+    clock = Clock()
+    save(tmp_path / "a.png", 10)
+    whole = save(tmp_path / "b.png", 20).read_bytes()
+    (tmp_path / "b.png").write_bytes(whole[:60])
+    camera = camera_for(str(tmp_path), clock=clock, wait=clock.wait)
+    camera.open()
+    assert read_all(camera, 3) == [10]
+    (tmp_path / "b.png").write_bytes(whole)
+    assert read_all(camera, 1) == [20]
+    assert camera.reason == ""
+
+
+@pytest.mark.parametrize("loop", [True, False])
+def test_pictures_that_come_into_a_folder_meanwhile_are_read_too(
+    tmp_path: Path, loop: bool
+) -> None:
+    save(tmp_path / "b.png", 20)
+    camera = camera_for(str(tmp_path), clock=Clock(), paced=False, loop=loop)
+    camera.open()
+    assert read_all(camera, 1) == [20]
+    save(tmp_path / "c.png", 30)
+    save(tmp_path / "a.png", 10)
+    assert read_all(camera, 4) == ([30, 10, 20, 30] if loop else [30])
+    assert camera.state == ("running" if loop else "ended")
+
+
+def test_a_folder_of_which_nothing_can_be_read_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(b"no picture")
+    clock = Clock()
+    camera = camera_for(str(tmp_path), clock=clock, wait=clock.wait, loop=True)
+    camera.open()
+    with pytest.raises(CameraError, match=r"none of its pictures can be read; .*a\.png: not a"):
+        read_all(camera, 30)
+
+
+def test_a_picture_that_is_replaced_is_shown_anew(tmp_path: Path) -> None:
+    clock = Clock()
+    path = save(tmp_path / "a.png", 50)
+    camera = camera_for(str(path), clock=clock, wait=clock.wait)
+    camera.open()
+    first, again = camera.read(1.0), camera.read(1.0)
+    assert first is not None
+    assert again is not None
+    assert np.shares_memory(again.image, first.image)  # decoded once
+    save(tmp_path / "b.png", 90).replace(path)
+    assert read_all(camera, 2) == [90, 90]
+    path.write_bytes(b"half of it")
+    assert read_all(camera, 1) == [90]
+    said = f"{path}: not a picture that OpenCV can decode: the picture before it is shown"
+    assert camera.reason == said
+    path.unlink()
+    assert read_all(camera, 1) == [90]
+    assert "cannot be read" in camera.reason
+    save(path, 120)
+    assert read_all(camera, 1) == [120]
+    assert camera.reason == ""
+
+
+@pytest.mark.parametrize("source", ["", "  "])
+def test_a_source_without_a_name_is_not_the_present_folder(
+    source: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save(tmp_path / "a.png", 50)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CameraError, match="source is empty: must be a number, a device"):
+        camera_for(source, clock=Clock())
+    assert camera_for(".", clock=Clock()).name == "."
+
+
+def test_an_address_of_an_unknown_kind_is_no_file_and_keeps_its_password() -> None:
+    with pytest.raises(CameraError, match="htp://host/x: must begin with one of rtsp://") as caught:
+        camera_for("htp://me:secret@host/x", clock=Clock())
+    assert "secret" not in str(caught.value)
+    with pytest.raises(CameraError, match="rate_hz") as caught:
+        camera_for("rtsp://me:secret@host/x", clock=Clock(), rate_hz=-1.0)
+    assert "secret" not in str(caught.value)
