@@ -34,14 +34,15 @@ class WatchLimits:
 
     A picture that repeats is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: where
     little is sent, a network camera sends a still arena's noise as no change, nine frames in a
-    row of H.264 at 100 kbit/s.
+    row of H.264 at 100 kbit/s. ``hung_s`` lies beyond the five seconds that a stream may take to
+    say that nobody answers.
     """
 
     read_timeout_s: float = 0.5
     stalled_s: float = 1.0
     frozen_s: float = 1.0
     frozen_frames: int = 12
-    hung_s: float = 5.0
+    hung_s: float = 8.0
     first_pause_s: float = 0.25
     longest_pause_s: float = 8.0
 

@@ -258,7 +258,7 @@ def test_a_read_that_hangs_is_left_behind() -> None:
     with LatestFrame(lambda: next(waiting), clock) as reader:
         assert hanging.wait(20.0)
         assert reader.take() is None
-        clock.now_s += 6.0
+        clock.now_s += 9.0
         frame = reader.take(20.0)
         assert frame is not None
         assert frame.image[0, 0] <= 4

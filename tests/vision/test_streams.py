@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
@@ -110,3 +111,14 @@ def test_a_lost_stream_is_tried_again_with_growing_pauses_until_it_is_back(
         server.mode = "live"
         wait_for(reader, lambda s: s.state == "running")
         assert server.connections > before
+
+
+@pytest.mark.parametrize("kind", ["http", "rtsp"])
+def test_a_server_that_never_answers_is_told_and_not_taken_for_a_hung_driver(kind: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        url = f"{kind}://127.0.0.1:{silent.getsockname()[1]}/live"
+        clock = time.monotonic
+        with LatestFrame(lambda: camera_for(url, clock=clock), clock) as reader:
+            status = wait_for(reader, lambda s: s.state == "lost", 60.0)
+    assert "nobody answered within 5 s; trying again in 0.25 s" in status.reason
+    assert status.reopened == 1
