@@ -53,7 +53,8 @@ def command(
 ) -> None:
     """Find the obstacles in IMAGE and print their records P, S, C, A and L.
 
-    Coordinates are pixels, x right, y down, pixel centres at integers.
+    Coordinates are pixels, x right, y down, pixel centres at integers, of the picture as viewers
+    show it: turned as its EXIF orientation asks.
     """
     if threshold is not None and not 0.0 <= threshold <= 255.0:
         raise click.BadParameter(f"{threshold}: must lie in 0..255", param_hint="--threshold")
