@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from planner import agvd_kernels as kernels
 from planner import border_kernels, distance_kernels
+from planner.request import as_float
 from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
 
 Mode: TypeAlias = Literal["exact", "paper"]
@@ -134,7 +135,7 @@ class Generators:
 
 def check_radius(radius: float) -> float:
     """The radius as a float; ``ValueError`` unless it is > 0 and finite."""
-    value = float(radius)
+    value = as_float(radius)
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"radius = {radius}: must be > 0 and finite")
     return value
@@ -144,7 +145,7 @@ def choose_spacing(radius: float, spacing: float | None) -> float:
     """The spacing to use: the given one, checked, or one radius."""
     if spacing is None:
         return SPACING_PER_RADIUS * radius
-    value = float(spacing)
+    value = as_float(spacing)
     if not (math.isfinite(value) and value > 0.0):
         raise ValueError(f"spacing = {spacing}: must be > 0 and finite")
     if value >= 2.0 * radius:

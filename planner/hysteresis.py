@@ -20,7 +20,7 @@ from planner import clear_kernels, distance_kernels
 from planner.finish import judge
 from planner.generators import Borders
 from planner.homotopy import anchors, word
-from planner.path import Path
+from planner.path import NoPath, Path
 from planner.polyline import arc_lengths, points_at
 from planner.scene import FloatArray, Vec
 
@@ -30,13 +30,14 @@ MERGE = 4.0
 """Beside its last way the robot comes back to it within so many times its distance from it."""
 
 
-def last_legs(path: Path | None, count: int) -> list[FloatArray | None]:
+def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]:
     """The path's last ``count`` stretches between stations, after None for any that it lacks.
 
-    Stations that are behind the robot are no longer asked for: what is left of both ends alike.
+    A refusal has none. Stations that are behind the robot are no longer asked for: what is left
+    of both ends alike.
     """
     legs: list[FloatArray | None] = [None] * count
-    if path is not None:
+    if isinstance(path, Path):
         legs += [path.points[a : b + 1] if a < b else None for a, b in pairwise(path.stations)]
     return legs[len(legs) - count :]
 

@@ -28,7 +28,7 @@ class Blocked:
     """No way for a disc of radius ``need`` leads from ``start`` to ``goal``.
 
     ``stations`` are all that were asked for, in order. ``reason`` is what keeps it from standing
-    at one of them, None where the way is at fault.
+    at one of them, None where the way is at fault. ``names`` are those of the two ends.
     """
 
     start: Vec
@@ -36,6 +36,7 @@ class Blocked:
     need: float
     stations: tuple[Vec, ...]
     reason: str | None = None
+    names: tuple[str, str] = ("the start", "the goal")
 
 
 def explain(
@@ -64,7 +65,10 @@ def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
 
 def _no_way(blocked: Blocked, units: str) -> str:
     width = _sized(2.0 * blocked.need, units)
-    return f"no way from {_at(blocked.start)} to {_at(blocked.goal)} is {width} wide throughout"
+    start, goal = _at(blocked.start), _at(blocked.goal)
+    if len(blocked.stations) > 2:
+        start, goal = f"{blocked.names[0]} {start}", f"{blocked.names[1]} {goal}"
+    return f"no way from {start} to {goal} is {width} wide throughout"
 
 
 def widest_way(

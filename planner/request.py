@@ -11,6 +11,9 @@ from planner.scene import Vec
 PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
 """The names of ``prefer`` and the numbers they stand for."""
 
+MOST_ALTERNATIVES = 1_000_000
+"""More are refused: their routes would take gigabytes."""
+
 
 @dataclass(frozen=True, slots=True)
 class Request:
@@ -48,22 +51,41 @@ class Request:
         parsed = [_station(name, value) for name, value in named]
         if order not in ("fixed", "best"):
             raise ValueError(f"order = {order!r}: must be 'fixed' or 'best'")
-        if not (math.isfinite(margin) and margin >= 0.0):
+        spare = as_float(margin)
+        if not (math.isfinite(spare) and spare >= 0.0):
             raise ValueError(f"margin = {margin}: must be >= 0 and finite")
-        if int(alternatives) != alternatives or alternatives < 0:
-            raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
         return cls(
             tuple(p[0] for p in parsed),
             tuple(p[1] for p in parsed),
             _preference(prefer),
             order == "best",
-            int(alternatives),
-            float(margin),
+            _count(alternatives),
+            spare,
         )
 
 
+def as_float(value: float) -> float:
+    """The value as a float; infinite where it is beyond all floats."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def _count(alternatives: int) -> int:
+    try:
+        wanted = as_float(alternatives)
+    except (TypeError, ValueError):
+        wanted = math.nan
+    if not wanted >= 0.0 or math.isinf(wanted) or wanted != int(wanted):
+        raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
+    if wanted > MOST_ALTERNATIVES:
+        raise ValueError(f"alternatives = {alternatives}: must be at most {MOST_ALTERNATIVES}")
+    return int(wanted)
+
+
 def _station(name: str, value: Sequence[float]) -> tuple[Vec, float | None]:
-    numbers = [float(v) for v in value]
+    numbers = [as_float(v) for v in value]
     if len(numbers) not in (2, 3) or not all(math.isfinite(v) for v in numbers):
         raise ValueError(f"{name} = {tuple(value)}: must be x, y or x, y, heading, all finite")
     return (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None
@@ -74,7 +96,7 @@ def _preference(prefer: str | float) -> float:
         if prefer not in PREFERENCES:
             raise ValueError(f"prefer = {prefer!r}: must be one of {', '.join(PREFERENCES)}")
         return PREFERENCES[prefer]
-    value = float(prefer)
+    value = as_float(prefer)
     if not 0.0 <= value <= 1.0:
         raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
     return value

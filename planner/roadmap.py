@@ -133,8 +133,11 @@ class Roadmap:
         return update_roadmap(self, scene)
 
     def clearance(self, points: ArrayLike) -> FloatArray:
-        """Exact clearance of every point (n, 2), negative in obstacles and out of bounds."""
-        xy = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2)
+        """Exact clearance of every point (n, 2), negative in obstacles and out of bounds.
+
+        ``ValueError`` where a point is not finite.
+        """
+        xy = _places("points", points)
         distance, _ = self.borders.distances(xy)
         box = self.borders.box
         for i, (x, y) in enumerate(xy):
@@ -145,7 +148,7 @@ class Roadmap:
 
     def path_clearance(self, polyline: ArrayLike) -> Clearance:
         """The least distance of a polyline (n, 2) to any border: exact, nothing is sampled."""
-        xy = np.ascontiguousarray(polyline, dtype=np.float64).reshape(-1, 2)
+        xy = _places("polyline", polyline)
         if not len(xy):
             raise ValueError("polyline: must have at least one point")
         gap, x, y, piece, which = distance_kernels.polyline_clearance(*self.borders.tree, xy)
@@ -161,7 +164,7 @@ class Roadmap:
         order: Literal["fixed", "best"] = "fixed",
         alternatives: int = 0,
         margin: float = 0.0,
-        near: Path | None = None,
+        near: Path | NoPath | None = None,
     ) -> Path | NoPath:
         """A path from start to goal for this roadmap's robot, or why there is none.
 
@@ -173,7 +176,8 @@ class Roadmap:
         the best, once taut, of the cheapest routes without a loop, at least twice as many. ``near``
         is the last path, on which the robot is: while it is clear, and within
         2 % as good as the best, the answer is that path from here on, so that noise does not make
-        plans jump. Raises ``ValueError`` on options that make no sense.
+        plans jump; a refusal is no path to stay on. Raises ``ValueError`` on options that make no
+        sense.
         """
         request = Request.of(start, goal, prefer, via, order, alternatives, margin)
         units = str(getattr(self.scene, "units", ""))
@@ -211,6 +215,15 @@ class Roadmap:
             return told or walled_in(blocked, self.spacing, units)
         told = explain(finer.borders, finer.chains, blocked, self.radius, units)
         return told or walled_in(blocked, finer.spacing, units)
+
+
+def _places(name: str, points: ArrayLike) -> FloatArray:
+    """Points (n, 2) as the kernels take them; ``ValueError`` where one is not finite."""
+    xy = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2)
+    if not np.isfinite(xy).all():
+        at = int(np.flatnonzero(~np.isfinite(xy).all(axis=1))[0])
+        raise ValueError(f"{name}[{at}] = {tuple(xy[at].tolist())}: must be finite")
+    return xy
 
 
 def build_roadmap(

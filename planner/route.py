@@ -80,7 +80,7 @@ def plan_request(
     units: str = "",
     *,
     chains_only: bool = False,
-    near: Path | None = None,
+    near: Path | NoPath | None = None,
 ) -> Path | NoPath | Blocked:
     """Answer a request on measured chains, for a disc of ``radius``.
 
@@ -104,11 +104,12 @@ def plan_request(
     request = request.in_order(order)
     legs: list[Ways] = []
     lasts = last_legs(near, len(request.stations) - 1)
-    for (a, b), last in zip(pairwise(request.stations), lasts, strict=True):
+    visited = [names[0], *(names[1 + i] for i in order), names[-1]]
+    for k, ((a, b), last) in enumerate(zip(pairwise(request.stations), lasts, strict=True)):
         leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
         found = plan_leg(leg, request.alternatives, chains_only=chains_only)
         if not found.lines:
-            return Blocked(a, b, need, request.stations)
+            return Blocked(a, b, need, request.stations, names=(visited[k], visited[k + 1]))
         if last is not None and a != b:
             found = _staying(leg, last, found, request.alternatives)
         legs.append(found)
