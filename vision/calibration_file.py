@@ -19,6 +19,9 @@ from vision.calibration import Calibration, CalibrationError, FloatArray
 
 SCHEMA = "clearway.calibration/1"
 
+MOST_BYTES = 1 << 24
+"""Bytes of a calibration or a survey that are read at most: a device has no end."""
+
 _ROWS = {"camera_matrix": (3, 3), "arena_from_pixel": (3, 3)}
 _REQUIRED = ("schema", "size", "camera_matrix", "distortion", "arena_from_pixel")
 _OPTIONAL = ("camera_center_m", "lens_rms_px", "arena_rms_m", "remarks")
@@ -57,13 +60,25 @@ def calibration_text(calibration: Calibration) -> str:
 
 def load_calibration(path: str | Path) -> Calibration:
     """Read a calibration; raises ``CalibrationError`` naming file, line and column."""
+    return parse_calibration(read_text(path), str(path))
+
+
+def read_text(path: str | Path) -> str:
+    """A small text file, with or without the byte order mark that spreadsheets write.
+
+    Raises ``CalibrationError`` where it is none, or has no end.
+    """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        with Path(path).open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from error
+    if len(data) > MOST_BYTES:
+        raise CalibrationError(f"{path}: more than {MOST_BYTES} bytes: must be at most that")
+    try:
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise CalibrationError(f"{path}: not a text file") from error
-    return parse_calibration(text, str(path))
 
 
 def parse_calibration(text: str, name: str = "calibration") -> Calibration:

@@ -29,6 +29,7 @@ from vision.calibration import (
     camera_center,
     nominal_camera_matrix,
 )
+from vision.calibration_file import read_text
 from vision.camera import Image
 from vision.lens import Lens
 
@@ -71,12 +72,7 @@ def read_survey(path: str | Path) -> Survey:
 
     Raises ``CalibrationError`` with the line that is wrong.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise CalibrationError(f"{path}: not a text file") from error
+    text = read_text(path)
     rows: list[tuple[float, ...]] = []
     names: list[str] = []
     heading_seen = False

@@ -478,6 +478,21 @@ def test_a_survey_file_is_read_and_its_errors_name_the_line(tmp_path: Path) -> N
         read_survey(tmp_path / "none.csv")
 
 
+def test_files_as_spreadsheets_write_them_are_read_and_those_without_end_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "points.csv"
+    for text in ("10;20;0.5;0.25\r\n", "px;py;x_m;y_m\r\n10;20;0.5;0.25\r\n"):
+        path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+        read = read_survey(path)
+        np.testing.assert_array_equal(read.pixels, [(10.0, 20.0)])
+        np.testing.assert_array_equal(read.places_m, [(0.5, 0.25)])
+    monkeypatch.setattr("vision.calibration_file.MOST_BYTES", 1000)
+    for reader in (read_survey, load_calibration):
+        with pytest.raises(CalibrationError, match="/dev/zero: more than 1000 bytes"):
+            reader("/dev/zero")
+
+
 def test_the_real_chessboards_reach_a_fifth_of_a_pixel(real_data: Path) -> None:
     files = sorted((real_data / "calibration").glob("*.jpg"))
     spec = BoardSpec("chessboard", 9, 6, 0.025)
