@@ -40,8 +40,8 @@ BEHIND, SAMPLES = 4, 10
 UNREACHED = 1 / 8
 """So far from half-way between what is seen of both plateaus, as a share of what lies between
 them, the given level is still believed at a narrow wall: a fifth of the contrast is unseen."""
-BLOCK = 16
-"""Cracks that share their plateaus."""
+SAME_GREY = 1e-9
+"""A rounding of grey values."""
 MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 10, 11, 12, 13, 14, 15, 16
 NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY = 17, 18, 19, 20, 21, 22
 WALL, GAP, ROWS = 23, 24, 25
@@ -69,9 +69,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
     work = np.empty((ROWS, longest + 2 * REACH), np.float64)
-    blocks = longest // BLOCK + 1
-    sums = np.empty((blocks, 4), np.float64)
-    plateaus = np.empty((blocks, 2), np.float64)
+    sums = np.zeros((4, longest + 1), np.float64)
     totals = np.zeros(4)
     count = 0
     for b in range(borders):
@@ -84,7 +82,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
         _gather(grey, mask, by_level, x, y, direction, n, work)
         _look_along(direction, n, work)
         _look_beside(level, by_level, n, work)
-        _find_plateaus(n, work, sums, plateaus)
+        _find_plateaus(n, work, sums)
         _find_crossings(level, n, work, totals)
         count = _place(grey, level, x, y, direction, n, work, totals, points, count)
     point_starts[borders] = count
@@ -261,8 +259,8 @@ def _look_beside(level, by_level, n, work):
 
 
 @njit(**SUMS)
-def _find_plateaus(n, work, sums, plateaus):
-    """Dark and light for every block of cracks, from what lies within STRETCH of it.
+def _find_plateaus(n, work, sums):
+    """Dark and light for every crack, from what lies within STRETCH of it.
 
     Near a corner the plateaus are not reached, so that the second round leaves out what is
     lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
@@ -270,62 +268,85 @@ def _find_plateaus(n, work, sums, plateaus):
     clear = work[CLEAR]
     dark = work[DARK]
     light = work[LIGHT]
-    blocks = (n + BLOCK - 1) // BLOCK
-    reach = STRETCH // BLOCK
-    for again in range(2):
-        for j in range(blocks):
-            darkest = plateaus[j, 0] + 1e-9 if again else 1e9
-            lightest = plateaus[j, 1] - 1e-9 if again else -1e9
-            begin = j * BLOCK
-            length = min(BLOCK, n - begin)
-            here = clear[begin : begin + length]
-            below = dark[begin : begin + length]
-            above = light[begin : begin + length]
-            d = 0.0
-            darks = 0.0
-            lt = 0.0
-            lights = 0.0
-            for i in range(length):
-                counts = here[i] if below[i] <= darkest else 0.0
-                d += counts * below[i]
-                darks += counts
-                counts = here[i] if above[i] >= lightest else 0.0
-                lt += counts * above[i]
-                lights += counts
-            sums[j, 0] = d
-            sums[j, 1] = darks
-            sums[j, 2] = lt
-            sums[j, 3] = lights
-        for j in range(blocks):
-            d = 0.0
-            darks = 0.0
-            lt = 0.0
-            lights = 0.0
-            first = j - reach
-            last = j + reach
-            if 2 * reach + 1 >= blocks:
-                first = 0
-                last = blocks - 1
-            for k in range(first, last + 1):
-                m = k
-                if k < 0:
-                    m = k + blocks
-                elif k >= blocks:
-                    m = k - blocks
-                d += sums[m, 0]
-                darks += sums[m, 1]
-                lt += sums[m, 2]
-                lights += sums[m, 3]
-            plateaus[j, 0] = d / darks if darks > 0.0 and lights > 0.0 else -1.0
-            plateaus[j, 1] = lt / lights if darks > 0.0 and lights > 0.0 else -1.0
     dark_level = work[DARK_LEVEL]
     light_level = work[LIGHT_LEVEL]
-    for j in range(blocks):
-        begin = j * BLOCK
-        for i in range(begin, min(begin + BLOCK, n)):
-            known = plateaus[j, 1] >= 0.0
-            dark_level[i] = plateaus[j, 0] if known else dark[i]
-            light_level[i] = plateaus[j, 1] if known else light[i]
+    reach = min(STRETCH, (n - 1) // 2)
+    for again in range(2):
+        # what is dark and how many, what is light and how many
+        if again == 0:
+            for i in range(n):
+                sums[0, i + 1] = clear[i] * dark[i]
+                sums[1, i + 1] = clear[i]
+                sums[2, i + 1] = clear[i] * light[i]
+                sums[3, i + 1] = clear[i]
+        else:
+            for i in range(n):
+                counts = clear[i] if dark[i] <= dark_level[i] + SAME_GREY else 0.0
+                sums[0, i + 1] = counts * dark[i]
+                sums[1, i + 1] = counts
+                counts = clear[i] if light[i] >= light_level[i] - SAME_GREY else 0.0
+                sums[2, i + 1] = counts * light[i]
+                sums[3, i + 1] = counts
+        _add_up(n, sums)
+        _set_levels(0, reach, reach + 1, n - reach, True, n, work, sums)
+        _set_levels(reach, n - reach, 2 * reach + 1, 0, False, n, work, sums)
+        _set_levels(n - reach, n, 1, n - 2 * reach, True, n, work, sums)
+
+
+@njit(**LEAF)
+def _add_up(n, sums):
+    """The four sums up to every crack: of whole and half grey values, and so exact.
+
+    They are the same wherever a border begins.
+    """
+    a = 0.0
+    b = 0.0
+    c = 0.0
+    d = 0.0
+    for i in range(1, n + 1):
+        a += sums[0, i]
+        b += sums[1, i]
+        c += sums[2, i]
+        d += sums[3, i]
+        sums[0, i] = a
+        sums[1, i] = b
+        sums[2, i] = c
+        sums[3, i] = d
+
+
+@njit(**SUMS)
+def _set_levels(begin, end, ahead, behind, around, n, work, sums):
+    """The means of the stretches of cracks ``begin`` .. ``end`` - 1.
+
+    The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
+    ``around``: past the border's end.
+    """
+    dark = work[DARK, begin:end]
+    light = work[LIGHT, begin:end]
+    dark_level = work[DARK_LEVEL, begin:end]
+    light_level = work[LIGHT_LEVEL, begin:end]
+    count = end - begin
+    dark_ahead = sums[0, ahead : ahead + count]
+    darks_ahead = sums[1, ahead : ahead + count]
+    light_ahead = sums[2, ahead : ahead + count]
+    lights_ahead = sums[3, ahead : ahead + count]
+    dark_behind = sums[0, behind : behind + count]
+    darks_behind = sums[1, behind : behind + count]
+    light_behind = sums[2, behind : behind + count]
+    lights_behind = sums[3, behind : behind + count]
+    whole = 1.0 if around else 0.0
+    all_dark = whole * sums[0, n]
+    all_darks = whole * sums[1, n]
+    all_light = whole * sums[2, n]
+    all_lights = whole * sums[3, n]
+    for i in range(count):
+        darks = darks_ahead[i] - darks_behind[i] + all_darks
+        lights = lights_ahead[i] - lights_behind[i] + all_lights
+        known = (darks > 0.0) & (lights > 0.0)
+        below = (dark_ahead[i] - dark_behind[i] + all_dark) / max(darks, 1.0)
+        above = (light_ahead[i] - light_behind[i] + all_light) / max(lights, 1.0)
+        dark_level[i] = below if known else dark[i]
+        light_level[i] = above if known else light[i]
 
 
 @njit(**SUMS)
