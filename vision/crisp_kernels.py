@@ -40,13 +40,13 @@ def lost_to_circle(px, py, n, circle):
 
 
 @njit(**LEAF)
-def pixels_lost_to_circle(qx, qy, hx, hy, cracks, ox, oy, circle):
-    """How many pixels beside a border's cracks a circle about (ox, oy) takes for what they are not.
+def pixels_lost_to_circle(qx, qy, hx, hy, cracks, circle):
+    """How many pixels beside a border's cracks a circle takes for what they are not.
 
     ``qx`` to ``hy`` as in ``vision.separation_kernels``. A pixel's cracks follow one another.
     """
-    cx = ox + circle[0]
-    cy = oy + circle[1]
+    cx = circle[0]
+    cy = circle[1]
     square = circle[2] * circle[2]
     # a hole lies within its free pixels
     turn = 0.0

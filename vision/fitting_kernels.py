@@ -23,12 +23,14 @@ from numba import njit
 from vision.cover_kernels import area_lost, check_edges, chords, pass_between_pixels
 from vision.crisp_kernels import HALF, lost_to_circle, pixels_lost_to_circle, separate_circle
 from vision.fillet_kernels import ROUNDS, round_corners, touch_lines
+from vision.handedness_kernels import bring_cracks_along, bring_into_place, put_edges_back
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
 from vision.mend_kernels import mend
 from vision.outline_kernels import LINE, finish_edge
 from vision.partition_kernels import partition
-from vision.separation_kernels import find_cracks, measure_residuals, middles
+from vision.residual_kernels import measure_residual
+from vision.separation_kernels import find_cracks, middles
 from vision.shape_kernels import HUGE, circle_cost, circle_rms, fit_circle, refine_circle
 
 POLYGON, CIRCLE, TINY = 0, 1, 2
@@ -51,6 +53,8 @@ CALMER_BY, FINER_BY = 0.25, 0.4
 QUIET_PX = 0.1
 """The same with grey: by how much less deviation is free, and by how much nearer to each other the
 places are where it may break; and the noise up to which that tells."""
+NO_BLUR = 0.0
+"""Without grey no corner is rounded."""
 SURE = 0.5
 """Pixels by which mending is stricter than the search."""
 THIRDS = np.int64(3)
@@ -88,9 +92,8 @@ def fit_borders(
     and a circle. Returns
     ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
     edge; per edge LINE, ARC_CW or ARC_CCW and data (k, 6): the edge's first point x, y, then
-    cx, cy, r of an arc, and the rms deviation. A circle is one edge of kind LINE with its centre
-    and radius in the data.
-    TINY borders have no edges.
+    cx, cy, r of an arc, and the whole border's rms deviation. A circle is one edge of kind LINE
+    with its centre and radius in the data. TINY borders have no edges.
     """
     borders = point_starts.shape[0] - 1
     longest = 0
@@ -150,23 +153,20 @@ def fit_borders(
         if n < FEWEST:
             border_kind[b] = TINY
             continue
-        ox = points[first, 0]
-        oy = points[first, 1]
-        for k in range(n):
-            px[k] = points[first + k, 0] - ox
-            py[k] = points[first + k, 1] - oy
-            px[n + k] = px[k]
-            py[n + k] = py[k]
-        px[2 * n] = px[0]
-        py[2 * n] = py[0]
+        transposed, turns, ox, oy = bring_into_place(
+            points[first : first + n], exact, active[0], px, py
+        )
         budget = budgets[b]
         cracks = 0
         if exact:
             these = slice(crack_starts[b], crack_starts[b + 1])
             cracks = middles(crack_x[these], crack_y[these], crack_way[these], qx, qy, hx, hy)
+            ox, oy = bring_cracks_along(
+                px, py, n, qx, qy, hx, hy, cracks, transposed, turns, ox, oy
+            )
         round_cost, nearly = _circle_of_all(
             px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active,
-            pixels[b] >= HELD_AREA, qx, qy, hx, hy, cracks, ox, oy,
+            pixels[b] >= HELD_AREA, qx, qy, hx, hy, cracks,
         )  # fmt: skip
         edges = 0
         strict = sigma
@@ -221,32 +221,36 @@ def fit_borders(
             data[count, 3] = oy + circle[1]
             data[count, 4] = circle[2]
             data[count, 5] = circle_rms(px, py, NONE, n, circle)
+            put_edges_back(kind[count:], data[count:], ONE, transposed, turns)
             count += 1
             continue
         border_kind[b] = POLYGON
         many = 0
         if exact:
             many = _finish(
-                px, py, n, breaks, is_arc, edges, shape, joints, ox, oy, circle,
-                kind[count:], data[count:],
+                px, py, n, breaks, is_arc, edges, shape, joints, circle, kind[count:],
+                data[count:],
             )  # fmt: skip
-            find_cracks(px, py, n, ox, oy, qx, qy, cracks, crack_of)
+            find_cracks(px, py, n, qx, qy, cracks, crack_of)
             for e in range(edges):
                 at[e] = crack_of[breaks[e]]
             many = mend(
                 qx, qy, hx, hy, cracks, at, kind[count:], data[count:], many, budget - SURE, state,
                 inside, seeds,
             )  # fmt: skip
-            measure_residuals(qx, qy, cracks, at, kind[count:], data[count:], many)
+            measure_residual(qx, qy, cracks, at, kind[count:], data[count:], many, NO_BLUR, NO_BLUR)
         else:
             check_edges(
                 px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
                 budget, ragged, losses, stale, kinds, rows, circle,
             )  # fmt: skip
             many = _write_with_chords(
-                px, py, n, breaks, edges, joints, ox, oy, kinds, rows, ragged, chord, is_seed,
-                seeds, kind[count:], data[count:],
+                px, py, n, breaks, edges, joints, kinds, rows, ragged, chord, is_seed, seeds,
+                kind[count:], data[count:], at,
             )  # fmt: skip
+            measure_residual(px, py, n, at, kind[count:], data[count:], many, blur, guard)
+        _place(data[count:], many, ox, oy, kind[count:])
+        put_edges_back(kind[count:], data[count:], many, transposed, turns)
         if many < 3 and not kind[count : count + many].any():
             # two lines enclose nothing: so small a border is its pixels' outline
             border_kind[b] = TINY
@@ -277,7 +281,7 @@ def _allow_losses(point_starts, areas, owners, pixels, budgets):
 @njit(**LEAF)
 def _circle_of_all(
     px, py, n, crisp, dead_zone, sigma, worst, budget, price, circle, active, held,
-    qx, qy, hx, hy, cracks, ox, oy,
+    qx, qy, hx, hy, cracks,
 ):  # fmt: skip
     """The circle through a whole border: its cost with its price, and whether it nearly fits.
 
@@ -295,7 +299,7 @@ def _circle_of_all(
         if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
             lost = lost_to_circle(px, py, n, circle)
             if cracks > 0:
-                lost = pixels_lost_to_circle(qx, qy, hx, hy, cracks, ox, oy, circle)
+                lost = pixels_lost_to_circle(qx, qy, hx, hy, cracks, circle)
             if lost <= budget:
                 return price, False
             if held and lost > max(CIRCLE_LOSS * budget, 1.0):
@@ -349,27 +353,29 @@ def _thirds(px, py, n, circle, breaks, is_arc, joints, shape):
 
 
 @njit(**LEAF)
-def _finish(px, py, n, breaks, is_arc, edges, shape, joints, ox, oy, circle, kind, data):
-    """Write the edges between their joints, in the picture's pixels; returns their number."""
+def _finish(px, py, n, breaks, is_arc, edges, shape, joints, circle, kind, data):
+    """Write the edges between their joints; returns their number."""
     for e in range(edges):
         kind[e] = finish_edge(
             px, py, breaks[e], edge_end(breaks, edges, n, e), is_arc[e], shape, e, joints,
             e + 1 if e + 1 < edges else 0, data, circle,
         )  # fmt: skip
-    _place(data, edges, ox, oy, kind)
     return edges
 
 
 @njit(cache=True, nogil=True)
 def _write_with_chords(
-    px, py, n, breaks, edges, joints, ox, oy, kinds, rows, ragged, chord, is_seed, found, kind,
-    data,
+    px, py, n, breaks, edges, joints, kinds, rows, ragged, chord, is_seed, found, kind, data, at,
 ):  # fmt: skip
-    """Write finished edges, and chords instead of the ragged ones; returns their number."""
+    """Write finished edges, and chords instead of the ragged ones; returns their number.
+
+    ``at``: the point that each one begins at.
+    """
     count = 0
     for e in range(edges):
         if not ragged[e]:
             kind[count] = kinds[e]
+            at[count] = breaks[e]
             for c in range(6):
                 data[count, c] = rows[e, c]
             count += 1
@@ -377,14 +383,13 @@ def _write_with_chords(
         m = chords(px, py, breaks[e], edge_end(breaks, edges, n, e), chord, is_seed, found)
         for t in range(m):
             kind[count] = LINE
+            at[count] = found[t] - n if found[t] >= n else found[t]
             data[count, 0] = joints[e, 0] if t == 0 else px[found[t]]
             data[count, 1] = joints[e, 1] if t == 0 else py[found[t]]
             data[count, 2] = 0.0
             data[count, 3] = 0.0
             data[count, 4] = 0.0
-            data[count, 5] = 0.5 * chord
             count += 1
-    _place(data, count, ox, oy, kind)
     return count
 
 

@@ -145,25 +145,39 @@ def _bulge(px, py, n, k, reach):
 
 @njit(**LEAF)
 def _snap_seeds(px, py, n, seeds, m, reach):
-    """Move every seed to where the border bulges most nearby, short of the next seeds."""
+    """Move every seed to where the border bulges most nearby, short of half-way to the next.
+
+    They stay ascending; one that passes the border's first point changes its place.
+    """
     reach = min(reach, n // 4)
     if reach < 2:
         return
-    last = -1
+    first = seeds[0]
+    before = seeds[m - 1] - n
     for s in range(m):
-        after = seeds[s + 1] if s + 1 < m else seeds[0] + n
-        before = last if s > 0 else seeds[m - 1] - n
-        lo = max(seeds[s] - SNAP, before + 1, (seeds[s] + before) // 2, 0)
-        hi = min(seeds[s] + SNAP, (seeds[s] + after) // 2, n - 1)
+        here = seeds[s]
+        after = seeds[s + 1] if s + 1 < m else first + n
         best = -1.0
-        where = seeds[s]
-        for k in range(lo, hi + 1):
-            bulge = _bulge(px, py, n, k, reach)
+        where = here
+        for k in range(
+            max(here - SNAP, (here + before) // 2 + 1), min(here + SNAP, (here + after) // 2) + 1
+        ):
+            bulge = _bulge(px, py, n, _around(k, n), reach)
             if bulge > best:
                 best = bulge
                 where = k
-        last = where
+        before = here
         seeds[s] = where
+    if seeds[0] < 0:
+        here = seeds[0] + n
+        for s in range(m - 1):
+            seeds[s] = seeds[s + 1]
+        seeds[m - 1] = here
+    elif seeds[m - 1] >= n:
+        here = seeds[m - 1] - n
+        for s in range(m - 1, 0, -1):
+            seeds[s] = seeds[s - 1]
+        seeds[0] = here
 
 
 @njit(**LEAF)

@@ -5,7 +5,7 @@ Rules and units
   Edges drawn again give both back exactly where they cross the way from one centre to the other
   an odd number of times: no estimate. An outline that crosses the ways of a border's cracks one
   after the other takes no pixel's centre for what it is not.
-- ``qx``, ``qy``: the middles of one border's n cracks, twice over, in the picture's pixels;
+- ``qx``, ``qy``: the middles of one border's n cracks, twice over, in pixels;
   ``hx``, ``hy``: from there to the free pixel.
 - Edges ``0 .. count - 1`` of ``kind`` and ``rows`` (see ``vision.outline_kernels``), whose first
   cracks' indices are in ``at``, ascending around the border.
@@ -37,8 +37,6 @@ with so many cracks on either side. A free pixel touches the obstacle across a c
 GRAVE_PX = 0.75
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
 than one from what is drawn."""
-BESIDE_PX = 0.4
-"""A crack farther from its edge may be its neighbour's."""
 ROUND_HALF = 0.495
 """So far from a crack's middle an arc may pass: who draws it as a polyline is a little off."""
 OK, LOST, GRAVE = 0, 1, 2
@@ -96,12 +94,12 @@ def middles(xs, ys, directions, qx, qy, hx, hy):
 
 
 @njit(**LEAF)
-def find_cracks(px, py, points, ox, oy, qx, qy, n, cracks):
+def find_cracks(px, py, points, qx, qy, n, cracks):
     """``cracks`` (points,): which crack every edge point was measured across, ascending."""
     c = -1
     for k in range(points):
-        x = px[k] + ox
-        y = py[k] + oy
+        x = px[k]
+        y = py[k]
         nearest = HUGE
         where = c + 1
         last = min(c + AHEAD, n - points + k)
@@ -280,28 +278,3 @@ def find_lost(qx, qy, hx, n, at, kind, rows, count, state):
             state[at[i]] = GRAVE
             grave += 1
     return lost, grave
-
-
-@njit(**LEAF)
-def measure_residuals(qx, qy, n, at, kind, rows, count):
-    """Write every edge's rms distance from the cracks of its stretch, all of them.
-
-    A crack at a corner may be the neighbour's.
-    """
-    for i in range(count):
-        after = i + 1 if i + 1 < count else 0
-        lo = at[i]
-        hi = at[after]
-        hi = hi + n if hi <= lo else hi
-        before = i - 1 if i > 0 else count - 1
-        behind = after + 1 if after + 1 < count else 0
-        total = 0.0
-        for k in range(lo, hi):
-            d, _, _ = distance_to_edge(kind, rows, i, after, qx[k], qy[k])
-            if d > BESIDE_PX:
-                other, _, _ = distance_to_edge(kind, rows, before, i, qx[k], qy[k])
-                d = min(d, other)
-                other, _, _ = distance_to_edge(kind, rows, after, behind, qx[k], qy[k])
-                d = min(d, other)
-            total += d * d
-        rows[i, 5] = math.sqrt(total / (hi - lo))

@@ -11,7 +11,6 @@ Rules and units
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -51,7 +50,7 @@ class FittedBorders:
 
     ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,):
     LINE, ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an
-    arc or circle; rms deviation in pixels.
+    arc or circle; the whole border's rms deviation in pixels.
     """
 
     border_kind: NDArray[np.int8]
@@ -153,7 +152,6 @@ def _placed_rows(data: NDArray[np.float64], placement: Placement) -> list[list[f
 
 def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -> PolygonRecord:
     edges: list[Edge] = []
-    total = 0.0
     x0, y0 = rows[first][0], rows[first][1]
     here = (x0, y0)
     for e in range(first, last):
@@ -163,9 +161,8 @@ def _polygon(kinds: list[int], rows: list[list[float]], first: int, last: int) -
             edges.append(Segment(here, there))
         else:
             edges.append(Arc(here, there, (row[2], row[3]), row[4], kinds[e] == ARC_CCW))
-        total += row[5] * row[5]
         here = there
-    return PolygonRecord(tuple(edges), math.sqrt(total / (last - first)))
+    return PolygonRecord(tuple(edges), rows[first][5])
 
 
 def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:

@@ -152,7 +152,7 @@ def test_pixels_lost_to_a_circle_are_counted_each_once() -> None:
             borders = borders_of(~mask if hole else mask)
             b = int(np.argmin(borders.area)) if hole else 0
             n, cracks = cracks_of(borders, b)
-            lost = pixels_lost_to_circle(*cracks, n, 0.0, 0.0, circle)
+            lost = pixels_lost_to_circle(*cracks, n, circle)
             wrong = int((mask ^ other).sum())
             # a pixel whose cracks do not follow one another counts again
             assert wrong <= lost <= wrong + 3, f"seed {seed}"
