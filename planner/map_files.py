@@ -303,9 +303,12 @@ def read_text(path: Path) -> str:
 
 
 def decode(data: bytes, name: str) -> str:
-    """UTF-8 text without NUL bytes; :class:`SceneError` says where it is not."""
+    """UTF-8 text without NUL bytes, and without a byte order mark before it.
+
+    :class:`SceneError` says where it is not.
+    """
     try:
-        text = data.decode("utf-8")
+        text = data.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:
         raise SceneError(f"{name}: not a text file: byte {error.start} is not UTF-8") from None
     if "\x00" in text:

@@ -330,3 +330,22 @@ def test_a_missing_file_and_a_folder_are_scene_errors(tmp_path):
         load_scene(tmp_path)
     with pytest.raises(SceneError, match="null"):
         load_scene("a\x00b")
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("scene.txt", "P (1,2)\nC (10,10) 3\n"),
+        ("grid.map", "type octile\nheight 1\nwidth 3\nmap\n..@\n"),
+        ("map.yaml", "image: m.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n"),
+    ],
+)
+def test_a_byte_order_mark_before_a_text_is_no_part_of_it(
+    name: str, text: str, tmp_path: Path
+) -> None:
+    (tmp_path / "m.pgm").write_text("P2\n3 1\n255\n255 0 255\n")
+    path = tmp_path / name
+    path.write_text(text)
+    plain = load_scene(path)
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+    assert load_scene(path) == plain
