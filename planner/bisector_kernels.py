@@ -160,12 +160,40 @@ def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def follow(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance):
+def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
+    """Where the bisector's tangents at a and at b meet, between the two: x, y, found."""
+    ux, uy, _ = heading(kind, data, left, right, ax, ay)
+    vx, vy, _ = heading(kind, data, left, right, bx, by)
+    dx, dy = bx - ax, by - ay
+    turn = ux * vy - uy * vx
+    if turn == 0.0:
+        return ax, ay, False
+    ahead, back = (dx * vy - dy * vx) / turn, (ux * dy - uy * dx) / turn
+    span = math.sqrt(dx * dx + dy * dy)
+    if abs(ahead) > span or abs(back) > span or (ahead > 0.0) != (back > 0.0):
+        return ax, ay, False
+    return ax + ahead * ux, ay + ahead * uy, True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _keeps(kind, data, order, large, boxes, ax, ay, bx, by, need):
+    """Whether the straight line from a to b is ``need`` off all borders."""
+    _, _, which = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, need)
+    return which < 0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow(
+    kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, exact=np.inf
+):  # fmt: skip
     """A polyline that follows the bisectors its links stand for, as closely as it must.
 
     ``pairs`` (n, 2) are the pieces beside each link, -1 where the link is straight. A link is
     halved on its bisector while its straight line is nearer than ``need`` to a border or
-    bulges by more than ``flatness``. Returns points and pairs.
+    bulges by more than ``flatness``. Where ``exact`` is finite, what a line lacks of that is made
+    good by the corner where the bisector's tangents meet, if that keeps it: of two borders that
+    bulge towards one another the tangent at the narrowest place is nowhere nearer. Returns
+    points and pairs.
     """
     n = len(points)
     room = 4 * n + 64
@@ -195,10 +223,26 @@ def follow(kind, data, order, large, boxes, points, pairs, need, flatness, toler
             span = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
             split = found and deep < HALVINGS and tolerance < bulge < 0.5 * span
             if split and bulge <= flatness:
-                _, _, which = segment_clearance(
-                    kind, data, order, large, boxes, ax, ay, bx, by, need
-                )
-                split = which >= 0
+                if exact < np.inf and not _keeps(
+                    kind, data, order, large, boxes, ax, ay, bx, by, exact
+                ):
+                    qx, qy, met = _tangents_meet(
+                        kind, data, pairs[i, 0], pairs[i, 1], ax, ay, bx, by
+                    )
+                    if (
+                        met
+                        and _keeps(kind, data, order, large, boxes, ax, ay, qx, qy, exact)
+                        and _keeps(kind, data, order, large, boxes, qx, qy, bx, by, exact)
+                    ):
+                        if m + 2 >= room:
+                            room *= 2
+                            xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+                        xy[m, 0], xy[m, 1] = qx, qy
+                        pair[m] = pairs[i]
+                        m += 1
+                        split = False
+                if split:
+                    split = not _keeps(kind, data, order, large, boxes, ax, ay, bx, by, need)
             if split:
                 stack[top, 0], stack[top, 1], level[top] = mx, my, deep + 1
                 level[top - 1] = deep + 1

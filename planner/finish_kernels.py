@@ -22,6 +22,8 @@ from planner.clear_kernels import blocker, keeps, spare
 from planner.corridor_kernels import pull_taut
 from planner.distance_kernels import nearest, segment_clearance
 
+UNEQUAL = 1e-2
+"""What corners may be short of, in parts of what is equal: rounding."""
 FOLD = 0.25
 """A way never turns back within so much of what it needs, where it can go straight on."""
 
@@ -30,11 +32,14 @@ FOLD = 0.25
 def certain(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding):
     """The route as it is, so close to its bisectors that it keeps ``need``; else empty.
 
-    A way through a bend that is no wider than needed falls short by its chords' bulge: by
-    ``rounding`` at most.
+    A way through a bend that is no wider than needed goes round it in corners outside it; where
+    both borders bend alike it falls short by its chords' bulge: by ``rounding`` at most.
     """
     keep = need - 0.5 * rounding
-    way, _ = follow(kind, data, order, large, boxes, points, pairs, keep, flatness, tolerance)
+    way, _ = follow(
+        kind, data, order, large, boxes, points, pairs, keep, flatness, tolerance,
+        need - UNEQUAL * tolerance,
+    )  # fmt: skip
     if keeps(kind, data, order, large, boxes, way, need - rounding):
         return way.copy()
     return np.empty((0, 2))

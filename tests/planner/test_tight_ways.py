@@ -16,7 +16,9 @@ PREFERENCES = ["length", "balanced", "clearance"]
 ROUNDING = 1e-12
 """Of the scene's size."""
 CHORDS = 1e-9
-"""Of the radius: a bend exactly as wide is followed in chords, which lie inside it."""
+"""Of the radius: a way round exactly as wide is followed in chords, which lie inside it."""
+CORNERS = 1e-14
+"""Of the scene's size: rounding where a bend of straight walls is followed in corners."""
 
 
 def maze(seed: int, size: int = 31) -> Scene:
@@ -51,7 +53,8 @@ def test_passages_of_one_cell_take_a_robot_one_cell_wide(seed: int, prefer: str)
     scene = maze(seed)
     path = planner.build_roadmap(scene, 0.5).plan((1, 1), (29, 29), prefer=prefer)
     assert isinstance(path, Path)
-    assert path.min_clearance >= 0.5 * (1.0 - CHORDS) - 31 * ROUNDING
+    # corners outside the bends keep it all
+    assert path.min_clearance >= 0.5 - 31 * CORNERS
     wider = planner.build_roadmap(scene, 0.5 + 1e-6).plan((1, 1), (29, 29), prefer=prefer)
     assert isinstance(wider, NoPath)
     assert wider.widest_radius == pytest.approx(0.5, rel=1e-9)
@@ -68,6 +71,26 @@ def test_a_round_passage_exactly_as_wide_takes_the_robot_but_for_its_chords(
     assert isinstance(path, Path)
     assert path.min_clearance >= 10.0 * (1.0 - CHORDS) - 160 * ROUNDING
     assert path.length == pytest.approx(np.pi * (inner + 10.0), rel=1e-6)
+
+
+@pytest.mark.parametrize("prefer", PREFERENCES)
+@pytest.mark.parametrize("cell", [0.05, 0.5, 1.0])
+@pytest.mark.parametrize("corner", [0.0, 0.1, -3.3, 1.2345678, 4.98765])
+def test_a_passage_of_one_cell_keeps_the_radius_wherever_its_map_lies(
+    corner: float, cell: float, prefer: str
+) -> None:
+    """Chords across its bends were up to 5e-10 of the radius too near the inner corner."""
+    x, y = corner, corner
+    boxed = f"({x + cell!r},{y + cell!r})({x + cell!r},{y + 2 * cell!r})"
+    boxed += f"({x + 5 * cell!r},{y + 2 * cell!r})({x + 5 * cell!r},{y + cell!r})"
+    scene = read_scene_text(
+        "#@ clearway.scene/1\n#@ units m\n"
+        f"#@ bounds given {x!r} {y!r} {x + 6 * cell!r} {y + 3 * cell!r}\nL 4 {boxed}\n"
+    )
+    start, goal = (x + cell / 2, y + cell / 2), (x + 5.5 * cell, y + 2.5 * cell)
+    path = planner.build_roadmap(scene, cell / 2).plan(start, goal, prefer=prefer)
+    assert isinstance(path, Path)
+    assert path.min_clearance >= cell / 2 - 1e-14
 
 
 @pytest.mark.parametrize("prefer", PREFERENCES)
