@@ -1,7 +1,8 @@
 """Small pictures of every kind of file that OpenCV reads, made by code.
 
 Every one shows the same thing, a dark rectangle on light ground of ``WIDTH`` x ``HEIGHT`` pixels,
-as far as its kind can. Written by hand from the specifications where OpenCV cannot write it:
+as far as its kind can; JPEG 2000 four times as large, as its decoder wants, JPEG with four
+components in blocks. Written by hand from the specifications where OpenCV cannot write it:
 PNG (all depths, interlaced, transparent, animated), BMP (palettes, run lengths, bit fields),
 TIFF (both byte orders, one bit, palette, planes, turned), JPEG with four components, Netpbm.
 """
@@ -190,7 +191,7 @@ def four_components(transform: int) -> bytes:
     bits, before = "", [0] * 4
     for is_dark in dark.ravel():
         for component in range(4):
-            value = (20 if is_dark else -20) if component == 3 else 0
+            value = (-20 if is_dark else 20) if component == 3 else 0
             step = value - before[component]
             before[component] = value
             # A difference of category 6 as T.81, F.1.2.1 has it; then the end of the block.

@@ -18,6 +18,7 @@ from navigation.cli.sources import hold_points, load_source, read_shades
 from planner.scene import Bounds, SceneError
 from planner.scene_io import read_scene_text
 from tests.support.picture_formats import chunk, formats
+from tests.support.render import outline_points
 
 FORMATS = dict(formats())
 
@@ -124,6 +125,26 @@ def test_loading_is_timed_by_the_clock_that_is_given(tmp_path):
     ticks = iter([10.0, 10.25])
     scene = load_source(tmp_path / "scene", clock=lambda: next(ticks))
     assert scene.timings_ms["load"] == 250.0
+
+
+OTHERWISE = ("float.tif", "pfm", "hdr", "cmyk.jpg", "ycck.jpg")
+"""Refused, or drawn in blocks."""
+UPRIGHT = [n for n in FORMATS if "turned" not in n and not n.endswith(OTHERWISE)]
+
+
+@pytest.mark.parametrize("name", UPRIGHT)
+def test_every_kind_of_file_shows_the_same_rectangle(tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(FORMATS[name])
+    (obj,) = load_source(path).objects
+    (record,) = obj.records
+    times = 4 if name.endswith("jp2") else 1
+    corners = np.array([(8, 6), (19, 6), (19, 16), (8, 16)]) * times - 0.5
+    points = outline_points(record)
+    apart = np.linalg.norm(points[:, None] - corners[None], axis=2)
+    assert apart.min(axis=0).max() < 0.6  # the poorest JPEG moves them so far
+    assert points.min(axis=0) == pytest.approx(corners.min(axis=0), abs=0.5)
+    assert points.max(axis=0) == pytest.approx(corners.max(axis=0), abs=0.5)
 
 
 def corrupt_scan() -> bytes:
