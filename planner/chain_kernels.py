@@ -96,31 +96,6 @@ def _order_turns(kind, data, at, link, half, place, pair, run, last):
             run[i, 1] = run[i, 0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _grown(out, pair, sure, ahead, proved):
-    """The same arrays with twice the room."""
-    n = len(out)
-    new_out, new_pair = np.empty((2 * n, 3)), np.empty((2 * n, 2), np.int32)
-    new_sure, new_ahead = np.empty(2 * n, np.bool_), np.empty(2 * n, np.bool_)
-    new_proved = np.empty(2 * n, np.bool_)
-    new_out[:n], new_pair[:n], new_sure[:n], new_ahead[:n] = out, pair, sure, ahead
-    new_proved[:n] = proved
-    return new_out, new_pair, new_sure, new_ahead, new_proved
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _more(extra, extra_label, where):
-    """The same arrays with twice the room."""
-    n = len(where)
-    new, new_label, new_where = (
-        np.empty((2 * n, 2)),
-        np.empty(2 * n, np.int32),
-        np.empty(2 * n, np.int64),
-    )
-    new[:n], new_label[:n], new_where[:n] = extra, extra_label, where
-    return new, new_label, new_where
-
-
 @njit(**BORROWING, error_model="numpy")
 def _is_between(kind, data, left, right, ax, ay, ux, uy, mx, my, bx, by, half, tolerance):
     """Whether m lies ahead of a, where u is ahead, and before b, as far as that can be told."""
@@ -203,40 +178,26 @@ def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
     return abs(gap) <= 4.0 * tolerance
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def bend_chains(
+@njit(**BORROWING, error_model="numpy")
+def _bend(
     mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
-    known
+    known, results, stations, todo
 ):  # fmt: skip
-    """The chains' points on their bisectors, with the narrowest place of every run.
+    """Fill the arrays of :func:`bend_chains`: how many points and missing sites there are.
 
-    Returns ``out`` (p, 3), x, y and exact clearance, ``pair`` (p, 2) the pieces left and right
-    of the link that follows (-1 at a chain's last point), offsets ``start`` (c + 1,), ``proved``
-    (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
-    are missing as in :func:`planner.vertex_kernels.solve_vertices`. Chain c has the links
-    ``first[c]`` to ``first[c + 1]`` of :func:`planner.trace_kernels.trace_chains`; ``first``
-    need not begin at 0. Runs that are ``known``, see :func:`planner.run_kernels.index_runs`, are
-    not bent again.
+    -1 for either where there is no room for all. ``results`` are out, pair, proved, start,
+    extra, extra_label and where, with sure (p,) and ahead (p,) for what makes a link proved:
+    that both of its points are, and that it follows the bisector between them. ``stations`` are
+    place (m, 4), its bits, sides (m, 2) and run (m, 2); ``todo`` the stack of places ahead.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
     chains = len(first) - 1
-    room = 2 * (first[chains] - first[0] + chains) + 64
-    out, pair = np.empty((room, 3)), np.empty((room, 2), np.int32)
-    sure, ahead = np.empty(room, np.bool_), np.empty(room, np.bool_)
-    proved = np.zeros(room, np.bool_)
-    start = np.zeros(chains + 1, np.int32)
-    extra, extra_label = np.empty((64, 2)), np.empty(64, np.int32)
-    where = np.empty(64, np.int64)
+    out, pair, proved, start, extra, extra_label, where, sure, ahead = results
+    place, bits, sides, run = stations
+    stack, stack_q, bare, rough = todo
+    most = len(out) - 2
     missing = 0
-    most = 1
-    for c in range(chains):
-        most = max(most, first[c + 1] - first[c])
-    place, sides = np.empty((most + 1, 4)), np.empty((most + 1, 2), np.int32)
-    run = np.empty((most + 1, 2), np.int64)
-    stack = np.empty((HALVINGS + 2, 2))
-    stack_q, bare = np.empty(HALVINGS + 2, np.int64), np.zeros(HALVINGS + 2, np.bool_)
-    rough = np.zeros(HALVINGS + 2, np.bool_)
     n = 0
     for c in range(chains):
         # the stations, and the run of links after each
@@ -262,8 +223,8 @@ def bend_chains(
         last = m - 1
         _order_turns(kind, data, at, link, half, place, sides, run, last)
         for s in range(last + 1):
-            if n + 2 >= len(out):
-                out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
+            if n >= most:
+                return -1, missing
             out[n, 0], out[n, 1], out[n, 2] = place[s, 0], place[s, 1], place[s, 2]
             sure[n], ahead[n] = place[s, 3] == EXACT, True
             pair[n, 0], pair[n, 1] = -1, -1
@@ -271,7 +232,7 @@ def bend_chains(
             if s == last:
                 break
             left, right = sides[s, 0], sides[s, 1]
-            p, way = find_run(known, place, s, left, right)
+            p, way = find_run(known, place, bits, s, left, right)
             if way != 0:
                 while True:
                     pair[n - 1, 0], pair[n - 1, 1] = left, right
@@ -279,8 +240,8 @@ def bend_chains(
                     x, y = known[0][p, 0], known[0][p, 1]
                     if x == place[s + 1, 0] and y == place[s + 1, 1]:
                         break
-                    if n + 2 >= len(out):
-                        out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
+                    if n >= most:
+                        return -1, missing
                     out[n, 0], out[n, 1], out[n, 2] = x, y, known[0][p, 2]
                     sure[n], ahead[n] = True, True
                     n += 1
@@ -352,8 +313,8 @@ def bend_chains(
                 top -= 1
                 near = link[q_b if q_b < hi else q_a] & ~7
                 pair[n - 1, 0], pair[n - 1, 1] = left, right
-                if n + 2 >= len(out):
-                    out, pair, sure, ahead, proved = _grown(out, pair, sure, ahead, proved)
+                if n >= most:
+                    return -1, missing
                 vx, vy, grows = heading(kind, data, left, right, bx, by)
                 whole = not (split or astray)
                 if straight and not is_long:
@@ -384,7 +345,7 @@ def bend_chains(
                     )  # fmt: skip
                     if which >= 0 and d >= relevant:
                         if missing + 3 >= len(extra):
-                            extra, extra_label, where = _more(extra, extra_label, where)
+                            return n, -1
                         for side in range(3):
                             lab = which if side == 2 else np.int64(sides[s, side])
                             if lab < k:
@@ -409,6 +370,54 @@ def bend_chains(
             proved[i] = ahead[i] and sure[i] and sure[i + 1]
         proved[n - 1] = False
         start[c + 1] = n
+    return n, missing
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def bend_chains(
+    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
+    known
+):  # fmt: skip
+    """The chains' points on their bisectors, with the narrowest place of every run.
+
+    Returns ``out`` (p, 3), x, y and exact clearance, ``pair`` (p, 2) the pieces left and right
+    of the link that follows (-1 at a chain's last point), offsets ``start`` (c + 1,), ``proved``
+    (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
+    are missing as in :func:`planner.vertex_kernels.solve_vertices`. Chain c has the links
+    ``first[c]`` to ``first[c + 1]`` of :func:`planner.trace_kernels.trace_chains`; ``first``
+    need not begin at 0. Runs that are ``known``, see :func:`planner.run_kernels.index_runs`, are
+    not bent again.
+    """
+    chains = len(first) - 1
+    room, more = 2 * (first[chains] - first[0] + chains) + 64, 64
+    most = 1
+    for c in range(chains):
+        most = max(most, first[c + 1] - first[c])
+    place = np.empty((most + 1, 4))
+    stations = (
+        place, place.view(np.int64), np.empty((most + 1, 2), np.int32),
+        np.empty((most + 1, 2), np.int64),
+    )  # fmt: skip
+    todo = (
+        np.empty((HALVINGS + 2, 2)), np.empty(HALVINGS + 2, np.int64),
+        np.zeros(HALVINGS + 2, np.bool_), np.zeros(HALVINGS + 2, np.bool_),
+    )  # fmt: skip
+    while True:
+        out, pair = np.empty((room, 3)), np.empty((room, 2), np.int32)
+        proved, sure = np.zeros(room, np.bool_), np.empty(room, np.bool_)
+        ahead = np.empty(room, np.bool_)
+        start = np.zeros(chains + 1, np.int32)
+        extra, extra_label = np.empty((more, 2)), np.empty(more, np.int32)
+        where = np.empty(more, np.int64)
+        results = out, pair, proved, start, extra, extra_label, where, sure, ahead
+        n, missing = _bend(
+            mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho,
+            state, known, results, stations, todo,
+        )  # fmt: skip
+        if n >= 0 and missing >= 0:
+            break
+        # rare: all of it again, with twice the room
+        room, more = 2 * room if n < 0 else room, 2 * more if missing < 0 else more
     return (
         out[:n],
         pair[:n],

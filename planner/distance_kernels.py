@@ -28,7 +28,6 @@ LEAF = 4
 LARGE = 0.25
 """A primitive longer than this share of the scene's extent is kept out of the tree."""
 TAU = 2.0 * math.pi
-STACK = 64
 RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
@@ -255,7 +254,22 @@ def _box_distance2(boxes, node, x, y):
     return dx * dx + dy * dy
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
+def _after_branch(node, later):
+    """The node to go on with after a branch of the box tree, and what then waits; 0 at the end.
+
+    ``later`` has a bit for every level above, the last one's lowest: whether the node's sibling
+    waits for its turn there.
+    """
+    while node > 1 and later & 1 == 0:
+        node >>= 1
+        later >>= 1
+    if node == 1:
+        return 0, 0
+    return node ^ 1, later ^ 1
+
+
+@njit(**BORROWING)
 def nearest(kind, data, order, large, boxes, x, y, bound):
     """Distance to and index of the primitive nearest to (x, y), if nearer than ``bound``.
 
@@ -267,25 +281,22 @@ def nearest(kind, data, order, large, boxes, x, y, bound):
         if d < best:
             best, which = d, order[j]
     n, leaves = len(order), len(boxes) // 2
-    stack = np.empty(STACK, np.int32)
-    stack[0], top = 1, 1
-    while top > 0:
-        top -= 1
-        node = stack[top]
-        if _box_distance2(boxes, node, x, y) >= best * best:
-            continue
-        if node >= leaves:
+    node, later = 1, 0
+    while node > 0:
+        if _box_distance2(boxes, node, x, y) < best * best:
+            if node < leaves:
+                # the nearer branch first
+                node = 2 * node
+                if not _box_distance2(boxes, node, x, y) < _box_distance2(boxes, node + 1, x, y):
+                    node += 1
+                later = 2 * later + 1
+                continue
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
                 d = distance(kind, data, order[j], x, y)
                 if d < best:
                     best, which = d, order[j]
-            continue
-        left, right = 2 * node, 2 * node + 1
-        if _box_distance2(boxes, left, x, y) < _box_distance2(boxes, right, x, y):
-            left, right = right, left
-        stack[top], stack[top + 1] = left, right
-        top += 2
+        node, later = _after_branch(node, later)
     return best, which
 
 
@@ -302,7 +313,7 @@ def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
     return max(math.sqrt(dx * dx + dy * dy), abs(off) - half)
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
     """Least distance between the segment a b and any primitive, if less than ``bound``.
 
@@ -319,22 +330,18 @@ def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
     if length > 0.0:
         nx, ny = (ay - by) / length, (bx - ax) / length
     n, leaves = len(order), len(boxes) // 2
-    stack = np.empty(STACK, np.int32)
-    stack[0], top = 1, 1
-    while top > 0:
-        top -= 1
-        node = stack[top]
-        if _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny) >= best:
-            continue
-        if node >= leaves:
+    node, later = 1, 0
+    while node > 0:
+        if _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny) < best:
+            if node < leaves:
+                node, later = 2 * node + 1, 2 * later + 1
+                continue
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
                 d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
                 if d < best:
                     best, at, which = d, t, order[j]
-            continue
-        stack[top], stack[top + 1] = 2 * node, 2 * node + 1
-        top += 2
+        node, later = _after_branch(node, later)
     return best, at, which
 
 

@@ -207,13 +207,9 @@ def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
     return x, y, square - band, square + band
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def insert(w, xy, ghost, tri, circ, alias, todo, start):
-    """Insert the sites ``todo`` into tri and circ; see the file's head for the arrays.
-
-    alias[i] becomes the site that i coincides with. The search for ``todo[j]`` begins at
-    triangle ``start[j]`` where that is given, and where the last one ended otherwise. Returns
-    how often a site lay exactly on a circle.
+@njit(**BORROWING, error_model="numpy")
+def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
+    """:func:`insert` with ``space`` (5, 2 ghost + 8) uint32 to work in.
 
     Topology first: a triangle joins the removed tree only through an edge, and only if its far
     corner is not yet on the tree's rim. So the removed part stays a disc with every corner
@@ -221,10 +217,7 @@ def insert(w, xy, ghost, tri, circ, alias, todo, start):
     triangle is simply kept.
     """
     n = ghost
-    size = 2 * n + 8
-    stamp = np.full(n + 1, -1, np.int32)
-    rim, rim_site = np.empty(size, np.uint32), np.empty(size, np.uint32)
-    gone, stack = np.empty(size, np.uint32), np.empty(size, np.uint32)
+    stamp, rim, rim_site, gone, stack = space[0], space[1], space[2], space[3], space[4]
     ties = 0
     given = start.shape[0]
     limit = 64 + 4 * np.int64(math.sqrt(n))
@@ -340,6 +333,19 @@ def insert(w, xy, ghost, tri, circ, alias, todo, start):
             before, here = here, after
         last = before
     return ties
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def insert(w, xy, ghost, tri, circ, alias, todo, start):
+    """Insert the sites ``todo`` into tri and circ; see the file's head for the arrays.
+
+    alias[i] becomes the site that i coincides with. The search for ``todo[j]`` begins at
+    triangle ``start[j]`` where that is given, and where the last one ended otherwise. Returns
+    how often a site lay exactly on a circle.
+    """
+    space = np.empty((5, 2 * ghost + 8), np.uint32)
+    space[0, : ghost + 1] = DEAD
+    return _insert(w, xy, ghost, tri, circ, alias, todo, start, space)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -49,16 +49,9 @@ def link_coincident(alias, label, count):
     return also
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def centres(xy, ghost, up, tri, circ, seen, at, state, side):
-    """The centres of new triangles into ``at`` (2 ghost, 2), in the scene's units.
-
-    ``seen`` (2 ghost, 3) holds the sites that a row of ``at`` was computed for. A row is NaN
-    for a triangle that does not exist or reaches infinity. ``state`` and ``side`` become 0
-    where the triangle changed. Returns the rows that changed, (c,) int32.
-    """
-    w = np.empty(SCRATCH)
-    changed = np.empty(2 * ghost, np.int32)
+@njit(**BORROWING, error_model="numpy")
+def _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w):
+    """:func:`centres` into ``changed`` (2 ghost,): how many; ``w`` is working space."""
     n = 0
     for i in range(2 * ghost):
         t = 8 * i
@@ -79,6 +72,20 @@ def centres(xy, ghost, up, tri, circ, seen, at, state, side):
                 w, xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], xy[2 * c], xy[2 * c + 1]
             )
         at[i, 0], at[i, 1] = x * up, y * up
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def centres(xy, ghost, up, tri, circ, seen, at, state, side):
+    """The centres of new triangles into ``at`` (2 ghost, 2), in the scene's units.
+
+    ``seen`` (2 ghost, 3) holds the sites that a row of ``at`` was computed for. A row is NaN
+    for a triangle that does not exist or reaches infinity. ``state`` and ``side`` become 0
+    where the triangle changed. Returns the rows that changed, (c,) int32.
+    """
+    changed = np.empty(2 * ghost, np.int32)
+    w = np.empty(SCRATCH)
+    n = _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w)
     return changed[:n]
 
 
@@ -98,18 +105,12 @@ def _is_joined(xy, up, tri, at, i, k, j, limit):
     return min((ax - x) ** 2 + (ay - y) ** 2, (ax - u) ** 2 + (ay - v) ** 2) > limit
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def mark_sides(
-    xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side
+@njit(**BORROWING, error_model="numpy")
+def _mark_sides(
+    xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side,
+    queue
 ):  # fmt: skip
-    """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
-
-    ``object_boxes`` and ``span`` as from :func:`planner.distance_kernels.object_spans`. A
-    Voronoi edge that stays further than half the spacing from its generators crosses no
-    border, so that all vertices joined by such edges lie on one side. One is asked for all,
-    the one with the most room, where none is marked yet.
-    """
-    queue = np.empty(len(at), np.int32)
+    """:func:`mark_sides` with a ``queue`` (2 ghost,) to work in."""
     limit = (0.5 * spacing) ** 2 * (1.0 + 1e-9)
     for first in changed:
         if side[first] != 0:
@@ -151,6 +152,24 @@ def mark_sides(
                 known = BLOCKED
         for m in range(tail):
             side[queue[m]] = known
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mark_sides(
+    xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side
+):  # fmt: skip
+    """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
+
+    ``object_boxes`` and ``span`` as from :func:`planner.distance_kernels.object_spans`. A
+    Voronoi edge that stays further than half the spacing from its generators crosses no
+    border, so that all vertices joined by such edges lie on one side. One is asked for all,
+    the one with the most room, where none is marked yet.
+    """
+    queue = np.empty(len(at), np.int32)
+    _mark_sides(
+        xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side,
+        queue,
+    )  # fmt: skip
 
 
 @njit(**BORROWING, error_model="numpy")

@@ -57,21 +57,22 @@ def index_runs(kept, points, pieces, start, proved):
     return points, bits, pieces, proved, table
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def find_run(known, place, s, left, right):
+@njit(**BORROWING, error_model="numpy")
+def find_run(known, place, place_bits, s, left, right):
     """The known run from place s to the next between ``left`` and ``right``: where, which way.
 
-    ``known`` as from :func:`index_runs`, ``place`` (n, 4). Returns the point that it begins
-    with, and 1 where it is to be walked forwards, -1 backwards, 0 where there is none.
+    ``known`` as from :func:`index_runs`, ``place`` (n, 4), and the same as int64. Returns the
+    point that it begins with, and 1 where it is to be walked forwards, -1 backwards, 0 where
+    there is none.
     """
     points, bits, pieces, proved, table = known
     size = len(table)
-    here = place[s : s + 1, :2].copy().view(np.int64)
-    h = _slot(here[0, 0], here[0, 1], size)
+    x_bits, y_bits = place_bits[s, 0], place_bits[s, 1]
+    h = _slot(x_bits, y_bits, size)
     bx, by = place[s + 1, 0], place[s + 1, 1]
     while table[h] >= 0:
         p = np.int64(table[h])
-        if bits[p, 0] == here[0, 0] and bits[p, 1] == here[0, 1]:
+        if bits[p, 0] == x_bits and bits[p, 1] == y_bits:
             for way in (1, -1):
                 a, b = (left, right) if way == 1 else (right, left)
                 q = p

@@ -170,11 +170,13 @@ def solve_one(
     return x, y, KEPT, False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _to_solve(tri, label, changed, mask, state):
-    """The vertices to solve among the changed triangles and their neighbours, in order."""
+@njit(**BORROWING, error_model="numpy")
+def _choose(tri, label, changed, mask, state, wanted, todo):
+    """The vertices to solve among the changed triangles and their neighbours, in order.
+
+    Writes them into ``todo`` (t,): how many. ``wanted`` (t,) bool is False at first.
+    """
     n = len(mask)
-    wanted = np.zeros(n, np.bool_)
     every = len(changed) == n
     for m in range(len(changed)):
         i = np.int64(changed[m])
@@ -185,33 +187,26 @@ def _to_solve(tri, label, changed, mask, state):
             a, b = label[np.int64(tri[8 * j])], label[np.int64(tri[8 * j + 1])]
             if not is_passage(mask[j], a, b, label[np.int64(tri[8 * j + 2])]):
                 wanted[j] = True
-    todo = np.empty(n, np.int32)
     count = 0
     for p in range(n):
         if wanted[p]:
             todo[count] = p
             count += 1
-    return todo[:count]
+    return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def solve_vertices(
-    mesh, changed, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
-    xy, rho, state
+@njit(**BORROWING, error_model="numpy")
+def _solve(
+    mesh, todo, at, kind, data, before, after, owner, half, relevant, doubt, tolerance, xy, rho,
+    state, bad
 ):  # fmt: skip
-    """Exact places of the vertices that valid edges meet, passages left out.
+    """Solve the vertices ``todo``: how many rows of ``bad`` (v, 2) are set.
 
-    Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
-    that is UNUSED; the others are as they were. Only the ``changed`` triangles and their
-    neighbours, whose valid edges may have, are looked at. Returns sites that are missing
-    around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
-    labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
-    of them is nearer than its sites and, with ``doubt``, because another one is.
+    Those are vertices whose circles are not empty, and what they lack, see
+    :func:`solve_vertices`.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
-    todo = _to_solve(tri, label, changed, mask, state)
-    bad = np.empty((len(todo), 2), np.int32)
     count = 0
     for i in todo:
         t = 8 * np.int64(i)
@@ -260,6 +255,33 @@ def solve_vertices(
                 bad[count, 0], bad[count, 1] = i, which
                 count += 1
         xy[i, 0], xy[i, 1], rho[i], state[i] = x, y, r, got
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_vertices(
+    mesh, changed, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
+    xy, rho, state
+):  # fmt: skip
+    """Exact places of the vertices that valid edges meet, passages left out.
+
+    Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
+    that is UNUSED; the others are as they were. Only the ``changed`` triangles and their
+    neighbours, whose valid edges may have, are looked at. Returns sites that are missing
+    around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
+    labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
+    of them is nearer than its sites and, with ``doubt``, because another one is.
+    """
+    tri, label = mesh[1], mesh[2]
+    k = len(kind) - len(before)
+    n = len(mask)
+    todo = np.empty(n, np.int32)
+    todo = todo[: _choose(tri, label, changed, mask, state, np.zeros(n, np.bool_), todo)]
+    bad = np.empty((len(todo), 2), np.int32)
+    count = _solve(
+        mesh, todo, at, kind, data, before, after, owner, half, relevant, doubt, tolerance, xy,
+        rho, state, bad,
+    )  # fmt: skip
     extra = np.empty((4 * count, 2))
     extra_label = np.empty(4 * count, np.int32)
     where = np.empty(4 * count, np.int64)
