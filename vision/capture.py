@@ -61,6 +61,8 @@ class Capture:
         if not opened:
             capture.release()
             raise CameraError(f"{self.name}: {self._why_not()}")
+        # The sensor's own pixels, as of pictures: a film's turn says how its camera was held.
+        capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._capture = capture
         self._rate = RateMeter()
         self.state, self.reason = "running", ""

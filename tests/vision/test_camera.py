@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -351,6 +352,27 @@ def test_a_video_plays_ends_and_loops(tmp_path: Path) -> None:
 def test_a_missing_source_is_named(source: str, message: str) -> None:
     with pytest.raises(CameraError, match=message):
         camera_for(source, clock=Clock()).open()
+
+
+def test_a_film_of_a_camera_held_otherwise_keeps_its_sensor_s_pixels(tmp_path: Path) -> None:
+    path = tmp_path / "film.mp4"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"mp4v"), 25.0, (64, 48))
+    assert writer.isOpened()
+    writer.write(np.full((48, 64, 3), 120, np.uint8))
+    writer.release()
+    data = bytearray(path.read_bytes())
+    # The matrix of the track header (ISO 14496-12, 8.3.2): a quarter turn.
+    at = data.index(b"tkhd") + 44
+    one = 1 << 16
+    data[at : at + 36] = struct.pack(">9i", 0, one, 0, -one, 0, 0, 48 * one, 0, 1 << 30)
+    path.write_bytes(data)
+    assert cv2.VideoCapture(str(path)).read()[1].shape == (64, 48, 3)  # as players show it
+    camera = camera_for(str(path), clock=Clock(), paced=False)
+    camera.open()
+    frame = camera.read(1.0)
+    assert frame is not None
+    assert frame.image.shape == (48, 64, 3)
+    camera.close()
 
 
 def test_what_is_no_picture_and_no_video_is_refused(tmp_path: Path) -> None:
