@@ -3,7 +3,7 @@
 Rules and units
 - A chain that is as wide as the robot in places only is cut there: its wide parts are chains of
   their own, and what is too narrow between them, too. What the cuts make are nodes.
-- What is narrower than the robot by rounding only is wide enough, as for plans.
+- What is narrower than the robot by rounding only is as wide as the robot.
 - Nodes at one place are one: beside walls much thinner than the generators' spacing a vertex may
   be there twice, with what is too narrow for any robot between.
 """
@@ -21,6 +21,8 @@ from planner.chain_search import ROUNDING
 from planner.generators import BoolArray, Borders
 from planner.scene import FloatArray, IntArray
 
+EQUAL = 4.0
+"""A way narrower than the robot by so many times what is equal, or less, is as wide."""
 ASTRAY = 16.0
 """A dead end farther off its bisector than so many times what is equal is none."""
 
@@ -45,7 +47,7 @@ def clip_chains(borders: Borders, chains: Chains, radius: float) -> Clipped:
     where, places, wide = clip_kernels.wide_parts(
         *borders.tree, solids, chains.points, chains.first, chains.pieces, chains.proved,
         chains.rho, chains.gap, chains.clearance, chains.ends, len(chains.node_xy), radius,
-        radius - rounding, rounding, borders.equal, astray,
+        radius - EQUAL * borders.equal, rounding, borders.equal, astray,
     )  # fmt: skip
     if len(where):
         chains, wide = _cut(borders, chains, where, places, wide)

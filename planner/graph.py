@@ -98,7 +98,7 @@ def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
         owners[u] |= _owners(borders, run.pairs[:1])
         owners[v] |= _owners(borders, run.pairs[-2:-1])
         for n in (u, v):
-            _add_node(graph, n, chains.node_xy[n], chains.node_rho[n])
+            _add_node(graph, n, chains.node_xy[n], max(chains.node_rho[n], roadmap.radius))
         if len(run.points) == 1:
             continue
         parts = 3 if u == v else 2 if graph.has_edge(u, v) else 1
@@ -108,11 +108,11 @@ def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
         nodes = [u, *range(new, new + parts - 1), v]
         new += parts - 1
         for i in range(1, parts):
-            _add_node(graph, nodes[i], run.points[cuts[i]], run.rho[cuts[i]])
+            _add_node(graph, nodes[i], run.points[cuts[i]], max(run.rho[cuts[i]], roadmap.radius))
             owners[nodes[i]] |= _owners(borders, run.pairs[cuts[i] - 1 : cuts[i] + 1])
         for i in range(parts):
             part = _followed(borders, run.part(cuts[i], cuts[i + 1]), roadmap.radius, bulge)
-            _add_edge(graph, borders, nodes[i], nodes[i + 1], part)
+            _add_edge(graph, borders, nodes[i], nodes[i + 1], part, roadmap.radius)
     for n, data in graph.nodes(data=True):
         reach = data["clearance"] + SAME * borders.extent
         x, y = data["pos"]
@@ -297,7 +297,10 @@ def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) ->
         graph.add_node(n, pos=(float(xy[0]), float(xy[1])), clearance=float(clearance))
 
 
-def _add_edge(graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run) -> None:
+def _add_edge(
+    graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run, radius: float
+) -> None:
+    """Add a run, which is wide: where it is narrower than ``radius``, it is so by rounding."""
     polyline = np.array(run.points)
     polyline.setflags(write=False)
     graph.add_edge(
@@ -306,6 +309,6 @@ def _add_edge(graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run) 
         polyline=polyline,
         geometry=describe(borders, run.points, run.pairs, run.proved),
         length=float(run.step[:-1].sum()),
-        clearance=float(run.gap[:-1].min()),
+        clearance=max(float(run.gap[:-1].min()), radius),
         owners=tuple(sorted(_owners(borders, run.pairs[:-1]))),
     )

@@ -112,8 +112,7 @@ class Roadmap:
         Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``geometry``
         (:class:`planner.bisectors.Piece` in order), ``polyline`` (n, 2) through exact places,
         which leaves it by 5 % of the spacing at most, ``length`` (the polyline's), ``clearance``
-        (its minimum, exact, never below the radius but by rounding; the polyline's is at most 1e-4
-        less) and
+        (its minimum, exact, never below the radius; the polyline's is at most 1e-4 less) and
         ``owners``.
         """
         if "graph" not in self._made:
