@@ -246,7 +246,7 @@ class MarkerTracker:
     ) -> list[_Sighting]:
         """Search the whole picture, with another recipe each time."""
         smallest = min(self._side_px(self._robots[i]) for i in missing)
-        factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX else 1
+        factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX and min(grey.shape) > 1 else 1
         picture = grey
         if factor > 1:
             height, width = grey.shape

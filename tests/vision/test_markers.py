@@ -353,3 +353,10 @@ def test_the_photograph_s_markers_are_found(real_data: Path) -> None:
     image = read_picture(real_data / "markers" / "singlemarkersoriginal.jpg")
     found = sorted(i for i, _ in find_markers(image, "DICT_6X6_250"))
     assert found == [23, 40, 62, 98, 124, 203]
+
+
+@pytest.mark.parametrize("size", [(1, 1), (141, 1), (1, 90), (2, 2), (9, 7)])
+def test_frames_too_small_for_any_marker_show_none(size: tuple[int, int]) -> None:
+    tracker = MarkerTracker(Calibration.from_scale(0.002, size), [MarkedRobot(2, 0.2)])
+    image = np.full(size[::-1], 200, np.uint8)
+    assert tracker.update(Frame(image, 0.0, 0, "t")) == ()
