@@ -17,7 +17,7 @@ from numba import njit
 
 from vision.crisp_kernels import HALF
 from vision.joint_kernels import edge_end, onto
-from vision.kernel_options import LEAF
+from vision.kernel_options import LEAF, SUMS
 from vision.outline_kernels import ARC_CCW, LINE, arc_length, distance_to_edge, finish_edge
 from vision.polish_kernels import polish_edges
 from vision.shape_kernels import HUGE
@@ -29,6 +29,8 @@ LOST_AXIS_PX = 0.505
 before a pixel counts as lost."""
 NARROW_PX, LONGEST_TIP_PX = 0.75, 12.0
 """Half the width of a tip without a pixel's centre, and how far it may reach back."""
+BESIDE_OTHER_PX = 0.5
+"""A point farther from its edge may lie at a neighbouring one."""
 TIP_STRAY_PX = 1.0
 """The border of a tip stays as near to its edges; what is farther off is no tip."""
 TIP_PX = 2.5
@@ -52,8 +54,8 @@ def _tip(rows, before, at, after):
 
 
 @njit(**LEAF)
-def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free, near_begin, near_end):
-    """Whether every point of a stretch lies so near its finished edge that nothing is lost."""
+def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, near_begin, near_end):
+    """Whether no pixel of a picture without grey is lost beside a finished edge."""
     xs = px[lo : hi + 1]
     ys = py[lo : hi + 1]
     x0 = rows[e, 0]
@@ -76,21 +78,14 @@ def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free, near_begin
             best = ax * ax + ay * ay
             beside = x * x + y * y < near_begin
             beside |= (xs[k] - x1) * (xs[k] - x1) + (ys[k] - y1) * (ys[k] - y1) < near_end
-            lost = best > free * free
-            if crisp:
-                lost = (best > LOST_AXIS_PX * max(ax, ay)) | (best >= HALF * HALF)
-                beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
+            lost = (best > LOST_AXIS_PX * max(ax, ay)) | (best >= HALF * HALF)
+            beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
             doubts += lost & (not beside)
         return doubts == 0
     cx = rows[e, 2]
     cy = rows[e, 3]
     r = rows[e, 4]
-    ax = x0 - cx
-    ay = y0 - cy
-    bx = x1 - cx
-    by = y1 - cy
-    if kinds[e] == ARC_CCW:
-        ax, ay, bx, by = bx, by, ax, ay
+    ax, ay, bx, by = _arc_ends(kinds, rows, e, after)
     narrow = ax * by - ay * bx >= 0.0
     for k in range(hi + 1 - lo):
         dx = xs[k] - cx
@@ -113,12 +108,80 @@ def _nothing_lost(px, py, lo, hi, e, after, kinds, rows, crisp, free, near_begin
         end_axis = max(abs(ux if first else vx), abs(uy if first else vy))
         axis = axis if within else end_axis
         beside = (to_begin < near_begin) | (to_end < near_end)
-        lost = best > free * free
-        if crisp:
-            lost = (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
-            beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
+        lost = (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
+        beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
         doubts += lost & (not beside)
     return doubts == 0
+
+
+@njit(**LEAF)
+def _arc_ends(kinds, rows, e, after):
+    """From an arc's centre to its ends, in the sense in which the angle grows."""
+    ax = rows[e, 0] - rows[e, 2]
+    ay = rows[e, 1] - rows[e, 3]
+    bx = rows[after, 0] - rows[e, 2]
+    by = rows[after, 1] - rows[e, 3]
+    if kinds[e] == ARC_CCW:
+        return bx, by, ax, ay
+    return ax, ay, bx, by
+
+
+@njit(**SUMS)
+def _loss_beside(px, py, lo, hi, e, after, kinds, rows, free, near_begin, near_end):
+    """A stretch's farthest point from its finished edge, and the area lost beyond ``free``.
+
+    In a picture with grey; what lies near the ends does not count.
+    """
+    xs = px[lo : hi + 1]
+    ys = py[lo : hi + 1]
+    x0 = rows[e, 0]
+    y0 = rows[e, 1]
+    x1 = rows[after, 0]
+    y1 = rows[after, 1]
+    farthest = 0.0
+    lost = 0.0
+    if kinds[e] == LINE:
+        dx = x1 - x0
+        dy = y1 - y0
+        square = dx * dx + dy * dy
+        share = 1.0 / square if square > 0.0 else 0.0
+        for k in range(hi + 1 - lo):
+            x = xs[k] - x0
+            y = ys[k] - y0
+            vx = xs[k] - x1
+            vy = ys[k] - y1
+            t = min(max((x * dx + y * dy) * share, 0.0), 1.0)
+            ax = x - t * dx
+            ay = y - t * dy
+            away = math.sqrt(ax * ax + ay * ay)
+            beside = (x * x + y * y < near_begin) | (vx * vx + vy * vy < near_end)
+            away = 0.0 if beside else away
+            farthest = max(farthest, away)
+            lost += max(away - free, 0.0)
+        return farthest, lost
+    cx = rows[e, 2]
+    cy = rows[e, 3]
+    r = rows[e, 4]
+    ax, ay, bx, by = _arc_ends(kinds, rows, e, after)
+    narrow = ax * by - ay * bx >= 0.0
+    for k in range(hi + 1 - lo):
+        dx = xs[k] - cx
+        dy = ys[k] - cy
+        after_a = ax * dy - ay * dx >= 0.0
+        before_b = dx * by - dy * bx >= 0.0
+        within = (after_a & before_b) | ((after_a | before_b) & (not narrow))
+        ux = xs[k] - x0
+        uy = ys[k] - y0
+        vx = xs[k] - x1
+        vy = ys[k] - y1
+        to_begin = ux * ux + uy * uy
+        to_end = vx * vx + vy * vy
+        away = abs(math.sqrt(dx * dx + dy * dy) - r)
+        away = away if within else math.sqrt(min(to_begin, to_end))
+        away = 0.0 if (to_begin < near_begin) | (to_end < near_end) else away
+        farthest = max(farthest, away)
+        lost += max(away - free, 0.0)
+    return farthest, lost
 
 
 @njit(**LEAF)
@@ -135,12 +198,18 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
     behind = next_ + 1 if next_ + 1 < edges else 0
     near_begin = _tip(rows, before, e, next_) ** 2
     near_end = _tip(rows, e, next_, behind) ** 2
-    if not crisp:
+    if crisp:
+        if _nothing_lost(px, py, lo, hi, e, next_, kinds, rows, near_begin, near_end):
+            return 0.0, 0.0
+    else:
         # where it is narrow the light of both sides meets
         near_begin = max(near_begin, guard * guard, TIP_PX * TIP_PX)
         near_end = max(near_end, guard * guard, TIP_PX * TIP_PX)
-    if _nothing_lost(px, py, lo, hi, e, next_, kinds, rows, crisp, free, near_begin, near_end):
-        return 0.0, 0.0
+        far, area = _loss_beside(
+            px, py, lo, hi, e, next_, kinds, rows, free, near_begin, near_end
+        )  # fmt: skip
+        if far < BESIDE_OTHER_PX:
+            return far, area
     worst = 0.0
     lost = 0.0
     for k in range(lo, hi + 1):
@@ -153,7 +222,7 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
         best, fx, fy = distance_to_edge(kinds, rows, e, next_, x, y)
         if beside and best < TIP_STRAY_PX:
             continue
-        if best >= 0.5:
+        if best >= BESIDE_OTHER_PX:
             d, ex, ey = distance_to_edge(kinds, rows, before, e, x, y)
             if d < best:
                 best = d
@@ -193,6 +262,22 @@ def pass_between_pixels(
             break
         polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, push)
     return total
+
+
+@njit(**SUMS)
+def area_beside_circle(px, py, lo, hi, circle, free):
+    """The area that a circle would lose of points lo .. hi - 1, as ``area_lost`` of edges."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    lost = 0.0
+    for k in range(hi - lo):
+        x = xs[k] - cx
+        y = ys[k] - cy
+        lost += max(abs(math.sqrt(x * x + y * y) - r) - free, 0.0)
+    return lost
 
 
 @njit(**LEAF)

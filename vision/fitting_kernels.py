@@ -20,7 +20,13 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.cover_kernels import area_lost, check_edges, chords, pass_between_pixels
+from vision.cover_kernels import (
+    area_beside_circle,
+    area_lost,
+    check_edges,
+    chords,
+    pass_between_pixels,
+)
 from vision.crisp_kernels import HALF, lost_to_circle, pixels_lost_to_circle, separate_circle
 from vision.fillet_kernels import ROUNDS, round_corners, touch_lines
 from vision.handedness_kernels import bring_cracks_along, bring_into_place, put_edges_back
@@ -136,6 +142,7 @@ def fit_borders(
     active = np.empty((2, longest + 2), np.float64)
     push = np.empty((2 * longest + 2, 6), np.float64)
     circle = np.empty(3, np.float64)
+    spare = np.empty(3, np.float64)
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
@@ -175,12 +182,14 @@ def fit_borders(
             edges = _thirds(px, py, n, circle, breaks, is_arc, joints, shape)
         calm = dead_zone
         seeded = seed_tolerance
+        sound = False
         for again in range(STRICTER if crisp or spread <= QUIET_PX else 1):
             if (edges > 0 and again == 0) or round_cost <= 3.0 * prices[0] + expected * n:
                 break
             edges, cost = partition(
                 px, py, n, skip, crisp, calm, strict, worst, seeded, round_cost,
-                prices, is_seed, seeds, breaks, is_arc, active,
+                circle[2] if round_cost < HUGE else 0.0, prices, is_seed, seeds, breaks, is_arc,
+                active,
             )  # fmt: skip
             if round_cost <= cost:
                 edges = 0
@@ -199,16 +208,21 @@ def fit_borders(
                 break
             if crisp and budget >= pass_between_pixels(
                 px, py, n, breaks, is_arc, edges, shape, joints, free, allowed, guard,
-                ragged, losses, stale, kinds, rows, circle, push,
+                ragged, losses, stale, kinds, rows, spare, push,
             ):  # fmt: skip
                 break
             if crisp:
                 strict *= STRICTER_BY
                 continue
-            if budget >= area_lost(
+            lost = area_lost(
                 px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
-                ragged, losses, stale, kinds, rows, circle,
-            ):  # fmt: skip
+                ragged, losses, stale, kinds, rows, spare,
+            )  # fmt: skip
+            sound = lost <= budget
+            if sound:
+                break
+            if round_cost < HUGE and area_beside_circle(px, py, NONE, n, circle, free) <= lost:
+                edges = 0
                 break
             calm *= CALMER_BY
             seeded *= FINER_BY
@@ -228,7 +242,7 @@ def fit_borders(
         many = 0
         if exact:
             many = _finish(
-                px, py, n, breaks, is_arc, edges, shape, joints, circle, kind[count:],
+                px, py, n, breaks, is_arc, edges, shape, joints, spare, kind[count:],
                 data[count:],
             )  # fmt: skip
             find_cracks(px, py, n, qx, qy, cracks, crack_of)
@@ -240,10 +254,11 @@ def fit_borders(
             )  # fmt: skip
             measure_residual(qx, qy, cracks, at, kind[count:], data[count:], many, NO_BLUR, NO_BLUR)
         else:
-            check_edges(
-                px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
-                budget, ragged, losses, stale, kinds, rows, circle,
-            )  # fmt: skip
+            if not sound:
+                check_edges(
+                    px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
+                    budget, ragged, losses, stale, kinds, rows, spare,
+                )  # fmt: skip
             many = _write_with_chords(
                 px, py, n, breaks, edges, joints, kinds, rows, ragged, chord, is_seed, seeds,
                 kind[count:], data[count:], at,

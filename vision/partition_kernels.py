@@ -37,6 +37,11 @@ FAILURES = 3
 """A stretch that has failed so often with one end is not extended further."""
 ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
 """What a stretch may be: a line or an arc, an arc, neither."""
+ROUNDING = 1e-9
+"""A partition begun elsewhere may cost as much, but for the order of its sums."""
+ROUND_SEEDS = 12
+"""At most so many seeds on a border that is nearly a circle and no polygon: it turns evenly, and a
+break beside an arc moves to its place when the edges are fitted."""
 NO_LINE, NO_CIRCLE = 2.0, 3.0
 """In worst deviations: how far a seed may lie from the chord, or from the circle through both
 ends and the middle, of a stretch that might be a line or an arc."""
@@ -250,17 +255,19 @@ def _what_seeds_allow(px, py, a, b, position, i, j, shift, worst):
 
 @njit(**LEAF)
 def _stretch(
-    px, py, a, b, crisp, dead_zone, sigma, worst, bound, prices, sums, line, circle, active
+    px, py, a, b, may_be, crisp, dead_zone, sigma, worst, bound, prices, sums, line, circle, active
 ):
     """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc).
 
     ``sums`` are those of the search's last stretch (see ``vision.moment_kernels``).
     """
     grow(px, py, a, b, sums)
-    line_of(px, py, sums, line)
-    straight = prices[LINE] + line_cost(
-        px, py, a, b, line, crisp, dead_zone, sigma, worst, bound - prices[LINE]
-    )
+    straight = HUGE
+    if may_be == ANY:
+        line_of(px, py, sums, line)
+        straight = prices[LINE] + line_cost(
+            px, py, a, b, line, crisp, dead_zone, sigma, worst, bound - prices[LINE]
+        )
     if b - a < 6 or straight < prices[ARC] or bound <= prices[ARC]:
         return straight, False
     bent = HUGE
@@ -281,20 +288,47 @@ def _stretch(
     return straight, False
 
 
+@njit(**LEAF)
+def _longest_line(n, radius, worst, guard):
+    """The most points that one line may span, with what is left out at its ends.
+
+    On a circle that no point leaves by more than ``worst`` its chord rises by less than four
+    times that; there is a point a pixel at most.
+    """
+    rise = 4.0 * worst
+    if radius <= rise:
+        return n
+    return min(n, 2.0 * math.sqrt((2.0 * radius - rise) * rise) + 2.0 * guard + 2.0)
+
+
+@njit(**LEAF)
+def _least_rest(m, position, longest, prices, rest):
+    """What the edges from every seed on cost at least, into ``rest`` (m + 1,).
+
+    No line has more than ``longest`` points.
+    """
+    rest[m] = 0.0
+    for i in range(m):
+        lines = math.ceil((position[m] - position[i]) / longest)
+        rest[i] = min(prices[ARC], prices[LINE] * lines)
+
+
 @njit(cache=True, nogil=True)
 def best_partition(
-    px, py, n, seeds, m, start, guard, crisp, dead_zone, sigma, worst, limit, prices, breaks,
-    is_arc, active,
+    px, py, n, seeds, m, start, guard, crisp, dead_zone, sigma, worst, limit, longest, prices,
+    breaks, is_arc, active,
 ):  # fmt: skip
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     ``seeds`` holds m ascending indices; the first break is seed number ``start``. Fills
     ``breaks`` (in order along the border, starting there) and ``is_arc``; returns the number
-    of edges and the cost. Dynamic programming; stretches that fail are not extended far, and
-    what costs more than ``limit`` is not followed up.
+    of edges and the cost: none, and the limit, where all partitions cost that much.
+    Dynamic programming; stretches that fail are not extended far, and what is left of the border
+    costs at least a line or an arc: what leads beyond ``limit`` with that is not followed up.
     """
-    best = np.full(m + 1, HUGE * 4.0)
-    came = np.zeros(m + 1, np.int64)
+    best = np.empty(m + 1, np.float64)
+    rest = np.empty(m + 1, np.float64)
+    came = np.full(m + 1, -1, np.int64)
     arc = np.zeros(m + 1, np.bool_)
     line = np.empty(4, np.float64)
     circle = np.empty(3, np.float64)
@@ -303,14 +337,13 @@ def best_partition(
     for t in range(m + 1):
         s = start + t
         position[t] = seeds[s] if s < m else seeds[s - m] + n
+    _least_rest(m, position, longest, prices, rest)
+    for t in range(m + 1):
+        best[t] = limit - rest[t]
     best[0] = 0.0
+    came[0] = 0
     for i in range(m):
-        if best[i] >= limit:
-            # dearer than what is known: only the next seed is joined, so that all are reached
-            if best[i] + FAILED * prices[LINE] < best[i + 1]:
-                best[i + 1] = best[i] + FAILED * prices[LINE]
-                came[i + 1] = i
-                arc[i + 1] = False
+        if came[i] < 0 or best[i] + rest[i] >= best[m]:
             continue
         failed = 0
         sums[FIRST] = -1.0
@@ -318,7 +351,7 @@ def best_partition(
         for j in range(i + 1, min(m, i + SPAN) + 1):
             if i == 0 and j == m:
                 break
-            bound = best[j] - best[i]
+            bound = min(best[j], best[m] - rest[j]) - best[i]
             if bound <= prices[LINE]:
                 continue
             lo = position[i] - shift
@@ -329,12 +362,16 @@ def best_partition(
             cost = HUGE
             bent = False
             may_be = ANY
+            most = HUGE
             if j > i + 1:
                 may_be = _what_seeds_allow(px, py, a, b, position, i, j, shift, worst)
-            if may_be == ANY or (may_be == BENT and bound > prices[ARC]):
+                most = bound
+            if may_be == BENT and bound <= prices[ARC]:
+                continue
+            if may_be != NOTHING:
                 cost, bent = _stretch(
-                    px, py, a, b + 1, crisp, dead_zone, sigma, worst, bound, prices, sums, line,
-                    circle, active,
+                    px, py, a, b + 1, may_be, crisp, dead_zone, sigma, worst, most, prices, sums,
+                    line, circle, active,
                 )  # fmt: skip
             if cost >= HUGE:
                 if j == i + 1:
@@ -345,10 +382,12 @@ def best_partition(
                     if failed >= FAILURES:
                         break
                     continue
-            if best[i] + cost < best[j]:
+            if cost < bound:
                 best[j] = best[i] + cost
                 came[j] = i
                 arc[j] = bent
+    if came[m] < 0:
+        return 0, limit
     edges = 0
     j = m
     while j > 0:
@@ -366,16 +405,27 @@ def best_partition(
 
 @njit(cache=True, nogil=True)
 def partition(
-    px, py, n, skip, crisp, dead_zone, sigma, worst, tolerance, limit,
+    px, py, n, skip, crisp, dead_zone, sigma, worst, tolerance, limit, radius,
     prices, is_seed, seeds, breaks, is_arc, active,
 ):  # fmt: skip
-    """Seeds, then the cheapest partition that breaks at some of them: (edges, cost)."""
+    """Seeds, then the cheapest partition that breaks at some of them: (edges, cost).
+
+    None is looked for that costs ``limit`` or more: no edges then. Where that is the cost of a
+    circle, ``radius`` is the circle's, and otherwise 0.
+    """
+    longest = _longest_line(n, radius, worst, skip)
     seed_breaks(px, py, n, tolerance, is_seed)
     m = 0
     for k in range(n):
         if is_seed[k]:
             seeds[m] = k
             m += 1
+    chord = _longest_line(n, radius, 0.5 * worst, 0)
+    if radius > 0.0 and m > ROUND_SEEDS and prices[LINE] * n >= limit * chord:
+        # no polygon is cheaper than the circle: what is left are arcs
+        for t in range(ROUND_SEEDS):
+            seeds[t] = seeds[t * m // ROUND_SEEDS]
+        m = ROUND_SEEDS
     _snap_seeds(px, py, n, seeds, m, skip + 4)
     sharpest = -1.0
     start = 0
@@ -385,13 +435,17 @@ def partition(
             sharpest = turn
             start = t
     edges = 0
-    cost = HUGE
+    cost = limit
     for _ in range(2):
-        edges, cost = best_partition(
-            px, py, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst, limit,
-            prices, breaks, is_arc, active,
+        found, least = best_partition(
+            px, py, n, seeds, m, start, skip, crisp, dead_zone, sigma, worst,
+            min(cost * (1.0 + ROUNDING), limit), longest, prices, breaks, is_arc, active,
         )  # fmt: skip
-        if sharpest >= CORNER or edges < 2 or cost >= limit:
+        if found == 0:
+            break
+        edges = found
+        cost = least
+        if sharpest >= CORNER or edges < 2:
             break
         # no corner to begin at: begin again at a break that the search found
         sharpest = CORNER

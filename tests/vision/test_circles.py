@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 
@@ -73,3 +74,22 @@ def test_no_polygon_is_taken_for_a_circle(sides: int, radius: float, noise: floa
     record = extract(picture).objects[0].records[0]
     assert not isinstance(record, CircleRecord)
     assert len(record.edges) == sides
+
+
+def test_a_blurred_disc_of_whole_pixels_is_the_circle_it_was_drawn_by() -> None:
+    """Where edges were dearer the second time, what took their place was once any circle."""
+    y, x = np.mgrid[0:200, 0:200].astype(float)
+    circles = 0
+    for seed in range(25):
+        rng = np.random.default_rng([97, seed])
+        (cx, cy), radius = rng.uniform(99.0, 101.0, 2), rng.uniform(12.0, 85.0)
+        drawn = np.where(np.hypot(x - cx, y - cy) <= radius, 0, 255).astype(np.uint8)
+        seen = cv2.GaussianBlur(drawn, (0, 0), 0.7).astype(np.float32) * np.float32(0.7) + 40.0
+        (only,) = extract(np.rint(seen).astype(np.uint8)).objects
+        (record,) = only.records
+        if isinstance(record, CircleRecord):
+            circles += 1
+            assert math.hypot(record.center[0] - cx, record.center[1] - cy) < 0.2, f"seed {seed}"
+            assert abs(record.radius - radius) < 0.2, f"seed {seed}"
+            assert record.residual_px < 0.3, f"seed {seed}"
+    assert circles >= 4
