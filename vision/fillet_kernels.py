@@ -18,8 +18,9 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.joint_kernels import edge_end, tangent_at
+from vision.joint_kernels import edge_end
 from vision.kernel_options import LEAF
+from vision.rounding_kernels import CORNER_ROOM, TURN, find_corners, sum_costs
 from vision.shape_kernels import circle_rms, fit_line
 
 LONGEST_RUN = 6
@@ -35,8 +36,6 @@ COUNTER_TURN = math.radians(3.0)
 """Edges that turn back by more are no chords of one arc."""
 ANCHOR_FROM, ANCHOR_TO = 0.3, 0.7
 """The part of a line that surely is none of the arcs at its ends."""
-REACH = 4.0
-"""Farther from a joint, in sigmas of the blur, nothing is rounded."""
 FLAT = 0.25
 """An arc that turns by less (radians) may be a line that took some of the arcs at its ends."""
 FILLET = 1.5
@@ -49,99 +48,6 @@ ROUNDS = 3
 STEPS, REFITS = 8, 3
 """Steps of Gauss-Newton for a radius; times that the lines beside a fillet are fitted again."""
 NO_GAIN = 0.0
-
-
-@njit(**LEAF)
-def _rounding(across, half_turn, blur):
-    """How far blur moves a corner's border off its nearer line, at ``across`` from its middle.
-
-    The mean of |x| about ``across`` under a Gaussian is the height of the half-way level of a
-    corner that turns little.
-    """
-    t = abs(across) / blur
-    tail = 0.5 * math.erfc(t / math.sqrt(2.0))
-    density = math.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi)
-    return 2.0 * math.sin(half_turn) * blur * (density - t * tail)
-
-
-@njit(**LEAF)
-def _rounding_at(joint_x, joint_y, directions, e, x, y, blur):
-    """The signed deviation that the corner at joint e explains at (x, y)."""
-    dx = x - joint_x
-    dy = y - joint_y
-    if dx * dx + dy * dy > (REACH * blur) ** 2:
-        return 0.0
-    ax = directions[e, 0]
-    ay = directions[e, 1]
-    bx = directions[e, 2]
-    by = directions[e, 3]
-    cross = ax * by - ay * bx
-    dot = ax * bx + ay * by
-    half_turn = 0.5 * math.atan2(abs(cross), dot)
-    wx = ax + bx
-    wy = ay + by
-    length = math.sqrt(wx * wx + wy * wy)
-    if length < 1e-9:
-        return 0.0
-    d = _rounding((dx * wx + dy * wy) / length, half_turn, blur)
-    return d if cross > 0.0 else -d
-
-
-@njit(**LEAF)
-def _find_directions(px, py, n, breaks, is_arc, edges, shape, joints, directions):
-    """Where the border comes from and goes to at every joint: ``directions`` (edges, 4)."""
-    for e in range(edges):
-        before = e - 1 if e > 0 else edges - 1
-        x = joints[e, 0]
-        y = joints[e, 1]
-        here = breaks[e]
-        back = breaks[before]
-        p = back + max((here - back) % n, 2) // 2
-        q = here + max(edge_end(breaks, edges, n, e) - here, 2) // 2
-        directions[e, 0], directions[e, 1] = tangent_at(
-            shape[before], is_arc[before], x, y, x - px[p], y - py[p]
-        )
-        directions[e, 2], directions[e, 3] = tangent_at(
-            shape[e], is_arc[e], x, y, px[q] - x, py[q] - y
-        )
-
-
-@njit(**LEAF)
-def _sum_costs(
-    px, py, n, breaks, is_arc, edges, shape, joints, directions, blur, dead_zone, sigma, expected,
-    sums,
-):  # fmt: skip
-    """Cost of the points up to each one of the border, and once more of its second round.
-
-    Less what noise explains; ``sums`` (2 * n + 1,).
-    """
-    for e in range(edges):
-        after = e + 1 if e + 1 < edges else 0
-        lo = breaks[e]
-        for k in range(lo, edge_end(breaks, edges, n, e)):
-            x = px[k]
-            y = py[k]
-            dx = x - shape[e, 0]
-            dy = y - shape[e, 1]
-            if is_arc[e]:
-                d = math.sqrt(dx * dx + dy * dy) - shape[e, 2]
-                # positive to the right of the way, as of a line
-                vx = directions[e, 2]
-                vy = directions[e, 3]
-                if (joints[e, 0] - shape[e, 0]) * vy - (joints[e, 1] - shape[e, 1]) * vx > 0.0:
-                    d = -d
-            else:
-                d = shape[e, 2] * dy - shape[e, 3] * dx
-            d -= _rounding_at(joints[e, 0], joints[e, 1], directions, e, x, y, blur)
-            d -= _rounding_at(joints[after, 0], joints[after, 1], directions, after, x, y, blur)
-            over = max(abs(d) - dead_zone, 0.0) / sigma
-            i = k - n if k >= n else k
-            sums[i + 1] = over * over - expected
-    sums[0] = 0.0
-    for k in range(n):
-        sums[k + 1] += sums[k]
-    for k in range(n):
-        sums[n + k + 1] = sums[n] + sums[k + 1]
 
 
 @njit(**LEAF)
@@ -316,33 +222,23 @@ def round_corners(
     if edges < 3:
         return edges, False
     blur = math.sqrt(blur * blur + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
-    directions = np.empty((edges, 4), np.float64)
+    corners = np.empty((edges, CORNER_ROOM), np.float64)
     sums = np.empty(2 * n + 1, np.float64)
-    _find_directions(px, py, n, breaks, is_arc, edges, shape, joints, directions)
-    _sum_costs(
-        px, py, n, breaks, is_arc, edges, shape, joints, directions, blur, dead_zone, sigma,
-        expected, sums,
+    find_corners(px, py, n, breaks, is_arc, edges, shape, joints, corners)
+    sum_costs(
+        px, py, n, breaks, is_arc, edges, shape, joints, corners, blur, dead_zone, sigma, expected,
+        sums,
     )  # fmt: skip
     gains = np.full(edges, NO_GAIN)
     runs = np.zeros(edges, np.int64)
     arcs = np.zeros((edges, 2), np.int64)
     any_gain = _find_fillets(
-        px, py, n, breaks, is_arc, edges, shape, directions, blur, dead_zone, sigma, worst,
+        px, py, n, breaks, is_arc, edges, shape, corners, blur, dead_zone, sigma, worst,
         expected, prices, sums, gains, runs, arcs,
     )  # fmt: skip
     if not any_gain:
         return edges, False
     return _place_fillets(n, breaks, is_arc, edges, is_fillet, gains, runs, arcs), True
-
-
-@njit(**LEAF)
-def _turn(directions, e):
-    """By how much the border turns at joint e, in radians."""
-    ax = directions[e, 0]
-    ay = directions[e, 1]
-    bx = directions[e, 2]
-    by = directions[e, 3]
-    return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
 @njit(**LEAF)
@@ -355,7 +251,7 @@ def _is_flat(px, py, lo, hi, is_arc, shape, e):
 
 @njit(cache=True, nogil=True)
 def _find_fillets(
-    px, py, n, breaks, is_arc, edges, shape, directions, blur, dead_zone, sigma, worst, expected,
+    px, py, n, breaks, is_arc, edges, shape, corners, blur, dead_zone, sigma, worst, expected,
     prices, sums, gains, runs, arcs,
 ):  # fmt: skip
     """The best fillet that begins at each line: what it saves, its run, and its arc's points."""
@@ -375,7 +271,7 @@ def _find_fillets(
         price = FILLET * prices[0]
         for run in range(min(LONGEST_RUN, edges - 2) + 1):
             j = (i + run + 1) % edges
-            turn = _turn(directions, j)
+            turn = corners[j, TURN]
             if turn * turned < 0.0 and abs(turn) > COUNTER_TURN:
                 break
             turned += turn

@@ -1,0 +1,58 @@
+"""What blur does to corners: points where blur puts them cost nothing."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from vision.rounding_kernels import CORNER_ROOM, TURN, find_corners, sum_costs
+
+SIDE = 40.0
+HALF = 20
+"""Points on either side of a corner."""
+
+
+def rounded_square(blur: float, clockwise: bool) -> tuple[np.ndarray, np.ndarray]:
+    """A square's border as blur leaves it, from half-way before each corner to half-way behind."""
+    corners = np.array([(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)])
+    if not clockwise:
+        corners = corners[::-1]
+    # across the middle between a corner's sides, which rise at 45 degrees
+    s = (np.arange(2 * HALF) + 0.5 - HALF) * math.sqrt(0.5)
+    t = np.abs(s) / blur
+    tail = np.array([0.5 * math.erfc(v / math.sqrt(2.0)) for v in t])
+    density = np.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi)
+    height = np.abs(s) + 2.0 * blur * (density - t * tail)
+    points = []
+    for e, corner in enumerate(corners):
+        ahead = (corners[(e + 1) % 4] - corner) / SIDE
+        back = (corners[e - 1] - corner) / SIDE
+        across, inwards = (ahead - back) * math.sqrt(0.5), (ahead + back) * math.sqrt(0.5)
+        points.append(corner + s[:, None] * across + height[:, None] * inwards)
+    return np.concatenate(points), corners
+
+
+@pytest.mark.parametrize("blur", [0.6, 1.0, 1.7])
+@pytest.mark.parametrize("clockwise", [True, False])
+def test_points_where_blur_puts_them_cost_nothing(blur: float, clockwise: bool) -> None:
+    points, joints = rounded_square(blur, clockwise)
+    n = len(points)
+    px, py = (np.append(np.tile(points[:, c], 2), points[0, c]) for c in (0, 1))
+    breaks = np.arange(4) * 2 * HALF + HALF
+    shape = np.zeros((4, 5))
+    shape[:, :2] = joints
+    shape[:, 2:4] = (np.roll(joints, -1, axis=0) - joints) / SIDE
+    is_arc = np.zeros(4, dtype=np.bool_)
+    corners = np.zeros((4, CORNER_ROOM))
+    find_corners(px, py, n, breaks, is_arc, 4, shape, joints, corners)
+    assert np.allclose(corners[:, TURN], math.pi / 2.0 if clockwise else -math.pi / 2.0)
+    sums = np.zeros(2 * n + 1)
+    args = px, py, n, breaks, is_arc, 4, shape, joints, corners
+    sum_costs(*args, blur, 1e-3 * blur, 0.01, 0.0, sums)
+    assert sums[-1] == 0.0
+    # and sharp corners would not do
+    sum_costs(*args, 1e-3, 1e-3 * blur, 0.01, 0.0, sums)
+    assert sums[-1] > 100.0
+    assert np.isclose(sums[-1], 2.0 * sums[n])
