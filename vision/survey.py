@@ -41,6 +41,8 @@ _OUTLIER_SPREADS = 4.5
 _LEAST_SPREAD_PX = 0.5
 _MOST_SETS = 1500
 _LEAST_AREA = 1e-3
+_RIM_PX = 1.0
+"""A point on the picture's rim may have been read so far outside."""
 _ARROW_SHARE = 0.1
 """The longest arrow of a residual map, as a share of its width; twice for points left out."""
 
@@ -126,6 +128,7 @@ def fit_arena(
             f"the lens was calibrated with {lens.size[0]}x{lens.size[1]} pixels, the arena's "
             f"picture has {size[0]}x{size[1]}"
         )
+    _refuse_outside(survey, size)
     camera = lens.camera_matrix if lens is not None else nominal_camera_matrix(size)
     distortion = lens.distortion if lens is not None else np.zeros(5)
     plane = Calibration(size, camera, distortion, _ANY_FLOOR)
@@ -187,6 +190,16 @@ def _check(survey: Survey) -> None:
         spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
         if not spread[1] > 1e-3 * spread[0]:
             raise CalibrationError(f"the surveyed {what} lie in one line")
+
+
+def _refuse_outside(survey: Survey, size: tuple[int, int]) -> None:
+    """A pixel outside the picture: the point, or the picture's size, is wrong."""
+    width, height = size
+    for name, (x, y) in zip(survey.names, survey.pixels, strict=True):
+        if not (-_RIM_PX <= x <= width - 1 + _RIM_PX and -_RIM_PX <= y <= height - 1 + _RIM_PX):
+            raise CalibrationError(
+                f"{name}: the pixel ({x:g}, {y:g}) must lie in the picture of {width}x{height}"
+            )
 
 
 def _homography(pixels: FloatArray, places: FloatArray) -> FloatArray | None:

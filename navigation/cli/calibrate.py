@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from navigation.cli.outputs import keep_apart
+
 if TYPE_CHECKING:
     from vision.board import BoardSpec, BoardView
     from vision.camera import Image
@@ -68,6 +70,9 @@ def command(
         raise click.UsageError("--residual-map needs --points or --floor-picture")
     if not pictures and camera is None and points is None and floor_picture is None:
         raise click.UsageError("give pictures of a board, --camera, --points or --floor-picture")
+    # The calibration whose lens is taken may be the one that is made anew.
+    read = (*pictures, points, floor_picture)
+    keep_apart((("--output", output), ("--residual-map", residual_map)), read)
     given_size = None if size is None else _pair(size, "--size")
     spec = None
     if pictures or camera is not None or (floor_picture is not None and points is None):

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from navigation.cli.options import OUTPUT, OutputType, format_option, polarity_option
+from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
+from navigation.cli.outputs import keep_apart, write_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +24,7 @@ class ExtractError(ValueError):
 
 
 @click.command(short_help="The geometric structure of a picture.")
-@click.argument("image", type=click.Path(path_type=Path))
+@click.argument("image", type=INPUT)
 @format_option("The paper's records, or one JSON object.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
 @click.option("--paper", is_flag=True, help="The paper's recipe to the letter.")
@@ -60,6 +61,7 @@ def command(
         raise click.BadParameter(f"{threshold}: must lie in 0..255", param_hint="--threshold")
     if threshold is not None and method != "fixed":
         raise click.BadParameter("is for --method fixed only", param_hint="--threshold")
+    keep_apart((("--output", output), ("--render", render)), (image,))
 
     import vision
     from navigation.cli.sources import decode_picture
@@ -85,7 +87,7 @@ def command(
     if output is None:
         click.echo(answer, nl=False)
     else:
-        output.write_text(answer, encoding="utf-8")
+        write_text(output, answer)
     if render is not None:
         _render(render, picture, scene)
 

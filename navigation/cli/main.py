@@ -15,6 +15,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import difflib
+import errno
 import gc
 import os
 import sys
@@ -31,6 +32,8 @@ INTERRUPTED = 128 + 2
 """As a shell reports SIGINT."""
 READER_GONE = 128 + 13
 """As a shell reports SIGPIPE."""
+NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
+"""What a write says where the disk, or the share of it, is full."""
 FFMPEG_ERRORS, FFMPEG_QUIET = "16", "-8"
 """Levels of its log: AV_LOG_ERROR and AV_LOG_QUIET."""
 
@@ -226,6 +229,8 @@ def _sentence(error: Exception) -> str:
             return error.format_message()
         case OSError() if error.filename is not None and not _is_ours(error):
             return f"{error.filename}: {error.strerror or error}"
+        case OSError() if error.errno in NO_ROOM:
+            return f"the answer cannot be written: {error.strerror}"
     text = str(error)
     if _is_ours(error) and text:
         return text

@@ -31,9 +31,10 @@ if TYPE_CHECKING:  # generic for the type checker only: click 8.1 cannot be subs
     StationBase = click.ParamType[Station]
     NumberBase = click.ParamType[float]
     PreferenceBase = click.ParamType[str | float]
+    InputBase = click.ParamType[Path]
     OutputBase = click.ParamType[Path]
 else:
-    StationBase = NumberBase = PreferenceBase = OutputBase = click.ParamType
+    StationBase = NumberBase = PreferenceBase = InputBase = OutputBase = click.ParamType
 
 
 class StationType(StationBase):
@@ -129,6 +130,19 @@ class OutputType(OutputBase):
         return path
 
 
+class InputType(InputBase):
+    """A file that is read; an empty name would be the present folder."""
+
+    name = "FILE"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; click's usage error where it is empty."""
+        if not str(value):
+            self.fail("the name is empty: must be a file", param, ctx)
+        return Path(value)
+
+
+INPUT = InputType()
 OUTPUT = OutputType()
 DRAWING = OutputType(".svg", ".png")
 STATION = StationType()

@@ -10,6 +10,7 @@ import click
 
 from navigation.cli.options import (
     DRAWING,
+    INPUT,
     NOT_NEGATIVE,
     OUTPUT,
     PREFERENCE,
@@ -20,6 +21,7 @@ from navigation.cli.options import (
     format_option,
     polarity_option,
 )
+from navigation.cli.outputs import keep_apart, write_text
 
 if TYPE_CHECKING:
     from navigation.cli.plan_answer import PlanAnswer
@@ -36,7 +38,7 @@ class PlanError(ValueError):
 
 
 @click.command(short_help="One plan through a picture, scene or map.")
-@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("source", type=INPUT)
 @click.option("--start", type=STATION, required=True, help="Where the robot stands.")
 @click.option("--goal", type=STATION, required=True, help="Where it is to stand.")
 @RADIUS_OPTION
@@ -91,6 +93,7 @@ def command(
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
         )
+    keep_apart((("--output", output), ("--render", render)), (source,))
     begin_s = time.perf_counter()
     scene = load_source(source, polarity)
     stations = [start, *via, goal]
@@ -117,7 +120,7 @@ def command(
     if output is None:
         click.echo(text, nl=False)
     else:
-        output.write_text(text, encoding="utf-8")
+        write_text(output, text)
     if render is not None:
         _render(render, answer, roadmap, stations)
     if answer.trajectory is not None:

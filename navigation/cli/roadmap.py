@@ -9,18 +9,20 @@ import click
 
 from navigation.cli.options import (
     DRAWING,
+    INPUT,
     POSITIVE,
     RADIUS_OPTION,
     SPACING_OPTION,
     OutputType,
     polarity_option,
 )
+from navigation.cli.outputs import keep_apart, write_text
 
 SUFFIXES = (".graphml", ".geojson", ".json")
 
 
 @click.command(short_help="The AGVD roadmap as a file.")
-@click.argument("source", type=click.Path(path_type=Path))
+@click.argument("source", type=INPUT)
 @RADIUS_OPTION
 @click.option(
     "-o",
@@ -58,6 +60,7 @@ def command(
         raise click.BadParameter(
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
         )
+    keep_apart((("--output", output), ("--map", map_file), ("--render", render)), (source,))
 
     from navigation.cli.plan import timed_roadmap
     from navigation.cli.sources import load_source
@@ -72,7 +75,7 @@ def command(
             text = exchange.to_geojson(roadmap, frame)
         case _:
             text = exchange.to_node_link(roadmap)
-    output.write_text(text, encoding="utf-8")
+    write_text(output, text)
     if map_file is not None:
         from planner.map_writer import write_map
 

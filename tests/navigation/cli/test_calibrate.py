@@ -226,3 +226,32 @@ def test_markers_of_a_chessboard_are_refused(
 ) -> None:
     assert run(["calibrate", str(pictures), *BOARD, *option]) == 2
     assert option[0] in capsys.readouterr().err
+
+
+def test_a_surveyed_pixel_outside_the_picture_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = tmp_path / "p.csv"
+    points.write_text("0,0,0,4\n639.5,0,6,4\n600,400,6,0\n0,400,0,0\n")
+    out = ["--points", str(points), "-o", str(tmp_path / "c.yaml")]
+    assert run(["calibrate", *out, "--size", "640x480"]) == 0
+    capsys.readouterr()
+    assert run(["calibrate", *out, "--size", "640x400"]) == 0
+    assert run(["calibrate", *out, "--size", "640x399"]) == 2
+    said = capsys.readouterr().err
+    assert "line 3: the pixel (600, 400) must lie in the picture of 640x399" in said
+
+
+def test_a_calibration_never_overwrites_what_it_is_made_from(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    points = points_file(tmp_path / "p.csv", seen_from((0.05, 0.08, 0.0)))
+    before = points.read_bytes()
+    assert run(["calibrate", "--points", str(points), "--size", "480x360", "-o", str(points)]) == 2
+    assert f"--output {points}: would overwrite {points}, which is read" in capsys.readouterr().err
+    assert points.read_bytes() == before
+    made = tmp_path / "c.yaml"
+    views = [str(p) for p in sorted(pictures.glob("view[0-4].png"))]
+    given = ["--points", str(points), "-o", str(made)]
+    assert run(["calibrate", *views, *BOARD, *given]) == 0
+    assert run(["calibrate", "--lens", str(made), "--points", str(points), "-o", str(made)]) == 0

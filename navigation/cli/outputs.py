@@ -1,0 +1,44 @@
+"""Files that commands write: never over what they read, and one sentence where it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import click
+
+
+class OutputError(ValueError):
+    """An answer cannot be written; the message names the file."""
+
+
+def keep_apart(outputs: Iterable[tuple[str, Path | None]], inputs: Iterable[Path | None]) -> None:
+    """click's usage error where an output, by its option, is a file that is read or written.
+
+    Only files count: a terminal or /dev/null may be named as often as one likes.
+    """
+    taken = {_identity(path): f"overwrite {path}, which is read" for path in inputs if path}
+    for option, path in outputs:
+        if path is None or (path.exists() and not path.is_file()):
+            continue
+        here = _identity(path)
+        if here in taken:
+            raise click.UsageError(f"{option} {path}: would {taken[here]}")
+        taken[here] = f"overwrite the file of {option}"
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a whole file as UTF-8; ``OutputError`` where the disk is full or the like."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def _identity(path: Path) -> object:
+    """The same for two names of one file."""
+    try:
+        told = path.stat()
+    except OSError:
+        return path.absolute()
+    return told.st_dev, told.st_ino
