@@ -31,10 +31,9 @@ if TYPE_CHECKING:  # generic for the type checker only: click 8.1 cannot be subs
     StationBase = click.ParamType[Station]
     NumberBase = click.ParamType[float]
     PreferenceBase = click.ParamType[str | float]
-    InputBase = click.ParamType[Path]
     OutputBase = click.ParamType[Path]
 else:
-    StationBase = NumberBase = PreferenceBase = InputBase = OutputBase = click.ParamType
+    StationBase = NumberBase = PreferenceBase = OutputBase = click.ParamType
 
 
 class StationType(StationBase):
@@ -130,16 +129,17 @@ class OutputType(OutputBase):
         return path
 
 
-class InputType(InputBase):
+class InputType(click.Path):
     """A file that is read; an empty name would be the present folder."""
 
-    name = "FILE"
+    def __init__(self) -> None:
+        super().__init__(path_type=Path)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The path; click's usage error where it is empty."""
         if not str(value):
             self.fail("the name is empty: must be a file", param, ctx)
-        return Path(value)
+        return super().convert(value, param, ctx)
 
 
 INPUT = InputType()
