@@ -179,21 +179,22 @@ def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
 
 
 @njit(**BORROWING, error_model="numpy")
-def _bend(
+def bend(
     mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
-    known, results, stations, todo
+    known, results, sure, ahead, stations, todo
 ):  # fmt: skip
-    """Fill the arrays of :func:`bend_chains`: how many points and missing sites there are.
+    """The chains' points on their bisectors, with the narrowest place of every run.
 
-    -1 for either where there is no room for all. ``results`` are out, pair, proved, start,
-    extra, extra_label and where, with sure (p,) and ahead (p,) for what makes a link proved:
-    that both of its points are, and that it follows the bisector between them. ``stations`` are
-    place (m, 4), its bits, sides (m, 2) and run (m, 2); ``todo`` the stack of places ahead.
+    Fills ``results``, as :func:`planner.bending.bend_chains` returns them, and ``sure`` (p,) and
+    ``ahead`` (p,): a link is proved where both of its points are, and where it follows the
+    bisector between them. ``stations`` are place (m, 4), its bits, sides (m, 2) and run (m, 2),
+    ``todo`` the stack of places ahead. Returns how many points and missing sites there are, -1
+    for those that found no room.
     """
     tri, label = mesh[1], mesh[2]
     k = len(kind) - len(before)
     chains = len(first) - 1
-    out, pair, proved, start, extra, extra_label, where, sure, ahead = results
+    out, pair, proved, start, extra, extra_label, where = results
     place, bits, sides, run = stations
     stack, stack_q, bare, rough = todo
     most = len(out) - 2
@@ -371,62 +372,6 @@ def _bend(
         proved[n - 1] = False
         start[c + 1] = n
     return n, missing
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def bend_chains(
-    mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho, state,
-    known
-):  # fmt: skip
-    """The chains' points on their bisectors, with the narrowest place of every run.
-
-    Returns ``out`` (p, 3), x, y and exact clearance, ``pair`` (p, 2) the pieces left and right
-    of the link that follows (-1 at a chain's last point), offsets ``start`` (c + 1,), ``proved``
-    (p,) bool, whether the link that follows is on the bisector of its pieces, and sites that
-    are missing as in :func:`planner.vertex_kernels.solve_vertices`. Chain c has the links
-    ``first[c]`` to ``first[c + 1]`` of :func:`planner.trace_kernels.trace_chains`; ``first``
-    need not begin at 0. Runs that are ``known``, see :func:`planner.run_kernels.index_runs`, are
-    not bent again.
-    """
-    chains = len(first) - 1
-    room, more = 2 * (first[chains] - first[0] + chains) + 64, 64
-    most = 1
-    for c in range(chains):
-        most = max(most, first[c + 1] - first[c])
-    place = np.empty((most + 1, 4))
-    stations = (
-        place, place.view(np.int64), np.empty((most + 1, 2), np.int32),
-        np.empty((most + 1, 2), np.int64),
-    )  # fmt: skip
-    todo = (
-        np.empty((HALVINGS + 2, 2)), np.empty(HALVINGS + 2, np.int64),
-        np.zeros(HALVINGS + 2, np.bool_), np.zeros(HALVINGS + 2, np.bool_),
-    )  # fmt: skip
-    while True:
-        out, pair = np.empty((room, 3)), np.empty((room, 2), np.int32)
-        proved, sure = np.zeros(room, np.bool_), np.empty(room, np.bool_)
-        ahead = np.empty(room, np.bool_)
-        start = np.zeros(chains + 1, np.int32)
-        extra, extra_label = np.empty((more, 2)), np.empty(more, np.int32)
-        where = np.empty(more, np.int64)
-        results = out, pair, proved, start, extra, extra_label, where, sure, ahead
-        n, missing = _bend(
-            mesh, at, first, link, kind, data, before, after, half, relevant, tolerance, xy, rho,
-            state, known, results, stations, todo,
-        )  # fmt: skip
-        if n >= 0 and missing >= 0:
-            break
-        # rare: all of it again, with twice the room
-        room, more = 2 * room if n < 0 else room, 2 * more if missing < 0 else more
-    return (
-        out[:n],
-        pair[:n],
-        start,
-        proved[:n],
-        extra[:missing],
-        extra_label[:missing],
-        where[:missing],
-    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

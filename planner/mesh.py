@@ -26,6 +26,7 @@ from planner import (
     trace_kernels,
     vertex_kernels,
 )
+from planner.bending import Bent, bend_chains
 from planner.generators import SAME_PLACE, BoolArray, Borders, Generators
 from planner.scene import FloatArray, IntArray
 from planner.voronoi_diagram import DiagramArrays
@@ -47,16 +48,6 @@ class Traced:
     ends: IntArray
     first: IntArray
     link: NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True)
-class Bent:
-    """Where chains run: see :func:`planner.chain_kernels.bend_chains`."""
-
-    points: FloatArray
-    pieces: IntArray
-    start: IntArray
-    proved: BoolArray
 
 
 @dataclass(slots=True)
@@ -182,17 +173,19 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
         chain_kernels.solve_rings(
             flat, new.node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
         )  # fmt: skip
-        points, sides, start, proved, *missing = chain_kernels.bend_chains(
-            flat, mesh.at, new.first[len(kept) :], new.link, *pieces, half, half, tolerance,
+        bent, missing = bend_chains(
+            new.first[len(kept) :], new.link, flat, mesh.at, *pieces, half, half, tolerance,
             mesh.place, mesh.rho, mesh.state,
             run_kernels.index_runs(kept, old.points, old.pieces, old.start, old.proved),
         )  # fmt: skip
-        mesh.bent = Bent(
-            *trace_kernels.join_chains(
-                kept, old.start, (old.points, old.pieces, old.proved), start,
-                (points, sides, proved),
-            )
-        )  # fmt: skip
+        if len(kept):
+            bent = Bent(
+                *trace_kernels.join_chains(
+                    kept, old.start, (old.points, old.pieces, old.proved), bent.start,
+                    (bent.points, bent.pieces, bent.proved),
+                )
+            )  # fmt: skip
+        mesh.bent = bent
         if not len(missing[0]) or turn == ROUNDS:
             break
         add_sites(mesh, *missing)

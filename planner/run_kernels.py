@@ -31,7 +31,7 @@ def index_runs(kept, points, pieces, start, proved):
     """The points of the chains that are not ``kept`` (m,), found by their place.
 
     ``points`` (p, 3), ``pieces`` (p, 2), ``start`` (c + 1,) and ``proved`` (p,) are chains as
-    from :func:`planner.chain_kernels.bend_chains`. Returns what :func:`find_run` takes.
+    from :func:`planner.bending.bend_chains`. Returns what :func:`find_run` takes.
     """
     count = 0
     chains = len(start) - 1

@@ -151,7 +151,7 @@ def join_chains(kept, old_start, old_arrays, start, arrays):
     """The kept chains' points and then the new ones'.
 
     ``arrays`` and ``old_arrays`` are out (p, 3), pair (p, 2) and proved (p,), ``start`` the
-    offsets of chains into them, as from :func:`planner.chain_kernels.bend_chains`. Returns
+    offsets of chains into them, as from :func:`planner.bending.bend_chains`. Returns
     out, pair, start and proved.
     """
     old_out, old_pair, old_proved = old_arrays
