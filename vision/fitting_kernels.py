@@ -218,11 +218,12 @@ def fit_borders(
                 px, py, n, breaks, is_arc, edges, shape, joints, crisp, free, allowed, guard,
                 ragged, losses, stale, kinds, rows, spare,
             )  # fmt: skip
+            if round_cost < HUGE and area_beside_circle(px, py, NONE, n, circle, free) < lost:
+                # its one edge covers the border better than all of these
+                edges = 0
+                break
             sound = lost <= budget
             if sound:
-                break
-            if round_cost < HUGE and area_beside_circle(px, py, NONE, n, circle, free) <= lost:
-                edges = 0
                 break
             calm *= CALMER_BY
             seeded *= FINER_BY

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from planner.scene import (
     PointRecord,
     PolygonRecord,
     Scene,
+    Segment,
     SegmentRecord,
     object_records,
 )
@@ -345,3 +347,16 @@ def test_a_picture_of_another_size_than_its_calibration_s_is_refused() -> None:
 def test_discs_to_ignore_that_are_none_are_refused() -> None:
     with pytest.raises(PictureError, match="discs"):
         extract(np.full((48, 64), 220, np.uint8), ignore=[(1, 2)])  # type: ignore[list-item]
+
+
+def test_an_outlines_segments_are_those_that_their_class_makes() -> None:
+    """They are made without its constructor, field by field."""
+    image = np.full((60, 80), 255, np.uint8)
+    image[20:40, 20:60] = 0
+    (only,) = extract(image).objects
+    (record,) = only.records
+    assert isinstance(record, PolygonRecord)
+    assert [field.name for field in dataclasses.fields(Segment)] == ["start", "end"]
+    for edge, after in zip(record.edges, (*record.edges[1:], record.edges[0]), strict=True):
+        assert isinstance(edge, Segment)
+        assert edge == Segment(edge.start, after.start)
