@@ -15,6 +15,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator
+from typing import IO
 
 _MOST_BYTES = 1 << 16
 _HARMLESS = ("libpng warning:", "[")
@@ -51,11 +52,11 @@ def caught_decoder_lines() -> Iterator[DecoderLines]:
     with contextlib.ExitStack() as stack:
         try:
             own = os.dup(2)
-        except OSError:  # the process has no stderr: nothing to keep back
+            stack.callback(os.close, own)
+            kept = stack.enter_context(_nameless_file())
+        except OSError:  # no stderr, or no room to keep it: the lines go where they go
             yield said
             return
-        stack.callback(os.close, own)
-        kept = stack.enter_context(tempfile.TemporaryFile())
         os.dup2(kept.fileno(), 2)
         try:
             yield said
@@ -68,3 +69,10 @@ def caught_decoder_lines() -> Iterator[DecoderLines]:
             lines = text.decode("utf-8", errors="replace").splitlines()
             plain = (" ".join("".join(c for c in a if c.isprintable()).split()) for a in lines)
             said.lines = tuple(a for a in plain if a and not a.startswith(_HARMLESS))
+
+
+def _nameless_file() -> IO[bytes]:
+    """In memory where there is such a thing: folders may be read-only."""
+    if hasattr(os, "memfd_create"):
+        return os.fdopen(os.memfd_create("decoder_lines"), "w+b")
+    return tempfile.TemporaryFile()

@@ -224,3 +224,16 @@ def test_a_process_without_stderr_reads_pictures_too(tmp_path):
     told = subprocess.run(program, shell=True, stdout=subprocess.PIPE, timeout=120)
     assert told.returncode == 0
     assert told.stdout.count(b"\nL ") == 1
+
+
+def test_pictures_are_read_where_no_folder_can_be_written(tmp_path, monkeypatch):
+    path = tmp_path / "well.png"
+    path.write_bytes(FORMATS["c0_8.png"])
+    for missing in ("memfd_create", "dup"):
+
+        def fails(*_):
+            raise OSError("no room")
+
+        with monkeypatch.context() as patched:
+            patched.setattr(os, missing, fails)
+            assert len(load_source(path).objects) == 1
