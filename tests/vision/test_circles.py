@@ -76,6 +76,34 @@ def test_no_polygon_is_taken_for_a_circle(sides: int, radius: float, noise: floa
     assert len(record.edges) == sides
 
 
+@pytest.mark.parametrize("radius", [5.0, 8.0, 12.0])
+@pytest.mark.parametrize("blur", [0.7, 1.0, 1.5])
+def test_what_blur_takes_from_a_circle_is_given_back(radius: float, blur: float) -> None:
+    off = []
+    for seed in range(4):
+        rng = np.random.default_rng([seed, int(radius)])
+        center = tuple((40.0 + rng.uniform(-0.5, 0.5, 2)).tolist())
+        picture = draw([CircleRecord(center, radius)], (80, 80), blur=blur, rng=rng)
+        (only,) = extract(picture).objects
+        (record,) = only.records
+        assert isinstance(record, CircleRecord)
+        off.append(record.radius - radius)
+    assert abs(float(np.mean(off))) < 0.05
+
+
+def test_no_circle_is_written_that_its_own_border_leaves() -> None:
+    """A circle's place once served as room for the edges that were tried instead of it."""
+    for seed in range(60):
+        rng = np.random.default_rng([12, seed])
+        center, radius = tuple(rng.uniform(38.0, 42.0, 2).tolist()), rng.uniform(10.0, 30.0)
+        picture = draw([CircleRecord(center, radius)], (80, 80), blur=0.7, noise=10.0, rng=rng)
+        _, packed = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 20])
+        for found in extract(cv2.imdecode(packed, 0)).objects:
+            for record in found.records:
+                if isinstance(record, CircleRecord):
+                    assert record.residual_px < 1.0, seed
+
+
 def test_a_blurred_disc_of_whole_pixels_is_the_circle_it_was_drawn_by() -> None:
     """Where edges were dearer the second time, what took their place was once any circle."""
     y, x = np.mgrid[0:200, 0:200].astype(float)
