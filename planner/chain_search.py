@@ -8,7 +8,6 @@ Rules and units
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -152,31 +151,6 @@ def cheapest_routes(
         goal.where, goal.access, goal.price, wanted, ROUNDING * borders.extent,
     )  # fmt: skip
     return Lines(*found)
-
-
-def costs_between(network: Network, stations: Sequence[Gates], floor: float) -> FloatArray:
-    """(m, m) what the cheapest way between any two stations costs, infinity where none leads.
-
-    One search a station.
-    """
-    chains = network.chains
-    m = len(stations)
-    matrix = np.zeros((m, m))
-    gates = [station.costs(network, floor) for station in stations]
-    for i, start in enumerate(stations):
-        far = search_kernels.costs_from(
-            network.around, network.leaving, chains.ends, network.total, chains.clearance, floor,
-            *gates[i], np.empty(0, np.int32), np.empty(0),
-        )  # fmt: skip
-        for j in range(i + 1, m):
-            node, cost = gates[j]
-            best = float((far[node] + cost).min(initial=np.inf))
-            inside = route_kernels.cheapest_inside(
-                chains.first, chains.rho, chains.gap, network.cost, chains.proved, floor,
-                start.where, start.price, stations[j].where, stations[j].price,
-            )  # fmt: skip
-            matrix[i, j] = matrix[j, i] = min(best, inside)
-    return matrix
 
 
 def _graph(network: Network) -> Graph:

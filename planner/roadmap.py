@@ -168,12 +168,14 @@ class Roadmap:
         """A path from start to goal for this roadmap's robot, or why there is none.
 
         Stations are (x, y) or (x, y, heading_rad), anywhere in free space. ``prefer`` is
-        "clearance" (the widest way, along the middle), "length" (the shortest that keeps the
-        radius), "balanced", or a number from 0 (length) to 1 (clearance). ``margin`` is kept
-        on top of the radius. No path ever comes nearer to a border than the radius and the
-        margin. ``alternatives`` are so many other paths, where there are, none a shift of another:
-        the best, once taut, of the cheapest routes without a loop, at least twice as many. ``near``
-        is the last path, on which the robot is: while it is clear, and within
+        "clearance" (the widest way, along the middle; of ways as wide within 1e-9 the cheapest),
+        "length" (the shortest that keeps the radius), "balanced", or a number from 0 (length) to 1
+        (clearance). ``order`` "best" visits the stations so that the whole path is shortest, of
+        legs planned as preferred; the goal stays the last. A leg is the same there and back.
+        ``margin`` is kept on top of the radius. No path ever comes nearer to a border than the
+        radius and the margin. ``alternatives`` are so many other paths, where there are, none a
+        shift of another: the best, once taut, of the cheapest routes without a loop, at least twice
+        as many. ``near`` is the last path, on which the robot is: while it is clear, and within
         2 % as good as the best, the answer is that path from here on, so that noise does not make
         plans jump; a refusal is no path to stay on. Raises ``ValueError`` on options that make no
         sense.

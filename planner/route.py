@@ -24,7 +24,6 @@ from planner.chain_search import (
     Network,
     attach,
     cheapest_routes,
-    costs_between,
     routes,
     widest_gap,
 )
@@ -45,6 +44,8 @@ SPARE_ROUTES = 2
 """Routes made taut for every alternative wanted, so that the best of them are told."""
 MOST_ROUTES = 512
 """No more routes are compared than so many, or what the alternatives wanted take."""
+AS_WIDE = 1e-9
+"""Routes whose clearances differ by so small a part of them are equally wide."""
 OTHERS = 3
 """Ways looked at besides the best for one on the sides of the last one."""
 SECOND_OPINION = 4_000_000
@@ -100,7 +101,7 @@ def plan_request(
     network = Network.of(chains, need, request.preference)
     order = tuple(range(len(request.stations) - 2))
     if request.best_order and len(order) > 1:
-        order = _best_order(borders, network, request, need)
+        order = _best_order(borders, network, request, need, chains_only=chains_only)
     request = request.in_order(order)
     legs: list[Ways] = []
     lasts = last_legs(near, len(request.stations) - 1)
@@ -137,23 +138,20 @@ def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
 
 
 def _best_order(
-    borders: Borders, network: Network, request: Request, need: float
+    borders: Borders, network: Network, request: Request, need: float, *, chains_only: bool
 ) -> tuple[int, ...]:
-    """The order of the vias that makes the way cheapest.
+    """The order of the vias that makes the way shortest: of legs planned as they will be.
 
-    Where length is preferred, by the shortest ways themselves; else by ways over the chains.
+    Where no order leads to all of them, the order they were asked for in.
     """
-    floor = need - ROUNDING * borders.extent
     stations = request.stations
-    matrix = costs_between(network, [attach(borders, network, s, floor) for s in stations], floor)
+    matrix = np.zeros((len(stations), len(stations)))
     for i in range(len(stations)):
         for j in range(i + 1, len(stations)):
-            if stations[i] == stations[j]:
-                matrix[i, j] = matrix[j, i] = 0.0
-            elif request.preference == 0.0:
-                way = shortest_way(borders, stations[i], stations[j], need).way
-                if way is not None:
-                    matrix[i, j] = matrix[j, i] = _length(way)
+            a, b = stations[i], stations[j]
+            leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
+            lines = plan_leg(leg, chains_only=chains_only).lines
+            matrix[i, j] = matrix[j, i] = _length(lines[0]) if lines else math.inf
     tour = best_tour(matrix)
     if not math.isfinite(tour.cost):
         return tuple(range(len(stations) - 2))
@@ -161,12 +159,28 @@ def _best_order(
 
 
 def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> Ways:
+    """As :func:`_plan_leg`, and the same there and back.
+
+    A leg is planned from the end with more room on: that turns and moves with the scene.
+    """
+    room = leg.borders.distances(np.array([leg.start, leg.goal]))[0].tolist()
+    apart = room[0] - room[1]
+    even = abs(apart) <= ROUNDING * leg.borders.extent
+    if apart > 0.0 if not even else leg.start <= leg.goal:
+        return _plan_leg(leg, alternatives, chains_only=chains_only)
+    back = replace(leg, start=leg.goal, goal=leg.start)
+    found = _plan_leg(back, alternatives, chains_only=chains_only)
+    lines = tuple(np.ascontiguousarray(line[::-1]) for line in found.lines)
+    return replace(found, lines=lines)
+
+
+def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     """Polylines from start to goal with clearance >= ``need``, the preferred one first.
 
     Every further one passes some obstacle on another side than those before it. With the
     preference 0 the first is the shortest there is; up to 1, a corridor's shortest that keeps
     ``1 + ROOM * preference`` radii off the borders where there is room; with 1 the widest
-    route itself. None where there is no way.
+    route itself, of those as wide within ``AS_WIDE`` the cheapest. None where there is no way.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
@@ -206,7 +220,7 @@ def _routes(leg: Leg, alternatives: int) -> list[FloatArray]:
             continue
         best = None
         if preference >= 1.0:
-            least = max(floor, widest_gap(network, entries, exits) * (1.0 - 1e-12))
+            least = max(floor, widest_gap(network, entries, exits) * (1.0 - AS_WIDE))
             best = as_wide(borders, routes(network, entries, exits, least, floor, 1), need, least)
         else:
             lines = routes(network, entries, exits, floor, floor, ROUTES)

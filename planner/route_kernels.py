@@ -377,18 +377,3 @@ def put_behind(line, pair, size, xy, beside):
         line, pair = longer, wider
     line[size:end], pair[size:end] = xy, beside
     return line, pair
-
-
-@njit(**BORROWING)
-def cheapest_inside(first, rho, gap, cost, proved, floor, s_where, s_price, g_where, g_price):
-    """What the cheapest way within one chain costs, infinity where there is none."""
-    best = np.inf
-    for i in range(len(s_where)):
-        for j in range(len(g_where)):
-            if s_where[i, 0] == g_where[j, 0]:
-                wide, apart = between(
-                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
-                )
-                if wide >= floor:
-                    best = min(best, s_price[i, 1] + g_price[j, 1] + apart)
-    return best

@@ -48,7 +48,7 @@ class PlanError(ValueError):
     type=click.Choice(["fixed", "best"]),
     default="fixed",
     show_default=True,
-    help="The stations' order: as given, or the one with the shortest way.",
+    help="The stations' order: as given, or the one that makes the whole path shortest.",
 )
 @click.option("--margin", type=NOT_NEGATIVE, default=0.0, help="Clearance on top of the radius.")
 @SPACING_OPTION
