@@ -11,7 +11,7 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,13 @@ DOUBTS = 2
 """In how many rounds vertices that could not be solved ask for generators, too."""
 ROOM = 0.125
 """Room for generators to add, as a share of those there are."""
+DEAD = insertion_kernels.DEAD
+ROWS = {
+    "tri": (16, DEAD), "circ": (8, np.nan), "label": (1, 0), "refined": (1, 0), "also": (1, -1),
+    "seen": (2, DEAD), "at": (2, np.nan), "place": (2, 0.0), "rho": (2, 0.0), "state": (2, 0),
+    "side": (2, 0), "mask": (2, 0), "stale": (2, 0),
+}  # fmt: skip
+"""The mesh's arrays that grow with it: rows for each site there is room for, and their filling."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,51 +274,19 @@ def grow(mesh: Mesh, more: int) -> None:
         out[: len(array)] = array
         return out
 
-    dead = insertion_kernels.DEAD
     for name, array in (("tri", mesh.tri), ("seen", mesh.seen)):
         moved = array.reshape(-1, 8)[:, :3] if name == "tri" else array
         moved[moved == ghost] = room
     mesh.xy = longer(mesh.xy[:-2], 2 * room + 2, np.nan)
-    mesh.tri = longer(mesh.tri, 16 * room, dead)
-    mesh.circ = longer(mesh.circ, 8 * room, np.nan)
     mesh.alias = np.concatenate([mesh.alias, np.arange(ghost, room)])
-    mesh.label = longer(mesh.label, room, 0)
-    mesh.refined = longer(mesh.refined, room, 0)
-    mesh.also = longer(mesh.also, room, -1)
-    mesh.seen = longer(mesh.seen, 2 * room, dead)
-    mesh.at = longer(mesh.at, 2 * room, np.nan)
-    mesh.place = longer(mesh.place, 2 * room, 0.0)
-    mesh.rho = longer(mesh.rho, 2 * room, 0.0)
-    mesh.state = longer(mesh.state, 2 * room, 0)
-    mesh.side = longer(mesh.side, 2 * room, 0)
-    mesh.mask = longer(mesh.mask, 2 * room, 0)
-    mesh.stale = longer(mesh.stale, 2 * room, 0)
+    for name, (rows, fill) in ROWS.items():
+        setattr(mesh, name, longer(getattr(mesh, name), rows * room, fill))
 
 
 def copy_mesh(mesh: Mesh) -> Mesh:
     """A mesh of its own, to be changed."""
-    return Mesh(
-        xy=mesh.xy.copy(),
-        tri=mesh.tri.copy(),
-        circ=mesh.circ.copy(),
-        alias=mesh.alias.copy(),
-        label=mesh.label.copy(),
-        refined=mesh.refined.copy(),
-        also=mesh.also.copy(),
-        used=mesh.used,
-        exponent=mesh.exponent,
-        seen=mesh.seen.copy(),
-        at=mesh.at.copy(),
-        place=mesh.place.copy(),
-        rho=mesh.rho.copy(),
-        state=mesh.state.copy(),
-        side=mesh.side.copy(),
-        mask=mesh.mask.copy(),
-        stale=mesh.stale.copy(),
-        vacant=list(mesh.vacant),
-        traced=mesh.traced,
-        bent=mesh.bent,
-    )
+    arrays = {name: getattr(mesh, name).copy() for name in ("xy", "alias", *ROWS)}
+    return replace(mesh, vacant=list(mesh.vacant), **arrays)
 
 
 def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:
