@@ -20,6 +20,7 @@ import math
 import numpy as np
 from numba import njit
 
+from vision.bend_kernels import any_bent_line
 from vision.cover_kernels import (
     area_beside_circle,
     area_lost,
@@ -63,6 +64,8 @@ STRICTER, STRICTER_BY = 2, 0.1
 """Times that a border without grey is broken, and by how much more the second time a pixel
 counts."""
 CALMER_BY, FINER_BY = 0.25, 0.4
+ROUNDER_BY = 0.85
+"""By how much cheaper an arc is then: it is no dearer than two chords that pass for it."""
 QUIET_PX = 0.1
 """The same with grey: by how much less deviation is free, and by how much nearer to each other the
 places are where it may break; and the noise up to which that tells."""
@@ -155,6 +158,9 @@ def fit_borders(
     push = np.empty((2 * longest + 2, 6), np.float64)
     circle = np.empty(3, np.float64)
     spare = np.empty(3, np.float64)
+    finer = prices.copy()
+    if not crisp:
+        finer[1] *= ROUNDER_BY
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
@@ -195,13 +201,14 @@ def fit_borders(
         calm = dead_zone
         seeded = seed_tolerance
         sound = False
-        for again in range(STRICTER if crisp or spread <= QUIET_PX else 1):
+        looks = STRICTER if crisp or spread <= QUIET_PX else 1
+        for again in range(looks):
             if (edges > 0 and again == 0) or round_cost <= 3.0 * prices[0] + expected * n:
                 break
             edges, cost = partition(
                 px, py, n, skip, crisp, calm, strict, worst, seeded, round_cost,
-                circle[2] if round_cost < HUGE else 0.0, prices, is_seed, seeds, breaks, is_arc,
-                active,
+                circle[2] if round_cost < HUGE else 0.0, finer if again > 0 else prices,
+                is_seed, seeds, breaks, is_arc, active,
             )  # fmt: skip
             if round_cost <= cost:
                 edges = 0
@@ -242,7 +249,10 @@ def fit_borders(
                 edges = 0
                 break
             sound = lost <= budget
-            if sound:
+            bent = again + 1 < looks and any_bent_line(
+                px, py, n, is_arc, edges, shape, ranges, spread, spare
+            )
+            if sound and not bent:
                 break
             calm *= CALMER_BY
             seeded *= FINER_BY

@@ -123,3 +123,22 @@ def test_a_bevel_is_not_taken_for_a_rounded_corner(blur: float, noise: float) ->
         assert isinstance(record, PolygonRecord)
         assert len(record.edges) == 8, f"seed {seed}"
         assert all(isinstance(edge, Segment) for edge in record.edges), f"seed {seed}"
+
+
+@pytest.mark.parametrize("blur", [0.5, 0.7])
+def test_the_flat_arcs_of_a_round_gear_are_arcs(blur: float) -> None:
+    """Less than a pixel high, between sharp corners: half of them were once two chords."""
+    for seed in range(3):
+        rng = np.random.default_rng([seed, 83])
+        teeth = int(rng.integers(6, 12))
+        t = rng.uniform(0.0, math.tau) + np.arange(80 * teeth) * math.tau / (80 * teeth)
+        r = np.where(np.arange(80 * teeth) % 80 < 40, 80.0, 60.0)
+        outline = 100.0 + rng.uniform(-0.5, 0.5, 2) + np.stack([r * np.cos(t), r * np.sin(t)], 1)
+        (only,) = extract(draw([polygon(outline)], SIZE, blur=blur, rng=rng)).objects
+        (record,) = only.records
+        assert isinstance(record, PolygonRecord)
+        radii = sorted(e.radius for e in record.edges if isinstance(e, Arc))
+        assert len(record.edges) == 4 * teeth, seed
+        assert len(radii) == 2 * teeth, seed
+        assert np.abs(np.array(radii[:teeth]) - 60.0).max() < 6.0
+        assert np.abs(np.array(radii[teeth:]) - 80.0).max() < 6.0
