@@ -67,6 +67,17 @@ def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, jo
     return out_kind, out, out_owner, turned, following, preceding, solid, before, after
 
 
+@njit(**BORROWING, error_model="numpy")
+def walls_box(data, owner):
+    """x_min, y_min, x_max, y_max of the bounds' walls; infinite the wrong way without any."""
+    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(len(owner)):
+        if owner[i] == -1:
+            x0, x1 = min(x0, data[i, 0], data[i, 2]), max(x1, data[i, 0], data[i, 2])
+            y0, y1 = min(y0, data[i, 1], data[i, 3]), max(y1, data[i, 1], data[i, 3])
+    return x0, y0, x1, y1
+
+
 @njit(cache=True, nogil=True)
 def find_pieces(pieces):
     """What finds pieces: a box tree's order, large and boxes; the objects' boxes and spans."""

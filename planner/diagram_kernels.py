@@ -88,15 +88,16 @@ def finite_vertices(w, xy, ghost, exponent, tri, circ, label):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def list_edges(w, xy, ghost, tri, circ, label, ties):
+def list_edges(w, xy, ghost, tri, circ, label, ties, linked):
     """(k, 4) int32 edges and (k,) flags of those without length; half-edge ids by triangle.
 
+    The ids are for who goes on from edge to edge: there are none unless ``linked``.
     An edge: the site on its left, the site on its right, the vertex it comes from, the vertex
     it goes to; -1 is at infinity. Where no site ever lay on a circle no edge has length zero.
     """
     edges = np.empty((3 * ghost, 4), np.int32)
     flat = np.zeros(3 * ghost, np.bool_)
-    ids = np.full(8 * ghost, -1, np.int32)
+    ids = np.full(8 * ghost if linked else 0, -1, np.int32)
     j = 0
     for t in range(0, 16 * ghost, 8):
         if np.int64(tri[t]) == DEAD:
@@ -115,8 +116,9 @@ def list_edges(w, xy, ghost, tri, circ, label, ties):
             edges[j, 1] = label[b]
             edges[j, 2] = np.int32(tri[back + 3])
             edges[j, 3] = np.int32(tri[t + 3])
-            ids[4 * (t >> 3) + k] = 2 * j
-            ids[4 * (back >> 3) + (o & 3)] = 2 * j + 1
+            if linked:
+                ids[4 * (t >> 3) + k] = 2 * j
+                ids[4 * (back >> 3) + (o & 3)] = 2 * j + 1
             v = np.int64(tri[t + k])
             if ties > 0 and v != ghost and np.int64(tri[o]) != ghost:
                 px, py = xy[2 * v], xy[2 * v + 1]
@@ -172,7 +174,7 @@ def diagram(sites, linked):
     for i in range(n):
         representative[order[i]] = label[alias[i]]
     vertices, vertex_sites = finite_vertices(w, xy, n, exponent, tri, circ, label)
-    edges, flat, ids = list_edges(w, xy, n, tri, circ, label, ties)
+    edges, flat, ids = list_edges(w, xy, n, tri, circ, label, ties, linked)
     after, before = none, none
     if linked:
         after, before = _links(n, tri, ids, 2 * edges.shape[0])

@@ -192,12 +192,13 @@ def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray)
 
 def extent_of(box: FloatArray) -> float:
     """The larger side of a box."""
-    return float(max(box[2] - box[0], box[3] - box[1]))
+    x0, y0, x1, y1 = box.tolist()
+    return float(max(x1 - x0, y1 - y0))
 
 
 def _equal(box: FloatArray) -> float:
     """How far apart equal places may be in a scene of this box."""
-    return max(EQUAL * extent_of(box), UNITS * math.ulp(float(np.abs(box).max())))
+    return max(EQUAL * extent_of(box), UNITS * math.ulp(max(map(abs, box.tolist()))))
 
 
 def _free_box(flat: Primitives) -> FloatArray:
@@ -205,10 +206,9 @@ def _free_box(flat: Primitives) -> FloatArray:
 
     Generous as for a scene's text: around all borders, grown by its diagonal on every side.
     """
-    walls = flat.data[flat.owner == -1]
-    if len(walls):
-        xs, ys = walls[:, (0, 2)], walls[:, (1, 3)]
-        return np.array([xs.min(), ys.min(), xs.max(), ys.max()])
+    walls = border_kernels.walls_box(flat.data, flat.owner)
+    if walls[0] <= walls[2]:
+        return np.array(walls)
     if not len(flat.kind):
         raise ValueError("the scene has neither objects nor bounds")
     around = flat.data[:, 2] * (flat.kind >= CIRCLE)

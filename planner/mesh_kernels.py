@@ -301,7 +301,7 @@ def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
         if label[p] >= 0:
             representative[label[p]] = label[alias[p]]
     vertices, vertex_sites = finite_vertices(w, xy, ghost, exponent, tri, circ, label)
-    edges, flat, ids = list_edges(w, xy, ghost, tri, circ, label, 1)
+    edges, flat, ids = list_edges(w, xy, ghost, tri, circ, label, 1, True)
     valid = np.zeros(len(edges), np.bool_)
     for i in range(2 * ghost):
         for k in range(3):
