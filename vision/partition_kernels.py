@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from vision.crisp_kernels import separate_circle
-from vision.kernel_options import LEAF
+from vision.kernel_options import LEAF, SUMS
 from vision.moment_kernels import FIRST, ROOM, circle_of, grow, line_of
 from vision.shape_kernels import HUGE, circle_cost, line_cost
 
@@ -48,34 +48,17 @@ ends and the middle, of a stretch that might be a line or an arc."""
 
 
 @njit(cache=True, nogil=True)
-def seed_breaks(px, py, n, tolerance, is_seed):
-    """Mark generous breaks: split at the farthest point until chords lie within tolerance."""
-    mx = 0.0
-    my = 0.0
-    for k in range(n):
-        is_seed[k] = False
-        mx += px[k]
-        my += py[k]
-    mx /= n
-    my /= n
-    best = -1.0
+def seed_breaks(px, py, n, tolerance, is_seed, away):
+    """Mark generous breaks: split at the farthest point until chords lie within tolerance.
+
+    The first point is one, which lies farthest out (see ``vision.handedness_kernels``); ``away``
+    (n,) is room to work in.
+    """
+    is_seed[:n] = False
     start = 0
-    for k in range(n):
-        d = (px[k] - mx) ** 2 + (py[k] - my) ** 2
-        if d > best:
-            best = d
-            start = k
-    best = -1.0
-    other = 0
-    for k in range(n):
-        d = (px[k] - px[start]) ** 2 + (py[k] - py[start]) ** 2
-        if d > best:
-            best = d
-            other = k
+    other, _ = _farthest(px, py, 0, n, away)
     is_seed[start] = True
     is_seed[other] = True
-    if other < start:
-        start, other = other, start
     stack = np.empty((128, 2), np.int64)
     stack[0, 0] = start
     stack[0, 1] = other
@@ -88,7 +71,7 @@ def seed_breaks(px, py, n, tolerance, is_seed):
         hi = stack[top, 1]
         if hi - lo < 2:
             continue
-        where, far = _farthest(px, py, lo, hi)
+        where, far = _farthest(px, py, lo, hi, away)
         if far <= tolerance:
             continue
         is_seed[where - n if where >= n else where] = True
@@ -103,29 +86,34 @@ def seed_breaks(px, py, n, tolerance, is_seed):
         top += 2
 
 
-@njit(**LEAF)
-def _farthest(px, py, lo, hi):
+@njit(**SUMS)
+def _farthest(px, py, lo, hi, away):
     """The point between lo and hi farthest from their chord: ``(where, distance)``."""
     x0 = px[lo]
     y0 = py[lo]
     dx = px[hi] - x0
     dy = py[hi] - y0
     length = math.sqrt(dx * dx + dy * dy)
-    far = -1.0
-    where = lo
+    xs = px[lo + 1 : hi]
+    ys = py[lo + 1 : hi]
+    far = 0.0
     if length < 1e-9:
-        for k in range(lo + 1, hi):
-            d = (px[k] - x0) ** 2 + (py[k] - y0) ** 2
-            if d > far:
-                far = d
-                where = k
-        return where, math.sqrt(max(far, 0.0))
-    for k in range(lo + 1, hi):
-        d = abs((px[k] - x0) * dy - (py[k] - y0) * dx)
-        if d > far:
-            far = d
-            where = k
-    return where, far / length
+        length = 1.0
+        for k in range(hi - lo - 1):
+            x = xs[k] - x0
+            y = ys[k] - y0
+            d = math.sqrt(x * x + y * y)
+            away[k] = d
+            far = max(far, d)
+    else:
+        for k in range(hi - lo - 1):
+            d = abs((xs[k] - x0) * dy - (ys[k] - y0) * dx)
+            away[k] = d
+            far = max(far, d)
+    where = 0
+    while away[where] < far:
+        where += 1
+    return lo + 1 + where, far / length
 
 
 @njit(**LEAF)
@@ -414,7 +402,7 @@ def partition(
     circle, ``radius`` is the circle's, and otherwise 0.
     """
     longest = _longest_line(n, radius, worst, skip)
-    seed_breaks(px, py, n, tolerance, is_seed)
+    seed_breaks(px, py, n, tolerance, is_seed, active[0])
     m = 0
     for k in range(n):
         if is_seed[k]:
