@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise_kernels import noise_sigma, sampled_histogram
 from vision.binary import Binary, black_and_white
+from vision.faint import without_faint
 from vision.grey import PictureError, as_array, as_grey, scaled_threshold
 from vision.grey_classes import (
     LEAST_CONTRAST,
@@ -31,10 +32,11 @@ from vision.grey_classes import (
     classes_of,
     grey_spread,
     least_room,
+    significant_dark,
     split_classes,
 )
 from vision.light import light_surface
-from vision.look import CALMINGS, SAFE_MARGIN_SIGMAS, Look
+from vision.look import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
 from vision.room import Room
 from vision.support import Support, follows_edges
 
@@ -46,6 +48,8 @@ POLARITIES: tuple[Polarity, ...] = ("dark", "light", "auto")
 EVEN_MARGIN = 0.25
 """Least distance of the darkest free pixels from the level, as a share of the contrast, at
 which light is even: the edge itself is measured against its own surroundings."""
+SURE_MARGIN = 0.4
+"""The same where noise, or the glow around light obstacles, hides the edges that are left out."""
 UNEVEN_MARGIN = 0.12
 """Share of the contrast that is left between one level and a class where light is uneven."""
 FEWEST_PAIRS = 256
@@ -53,6 +57,9 @@ FEWEST_PAIRS = 256
 DIVISION_IS_AS_GOOD = 0.95
 """What speaks for a division by the light, as a share of what speaks for a level, from which it
 is taken: the edges are measured nearer to half-way then."""
+EVEN_IS_AS_GOOD = 1.25
+"""What speaks for a level that even light would have counts so many times: it is half-way too,
+and the picture need not be changed."""
 LIT_SHARE = 0.95
 """Where in its histogram the best lit part of a picture without edges is."""
 FREE_LEVEL = 200.0
@@ -162,7 +169,7 @@ def _by_method(
     if method == "adaptive":
         return _adaptive(look, classes, side)
     if method == "background":
-        return _divided(look, side, "asked for")[0]
+        return _divided(look, side, "asked for")
     if method == "otsu":
         if classes is None:
             return _uniform(look, side)
@@ -178,9 +185,12 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
         return _uniform(look, side)
     even = classes
-    if classes is not None and least_room(look, classes, side) < EVEN_MARGIN:
+    room = 0.0 if classes is None else least_room(look, classes, side)
+    if room < EVEN_MARGIN:
         even = None
-    if even is not None and follows_edges(look, even, side):
+    # noise hides the edges that a level leaves out, and so does the glow around light obstacles
+    surely = room >= SURE_MARGIN or (side == "dark" and look.noise < CALM_NOISE)
+    if even is not None and surely and follows_edges(look, even, side):
         return _even(look, even, side)
     support = Support(look, side)
     best = support.best_level(look.counts, even)
@@ -188,17 +198,21 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
         # what is so rare the sample may have missed
         support = Support(look, side, 2 * look.grey.size)
         best = support.best_level(look.counts, even)
-    if even is not None and best.classes is even:
-        return _even(look, even, side)
-    divided, _ = _divided(
-        look, side, f"uneven light: free pixels spread by {spread:.0f} grey levels"
-    )
-    for_divided = support.of_mask(divided.mask)
-    if best.classes is not None:
-        level = _level(look, best.classes, side)
-        if DIVISION_IS_AS_GOOD * support.of_mask(level.mask) > for_divided:
-            return level
-    return divided if for_divided > 0.0 else _edgeless(look, side)
+    why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
+    divided = without_faint(_divided(look, side, why, support), support.grey, support.noise, side)
+    judged = [(divided, 1.0)]
+    levels = () if best.classes is None else (best.classes, *best.others)
+    for each in levels if even is None or even in levels else (even, *levels):
+        # each in a room of its own: masks are compared
+        level = (_even if each is even else _level)(Look(look.grey), each, side)
+        sure = each is even and room >= SURE_MARGIN
+        as_good = EVEN_IS_AS_GOOD if sure else DIVISION_IS_AS_GOOD
+        judged.append((without_faint(level, support.grey, support.noise, side), as_good))
+    judged = [one for one in judged if support.of_mask(one[0].binary.mask) > 0.0]
+    if not judged:
+        return _edgeless(look, side)
+    typical = max(one.typical for one, _ in judged)
+    return max(judged, key=lambda one: one[1] * one[0].worth(typical))[0].binary
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
@@ -263,7 +277,10 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
     )
 
 
-def _divided(look: Look, side: Literal["dark", "light"], why: str) -> tuple[Binary, Classes | None]:
+def _divided(
+    look: Look, side: Literal["dark", "light"], why: str, support: Support | None = None
+) -> Binary:
+    """The picture divided by the light, at the level that ``support`` is larger for."""
     light, top = light_surface(look.grey, side), 0.0
     if side == "light":
         # light multiplies what the camera saw, not its negative
@@ -278,19 +295,34 @@ def _divided(look: Look, side: Literal["dark", "light"], why: str) -> tuple[Bina
     divided = Look(flat)
     divided.noise = float(noise_sigma(flat))
     # where there is little light, division makes the noise stronger
-    strongest = max(divided.noise, float(noise_sigma(look.grey)) * scale / float(light.min()))
-    classes = classes_of(divided, strongest)
-    level = 0.5 * FREE_LEVEL if classes is None else classes.level
-    contrast = FREE_LEVEL if classes is None else classes.contrast
-    shown = top - level / scale if side == "light" else level / FREE_LEVEL
-    how = Binarisation(
-        "background",
-        round(shown, 4),
-        side,
+    noise = np.float32(noise_sigma(look.grey) * scale) / light
+    strongest = max(divided.noise, float(noise.max()))
+    why = (
         f"{why}; divided by a quadratic surface of the light, which runs from "
-        f"{float(light.min()):.0f} to {float(light.max()):.0f}",
+        f"{float(light.min()):.0f} to {float(light.max()):.0f}"
     )
-    return black_and_white(divided, level, contrast, how, strongest_noise=strongest), classes
+
+    def at(level: float, contrast: float) -> Binary:
+        shown = top - level / scale if side == "light" else level / FREE_LEVEL
+        how = Binarisation("background", round(shown, 4), side, why)
+        return black_and_white(divided, level, contrast, how, strongest_noise=strongest)
+
+    classes = classes_of(divided, strongest)
+    plain = (
+        at(0.5 * FREE_LEVEL, FREE_LEVEL) if classes is None else at(classes.level, classes.contrast)
+    )
+    if strongest < CALM_NOISE:
+        return plain
+    dark = significant_dark(divided, noise, FREE_LEVEL)
+    if dark is None:
+        return plain
+    support = Support(look, side) if support is None else support
+    # masks are in one room: what speaks for the first is asked before the second is made
+    for_plain = support.of_mask(plain.mask)
+    other = at(0.5 * (FREE_LEVEL + dark), FREE_LEVEL - dark)
+    if support.of_mask(other.mask) > for_plain:
+        return other
+    return at(plain.level, plain.contrast)
 
 
 def _otsu(grey: NDArray[Any]) -> float:

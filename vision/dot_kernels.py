@@ -8,7 +8,8 @@ Rules and units
   5 x 5 pixels: two matched filters, of a pixel and of a dot of some four. White noise does so
   at two pixels in 10^9, and is below the level there more seldom still: less than one in a
   thousand pictures of 640 x 480 pixels has a false dot.
-- What is next to something large is its edge, and is left to the smoothed picture.
+- What is next to something large is its edge, and is left to the smoothed picture; so is what
+  is as dark on two opposite sides: a piece of a line that is no obstacle where it is long.
 """
 
 # mypy: allow-untyped-defs
@@ -29,6 +30,9 @@ BINOMIAL_LEFT = 0.2734
 RING = 4
 """How far away the pixels around a dot lie: outside its blurred rim."""
 FEWEST_AROUND = 8
+BESIDE, LEAST_BESIDE = 0.4, 0.2
+"""How deep the picture is on two opposite sides of what is no dot, on an average and each at
+least, as shares of its own depth."""
 NEAR = 5
 """Within so many pixels, in rows and columns, ..."""
 MOST_MARKED = 12
@@ -145,10 +149,27 @@ def _is_dot(grey, mask, y, x, noise):
     if around < FEWEST_AROUND:
         return False
     ground = total / around
-    if ground - grey[y, x] >= SIGMAS * noise * math.sqrt(1.0 + 1.0 / around):
-        return True
+    depth = ground - _smoothed(grey, y, x)
+    alone = SIGMAS * noise * math.sqrt(1.0 + 1.0 / around)
     least = SIGMAS * noise * math.sqrt(BINOMIAL_LEFT**2 + 1.0 / around)
-    return ground - _smoothed(grey, y, x) >= least
+    if ground - grey[y, x] < alone and depth < least:
+        return False
+    return not _is_on_a_line(grey, y, x, ground, depth)
+
+
+@njit(**LEAF)
+def _is_on_a_line(grey, y, x, ground, depth):
+    """Whether the picture is about as dark on both sides, as along a joint of the floor."""
+    height, width = grey.shape
+    # sixteen places around a dot, outside its rim
+    for i, j in ((0, 4), (2, 4), (3, 3), (4, 2), (4, 0), (4, -2), (3, -3), (2, -4)):
+        if min(y, height - 1 - y) < i or min(x, width - 1 - x) < abs(j):
+            continue
+        here = ground - _smoothed(grey, y + i, x + j)
+        there = ground - _smoothed(grey, y - i, x - j)
+        if min(here, there) >= LEAST_BESIDE * depth and here + there >= 2.0 * BESIDE * depth:
+            return True
+    return False
 
 
 @njit(**LEAF)

@@ -42,6 +42,10 @@ FLAT, FLAT_SIGMAS = 0.1, 4.0
 contrast, and in standard deviations of the noise."""
 FEWEST_FLAT = 0.02
 """Least share of a class that has to be no edge for its spread to be known."""
+SIGNIFICANT_SIGMAS = 6.0
+"""How far a smoothed pixel stands out of the noise that hardly one does by chance."""
+FEWEST_SIGNIFICANT = 9
+"""Fewest such pixels that have a middle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +148,25 @@ def least_room(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
         obstacles = grey_spread(look.counts[: math.ceil(classes.level)])
     uneven = max(obstacles**2 - look.noise**2, 0.0) ** 0.5
     return min(room, float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast))
+
+
+def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> float | None:
+    """The middle of what is darker than free pixels of one grey value, whatever the noise there.
+
+    ``noise`` (h, w) is its standard deviation from place to place, which a histogram of all does
+    not know: where there is little light the noise alone has two classes. What counts is each
+    pixel of the smoothed picture that stands out by ``SIGNIFICANT_SIGMAS``, and then what is
+    nearer to those than to free pixels. None where hardly a pixel does.
+    """
+    calming = calming_of(float(noise.max()))
+    calmed = look.grey_after(calming)
+    least = np.maximum(noise * np.float32(SIGNIFICANT_SIGMAS * calming.left), 0.15 * light)
+    found = calmed[light - calmed > least]
+    for _ in range(2):
+        if found.size < FEWEST_SIGNIFICANT:
+            return None
+        found = found[found < 0.5 * (light + float(np.median(found)))]
+    return float(np.median(found)) if found.size else None
 
 
 def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:

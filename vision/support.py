@@ -38,8 +38,11 @@ WEAK_STEP, STRONG_STEP = 0.35, 1.3
 PLAIN_STEP = 0.6
 """The least step, as a share of the contrast and of the light there is, that shows an obstacle."""
 FEW = 0.2
-"""Share of such pairs up to which a level follows edges: a blurred edge's foot and noise. As many
+"""Share of weak pairs up to which a level follows edges: a blurred edge's foot and noise. As many
 may be found on one side of the level with a plain step: edges that it leaves out."""
+FEW_STRONG = 0.04
+"""The same of steps that are too strong: joints of a floor have many more edges than what is
+far darker and stands on it, and no plain picture has such steps."""
 COST = 0.3
 """What a border has to have, as a share of the typical sharp step, to speak for itself."""
 DARK_WORTH = 8.0
@@ -48,7 +51,11 @@ NOISE_WORTH = 5.0
 """The same in standard deviations of the noise."""
 LEAST_SUPPORT = 0.5
 """What speaks for a border at least, as a share of its cost: noise has no more."""
-NEARLY_ALL, MOST = 0.95, 0.8
+PROMINENT = 0.04
+"""How much a peak among the levels has to stand out, as a share of the most that speaks."""
+MOST_PEAKS = 2
+"""Peaks beside the highest that are looked at."""
+NEARLY_ALL, MOST = 0.95, 0.9
 """The share of the most that any level has from which the level half-way is as good, and where
 the light is even anyway."""
 
@@ -62,8 +69,8 @@ def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) 
     if min(height, width) <= REACH:
         return True
     level = np.float32(classes.level)
-    weak = np.float32(WEAK_STEP * classes.contrast)
-    strong = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
+    weakest = np.float32(WEAK_STEP * classes.contrast)
+    strongest = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
     # without light a pixel is black, which is white where obstacles are light
     end = 0.0 if side == "dark" else 255.0
     # and half of an edge between black and white is no plain step, whatever light there is
@@ -74,9 +81,10 @@ def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) 
     plain = tuple(np.float32(v) for v in (share, least, end, 1.0 if side == "dark" else -1.0))
     pairs = FIRST_PAIRS
     while True:
-        count, *astray = steps_across_level(look.grey, level, weak, strong, plain, pairs)
+        found = steps_across_level(look.grey, level, weakest, strongest, plain, pairs)
+        count, weak, strong, beside = found
         if count >= FEWEST_ACROSS or pairs >= 2 * height * width:
-            return bool(max(astray) <= FEW * count)
+            return bool(max(weak, beside) <= FEW * count and strong <= FEW_STRONG * count)
         pairs *= 16
 
 
@@ -84,26 +92,29 @@ def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) 
 class BestLevel:
     """The classes whose level edges speak for most, None where nothing speaks for any.
 
-    ``pairs`` lie across it.
+    ``pairs`` lie across it. ``others``: those of other levels for which edges speak more than for
+    the levels beside them: in a shadow there may be edges that the best level has not.
     """
 
     pairs: int
     classes: Classes | None
+    others: tuple[Classes, ...] = ()
 
 
 class Support:
     """What a picture's edges say for one border or another: sums, larger is better.
 
     Sums are comparable for one picture only; nothing speaks for what has none or less.
-    ``pairs``: how many are looked at, about.
+    ``pairs``: how many are looked at, about. ``grey``: the picture, smoothed where it is noisy,
+    ``noise`` what is left of it there.
     """
 
     def __init__(
         self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
     ) -> None:
         calming = calming_of(look.noise)
-        self._grey: NDArray[Any] = look.grey_after(calming)
-        left = look.noise * calming.left
+        self.grey: NDArray[Any] = look.grey_after(calming)
+        left = self.noise = look.noise * calming.left
         own = np.arange(256.0)
         at_least = DARK_WORTH + NOISE_WORTH * left
         worth = np.sqrt(own + at_least)
@@ -111,7 +122,7 @@ class Support:
         # the least contrast, and noise, at the light end of the picture
         least = LEAST_CONTRAST + 2.0 * NOISE_WORTH * left
         floor = float(worth[255] - worth[255 - math.ceil(min(least, 128.0))])
-        typical = float(typical_step(self._grey, self._worth, pairs))
+        typical = float(typical_step(self.grey, self._worth, pairs))
         self._cost = max(COST * typical, floor)
         self._pairs = pairs
 
@@ -121,7 +132,7 @@ class Support:
         ``counts`` is the picture's histogram (256,); ``even`` its classes where the light is,
         whose own level is taken where it has not much less.
         """
-        support, pairs = support_by_level(self._grey, self._worth, self._cost, self._pairs)
+        support, pairs = support_by_level(self.grey, self._worth, self._cost, self._pairs)
         # where no pair lies across a level the sum is but rounding
         enough = np.maximum(LEAST_SUPPORT * self._cost * pairs, LEAST_SUPPORT * self._cost)
         believed = np.where(support >= enough, support, 0.0)
@@ -129,21 +140,59 @@ class Support:
         if most <= 0.0:
             return BestLevel(0, None)
         if even is not None and believed[math.ceil(even.level)] >= MOST * most:
-            return BestLevel(int(pairs[math.ceil(even.level)]), even)
-        nearly = NEARLY_ALL * most
-        level = int(np.flatnonzero(believed >= nearly).mean())
-        below = np.arange(256) < level
-        dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
-        if believed[math.ceil(0.5 * (dark + light))] < nearly:
-            # one class is two: what is next to the level counts
-            reach = min(level - dark, light - level)
-            dark, light = level - reach, level + reach
-        found = Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
-        return BestLevel(int(pairs[level]), found)
+            peaks = (_classes_at(believed, peak, counts) for peak in _other_peaks(believed))
+            return BestLevel(int(pairs[math.ceil(even.level)]), even, tuple(peaks))
+        found = _classes_at(believed, np.ones(257, dtype=np.bool_), counts)
+        others = tuple(_classes_at(believed, peak, counts) for peak in _other_peaks(believed))
+        return BestLevel(int(pairs[math.ceil(found.level)]), found, others)
 
     def of_mask(self, mask: NDArray[np.uint8]) -> float:
         """What speaks for the borders of a padded mask."""
-        return float(support_of_mask(self._grey, mask, self._worth, self._cost, self._pairs))
+        return float(support_of_mask(self.grey, mask, self._worth, self._cost, self._pairs))
+
+
+def _classes_at(
+    believed: NDArray[np.float64], where: NDArray[np.bool_], counts: NDArray[np.int64]
+) -> Classes:
+    """The classes that the best of some levels (257,) makes of a histogram (256,)."""
+    nearly = NEARLY_ALL * float(believed[where].max())
+    level = int(np.flatnonzero((believed >= nearly) & where).mean())
+    below = np.arange(256) < level
+    dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
+    half_way = math.ceil(0.5 * (dark + light))
+    if believed[half_way] < nearly or not where[half_way]:
+        # one class is two: what is next to the level counts
+        reach = min(level - dark, light - level)
+        dark, light = level - reach, level + reach
+    return Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
+
+
+def _other_peaks(believed: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
+    """The levels around each further peak, the highest first: (257,) each.
+
+    A peak stands ``PROMINENT`` of the most out of what lies between it and a higher one.
+    """
+    least = PROMINENT * float(believed.max())
+    free = np.ones(257, dtype=np.bool_)
+    peaks: list[NDArray[np.bool_]] = []
+    while len(peaks) <= MOST_PEAKS and free.any() and believed[free].max() > least:
+        top = int(np.argmax(np.where(free, believed, -1.0)))
+        around = np.zeros(257, dtype=np.bool_)
+        prominent = True
+        for beyond in (range(top, 257), range(top, -1, -1)):
+            lowest = believed[top]
+            for level in beyond:
+                if not free[level]:
+                    prominent &= bool(lowest <= believed[top] - least)
+                    break
+                if believed[level] > lowest + least:
+                    break
+                lowest = min(lowest, believed[level])
+                around[level] = True
+        free &= ~around
+        if prominent:
+            peaks.append(around)
+    return peaks[1:]
 
 
 def _middle(counts: NDArray[np.int64]) -> float:

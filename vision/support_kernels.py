@@ -182,3 +182,35 @@ def support_of_mask(grey, mask, worth, cost, pairs):
                     # the obstacle's is the lighter pixel
                     total -= abs(worth[int(b + 0.5)] - worth[int(a + 0.5)]) + cost
     return total
+
+
+@njit(cache=True, nogil=True)
+def steps_of_regions(grey, labels, count, end, sign):
+    """The steps across the border of each region: ``(steps, light, pairs)``, (count,) each.
+
+    ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. Sums over all pairs
+    with one pixel in a region: of how much lighter the other one is, and of the light, which is
+    how far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies
+    from it.
+    """
+    height, width = grey.shape
+    steps = np.zeros(count)
+    light = np.zeros(count)
+    pairs = np.zeros(count, np.int64)
+    for y in range(height):
+        for x in range(width):
+            here = labels[y, x]
+            for down in (0, REACH):
+                there_y, there_x = y + down, x + REACH - down
+                if there_y >= height or there_x >= width:
+                    continue
+                there = labels[there_y, there_x]
+                if (here > 0) == (there > 0):
+                    continue
+                a = np.float64(grey[y, x])
+                b = np.float64(grey[there_y, there_x])
+                region = max(here, there)
+                steps[region] += b - a if here > 0 else a - b
+                light[region] += max(sign * a, sign * b) - sign * end
+                pairs[region] += 1
+    return steps, light, pairs

@@ -211,6 +211,45 @@ def test_a_soft_shadow_is_no_obstacle(share: float, wide: float, at: float, nois
     assert objects_in(picture) == 6
 
 
+@pytest.mark.parametrize("share", [0.5, 0.6])
+@pytest.mark.parametrize(("wide", "at"), [(5, 200), (40, 430), (80, 430)])
+@pytest.mark.parametrize("noise", [0.0, 5.0])
+@pytest.mark.parametrize("side", ["dark", "light"])
+def test_obstacles_in_a_deep_shadow_are_counted(share, wide, at, noise, side) -> None:
+    dark, light = (40.0, 215.0) if side == "dark" else (215.0, 40.0)
+    lit = shadow(share, wide, at)
+    rng = np.random.default_rng(6)
+    picture = draw(SIX, LARGE, dark=dark, light=light, lit=lit, noise=noise, rng=rng)
+    assert objects_in(picture, polarity=side) == 6
+
+
+@pytest.mark.parametrize("noise", [0.0, 2.0, 5.0, 10.0, 20.0])
+@pytest.mark.parametrize("depth", [0.1, 0.14])
+def test_the_joints_of_a_floor_are_no_obstacles(depth: float, noise: float) -> None:
+    lit = np.ones((LARGE[1], LARGE[0]))
+    for k in range(3):
+        lit[17 + k :: 40] = 1.0 - depth
+        lit[:, 23 + k :: 40] = 1.0 - depth
+    lit = cv2.GaussianBlur(lit, (0, 0), 0.7)
+    picture = draw(SIX, LARGE, lit=lit, noise=noise, rng=np.random.default_rng(10))
+    assert objects_in(picture) == 6
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("side", ["dark", "light"])
+def test_few_obstacles_under_a_steep_ramp_in_strong_noise_are_counted(seed: int, side: str) -> None:
+    dark, light = (40.0, 215.0) if side == "dark" else (215.0, 40.0)
+    rng = np.random.default_rng(seed)
+    records = [
+        CircleRecord((80.0 + 160 * i, 80.0 + 160 * j), rng.uniform(6.0, 7.5))
+        for i in range(4)
+        for j in range(3)
+    ]
+    lit = ramp(LARGE, 0.8, 0.9 * seed)
+    picture = draw(records, LARGE, dark=dark, light=light, lit=lit, noise=20.0, rng=rng)
+    assert objects_in(picture, polarity=side) == 12
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_light_objects_under_a_spotlight_are_counted(seed: int) -> None:
     rng = np.random.default_rng(seed)
