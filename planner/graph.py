@@ -40,6 +40,8 @@ NARROWER = 1e-4
 """An edge's polyline may come nearer to the borders than the edge by this part of its clearance."""
 TIGHT = 1e-7
 """A bend exactly as wide as the robot is followed in chords that take so much of the radius."""
+ALIKE = 1e-5
+"""Dead ends whose lengths differ by so small a part of the scene are equally long."""
 BULGE = 0.05
 """How far the polyline's chords may leave the bisectors, in spacings."""
 SAME = 1e-9
@@ -182,11 +184,18 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
     for c in kept:
         for n in ends[c]:
             around[n].add(c)
-    # the shortest first, so that the answer does not hang on the chains' order
-    ready = [(length[c], n) for n, cs in around.items() if len(cs) == 1 for c in cs]
+    # the shortest first, of those as long the lowest: nothing hangs on the chains' order
+    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max(initial=0.0)), radius)
+    place = np.rint(chains.node_xy / step).tolist()
+    ready = [
+        (round(length[c] / step), place[n], n)
+        for n, cs in around.items()
+        if len(cs) == 1
+        for c in cs
+    ]
     heapify(ready)
     while ready:
-        _, tip = heappop(ready)
+        _, _, tip = heappop(ready)
         if len(around[tip]) != 1:
             continue
         (c,) = around[tip]
@@ -202,7 +211,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
         around[junction].discard(c)
         if len(around[junction]) == 1:
             (other,) = around[junction]
-            heappush(ready, (length[other], junction))
+            heappush(ready, (round(length[other] / step), place[junction], junction))
     return sorted(kept)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import networkx as nx
 import numpy as np
@@ -10,6 +11,8 @@ import pytest
 from scipy import ndimage
 
 import planner
+from planner.clip import Clipped
+from planner.graph import without_spurs
 from planner.scene import Bounds, CircleRecord, Scene
 from planner.scene_io import read_scene_text
 from tests.support.planner_scenes import (
@@ -130,6 +133,27 @@ def test_an_update_has_the_same_parts_as_a_new_roadmap() -> None:
             assert dict(roadmap.counts) == dict(anew.counts) | {
                 name: roadmap.counts[name] for name in ("generators", "voronoi_vertices")
             }
+
+
+def test_which_of_equally_long_ends_stays_hangs_on_no_rounding() -> None:
+    """A square room is left with one of its four diagonals: not with whichever came first."""
+    clipped = planner.build_roadmap(scene_of(bounds=Bounds(0.0, 0.0, 100.0, 100.0)), 9.0).clipped
+    chains, kept = clipped.chains, set()
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        order, number = rng.permutation(len(chains)), rng.permutation(len(chains.node_xy))
+        back = np.argsort(number)
+        other = replace(
+            chains,
+            ends=number[chains.ends[order]],
+            length=chains.length[order] * (1.0 + 1e-12 * rng.normal(size=len(chains))),
+            node_xy=chains.node_xy[back],
+            node_rho=chains.node_rho[back],
+        )
+        (left,) = without_spurs(Clipped(other, clipped.wide[order]), 9.0)
+        places = np.round(other.node_xy[other.ends[left]], 6).tolist()
+        kept.add(tuple(tuple(place) for place in sorted(places)))
+    assert len(kept) == 1
 
 
 def test_the_centre_of_an_arc_inside_another_object_is_no_place_to_stand() -> None:
