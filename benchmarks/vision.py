@@ -23,7 +23,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from planner.scene import Arc, CircleRecord, PolygonRecord, object_records
-from tests.support.render import coverage, cut_disc, draw, outline_points, polygon
+from tests.support.render import coverage, cut_disc, draw, outline_points, polygon, ramp
 from vision import extract
 
 SEED = 20
@@ -313,6 +313,59 @@ def count_table(count: int, cells: list[str]) -> list[str]:
     return lines
 
 
+def ramp_table(count: int, cells: list[str]) -> list[str]:
+    """The same where light falls off across the picture; at most 20 scenes a cell."""
+    count = min(count, 20)
+    lines = [
+        f"{count} scenes a cell, of 1 to 12 discs.",
+        "",
+        "| ramp, noise, share | dark counted right | light counted right |",
+        "|---|---|---|",
+    ]
+    size = (640, 480)
+    for share in (0.0005, 0.005, 0.05, 0.3):
+        scenes = [discs(size, share, np.random.default_rng([SEED, i])) for i in range(count)]
+        covers = [coverage([outline_points(d) for d in scene], size, lines=4) for scene in scenes]
+        for fall in (0.0, 0.6, 0.8):
+            for noise in (0.0, 10.0, 20.0):
+                name = f"{fall:.0%}, {noise:.0f}, {share:.2%}"
+                if not wanted(name.replace(" ", ""), cells):
+                    continue
+                right = {"dark": 0, "light": 0}
+                for i, (scene, cover) in enumerate(zip(scenes, covers, strict=True)):
+                    rng = np.random.default_rng([SEED, i, int(noise)])
+                    lit = ramp(size, fall, rng.uniform(0.0, math.tau))
+                    for side in right:
+                        dark, light = (40.0, 215.0) if side == "dark" else (215.0, 40.0)
+                        grey = cv2.GaussianBlur(light + (dark - light) * cover, (0, 0), 0.7) * lit
+                        grey += rng.normal(0.0, noise, grey.shape)
+                        picture = np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+                        objects = extract(picture, polarity=side).objects
+                        whole = not any(one.holes for one in objects)
+                        right[side] += len(objects) == len(scene) and whole
+                lines.append(f"| {name} | {right['dark']} | {right['light']} |")
+    return lines
+
+
+def discs(size: tuple[int, int], share: float, rng: np.random.Generator) -> list[CircleRecord]:
+    """Discs of one size that cover a share of the picture, each in a cell of its own."""
+    columns, rows = (1, 1) if share < 0.001 else (2, 2) if share < 0.002 else (4, 3)
+    width, height = size[0] / columns, size[1] / rows
+    radius = math.sqrt(share * width * height / math.pi)
+    slack = min(20.0, min(width, height) / 2.0 - radius - 4.0)
+    return [
+        CircleRecord(
+            (
+                float((i + 0.5) * width + rng.uniform(-slack, slack)),
+                float((j + 0.5) * height + rng.uniform(-slack, slack)),
+            ),
+            radius,
+        )
+        for i in range(columns)
+        for j in range(rows)
+    ]
+
+
 def taken(drawn: np.ndarray, noise: float, rng: np.random.Generator) -> np.ndarray:
     """A drawing as a camera sees it: blurred, with less contrast, and noisy."""
     seen = cv2.GaussianBlur(drawn, (0, 0), 0.7).astype(np.float32) * np.float32(0.7) + 40.0
@@ -420,13 +473,14 @@ def main() -> None:
         "arcs": lambda: arc_table(count, cells),
         "cover": lambda: cover_table(count, cells),
         "counts": lambda: count_table(count, cells),
+        "ramps": lambda: ramp_table(count, cells),
         "speed": lambda: speed_table(cells),
     }
     results = Path(__file__).with_name("results") / "vision.md"
     results.parent.mkdir(exist_ok=True)
     asked = [one for one in options.only.split(",") if one] or list(tables)
     for name in asked:
-        table = f"{count} scenes a cell.\n\n" if name != "speed" else ""
+        table = f"{count} scenes a cell.\n\n" if name not in ("ramps", "speed") else ""
         table += "\n".join(tables[name]())
         print(f"## {name}\n\n{table}\n", flush=True)
         if cells:
