@@ -15,15 +15,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.agvd_kernels import (
-    corner_points,
-    count_generators,
-    link_borders,
-    place_generators,
-    without_repeats,
-)
 from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import POINT, build_tree, object_spans, with_middles
+from planner.generator_kernels import count_generators, place_generators
+from planner.joint_kernels import corner_points, link_borders, without_repeats
 
 
 @njit(cache=True, nogil=True)

@@ -15,8 +15,7 @@ from typing import Any, Literal, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import agvd_kernels as kernels
-from planner import border_kernels, distance_kernels
+from planner import border_kernels, distance_kernels, generator_kernels
 from planner.request import as_float
 from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
 
@@ -226,13 +225,13 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
     """
     k = borders.primitive_count
     kind, data = borders.kind[:k], borders.data[:k]
-    room = kernels.count_generators(kind, data, spacing)
+    room = generator_kernels.count_generators(kind, data, spacing)
     if room > MAX_GENERATORS:
         raise ValueError(
             f"spacing = {spacing:g}: the borders would take {room:.3g} generators, "
             f"the limit is {MAX_GENERATORS}"
         )
-    sites, label = kernels.place_generators(
+    sites, label = generator_kernels.place_generators(
         kind,
         data,
         borders.backwards,

@@ -80,7 +80,7 @@ def _holds_an_array(kind: Any) -> bool:
 
 def test_borrowing_kernels_return_numbers() -> None:
     roadmap = planner.build_roadmap(read_scene_text(SCENE), 3.0)
-    assert not isinstance(roadmap.plan((5, 5), (95, 75), alternatives=2), planner.NoPath)
+    assert not isinstance(roadmap.plan((5, 5), (95, 75)), planner.NoPath)
     returned = {}
     for name, (_, yes) in FUNCTIONS.items():
         if yes:
