@@ -37,11 +37,13 @@ def paper_objects(borders: Borders) -> tuple[SceneObject, ...]:
     """The objects of all borders by the paper's recipe. O(border pixels)."""
     contours, starts = borders.contours()
     corners = find_corners(contours, starts)
-    records = [
-        _record(contours[a:b], corners[a:b])
-        for a, b in zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)
-    ]
     owners = borders.owner.tolist()
+    records = [
+        _record(contours[a:b], corners[a:b], clockwise=owner == number)
+        for number, (a, b, owner) in enumerate(
+            zip(starts[:-1].tolist(), starts[1:].tolist(), owners, strict=True)
+        )
+    ]
     holes: dict[int, list[tuple[Record, ...]]] = {}
     for b, owner in enumerate(owners):
         if owner != b:
@@ -53,8 +55,8 @@ def paper_objects(borders: Borders) -> tuple[SceneObject, ...]:
     )
 
 
-def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_]) -> Record:
-    """P, S, C or L for one closed contour (n, 2)."""
+def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_], *, clockwise: bool) -> Record:
+    """P, S, C or L for one closed contour (n, 2), an outline ``clockwise`` on the screen."""
     reach = int(np.ptp(contour, axis=0).max())
     if reach == 0:
         return PointRecord((float(contour[0, 0]), float(contour[0, 1])))
@@ -71,8 +73,19 @@ def _record(contour: NDArray[np.int32], corner: NDArray[np.bool_]) -> Record:
         chosen = np.unique(np.arange(count) * len(contour) // count)
     vertices = contour[chosen].astype(np.float64)
     points = [(float(x), float(y)) for x, y in vertices]
+    # where it is one pixel wide the walk comes by a pixel twice, on its way and back
+    points = [here for i, here in enumerate(points) if here != points[i - 1]]
+    if len(points) < 2:
+        return PointRecord((float(vertices[0, 0]), float(vertices[0, 1])))
     if len(points) == 2:
         return SegmentRecord(points[0], points[1])
+    turn = sum(
+        points[i - 1][0] * points[i][1] - points[i - 1][1] * points[i][0]
+        for i in range(len(points))
+    )
+    if turn < 0.0 if clockwise else turn > 0.0:
+        # so few vertices of a ragged speck may run the other way round
+        points.reverse()
     edges = tuple(Segment(points[i], points[(i + 1) % len(points)]) for i in range(len(points)))
     return PolygonRecord(edges, _rms_distance(contour, chosen))
 
