@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise import Method, Polarity, binarise
+from vision.binarise import Method, Polarity
 from vision.binary import Binary
+from vision.colour import binarise_by_colour
 from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.fitting import fit_edges, is_drawing, tolerance_of
 from vision.grey import PictureError, as_array
@@ -78,7 +79,7 @@ def extract(
     clock = _StopWatch()
     image = as_array(image)
     skip = ignored_pixels(ignore, image)
-    binary = binarise(
+    binary = binarise_by_colour(
         image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
     )
     clock.lap("binarise")
