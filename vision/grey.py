@@ -75,9 +75,12 @@ def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
 def scaled_threshold(threshold: float, image: NDArray[Any]) -> float:
     """A threshold in the values of ``image`` on the scale of ``as_grey``, 0 .. 255.
 
-    Raises ``PictureError`` where it lies outside the values that the picture can have.
+    Raises ``PictureError`` where it is no number, or outside the values the picture can have.
     """
     top = np.iinfo(image.dtype).max
+    is_number = isinstance(threshold, (int, float, np.integer, np.floating))
+    if not is_number or isinstance(threshold, bool):
+        raise PictureError(f"threshold {threshold!r}: must be a number in 0 .. {top}")
     if not 0.0 <= threshold <= top:
         raise PictureError(f"threshold {threshold}: must lie in 0 .. {top}")
     if image.dtype == np.uint8:

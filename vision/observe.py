@@ -54,7 +54,7 @@ def extract(
     method: Method = "auto",
     threshold: float | None = None,
     calibration: Calibration | None = None,
-    bounds: Bounds | None = None,
+    bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
 ) -> Scene:
     """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
@@ -63,8 +63,9 @@ def extract(
     sequences of whole numbers, is never changed. ``mode`` is ``exact`` or the paper's recipe to
     the letter, ``paper``.
     ``polarity`` says which side of the level is obstacle, ``method`` and ``threshold`` how
-    the level is found (see ``vision.binarise``). ``calibration`` and ``bounds`` (in metres)
-    make a scene in metres; objects wholly outside the bounds are dropped, with a remark.
+    the level is found (see ``vision.binarise``); a threshold alone is method ``fixed``.
+    ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
+    metres; objects wholly outside the bounds are dropped, with a remark.
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
     pixels. Raises ``PictureError`` for a picture or an option that cannot be used, and where
     no pixel is free. Safe to call from several threads. O(pixels) to threshold, then

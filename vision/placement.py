@@ -7,6 +7,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -42,13 +43,21 @@ class Placement:
 
     @classmethod
     def of(
-        cls, calibration: Calibration | None, bounds: Bounds | None, size: tuple[int, int]
+        cls,
+        calibration: Calibration | None,
+        bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
+        size: tuple[int, int],
     ) -> Placement:
         """Pixels without a calibration; metres with one, inside the bounds or what is seen.
 
-        Raises ``PictureError`` where the calibration is for pictures of another size.
+        Raises ``PictureError`` where the calibration is none, or for pictures of another size.
         """
         width, height = size
+        if calibration is not None and not hasattr(calibration, "arena_from_image"):
+            raise PictureError(
+                f"calibration: a {type(calibration).__name__}, must be a Calibration, as "
+                f"load_calibration gives it"
+            )
         # one of the caller's own need not know its pictures' size
         fits: tuple[int, int] = getattr(calibration, "size", size)
         if tuple(fits) != (width, height):
@@ -61,7 +70,7 @@ class Placement:
             return cls("px", whole, True, 1.0, None)
         scale = float(calibration.metres_per_pixel)
         if bounds is not None:
-            return cls("m", bounds, True, scale, calibration)
+            return cls("m", _as_bounds(bounds), True, scale, calibration)
         seen = calibration.arena_from_image(np.array(whole.corners()))
         low, high = seen.min(axis=0), seen.max(axis=0)
         derived = Bounds(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
@@ -92,18 +101,37 @@ def ignored_pixels(
         discs = np.asarray(ignore, dtype=np.float64).reshape(-1, 3)
     except ValueError:
         raise PictureError("ignore: must be a mask, or discs (x, y, radius)") from None
-    if not np.isfinite(discs).all():
-        raise PictureError("ignore: a disc's centre and radius must be finite")
+    if not np.isfinite(discs).all() or (discs[:, 2] < 0.0).any():
+        raise PictureError("ignore: a disc's centre and radius must be finite, the radius >= 0")
     height, width = image.shape[:2]
     mask = np.zeros((height, width), dtype=np.bool_)
     for x, y, radius in discs:
         left, right = max(0, int(x - radius)), min(width, int(x + radius) + 2)
         top, bottom = max(0, int(y - radius)), min(height, int(y + radius) + 2)
-        if left >= right or top >= bottom or radius < 0.0:
+        if left >= right or top >= bottom:
             continue
         ys, xs = np.ogrid[top:bottom, left:right]
         mask[top:bottom, left:right] |= (xs - x) ** 2 + (ys - y) ** 2 <= radius * radius
     return mask
+
+
+def _as_bounds(bounds: Bounds | Sequence[float] | NDArray[np.float64]) -> Bounds:
+    """The bounds as such, from themselves or from x_min, y_min, x_max, y_max."""
+    if isinstance(bounds, Bounds):
+        return bounds
+    try:
+        x_min, y_min, x_max, y_max = (float(value) for value in bounds)
+    except (TypeError, ValueError):
+        raise PictureError("bounds: must be Bounds, or x_min, y_min, x_max, y_max") from None
+    given = Bounds(x_min, y_min, x_max, y_max)
+    if not all(map(math.isfinite, (x_min, y_min, x_max, y_max))) or not (
+        given.width > 0.0 and given.height > 0.0
+    ):
+        raise PictureError(
+            f"bounds {x_min:g}, {y_min:g}, {x_max:g}, {y_max:g}: must be finite, the least of x "
+            "and y first"
+        )
+    return given
 
 
 def drop_outside(

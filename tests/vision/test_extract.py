@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -266,6 +268,22 @@ def test_a_calibration_gives_metres_with_y_up_and_the_same_turning_sense() -> No
     assert [e.ccw for e in disc.edges if isinstance(e, Arc)] == [False]
 
 
+@pytest.mark.parametrize("kind", [tuple, list, np.array])
+def test_bounds_are_four_numbers_in_any_sequence(kind: Callable[[Any], Any]) -> None:
+    picture = draw([CircleRecord((25.0, 30.0), 12.0)], (100, 100))
+    scene = extract(picture, calibration=Flat(), bounds=kind([0.0, 0.0, 0.2, 0.2]))
+    assert scene.bounds == Bounds(0.0, 0.0, 0.2, 0.2)
+    assert scene.objects == extract(picture, calibration=Flat(), bounds=scene.bounds).objects
+
+
+@pytest.mark.parametrize(
+    "bounds", [(0.0, 0.0, 0.2), "abcd", 3.0, (0.2, 0.0, 0.0, 0.2), (0.0, 0.0, math.nan, 0.2)]
+)
+def test_bounds_that_are_none_are_refused(bounds: Any) -> None:
+    with pytest.raises(PictureError, match="bounds"):
+        extract(np.full((100, 100), 220, np.uint8), calibration=Flat(), bounds=bounds)
+
+
 def test_objects_outside_the_bounds_are_left_out_with_a_remark() -> None:
     picture = draw([CircleRecord((25.0, 30.0), 12.0), CircleRecord((80.0, 80.0), 9.0)], (100, 100))
     scene = extract(picture, calibration=Flat(), bounds=Bounds(0.0, 0.1, 0.1, 0.2))
@@ -319,6 +337,11 @@ def test_wrong_options_are_refused() -> None:
         extract(picture, method="magic")
     with pytest.raises(PictureError, match="threshold"):
         extract(picture, threshold=700)
+    for threshold in ("a", True, [100.0]):
+        with pytest.raises(PictureError, match="must be a number"):
+            extract(picture, threshold=threshold)
+    with pytest.raises(PictureError, match="calibration: a str"):
+        extract(picture, calibration="camera.yaml")
     with pytest.raises(PictureError, match="ignore"):
         extract(picture, ignore=np.zeros((3, 3), dtype=bool))
 
@@ -347,6 +370,8 @@ def test_a_picture_of_another_size_than_its_calibration_s_is_refused() -> None:
 def test_discs_to_ignore_that_are_none_are_refused() -> None:
     with pytest.raises(PictureError, match="discs"):
         extract(np.full((48, 64), 220, np.uint8), ignore=[(1, 2)])  # type: ignore[list-item]
+    with pytest.raises(PictureError, match="radius >= 0"):
+        extract(np.full((48, 64), 220, np.uint8), ignore=[(1.0, 2.0, -3.0)])
 
 
 def test_an_outlines_segments_are_those_that_their_class_makes() -> None:
