@@ -69,6 +69,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
     work = np.empty((ROWS, longest + 2 * REACH), np.float64)
+    places = np.empty((2, longest), np.int64)
     sums = np.zeros((4, longest + 1), np.float64)
     totals = np.zeros(4)
     count = 0
@@ -79,7 +80,8 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
         y = ys[first : first + n]
         direction = directions[first : first + n]
         point_starts[b] = count
-        _gather(grey, mask, by_level, x, y, direction, n, work)
+        _locate(grey, mask, by_level, x, y, direction, n, work, places)
+        _gather(grey, mask, by_level, x, y, direction, n, work, places)
         _look_along(direction, n, work)
         _look_beside(level, by_level, n, work)
         _find_plateaus(n, work, sums)
@@ -98,8 +100,49 @@ def _out(direction):
 
 
 @njit(**LEAF)
-def _gather(grey, mask, by_level, xs, ys, directions, n, work):
-    """The profile across every crack, and twice its middle.
+def _locate(grey, mask, by_level, xs, ys, directions, n, work, places):
+    """Where every crack lies, and what its profile and the mask hold at the obstacle pixel.
+
+    ``places`` (2, k): a crack's obstacle pixel in the picture, and the way from it to the free
+    one. A border that runs up or down finds a new line of the memory at every crack: a short
+    loop has many of them fetched at once, and the profiles are read from lines that are there.
+    """
+    width = grey.shape[1]
+    stride = mask.shape[1]
+    flat_grey = grey.reshape(-1)
+    flat_mask = mask.reshape(-1)
+    middle_x = work[MIDDLE_X]
+    middle_y = work[MIDDLE_Y]
+    here = work[BEHIND]
+    clear = work[CLEAR]
+    crossing = work[CROSSING]
+    at = places[0]
+    step = places[1]
+    for i in range(n):
+        x = np.int64(xs[i])
+        y = np.int64(ys[i])
+        nx, ny = _out(np.int64(directions[i]))
+        middle_x[REACH + i] = 2 * x + nx
+        middle_y[REACH + i] = 2 * y + ny
+        at[i] = y * width + x
+        step[i] = ny * width + nx
+        crossing[i] = 0.0
+        clear[i] = 1.0
+    for i in range(n):
+        here[i] = flat_grey[np.uint64(at[i])]
+    if not by_level:
+        for i in range(n):
+            clear[i] = flat_mask[np.uint64((ys[i] + 1) * stride + xs[i] + 1)] & 1
+    for i in range(REACH):
+        middle_x[i] = middle_x[n + i]
+        middle_y[i] = middle_y[n + i]
+        middle_x[n + REACH + i] = middle_x[REACH + i]
+        middle_y[n + REACH + i] = middle_y[REACH + i]
+
+
+@njit(**LEAF)
+def _gather(grey, mask, by_level, xs, ys, directions, n, work, places):
+    """The rest of the profile across every crack.
 
     Where the mask was not made from these grey values, or the profile leaves the picture,
     CLEAR is found here. Where the free pixel lies outside, CROSSING is -1.
@@ -108,21 +151,14 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work):
     stride = mask.shape[1]
     flat_mask = mask.reshape(-1)
     flat_grey = grey.reshape(-1)
-    middle_x = work[MIDDLE_X]
-    middle_y = work[MIDDLE_Y]
     clear = work[CLEAR]
-    crossing = work[CROSSING]
     for i in range(n):
         x = np.int64(xs[i])
         y = np.int64(ys[i])
-        nx, ny = _out(np.int64(directions[i]))
-        middle_x[REACH + i] = 2 * x + nx
-        middle_y[REACH + i] = 2 * y + ny
-        crossing[i] = 0.0
         if 5 <= x < width - 5 and 5 <= y < height - 5:
             # unsigned: no index counts from the end
-            at = np.uint64(y * width + x)
-            step = np.uint64(ny * width + nx)
+            at = np.uint64(places[0, i])
+            step = np.uint64(places[1, i])
             back = at - step
             work[3, i] = flat_grey[back]
             back -= step
@@ -131,7 +167,6 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work):
             work[1, i] = flat_grey[back]
             back -= step
             work[0, i] = flat_grey[back]
-            work[4, i] = flat_grey[at]
             at += step
             work[5, i] = flat_grey[at]
             at += step
@@ -142,8 +177,8 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work):
             work[8, i] = flat_grey[at]
             at += step
             work[9, i] = flat_grey[at]
-            clear[i] = 1.0
             if not by_level:
+                nx, ny = _out(np.int64(directions[i]))
                 here = (y + 1) * stride + x + 1
                 across = ny * stride + nx
                 clear[i] = (
@@ -151,18 +186,14 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work):
                     & ~(flat_mask[here + 2 * across] | flat_mask[here + 3 * across]) & 1
                 )  # fmt: skip
             continue
+        nx, ny = _out(np.int64(directions[i]))
         for k in range(SAMPLES):
             px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
             py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
             work[k, i] = grey[py, px]
         clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
         if not (0 <= x + nx < width and 0 <= y + ny < height):
-            crossing[i] = -1.0
-    for i in range(REACH):
-        middle_x[i] = middle_x[n + i]
-        middle_y[i] = middle_y[n + i]
-        middle_x[n + REACH + i] = middle_x[REACH + i]
-        middle_y[n + REACH + i] = middle_y[REACH + i]
+            work[CROSSING, i] = -1.0
 
 
 @njit(**LEAF)
