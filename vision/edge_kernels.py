@@ -256,8 +256,6 @@ def _look_beside(level, by_level, n, work):
     light = work[LIGHT]
     near = work[NEAR]
     far = work[FAR]
-    walls = 0.0
-    gaps = 0.0
     if by_level:
         for i in range(n):
             dark_side = (a1[i] < level) & (a2[i] < level)
@@ -271,7 +269,6 @@ def _look_beside(level, by_level, n, work):
         beyond = a2[i] if five else 0.5 * (a2[i] + a3[i])
         dark[i] = middle if three | four else beyond
         wall[i] = 1.0 if three | four else 0.0
-        walls += wall[i]
         three = b4[i] < level
         four = b5[i] < level
         five = b5[i] + b5[i] < b3[i] + level
@@ -279,14 +276,21 @@ def _look_beside(level, by_level, n, work):
         beyond = b3[i] if five else 0.5 * (b3[i] + b4[i])
         light[i] = middle if three | four else beyond
         gap[i] = 1.0 if three | four else 0.0
-        gaps += gap[i]
         near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
         far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
     # the few places where a narrow wall looks wide, at its corners, show no plateau either
-    if 2.0 * walls > n:
+    if 2.0 * _sum(wall[:n]) > n:
         wall[:n] = 1.0
-    if 2.0 * gaps > n:
+    if 2.0 * _sum(gap[:n]) > n:
         gap[:n] = 1.0
+
+
+@njit(**SUMS)
+def _sum(row):
+    total = 0.0
+    for i in range(row.shape[0]):
+        total += row[i]
+    return total
 
 
 @njit(**SUMS)
@@ -296,53 +300,70 @@ def _find_plateaus(n, work, sums):
     Near a corner the plateaus are not reached, so that the second round leaves out what is
     lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
     """
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    dark_level = work[DARK_LEVEL]
-    light_level = work[LIGHT_LEVEL]
     reach = min(STRETCH, (n - 1) // 2)
     for again in range(2):
-        # what is dark and how many, what is light and how many
         if again == 0:
-            for i in range(n):
-                sums[0, i + 1] = clear[i] * dark[i]
-                sums[1, i + 1] = clear[i]
-                sums[2, i + 1] = clear[i] * light[i]
-                sums[3, i + 1] = clear[i]
+            _add_up(n, work, sums)
         else:
-            for i in range(n):
-                counts = clear[i] if dark[i] <= dark_level[i] + SAME_GREY else 0.0
-                sums[0, i + 1] = counts * dark[i]
-                sums[1, i + 1] = counts
-                counts = clear[i] if light[i] >= light_level[i] - SAME_GREY else 0.0
-                sums[2, i + 1] = counts * light[i]
-                sums[3, i + 1] = counts
-        _add_up(n, sums)
+            _add_up_the_plain(n, work, sums)
         _set_levels(0, reach, reach + 1, n - reach, True, n, work, sums)
         _set_levels(reach, n - reach, 2 * reach + 1, 0, False, n, work, sums)
         _set_levels(n - reach, n, 1, n - 2 * reach, True, n, work, sums)
 
 
 @njit(**LEAF)
-def _add_up(n, sums):
-    """The four sums up to every crack: of whole and half grey values, and so exact.
+def _add_up(n, work, sums):
+    """Up to every crack: what is dark and how many, what is light and how many.
 
-    They are the same wherever a border begins.
+    Sums of whole and half grey values, and so exact: the same wherever a border begins.
     """
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
+    dark_sum = sums[0]
+    darks = sums[1]
+    light_sum = sums[2]
+    lights = sums[3]
+    a = 0.0
+    b = 0.0
+    c = 0.0
+    for i in range(n):
+        a += clear[i] * dark[i]
+        b += clear[i]
+        c += clear[i] * light[i]
+        dark_sum[i + 1] = a
+        darks[i + 1] = b
+        light_sum[i + 1] = c
+        lights[i + 1] = b
+
+
+@njit(**LEAF)
+def _add_up_the_plain(n, work, sums):
+    """The same without what is lighter or darker than the levels found first."""
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
+    dark_level = work[DARK_LEVEL]
+    light_level = work[LIGHT_LEVEL]
+    dark_sum = sums[0]
+    darks = sums[1]
+    light_sum = sums[2]
+    lights = sums[3]
     a = 0.0
     b = 0.0
     c = 0.0
     d = 0.0
-    for i in range(1, n + 1):
-        a += sums[0, i]
-        b += sums[1, i]
-        c += sums[2, i]
-        d += sums[3, i]
-        sums[0, i] = a
-        sums[1, i] = b
-        sums[2, i] = c
-        sums[3, i] = d
+    for i in range(n):
+        counts = clear[i] if dark[i] <= dark_level[i] + SAME_GREY else 0.0
+        a += counts * dark[i]
+        b += counts
+        counts = clear[i] if light[i] >= light_level[i] - SAME_GREY else 0.0
+        c += counts * light[i]
+        d += counts
+        dark_sum[i + 1] = a
+        darks[i + 1] = b
+        light_sum[i + 1] = c
+        lights[i + 1] = d
 
 
 @njit(**SUMS)
