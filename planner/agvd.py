@@ -10,6 +10,7 @@ Rules and units
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -187,11 +188,7 @@ def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
         ends, first = _with_own_chains(ends, first, len(node), len(lonely))
         proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
         node_xy = np.concatenate([node_xy, lonely])
-    gap, step, length, clearance = chain_kernels.measure_chains(
-        *borders.tree, points, proved, first
-    )
-    xy, rho = np.ascontiguousarray(points[:, :2]), np.ascontiguousarray(points[:, 2])
-    measured = rho, gap, step, length, clearance
+    xy, *measured = chain_kernels.measure_chains(*borders.tree, points, proved, first)
     return _as_chains(xy, first, pieces, ends, node_xy, proved, measured)
 
 
@@ -219,13 +216,11 @@ def _as_chains(
     ends: IntArray,
     node_xy: FloatArray,
     proved: BoolArray,
-    measured: tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray],
+    measured: Sequence[FloatArray],
 ) -> Chains:
     """``measured`` are rho, gap, step, length and clearance."""
     rho, gap, step, length, clearance = measured
-    node_rho = np.empty(len(node_xy))
-    node_rho[ends[:, 0]] = rho[first[:-1]]
-    node_rho[ends[:, 1]] = rho[first[1:] - 1]
+    node_rho = chain_kernels.clearance_of_nodes(len(node_xy), ends, first, rho)
     return Chains(
         points=points,
         first=first,
@@ -261,6 +256,8 @@ def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:
         points,
         1e-7 * borders.extent,
     )
+    if not len(alone):
+        return alone
     # none where another object lies around
     around = np.c_[alone, borders.distances(alone)[0]].tolist()
     free = [not borders.owners_around(x, y, r).any() for x, y, r in around]

@@ -48,7 +48,7 @@ def bend_chains(
     the sites that are missing as :func:`planner.vertex_kernels.solve_vertices` does.
     """
     chains = len(first) - 1
-    longest = int(np.diff(first).max(initial=1)) + 1
+    longest = chain_kernels.most_links(first) + 1
     place = np.empty((longest, 4))
     stations = (
         place, place.view(np.int64), np.empty((longest, 2), np.int32),

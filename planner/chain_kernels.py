@@ -374,15 +374,27 @@ def bend(
     return n, missing
 
 
+@njit(**BORROWING, error_model="numpy")
+def most_links(first):
+    """How many links the longest of the chains has, at least 1; ``first`` (c + 1,) offsets."""
+    most = 1
+    for c in range(len(first) - 1):
+        most = max(most, first[c + 1] - first[c])
+    return most
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def measure_chains(kind, data, order, large, boxes, points, proved, first):
     """Lengths and clearances of chains whose narrowest places are points of theirs.
 
     A proved link is as wide as its narrower end; any other is measured as a straight line
-    against the borders. Returns ``gap``, ``step`` per point and ``length``, ``clearance`` per
-    chain.
+    against the borders. Returns the ``points`` (p, 3) as places (p, 2) and clearances (p,),
+    ``gap``, ``step`` per point, and ``length``, ``clearance`` per chain.
     """
     p, c = len(points), len(first) - 1
+    xy, rho = np.empty((p, 2)), np.empty(p)
+    for i in range(p):
+        xy[i, 0], xy[i, 1], rho[i] = points[i, 0], points[i, 1], points[i, 2]
     gap = np.full(p, np.inf)
     step = np.zeros(p)
     length = np.zeros(c)
@@ -399,4 +411,14 @@ def measure_chains(kind, data, order, large, boxes, points, proved, first):
                 )
             length[j] += step[i]
             clearance[j] = min(clearance[j], gap[i])
-    return gap, step, length, clearance
+    return xy, rho, gap, step, length, clearance
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def clearance_of_nodes(nodes, ends, first, rho):
+    """The clearance (n,) of every node: that of the chains' points that are there."""
+    out = np.empty(nodes)
+    for side in range(2):
+        for c in range(len(ends)):
+            out[ends[c, side]] = rho[first[c] if side == 0 else first[c + 1] - 1]
+    return out

@@ -90,34 +90,22 @@ def _move(tri, circ, at, old, new):
         circ[(new >> 1) + k] = circ[(old >> 1) + k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def remove(xy, ghost, tri, circ, gone):
-    """Take the sites ``gone`` out of tri and circ; False where one is on the hull.
-
-    Then, or where the hole cannot be filled, the arrays are left half done.
-    """
-    w = np.empty(SCRATCH)
-    circle = np.empty(4)
-    wanted = np.zeros(ghost + 1, np.bool_)
-    for g in gone:
-        wanted[g] = True
-    at = np.full(ghost + 1, -1, np.int64)
+@njit(**BORROWING, error_model="numpy")
+def _find_stars(tri, wanted, at):
+    """Set in ``at`` (ghost + 1,) a half-edge opposite each site that is ``wanted`` (ghost + 1,)."""
     for h in range(0, len(tri), 8):
-        if np.int64(tri[h]) != DEAD:
-            for k in range(3):
-                if wanted[np.int64(tri[h + k])]:
-                    at[np.int64(tri[h + k])] = h + k
-    ring, outer = np.empty(2 * ghost, np.int64), np.empty(2 * ghost, np.int64)
-    slot = np.empty(2 * ghost, np.int64)
-    # every other one first, then every other one of the rest: stars stay small for longest
-    step = 2
-    order = np.empty(len(gone), np.int64)
-    count = 0
-    while count < len(gone):
-        for j in range(step // 2 - 1, len(gone), step):
-            order[count] = gone[j]
-            count += 1
-        step *= 2
+        a = np.int64(tri[h])
+        if a == DEAD:
+            continue
+        b, c = np.int64(tri[h + 1]), np.int64(tri[h + 2])
+        if wanted[a] | wanted[b] | wanted[c]:
+            at[a], at[b], at[c] = h, h + 1, h + 2
+
+
+@njit(**BORROWING, error_model="numpy")
+def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
+    """:func:`remove` in ``order``, with a half-edge ``at`` each of them, and space to work in."""
+    ring, outer, slot = space[0], space[1], space[2]
     for p in order:
         # the star, counter-clockwise; the site's own two triangles last among its slots
         m = 0
@@ -155,7 +143,8 @@ def remove(xy, ghost, tri, circ, gone):
                 tri, at, s, ring[before], ring[ear], ring[after], outer[ear], np.int64(-1),
                 outer[before],
             )  # fmt: skip
-            circ[s >> 1 : (s >> 1) + 4] = circle
+            for k in range(4):
+                circ[(s >> 1) + k] = circle[k]
             outer[before] = s + 1
             for i in range(ear, m - 1):
                 ring[i], outer[i] = ring[i + 1], outer[i + 1]
@@ -180,3 +169,27 @@ def remove(xy, ghost, tri, circ, gone):
             tri[own] = DEAD
         at[p] = -1
     return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def remove(xy, ghost, tri, circ, gone):
+    """Take the sites ``gone`` out of tri and circ; False where one is on the hull.
+
+    Then, or where the hole cannot be filled, the arrays are left half done.
+    """
+    wanted = np.zeros(ghost + 1, np.bool_)
+    for g in gone:
+        wanted[g] = True
+    at = np.full(ghost + 1, -1, np.int64)
+    _find_stars(tri, wanted, at)
+    # every other one first, then every other one of the rest: stars stay small for longest
+    step = 2
+    order = np.empty(len(gone), np.int64)
+    count = 0
+    while count < len(gone):
+        for j in range(step // 2 - 1, len(gone), step):
+            order[count] = gone[j]
+            count += 1
+        step *= 2
+    space = np.empty((3, 2 * ghost), np.int64)
+    return _remove(np.empty(SCRATCH), xy, ghost, tri, circ, order, at, np.empty(4), space)

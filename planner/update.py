@@ -16,12 +16,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner import border_kernels, insertion_kernels, predicate_kernels, update_kernels
+from planner import (
+    border_kernels,
+    insertion_kernels,
+    predicate_kernels,
+    removal_kernels,
+    update_kernels,
+)
 from planner.agvd import Agvd, mesh_chains
 from planner.generators import JOINT, NO_LENGTH, Borders, as_borders
 from planner.mesh import Mesh, add_sites, copy_mesh
 from planner.roadmap import Roadmap, build_roadmap, finish_roadmap
-from planner.scene import Flattener, FloatArray, IntArray, Scene, SceneObject
+from planner.scene import (
+    ArcRecord,
+    Flattener,
+    FloatArray,
+    IntArray,
+    PolygonRecord,
+    Scene,
+    SceneObject,
+)
 
 MOST = 0.34
 """More changed objects than this share are a scene to be built anew."""
@@ -78,14 +92,25 @@ def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> lis
                 left.discard(i)
         unknown = [k for k in unknown if kept[k] < 0]
     if left and unknown:
-        equal: dict[Hashable, list[int]] = {}
+        alike: dict[Hashable, list[int]] = {}
         for i in left:
-            equal.setdefault((old[i].records, old[i].holes), []).append(i)
+            alike.setdefault(_mark(old[i]), []).append(i)
         for k in unknown:
-            waiting = equal.get((new[k].records, new[k].holes))
-            if waiting:
-                kept[k] = waiting.pop()
+            candidates = alike.get(_mark(new[k]), [])
+            for i in candidates:
+                if old[i].records == new[k].records and old[i].holes == new[k].holes:
+                    kept[k] = i
+                    candidates.remove(i)
+                    break
     return kept
+
+
+def _mark(item: SceneObject) -> Hashable:
+    """What equal objects share, and hardly any others: all their edges take long to hash."""
+    record = item.records[0] if item.records else None
+    if isinstance(record, ArcRecord | PolygonRecord) and record.edges:
+        return record.edges[0]
+    return record
 
 
 def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
@@ -122,11 +147,12 @@ def _change_borders(
 def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
     """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
     traced, bent = mesh.traced, mesh.bent
-    gone, quiet, heirs, pieces, proved, done = update_kernels.take_out(
-        touched, new_label, mesh.xy, mesh.tri, mesh.circ, mesh.alias, mesh.label, mesh.refined,
-        mesh.also, mesh.used, mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
+    gone, quiet, heirs, pieces, proved = update_kernels.unlink(
+        touched, new_label, mesh.tri, mesh.alias, mesh.label, mesh.refined, mesh.also, mesh.used,
+        mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
         traced.first, traced.link, bent.points, bent.start, bent.pieces, bent.proved,
     )  # fmt: skip
+    done = not len(gone) or removal_kernels.remove(mesh.xy, mesh.ghost, mesh.tri, mesh.circ, gone)
     mesh.bent = replace(bent, pieces=pieces, proved=proved)
     mesh.vacant += [*gone.tolist(), *quiet.tolist()]
     if done and len(heirs):
