@@ -376,8 +376,8 @@ def _round_corners(
             fresh, active,
         )  # fmt: skip
         touch_lines(
-            px, py, n, breaks, is_arc, edges, shape, joints, is_fillet, dead_zone, sigma, worst,
-            corner,
+            px, py, n, breaks, is_arc, edges, shape, joints, is_fillet, blur, dead_zone, sigma,
+            worst, corner,
         )  # fmt: skip
     return edges
 

@@ -106,6 +106,23 @@ def test_a_rounded_rectangle_is_four_lines_and_four_arcs(blur: float, noise: flo
             assert abs(arc.radius - radius) < 0.7, f"seed {seed}"
 
 
+@pytest.mark.parametrize("blur", [0.5, 0.7, 1.0])
+def test_blur_makes_no_rounded_corner_larger(blur: float) -> None:
+    """An arc that has to touch two lines moves four times as far as blur moves its border."""
+    errors = []
+    for seed in range(8):
+        rng = np.random.default_rng([96, seed])
+        radius = float(rng.uniform(8.0, 9.0))
+        truth = rounded(rectangle(rng, rng.uniform(22.0, 30.0, 2)), radius)
+        (only,) = extract(draw([truth], SIZE, blur=blur, rng=rng)).objects
+        (record,) = only.records
+        assert isinstance(record, PolygonRecord)
+        errors += [e.radius - radius for e in record.edges if isinstance(e, Arc)]
+    assert len(errors) == 32
+    # once 0.12 at a blur of 0.7
+    assert abs(np.mean(errors)) < 0.06
+
+
 @pytest.mark.parametrize(("blur", "noise"), [(0.7, 0.0), (1.5, 0.0), (0.7, 10.0)])
 def test_a_bevel_is_not_taken_for_a_rounded_corner(blur: float, noise: float) -> None:
     for seed in range(8):
