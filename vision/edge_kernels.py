@@ -306,9 +306,14 @@ def _find_plateaus(n, work, sums):
             _add_up(n, work, sums)
         else:
             _add_up_the_plain(n, work, sums)
-        _set_levels(0, reach, reach + 1, n - reach, True, n, work, sums)
-        _set_levels(reach, n - reach, 2 * reach + 1, 0, False, n, work, sums)
-        _set_levels(n - reach, n, 1, n - 2 * reach, True, n, work, sums)
+        for row, level, total, count, others in (
+            (DARK, DARK_LEVEL, 0, 1, 3),
+            (LIGHT, LIGHT_LEVEL, 2, 3, 1),
+        ):
+            rows = work[row], work[level], sums[total], sums[count], sums[others]
+            _set_level(0, reach, reach + 1, n - reach, True, n, *rows)
+            _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, *rows)
+            _set_level(n - reach, n, 1, n - 2 * reach, True, n, *rows)
 
 
 @njit(**LEAF)
@@ -367,38 +372,33 @@ def _add_up_the_plain(n, work, sums):
 
 
 @njit(**SUMS)
-def _set_levels(begin, end, ahead, behind, around, n, work, sums):
-    """The means of the stretches of cracks ``begin`` .. ``end`` - 1.
+def _set_level(begin, end, ahead, behind, around, n, own, level, total, count, others):
+    """The means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
 
     The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
-    ``around``: past the border's end.
+    ``around``: past the border's end. ``own`` and ``level``: each crack's plateau, and its
+    stretch's; ``total`` and ``count``: the sums of the plateaus and their number; ``others``:
+    the number of those of the other kind, without which there is no level either.
+    One kind at a time: a loop that writes two rows works on one crack at a time.
     """
-    dark = work[DARK, begin:end]
-    light = work[LIGHT, begin:end]
-    dark_level = work[DARK_LEVEL, begin:end]
-    light_level = work[LIGHT_LEVEL, begin:end]
-    count = end - begin
-    dark_ahead = sums[0, ahead : ahead + count]
-    darks_ahead = sums[1, ahead : ahead + count]
-    light_ahead = sums[2, ahead : ahead + count]
-    lights_ahead = sums[3, ahead : ahead + count]
-    dark_behind = sums[0, behind : behind + count]
-    darks_behind = sums[1, behind : behind + count]
-    light_behind = sums[2, behind : behind + count]
-    lights_behind = sums[3, behind : behind + count]
+    cracks = end - begin
+    own = own[begin:end]
+    level = level[begin:end]
+    total_ahead = total[ahead : ahead + cracks]
+    count_ahead = count[ahead : ahead + cracks]
+    others_ahead = others[ahead : ahead + cracks]
+    total_behind = total[behind : behind + cracks]
+    count_behind = count[behind : behind + cracks]
+    others_behind = others[behind : behind + cracks]
     whole = 1.0 if around else 0.0
-    all_dark = whole * sums[0, n]
-    all_darks = whole * sums[1, n]
-    all_light = whole * sums[2, n]
-    all_lights = whole * sums[3, n]
-    for i in range(count):
-        darks = darks_ahead[i] - darks_behind[i] + all_darks
-        lights = lights_ahead[i] - lights_behind[i] + all_lights
-        known = (darks > 0.0) & (lights > 0.0)
-        below = (dark_ahead[i] - dark_behind[i] + all_dark) / max(darks, 1.0)
-        above = (light_ahead[i] - light_behind[i] + all_light) / max(lights, 1.0)
-        dark_level[i] = below if known else dark[i]
-        light_level[i] = above if known else light[i]
+    whole_total = whole * total[n]
+    whole_count = whole * count[n]
+    whole_others = whole * others[n]
+    for i in range(cracks):
+        counted = count_ahead[i] - count_behind[i] + whole_count
+        known = (counted > 0.0) & (others_ahead[i] - others_behind[i] + whole_others > 0.0)
+        mean = (total_ahead[i] - total_behind[i] + whole_total) / max(counted, 1.0)
+        level[i] = mean if known else own[i]
 
 
 @njit(**SUMS)
