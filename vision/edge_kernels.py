@@ -80,8 +80,10 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
         y = ys[first : first + n]
         direction = directions[first : first + n]
         point_starts[b] = count
-        _locate(grey, mask, by_level, x, y, direction, n, work, places)
-        _gather(grey, mask, by_level, x, y, direction, n, work, places)
+        _locate(grey, x, y, direction, n, work, places)
+        if not by_level:
+            _look_at_mask(mask, grey.shape[1], x, y, direction, n, work[CLEAR])
+        _gather(grey, mask, x, y, direction, n, work, places)
         _look_along(direction, n, work)
         _look_beside(level, by_level, n, work)
         _find_plateaus(n, work, sums)
@@ -100,17 +102,15 @@ def _out(direction):
 
 
 @njit(**LEAF)
-def _locate(grey, mask, by_level, xs, ys, directions, n, work, places):
-    """Where every crack lies, and what its profile and the mask hold at the obstacle pixel.
+def _locate(grey, xs, ys, directions, n, work, places):
+    """Where every crack lies, and what its profile holds at the obstacle pixel.
 
     ``places`` (2, k): a crack's obstacle pixel in the picture, and the way from it to the free
     one. A border that runs up or down finds a new line of the memory at every crack: a short
     loop has many of them fetched at once, and the profiles are read from lines that are there.
     """
     width = grey.shape[1]
-    stride = mask.shape[1]
     flat_grey = grey.reshape(-1)
-    flat_mask = mask.reshape(-1)
     middle_x = work[MIDDLE_X]
     middle_y = work[MIDDLE_Y]
     here = work[BEHIND]
@@ -130,9 +130,6 @@ def _locate(grey, mask, by_level, xs, ys, directions, n, work, places):
         clear[i] = 1.0
     for i in range(n):
         here[i] = flat_grey[np.uint64(at[i])]
-    if not by_level:
-        for i in range(n):
-            clear[i] = flat_mask[np.uint64((ys[i] + 1) * stride + xs[i] + 1)] & 1
     for i in range(REACH):
         middle_x[i] = middle_x[n + i]
         middle_y[i] = middle_y[n + i]
@@ -141,15 +138,37 @@ def _locate(grey, mask, by_level, xs, ys, directions, n, work, places):
 
 
 @njit(**LEAF)
-def _gather(grey, mask, by_level, xs, ys, directions, n, work, places):
+def _look_at_mask(mask, width, xs, ys, directions, n, clear):
+    """CLEAR from a mask that was not made from these grey values: three pixels to either side.
+
+    Not for cracks near the picture's edge.
+    """
+    height = mask.shape[0] - 2
+    stride = mask.shape[1]
+    flat = mask.reshape(-1)
+    for i in range(n):
+        clear[i] = flat[np.uint64((ys[i] + 1) * stride + xs[i] + 1)] & 1
+    for i in range(n):
+        x = np.int64(xs[i])
+        y = np.int64(ys[i])
+        if 5 <= x < width - 5 and 5 <= y < height - 5:
+            nx, ny = _out(np.int64(directions[i]))
+            # unsigned: no index counts from the end
+            across = np.uint64(ny * stride + nx)
+            here = np.uint64((y + 1) * stride + x + 1)
+            dark = flat[here - across] & flat[here - across - across]
+            ahead = here + across + across
+            clear[i] = dark & ~(flat[ahead] | flat[ahead + across]) & 1
+
+
+@njit(**LEAF)
+def _gather(grey, mask, xs, ys, directions, n, work, places):
     """The rest of the profile across every crack.
 
-    Where the mask was not made from these grey values, or the profile leaves the picture,
-    CLEAR is found here. Where the free pixel lies outside, CROSSING is -1.
+    Where the profile leaves the picture, CLEAR is found here. Where the free pixel lies outside,
+    CROSSING is -1.
     """
     height, width = grey.shape
-    stride = mask.shape[1]
-    flat_mask = mask.reshape(-1)
     flat_grey = grey.reshape(-1)
     clear = work[CLEAR]
     for i in range(n):
@@ -177,14 +196,6 @@ def _gather(grey, mask, by_level, xs, ys, directions, n, work, places):
             work[8, i] = flat_grey[at]
             at += step
             work[9, i] = flat_grey[at]
-            if not by_level:
-                nx, ny = _out(np.int64(directions[i]))
-                here = (y + 1) * stride + x + 1
-                across = ny * stride + nx
-                clear[i] = (
-                    flat_mask[here - across] & flat_mask[here - 2 * across]
-                    & ~(flat_mask[here + 2 * across] | flat_mask[here + 3 * across]) & 1
-                )  # fmt: skip
             continue
         nx, ny = _out(np.int64(directions[i]))
         for k in range(SAMPLES):
