@@ -31,6 +31,7 @@ from planner.scene import (
     SegmentRecord,
     Vec,
 )
+from vision.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.chains import chain_edges, open_chain
 from vision.clipping import clip_circle, clip_polygon
 from vision.contours import Borders
@@ -38,9 +39,6 @@ from vision.placement import Placement
 
 LINE, ARC_CW, ARC_CCW = 0, 1, 2
 POLYGON, CIRCLE, TINY = 0, 1, 2
-_NEW = object.__new__
-_SET_START, _SET_END = (Segment.__dict__[name].__set__ for name in ("start", "end"))
-"""A segment made by these takes a quarter of the time: a frozen one looks its fields up by name."""
 SPECK_AREA = 4
 """Pixels of the largest border that counts as noise, where there is so much of it."""
 SPECK_MARGIN_SIGMAS = 6.0
@@ -114,7 +112,7 @@ def build_objects(
         elif thin[b] and (straight := thin_record(borders, b, placement)) is not None:
             record = straight
         elif border_kind[b] == CIRCLE:
-            cx, cy, r, rms = outlines.bends[starts[b]]
+            cx, cy, r, rms = outlines.centered(starts[b])
             circle = CircleRecord((cx, cy), r, rms)
             record = clip_circle(circle, limits) if in_pixels else circle
         else:
@@ -125,8 +123,10 @@ def build_objects(
         else:
             holes.setdefault(owner, []).append((record,))
     return tuple(
-        SceneObject(number, (record,), tuple(holes.get(b, ())))
-        for number, (b, record) in enumerate(outline.items())
+        [
+            new_object(number, (record,), tuple(holes[b]) if b in holes else ())
+            for number, (b, record) in enumerate(outline.items())
+        ]
     )
 
 
@@ -146,15 +146,14 @@ def _may_stray(
 
 @dataclass(frozen=True, slots=True)
 class _Outlines:
-    """Fitted edges in the scene's coordinates, as Python's own numbers.
+    """Fitted edges in the scene's coordinates.
 
-    ``corners`` (k,): every edge's first point; ``kinds`` (k,); ``bends``: centre x, y, radius and
-    rms deviation of the edges that have a centre, by their number; ``rms`` (k,).
+    ``edges`` (k,): each from its first point to the next edge's; ``data`` (k, 6) as in
+    ``FittedBorders``; ``rms`` (k,).
     """
 
-    corners: list[Vec]
-    kinds: list[int]
-    bends: dict[int, list[float]]
+    edges: list[Edge]
+    data: NDArray[np.float64]
     rms: list[float]
 
     @classmethod
@@ -163,31 +162,34 @@ class _Outlines:
         if placement.calibration is not None:
             x, y = placement.scale, placement.y_scale
             data = data * np.array([x, y, x, y, x, 1.0])
-        round_ = np.flatnonzero(data[:, 4])
-        return cls(
-            corners=list(zip(data[:, 0].tolist(), data[:, 1].tolist(), strict=True)),
-            kinds=fitted.kind.tolist(),
-            bends=dict(zip(round_.tolist(), data[round_, 2:].tolist(), strict=True)),
-            rms=data[:, 5].tolist(),
+        corners: list[Vec] = list(zip(data[:, 0].tolist(), data[:, 1].tolist(), strict=True))
+        # a border's last edge ends where its first begins
+        after = np.arange(1, len(corners) + 1)
+        some = fitted.edge_starts[1:] > fitted.edge_starts[:-1]
+        after[fitted.edge_starts[1:][some] - 1] = fitted.edge_starts[:-1][some]
+        ends = [corners[e] for e in after.tolist()]
+        edges: list[Edge] = [*new_segments(corners, ends)]
+        bent = np.flatnonzero(fitted.kind != LINE)
+        which = bent.tolist()
+        arcs = new_arcs(
+            [corners[e] for e in which],
+            [ends[e] for e in which],
+            list(zip(data[bent, 2].tolist(), data[bent, 3].tolist(), strict=True)),
+            data[bent, 4].tolist(),
+            (fitted.kind[bent] == ARC_CCW).tolist(),
         )
+        for e, arc in zip(which, arcs, strict=True):
+            edges[e] = arc
+        return cls(edges, data, data[:, 5].tolist())
+
+    def centered(self, edge: int) -> list[float]:
+        """Centre x, y, radius and rms deviation of an edge that has a centre."""
+        values: list[float] = self.data[edge, 2:].tolist()
+        return values
 
     def polygon(self, first: int, last: int) -> PolygonRecord:
         """The record of edges first .. last - 1."""
-        corners, kinds = self.corners, self.kinds
-        edges: list[Edge] = []
-        here = corners[first]
-        for e in range(first, last):
-            there = corners[e + 1] if e + 1 < last else corners[first]
-            if kinds[e] == LINE:
-                segment = _NEW(Segment)
-                _SET_START(segment, here)
-                _SET_END(segment, there)
-                edges.append(segment)
-            else:
-                cx, cy, radius, _ = self.bends[e]
-                edges.append(Arc(here, there, (cx, cy), radius, kinds[e] == ARC_CCW))
-            here = there
-        return PolygonRecord(tuple(edges), self.rms[first])
+        return new_polygon(tuple(self.edges[first:last]), self.rms[first])
 
 
 def tiny_record(borders: Borders, border: int, placement: Placement) -> Record:
