@@ -45,6 +45,7 @@ from vision.shape_kernels import (
     fit_circle,
     refine_circle,
 )
+from vision.straighten_kernels import straighten
 from vision.tip_kernels import cut_tips, square_tips
 
 POLYGON, CIRCLE, TINY = 0, 1, 2
@@ -205,10 +206,11 @@ def fit_borders(
         for again in range(looks):
             if (edges > 0 and again == 0) or round_cost <= 3.0 * prices[0] + expected * n:
                 break
+            paid = finer if again > 0 else prices
             edges, cost = partition(
                 px, py, n, skip, crisp, calm, strict, worst, seeded, round_cost,
-                circle[2] if round_cost < HUGE else 0.0, finer if again > 0 else prices,
-                is_seed, seeds, breaks, is_arc, active,
+                circle[2] if round_cost < HUGE else 0.0, paid, is_seed, seeds, breaks, is_arc,
+                active,
             )  # fmt: skip
             if round_cost <= cost:
                 edges = 0
@@ -227,7 +229,7 @@ def fit_borders(
                     square_tips(px, py, n, breaks, is_arc, edges, shape, joints, is_tip)
                 edges = _round_corners(
                     px, py, n, breaks, is_arc, edges, guard, rounded, tangent, calm, strict, worst,
-                    expected, prices, joints, shape, ranges, fresh, active, stale,
+                    expected, prices, paid, joints, shape, ranges, fresh, active, stale,
                 )  # fmt: skip
             if exact and not is_arc[:edges].any():
                 # what straight sides lose they lose at their corners, which are mended
@@ -359,16 +361,26 @@ def _circle_of_all(
 @njit(cache=True, nogil=True)
 def _round_corners(
     px, py, n, breaks, is_arc, edges, guard, blur, tangent, dead_zone, sigma, worst, expected,
-    prices, joints, shape, ranges, fresh, active, is_fillet,
+    prices, paid, joints, shape, ranges, fresh, active, is_fillet,
 ):  # fmt: skip
-    """Put fillets where sharp corners do not fit, and fit again; returns the number of edges."""
+    """Put fillets where sharp corners do not fit, and fit again; returns the number of edges.
+
+    What is one line then, at the prices that were ``paid`` in the search, is made one first.
+    """
     is_fillet[:edges] = False
     corner = np.empty(7, np.float64)
-    for _ in range(ROUNDS):
-        edges, changed = round_corners(
-            px, py, n, breaks, is_arc, edges, shape, joints, blur, dead_zone, sigma, worst,
-            expected, prices, is_fillet,
+    searched = 0
+    while True:
+        edges, changed = straighten(
+            px, py, n, breaks, is_arc, edges, shape, ranges, dead_zone, sigma, worst, paid,
+            is_fillet, corner,
         )  # fmt: skip
+        if not changed and searched < ROUNDS:
+            searched += 1
+            edges, changed = round_corners(
+                px, py, n, breaks, is_arc, edges, shape, joints, blur, dead_zone, sigma, worst,
+                expected, prices, is_fillet,
+            )  # fmt: skip
         if not changed:
             break
         fit_and_join(

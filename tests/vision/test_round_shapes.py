@@ -78,6 +78,10 @@ def test_an_ellipse_of_a_calm_camera_is_covered() -> None:
     assert sum(overlap >= 0.995 for overlap in overlaps) >= 14
 
 
+def point(xy: Points) -> tuple[float, float]:
+    return float(xy[0]), float(xy[1])
+
+
 def rectangle(rng: np.random.Generator, half: Points) -> Points:
     """The vertices of a turned rectangle, clockwise on the screen."""
     turn, at = rng.uniform(0.0, math.tau), rng.uniform(95.0, 105.0, 2)
@@ -104,6 +108,34 @@ def test_a_rounded_rectangle_is_four_lines_and_four_arcs(blur: float, noise: flo
             near = min(math.dist(arc.center, t.center) for t in truth.edges if isinstance(t, Arc))
             assert near < 0.7, f"seed {seed}"
             assert abs(arc.radius - radius) < 0.7, f"seed {seed}"
+
+
+@pytest.mark.parametrize("noise", [3.0, 10.0])
+def test_the_straight_sides_of_a_stadium_are_one_edge_each(noise: float) -> None:
+    """Some were two lines, or a flat arc: a break of the search lay beside the arc's end."""
+    for seed in range(40):
+        rng = np.random.default_rng([97, seed])
+        radius = float(rng.uniform(8.0, 21.0))
+        turn, at = rng.uniform(0.0, math.tau), rng.uniform(95.0, 105.0, 2)
+        along = np.array([math.cos(turn), math.sin(turn)])
+        across = np.array([-along[1], along[0]])
+        ends = [
+            at + x * along + y * radius * across
+            for x, y in ((-15.0, -1.0), (15.0, -1.0), (15.0, 1.0), (-15.0, 1.0))
+        ]
+        truth = PolygonRecord(
+            (
+                Segment(point(ends[0]), point(ends[1])),
+                Arc(point(ends[1]), point(ends[2]), point(at + 15.0 * along), radius, ccw=False),
+                Segment(point(ends[2]), point(ends[3])),
+                Arc(point(ends[3]), point(ends[0]), point(at - 15.0 * along), radius, ccw=False),
+            )
+        )
+        (only,) = extract(draw([truth], SIZE, blur=0.7, noise=noise, rng=rng)).objects
+        (record,) = only.records
+        assert isinstance(record, PolygonRecord)
+        assert len(record.edges) == 4, f"seed {seed}"
+        assert sum(isinstance(edge, Arc) for edge in record.edges) == 2, f"seed {seed}"
 
 
 @pytest.mark.parametrize("blur", [0.5, 0.7, 1.0])
