@@ -36,6 +36,7 @@ from vision.chains import chain_edges, open_chain
 from vision.clipping import clip_circle, clip_polygon
 from vision.contours import Borders
 from vision.placement import Placement
+from vision.structure_kernels import look_at_borders, may_be_thin
 
 LINE, ARC_CW, ARC_CCW = 0, 1, 2
 POLYGON, CIRCLE, TINY = 0, 1, 2
@@ -92,15 +93,16 @@ def build_objects(
     skip: frozenset[int] = frozenset(),
 ) -> tuple[SceneObject, ...]:
     """The scene's objects in the order of their first pixel. O(records)."""
-    outlines = _Outlines.of(fitted, placement)
+    bounds = placement.bounds
+    limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
+    ends, stray = look_at_borders(fitted.kind, fitted.data, fitted.edge_starts, limits)
+    strays = stray.tolist()
+    outlines = _Outlines.of(fitted, ends, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
-    thin = may_be_thin(borders).tolist()
+    thin = may_be_thin(borders.area, borders.starts).tolist()
     # in metres the picture's edge is not the bounds'
     in_pixels = placement.calibration is None
-    low_x, low_y = placement.bounds.x_min, placement.bounds.y_min
-    limits = (low_x, low_y, placement.bounds.x_max, placement.bounds.y_max)
-    strays = _may_stray(fitted, limits).tolist()
     outline: dict[int, Record] = {}
     holes: dict[int, list[tuple[Record, ...]]] = {}
     for b, owner in enumerate(borders.owner.tolist()):
@@ -130,20 +132,6 @@ def build_objects(
     )
 
 
-def _may_stray(
-    fitted: FittedBorders, limits: tuple[float, float, float, float]
-) -> NDArray[np.bool_]:
-    """Which borders have a corner, or an arc's whole circle, beyond the picture's edge: (b,)."""
-    x, y, cx, cy, r, _ = fitted.data.T
-    bent = fitted.kind != LINE
-    out = (x < limits[0]) | (y < limits[1]) | (x > limits[2]) | (y > limits[3])
-    out |= bent & ((cx - r < limits[0]) | (cx + r > limits[2]))
-    out |= bent & ((cy - r < limits[1]) | (cy + r > limits[3]))
-    before = np.concatenate([[0], np.cumsum(out)])
-    found: NDArray[np.bool_] = before[fitted.edge_starts[1:]] > before[fitted.edge_starts[:-1]]
-    return found
-
-
 @dataclass(frozen=True, slots=True)
 class _Outlines:
     """Fitted edges in the scene's coordinates.
@@ -157,17 +145,15 @@ class _Outlines:
     rms: list[float]
 
     @classmethod
-    def of(cls, fitted: FittedBorders, placement: Placement) -> _Outlines:
+    def of(
+        cls, fitted: FittedBorders, next_edges: NDArray[np.int64], placement: Placement
+    ) -> _Outlines:
         data = fitted.data
         if placement.calibration is not None:
             x, y = placement.scale, placement.y_scale
             data = data * np.array([x, y, x, y, x, 1.0])
         corners: list[Vec] = list(zip(data[:, 0].tolist(), data[:, 1].tolist(), strict=True))
-        # a border's last edge ends where its first begins
-        after = np.arange(1, len(corners) + 1)
-        some = fitted.edge_starts[1:] > fitted.edge_starts[:-1]
-        after[fitted.edge_starts[1:][some] - 1] = fitted.edge_starts[:-1][some]
-        ends = [corners[e] for e in after.tolist()]
+        ends = [corners[e] for e in next_edges.tolist()]
         edges: list[Edge] = [*new_segments(corners, ends)]
         bent = np.flatnonzero(fitted.kind != LINE)
         which = bent.tolist()
@@ -232,15 +218,6 @@ def _curved_line(chain: list[tuple[int, int]], placement: Placement) -> ArcRecor
         else:
             placed.append(Segment(start, end))
     return ArcRecord(tuple(placed), residual_px)
-
-
-def may_be_thin(borders: Borders) -> NDArray[np.bool_]:
-    """Which borders have two cracks for every pixel that they enclose, or more: (b,)."""
-    if len(borders.area) == 0:
-        return np.zeros(0, dtype=np.bool_)
-    cracks = np.diff(borders.starts)
-    thin: NDArray[np.bool_] = (borders.area > 0) & (2 * borders.area <= cracks)
-    return thin
 
 
 def _placed(points: Sequence[tuple[float, float]], placement: Placement) -> list[Vec]:
