@@ -23,33 +23,41 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from vision.edge_level_kernels import find_plateaus
+from vision.edge_profile_kernels import (
+    ASTRAY,
+    BEHIND,
+    CHOSEN,
+    CLEAR,
+    CROSSING,
+    DARK_LEVEL,
+    FAR,
+    GAP,
+    LIGHT_LEVEL,
+    NEAR,
+    REACH,
+    ROWS,
+    SLANTED,
+    TAP0,
+    TAP1,
+    TAP2,
+    WALL,
+    gather,
+    locate,
+    look_along,
+    look_at_mask,
+    look_beside,
+    out,
+)
 from vision.kernel_options import LEAF, SUMS
 
-REACH = 3
-"""Cracks to either side that tell the border's direction."""
-STRETCH = 64
-"""Cracks to either side over which the plateaus are averaged."""
-TAP0, TAP1, TAP2 = 0.40261995, 0.24420134, 0.05448868
-"""A Gaussian of sigma 1 on five pixels."""
 WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""
 CRISP = 0.95
 """Share of the contrast in one step from which an edge counts as drawn without grey."""
-BEHIND, SAMPLES = 4, 10
-"""A profile has so many pixels behind its obstacle pixel, and so many in all."""
 UNREACHED = 1 / 8
 """So far from half-way between what is seen of both plateaus, as a share of what lies between
 them, the given level is still believed at a narrow wall: a fifth of the contrast is unseen."""
-SAME_GREY = 1e-9
-"""A rounding of grey values."""
-MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 10, 11, 12, 13, 14, 15, 16
-NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY = 17, 18, 19, 20, 21, 22
-WALL, GAP, ROWS = 23, 24, 25
-"""Rows of ``work`` behind those of the profile: twice a crack's middle; 1 where both plateaus are
-there, where the crack gives a point, where the border runs aslant; the plateaus beside it; the
-smoothed profile at the obstacle pixel and at the free one; the plateaus of its stretch; where the
-light crosses the half level, in pixels from the obstacle pixel; 1 where that lies farther away;
-1 where the obstacle, and where the free space, is three or four pixels wide."""
 
 
 @njit(cache=True, nogil=True)
@@ -80,336 +88,19 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
         y = ys[first : first + n]
         direction = directions[first : first + n]
         point_starts[b] = count
-        _locate(grey, x, y, direction, n, work, places)
+        locate(grey, x, y, direction, n, work, places)
         if not by_level:
-            _look_at_mask(mask, grey.shape[1], x, y, direction, n, work[CLEAR])
-        _gather(grey, mask, x, y, direction, n, work, places)
-        _look_along(direction, n, work)
-        _look_beside(level, by_level, n, work)
-        _find_plateaus(n, work, sums)
+            look_at_mask(mask, grey.shape[1], x, y, direction, n, work[CLEAR])
+        gather(grey, mask, x, y, direction, n, work, places)
+        look_along(direction, n, work)
+        look_beside(level, by_level, n, work)
+        find_plateaus(n, work, sums)
         _find_crossings(level, n, work, totals)
         count = _place(grey, level, x, y, direction, n, work, totals, points, count)
     point_starts[borders] = count
     slope = totals[0] / totals[1] if totals[1] > 0 else 0.4
     crispness = totals[2] / totals[3] if totals[3] > 0 else 0.0
     return points[:count], point_starts, slope, crispness
-
-
-@njit(**LEAF)
-def _out(direction):
-    """From a crack's obstacle pixel to its free one, by the walk's direction: x and y."""
-    return (direction & 1) * (2 - direction), (1 - (direction & 1)) * (direction - 1)
-
-
-@njit(**LEAF)
-def _locate(grey, xs, ys, directions, n, work, places):
-    """Where every crack lies, and what its profile holds at the obstacle pixel.
-
-    ``places`` (2, k): a crack's obstacle pixel in the picture, and the way from it to the free
-    one. A border that runs up or down finds a new line of the memory at every crack: a short
-    loop has many of them fetched at once, and the profiles are read from lines that are there.
-    """
-    width = grey.shape[1]
-    flat_grey = grey.reshape(-1)
-    middle_x = work[MIDDLE_X]
-    middle_y = work[MIDDLE_Y]
-    here = work[BEHIND]
-    clear = work[CLEAR]
-    crossing = work[CROSSING]
-    at = places[0]
-    step = places[1]
-    for i in range(n):
-        x = np.int64(xs[i])
-        y = np.int64(ys[i])
-        nx, ny = _out(np.int64(directions[i]))
-        middle_x[REACH + i] = 2 * x + nx
-        middle_y[REACH + i] = 2 * y + ny
-        at[i] = y * width + x
-        step[i] = ny * width + nx
-        crossing[i] = 0.0
-        clear[i] = 1.0
-    for i in range(n):
-        here[i] = flat_grey[np.uint64(at[i])]
-    for i in range(REACH):
-        middle_x[i] = middle_x[n + i]
-        middle_y[i] = middle_y[n + i]
-        middle_x[n + REACH + i] = middle_x[REACH + i]
-        middle_y[n + REACH + i] = middle_y[REACH + i]
-
-
-@njit(**LEAF)
-def _look_at_mask(mask, width, xs, ys, directions, n, clear):
-    """CLEAR from a mask that was not made from these grey values: three pixels to either side.
-
-    Not for cracks near the picture's edge.
-    """
-    height = mask.shape[0] - 2
-    stride = mask.shape[1]
-    flat = mask.reshape(-1)
-    for i in range(n):
-        clear[i] = flat[np.uint64((ys[i] + 1) * stride + xs[i] + 1)] & 1
-    for i in range(n):
-        x = np.int64(xs[i])
-        y = np.int64(ys[i])
-        if 5 <= x < width - 5 and 5 <= y < height - 5:
-            nx, ny = _out(np.int64(directions[i]))
-            # unsigned: no index counts from the end
-            across = np.uint64(ny * stride + nx)
-            here = np.uint64((y + 1) * stride + x + 1)
-            dark = flat[here - across] & flat[here - across - across]
-            ahead = here + across + across
-            clear[i] = dark & ~(flat[ahead] | flat[ahead + across]) & 1
-
-
-@njit(**LEAF)
-def _gather(grey, mask, xs, ys, directions, n, work, places):
-    """The rest of the profile across every crack.
-
-    Where the profile leaves the picture, CLEAR is found here. Where the free pixel lies outside,
-    CROSSING is -1.
-    """
-    height, width = grey.shape
-    flat_grey = grey.reshape(-1)
-    clear = work[CLEAR]
-    for i in range(n):
-        x = np.int64(xs[i])
-        y = np.int64(ys[i])
-        if 5 <= x < width - 5 and 5 <= y < height - 5:
-            # unsigned: no index counts from the end
-            at = np.uint64(places[0, i])
-            step = np.uint64(places[1, i])
-            back = at - step
-            work[3, i] = flat_grey[back]
-            back -= step
-            work[2, i] = flat_grey[back]
-            back -= step
-            work[1, i] = flat_grey[back]
-            back -= step
-            work[0, i] = flat_grey[back]
-            at += step
-            work[5, i] = flat_grey[at]
-            at += step
-            work[6, i] = flat_grey[at]
-            at += step
-            work[7, i] = flat_grey[at]
-            at += step
-            work[8, i] = flat_grey[at]
-            at += step
-            work[9, i] = flat_grey[at]
-            continue
-        nx, ny = _out(np.int64(directions[i]))
-        for k in range(SAMPLES):
-            px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
-            py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
-            work[k, i] = grey[py, px]
-        clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
-        if not (0 <= x + nx < width and 0 <= y + ny < height):
-            work[CROSSING, i] = -1.0
-
-
-@njit(**LEAF)
-def _is_clear(mask, x, y, nx, ny, width, height):
-    """Three obstacle pixels on one side and three free ones on the other, near the margin."""
-    for k in range(1, 3):
-        px = x - k * nx
-        py = y - k * ny
-        if px < 0 or py < 0 or px >= width or py >= height or mask[py + 1, px + 1] & 1 == 0:
-            return False
-    for k in range(1, 4):
-        px = x + k * nx
-        py = y + k * ny
-        if px < 0 or py < 0 or px >= width or py >= height:
-            return k > 1
-        if mask[py + 1, px + 1] & 1:
-            return False
-    return True
-
-
-@njit(**LEAF)
-def _look_along(directions, n, work):
-    """Which cracks give a point, and where the border runs aslant."""
-    middle_x = work[MIDDLE_X]
-    middle_y = work[MIDDLE_Y]
-    chosen = work[CHOSEN]
-    slanted = work[SLANTED]
-    for i in range(n):
-        # twice the way between the cracks' middles
-        dx = abs(middle_x[i + 2 * REACH] - middle_x[i])
-        dy = abs(middle_y[i + 2 * REACH] - middle_y[i])
-        upright = directions[i] & 1 == 1
-        across = dx if upright else dy
-        along = dy if upright else dx
-        chosen[i] = 1.0 if across <= along else 0.0
-        slanted[i] = 1.0 if across > 1.0 else 0.0
-
-
-@njit(**LEAF)
-def _look_beside(level, by_level, n, work):
-    """The plateaus beside every crack, and the profile smoothed at its two pixels.
-
-    A plateau is the mean of two pixels, or the nearer one where the outer one may be at the far
-    side, or in a narrow wall or gap the middle.
-    """
-    a4 = work[0]
-    a3 = work[1]
-    a2 = work[2]
-    a1 = work[3]
-    here = work[4]
-    b1 = work[5]
-    b2 = work[6]
-    b3 = work[7]
-    b4 = work[8]
-    b5 = work[9]
-    wall = work[WALL]
-    gap = work[GAP]
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    near = work[NEAR]
-    far = work[FAR]
-    if by_level:
-        for i in range(n):
-            dark_side = (a1[i] < level) & (a2[i] < level)
-            light_side = (b2[i] >= level) & (b3[i] >= level)
-            clear[i] = clear[i] if dark_side & light_side else 0.0
-    for i in range(n):
-        three = a3[i] >= level
-        four = a4[i] >= level
-        five = a4[i] + a4[i] > a2[i] + level
-        middle = a1[i] if three else 0.5 * (a1[i] + a2[i])
-        beyond = a2[i] if five else 0.5 * (a2[i] + a3[i])
-        dark[i] = middle if three | four else beyond
-        wall[i] = 1.0 if three | four else 0.0
-        three = b4[i] < level
-        four = b5[i] < level
-        five = b5[i] + b5[i] < b3[i] + level
-        middle = b2[i] if three else 0.5 * (b2[i] + b3[i])
-        beyond = b3[i] if five else 0.5 * (b3[i] + b4[i])
-        light[i] = middle if three | four else beyond
-        gap[i] = 1.0 if three | four else 0.0
-        near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
-        far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
-    # the few places where a narrow wall looks wide, at its corners, show no plateau either
-    if 2.0 * _sum(wall[:n]) > n:
-        wall[:n] = 1.0
-    if 2.0 * _sum(gap[:n]) > n:
-        gap[:n] = 1.0
-
-
-@njit(**SUMS)
-def _sum(row):
-    total = 0.0
-    for i in range(row.shape[0]):
-        total += row[i]
-    return total
-
-
-@njit(**SUMS)
-def _find_plateaus(n, work, sums):
-    """Dark and light for every crack, from what lies within STRETCH of it.
-
-    Near a corner the plateaus are not reached, so that the second round leaves out what is
-    lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
-    """
-    reach = min(STRETCH, (n - 1) // 2)
-    for again in range(2):
-        if again == 0:
-            _add_up(n, work, sums)
-        else:
-            _add_up_the_plain(n, work, sums)
-        for row, level, total, count, others in (
-            (DARK, DARK_LEVEL, 0, 1, 3),
-            (LIGHT, LIGHT_LEVEL, 2, 3, 1),
-        ):
-            rows = work[row], work[level], sums[total], sums[count], sums[others]
-            _set_level(0, reach, reach + 1, n - reach, True, n, *rows)
-            _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, *rows)
-            _set_level(n - reach, n, 1, n - 2 * reach, True, n, *rows)
-
-
-@njit(**LEAF)
-def _add_up(n, work, sums):
-    """Up to every crack: what is dark and how many, what is light and how many.
-
-    Sums of whole and half grey values, and so exact: the same wherever a border begins.
-    """
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    dark_sum = sums[0]
-    darks = sums[1]
-    light_sum = sums[2]
-    lights = sums[3]
-    a = 0.0
-    b = 0.0
-    c = 0.0
-    for i in range(n):
-        a += clear[i] * dark[i]
-        b += clear[i]
-        c += clear[i] * light[i]
-        dark_sum[i + 1] = a
-        darks[i + 1] = b
-        light_sum[i + 1] = c
-        lights[i + 1] = b
-
-
-@njit(**LEAF)
-def _add_up_the_plain(n, work, sums):
-    """The same without what is lighter or darker than the levels found first."""
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    dark_level = work[DARK_LEVEL]
-    light_level = work[LIGHT_LEVEL]
-    dark_sum = sums[0]
-    darks = sums[1]
-    light_sum = sums[2]
-    lights = sums[3]
-    a = 0.0
-    b = 0.0
-    c = 0.0
-    d = 0.0
-    for i in range(n):
-        counts = clear[i] if dark[i] <= dark_level[i] + SAME_GREY else 0.0
-        a += counts * dark[i]
-        b += counts
-        counts = clear[i] if light[i] >= light_level[i] - SAME_GREY else 0.0
-        c += counts * light[i]
-        d += counts
-        dark_sum[i + 1] = a
-        darks[i + 1] = b
-        light_sum[i + 1] = c
-        lights[i + 1] = d
-
-
-@njit(**SUMS)
-def _set_level(begin, end, ahead, behind, around, n, own, level, total, count, others):
-    """The means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
-
-    The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
-    ``around``: past the border's end. ``own`` and ``level``: each crack's plateau, and its
-    stretch's; ``total`` and ``count``: the sums of the plateaus and their number; ``others``:
-    the number of those of the other kind, without which there is no level either.
-    One kind at a time: a loop that writes two rows works on one crack at a time.
-    """
-    cracks = end - begin
-    own = own[begin:end]
-    level = level[begin:end]
-    total_ahead = total[ahead : ahead + cracks]
-    count_ahead = count[ahead : ahead + cracks]
-    others_ahead = others[ahead : ahead + cracks]
-    total_behind = total[behind : behind + cracks]
-    count_behind = count[behind : behind + cracks]
-    others_behind = others[behind : behind + cracks]
-    whole = 1.0 if around else 0.0
-    whole_total = whole * total[n]
-    whole_count = whole * count[n]
-    whole_others = whole * others[n]
-    for i in range(cracks):
-        counted = count_ahead[i] - count_behind[i] + whole_count
-        known = (counted > 0.0) & (others_ahead[i] - others_behind[i] + whole_others > 0.0)
-        mean = (total_ahead[i] - total_behind[i] + whole_total) / max(counted, 1.0)
-        level[i] = mean if known else own[i]
 
 
 @njit(**SUMS)
@@ -481,7 +172,7 @@ def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
     chosen = work[CHOSEN]
     astray = work[ASTRAY]
     for i in range(n):
-        nx, ny = _out(np.int64(directions[i]))
+        nx, ny = out(np.int64(directions[i]))
         t = crossing[i]
         if astray[i] * chosen[i] > 0.0:
             if work[WALL, i] + work[GAP, i] > 0.0:
