@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise_kernels import noise_sigma, sampled_histogram
 from vision.binary import Binary, black_and_white
-from vision.faint import without_faint
+from vision.faint import Judged, without_faint
 from vision.grey import PictureError, as_array, as_grey, scaled_threshold
 from vision.grey_classes import (
     LEAST_CONTRAST,
@@ -35,10 +35,11 @@ from vision.grey_classes import (
     significant_dark,
     split_classes,
 )
+from vision.left_out import with_left_out
 from vision.light import light_surface
 from vision.look import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
 from vision.room import Room
-from vision.support import Support, follows_edges
+from vision.support import Support, follows_edges, leaves_out
 
 Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
 Polarity: TypeAlias = Literal["dark", "light", "auto"]
@@ -136,7 +137,9 @@ def warm_up(polarity: Polarity = "dark") -> None:
     blurred = cv2.GaussianBlur(walls, (0, 0), 0.7)
     uneven = ground * light
     wild = 0.7 * ground + 50.0 + 60.0 * noise
-    drawn = (ground, ground + 20.0 * noise, wild, uneven, uneven + 8.0 * noise, blurred)
+    lighter = ground.copy()
+    lighter[70:90, 20:50] = 150.0
+    drawn = (ground, ground + 20.0 * noise, wild, uneven, uneven + 8.0 * noise, blurred, lighter)
     for each in drawn:
         shown = each if polarity != "light" else 255.0 - each
         picture = np.clip(np.rint(shown), 0.0, 255.0).astype(np.uint8)
@@ -191,7 +194,10 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     # noise hides the edges that a level leaves out, and so does the glow around light obstacles
     surely = room >= SURE_MARGIN or (side == "dark" and look.noise < CALM_NOISE)
     if even is not None and surely and follows_edges(look, even, side):
-        return _even(look, even, side)
+        binary = _even(look, even, side)
+        if not leaves_out(look, even, side):
+            return binary
+        return with_left_out(Judged(binary), Support(look, side), side)
     support = Support(look, side)
     best = support.best_level(look.counts, even)
     if best.pairs < FEWEST_PAIRS:
@@ -212,7 +218,8 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     if not judged:
         return _edgeless(look, side)
     typical = max(one.typical for one, _ in judged)
-    return max(judged, key=lambda one: one[1] * one[0].worth(typical))[0].binary
+    best_of_all = max(judged, key=lambda one: one[1] * one[0].worth(typical))[0]
+    return with_left_out(best_of_all, support, side)
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:

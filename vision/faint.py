@@ -33,17 +33,34 @@ SIGMAS, ALIKE = 6.0, 4.0
 
 
 @dataclass(frozen=True, slots=True)
+class Regions:
+    """A mask's regions, (n,) each, the first of them what is in none; ``labels`` (h, w).
+
+    ``shares`` are the steps across their borders as shares of the light, ``sharp`` how much of
+    them is sharp, ``pairs`` the pairs of pixels, ``steps`` the sums of their steps.
+    """
+
+    shares: NDArray[np.float64]
+    sharp: NDArray[np.float64]
+    pairs: NDArray[np.int64]
+    steps: NDArray[np.float64]
+    labels: NDArray[np.int32]
+
+
+@dataclass(frozen=True, slots=True)
 class Judged:
     """A picture in black and white without what is faint, and what is left in it.
 
     ``pairs`` of pixels across its borders, ``shares`` the sum of their steps as shares of the
-    light, ``typical`` the share that most of them have.
+    light, ``typical`` the share that most of them have. ``left_out`` (h, w): what is faint but
+    no noise.
     """
 
     binary: Binary
     pairs: float = 0.0
     shares: float = 0.0
     typical: float = 0.0
+    left_out: NDArray[np.bool_] | None = None
 
     def worth(self, typical: float) -> float:
         """What speaks for it beside others of which the largest ``typical`` share is given."""
@@ -61,39 +78,48 @@ def without_faint(
     inside = binary.inside
     if min(inside.shape) <= 2 * REACH:
         return Judged(binary)
-    shares, pairs, steps, labels = _shares(grey, inside, 8, side)
+    objects = regions_of(grey, inside, 8, side)
+    shares, pairs = objects.shares, objects.pairs
     if not (shares > 0.0).any():
         return Judged(binary)
     typical = _typical(shares, pairs)
     faint = (shares < FAINT * typical) & (pairs > 0)
-    # neighbours share their noise: about every fourth pair is one by itself
-    faint |= steps < SIGMAS * noise * np.sqrt(2.0 * ALIKE * pairs)
-    inside[faint[labels]] = 0
+    significant = stand_out(objects, noise)
+    left_out = (faint & significant)[objects.labels]
+    faint |= ~significant
+    inside[faint[objects.labels]] = 0
     kept = ~faint
     total, across = float((shares * pairs)[kept].sum()), float(pairs[kept].sum())
     # seen from a hole the obstacle is the darker side
-    shares, pairs, _, spaces = _shares(grey, 1 - inside, 4, side)
-    filled = (-shares < FAINT * typical) & (pairs > 0)
+    holes = regions_of(grey, 1 - inside, 4, side)
+    spaces = holes.labels
+    filled = (-holes.shares < FAINT * typical) & (holes.pairs > 0)
     rim = (spaces[0], spaces[-1], spaces[:, 0], spaces[:, -1])
     filled[np.unique(np.concatenate(rim))] = False
     inside[filled[spaces]] = 1
     changed = bool(faint.any() or filled.any())
     cleaned = replace(binary, by_level=False) if changed else binary
-    return Judged(cleaned, across, total, typical)
+    return Judged(cleaned, across, total, typical, left_out)
 
 
-def _shares(
+def regions_of(
     grey: NDArray[Any], inside: NDArray[Any], connectivity: int, side: Literal["dark", "light"]
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
-    """Of each region the step across its border as a share of the light, the pairs, the steps.
-
-    And the labels (h, w).
-    """
+) -> Regions:
+    """The connected regions of a mask (h, w), and the steps across their borders."""
     count, found = cv2.connectedComponents(inside, connectivity=connectivity)
     labels = np.asarray(found, dtype=np.int32)
     end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
-    steps, light, pairs = steps_of_regions(grey, labels, count, end, sign)
-    return steps / np.maximum(light, 1.0), pairs, steps, labels
+    steps, light, sharp, pairs = steps_of_regions(grey, labels, count, end, sign)
+    sharp = np.where(steps > 0.0, sharp / np.where(steps > 0.0, steps, 1.0), 0.0)
+    return Regions(steps / np.maximum(light, 1.0), sharp, pairs, steps, labels)
+
+
+def stand_out(regions: Regions, noise: float) -> NDArray[np.bool_]:
+    """Which regions' borders ``noise``, a standard deviation, could not have made."""
+    # neighbours share their noise: about every fourth pair is one by itself
+    least = SIGMAS * noise * np.sqrt(2.0 * ALIKE * regions.pairs)
+    stands: NDArray[np.bool_] = regions.steps >= least
+    return stands
 
 
 def _typical(shares: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:

@@ -24,6 +24,7 @@ from vision.support_kernels import (
     REACH,
     SAMPLED_PAIRS,
     steps_across_level,
+    steps_off_level,
     support_by_level,
     support_of_mask,
     typical_step,
@@ -43,6 +44,10 @@ may be found on one side of the level with a plain step: edges that it leaves ou
 FEW_STRONG = 0.04
 """The same of steps that are too strong: joints of a floor have many more edges than what is
 far darker and stands on it, and no plain picture has such steps."""
+CLEAR_STEP, CLEAR_SIGMAS = 0.15, 8.0
+"""A step off the level that is an edge of its own: its share of the light, and in sigmas."""
+FEWEST_CLEAR = 3
+"""Such steps, of those looked at, from which on a level leaves something out."""
 COST = 0.3
 """What a border has to have, as a share of the typical sharp step, to speak for itself."""
 DARK_WORTH = 8.0
@@ -53,6 +58,11 @@ LEAST_SUPPORT = 0.5
 """What speaks for a border at least, as a share of its cost: noise has no more."""
 PROMINENT = 0.04
 """How much a peak among the levels has to stand out, as a share of the most that speaks."""
+NOWHERE = np.zeros((0, 0), np.uint8)
+LEFT_PAIRS = 1 << 21
+"""Pairs of pixels that are looked at for what a level has left out, about."""
+LEFT_COST = 0.6
+"""What a border there has to have, as a share of what noise has hardly anywhere."""
 MOST_PEAKS = 2
 """Peaks beside the highest that are looked at."""
 NEARLY_ALL, MOST = 0.95, 0.9
@@ -88,6 +98,18 @@ def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) 
         pairs *= 16
 
 
+def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> bool:
+    """Whether clear edges, fainter than the classes' own, lie off the classes' level."""
+    height, width = look.grey.shape
+    if min(height, width) <= 4 * REACH:
+        return False
+    least = max(LEAST_CONTRAST, CLEAR_SIGMAS * look.noise)
+    end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
+    clear = tuple(np.float32(v) for v in (CLEAR_STEP, least, end, sign))
+    left = steps_off_level(look.grey, np.float32(classes.level), clear, FIRST_PAIRS)
+    return bool(left >= FEWEST_CLEAR)
+
+
 @dataclass(frozen=True, slots=True)
 class BestLevel:
     """The classes whose level edges speak for most, None where nothing speaks for any.
@@ -121,9 +143,9 @@ class Support:
         self._worth = worth if side == "dark" else -worth[::-1].copy()
         # the least contrast, and noise, at the light end of the picture
         least = LEAST_CONTRAST + 2.0 * NOISE_WORTH * left
-        floor = float(worth[255] - worth[255 - math.ceil(min(least, 128.0))])
+        self._floor = float(worth[255] - worth[255 - math.ceil(min(least, 128.0))])
         typical = float(typical_step(self.grey, self._worth, pairs))
-        self._cost = max(COST * typical, floor)
+        self._cost = max(COST * typical, self._floor)
         self._pairs = pairs
 
     def best_level(self, counts: NDArray[np.int64], even: Classes | None) -> BestLevel:
@@ -132,7 +154,7 @@ class Support:
         ``counts`` is the picture's histogram (256,); ``even`` its classes where the light is,
         whose own level is taken where it has not much less.
         """
-        support, pairs = support_by_level(self.grey, self._worth, self._cost, self._pairs)
+        support, pairs = support_by_level(self.grey, NOWHERE, self._worth, self._cost, self._pairs)
         # where no pair lies across a level the sum is but rounding
         enough = np.maximum(LEAST_SUPPORT * self._cost * pairs, LEAST_SUPPORT * self._cost)
         believed = np.where(support >= enough, support, 0.0)
@@ -140,11 +162,26 @@ class Support:
         if most <= 0.0:
             return BestLevel(0, None)
         if even is not None and believed[math.ceil(even.level)] >= MOST * most:
-            peaks = (_classes_at(believed, peak, counts) for peak in _other_peaks(believed))
+            peaks = (_classes_at(believed, peak, counts) for peak in _peaks(believed)[1:])
             return BestLevel(int(pairs[math.ceil(even.level)]), even, tuple(peaks))
         found = _classes_at(believed, np.ones(257, dtype=np.bool_), counts)
-        others = tuple(_classes_at(believed, peak, counts) for peak in _other_peaks(believed))
+        others = tuple(_classes_at(believed, peak, counts) for peak in _peaks(believed)[1:])
         return BestLevel(int(pairs[math.ceil(found.level)]), found, others)
+
+    def levels_outside(self, shut: NDArray[np.uint8]) -> list[float]:
+        """The levels that most edges speak for where ``shut`` (h, w) is 0, the best first.
+
+        However faint those edges are beside the others, as far as noise has none like them.
+        """
+        cost = LEFT_COST * self._floor
+        support, pairs = support_by_level(self.grey, shut, self._worth, cost, LEFT_PAIRS)
+        enough = np.maximum(LEAST_SUPPORT * cost * pairs, LEAST_SUPPORT * cost)
+        believed = np.where(support >= enough, support, 0.0)
+        levels = []
+        for peak in _peaks(believed):
+            nearly = NEARLY_ALL * float(believed[peak].max())
+            levels.append(float(np.flatnonzero((believed >= nearly) & peak).mean()))
+        return levels
 
     def of_mask(self, mask: NDArray[np.uint8]) -> float:
         """What speaks for the borders of a padded mask."""
@@ -167,8 +204,8 @@ def _classes_at(
     return Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
 
 
-def _other_peaks(believed: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
-    """The levels around each further peak, the highest first: (257,) each.
+def _peaks(believed: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
+    """The levels around each peak, the highest first: (257,) each.
 
     A peak stands ``PROMINENT`` of the most out of what lies between it and a higher one.
     """
@@ -192,7 +229,7 @@ def _other_peaks(believed: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
         free &= ~around
         if prominent:
             peaks.append(around)
-    return peaks[1:]
+    return peaks
 
 
 def _middle(counts: NDArray[np.int64]) -> float:

@@ -85,6 +85,59 @@ def _steps(here, there, level, weak, strong, plain):
 
 
 @njit(**LEAF)
+def steps_off_level(grey, level, clear, pairs):
+    """How many pixels begin a clear step on the light side of a level, nothing across it near by.
+
+    ``clear`` is ``(share, least, end, sign)``: the step is at least ``least`` and ``share`` of how
+    far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies from
+    it. The pixels ``REACH`` away from the step, on all sides, lie on that side of the level too:
+    the foot of an edge across the level is no edge of its own.
+    """
+    height, width = grey.shape
+    length = min(width - 3 * REACH, SEGMENT)
+    segments = max(1, (width - 3 * REACH) // SEGMENT)
+    step = max(1, 2 * height * segments * length // pairs)
+    found = 0.0
+    for i in range(REACH * segments, (height - 2 * REACH) * segments, step):
+        y = i // segments
+        x = REACH + SEGMENT * ((i + y) % segments)
+        found += _clear_steps(grey[y - REACH : y + 2 * REACH + 1], x, length, level, clear)
+    return found
+
+
+@njit(**SUMS)
+def _clear_steps(rows, first, length, level, clear):
+    """The same of one stretch of pixels, to the right and down."""
+    nothing, one = np.float32(0.0), np.float32(1.0)
+    share, least, end, sign = clear
+    above, here = rows[0, first:], rows[REACH, first:]
+    below, beyond = rows[2 * REACH, first:], rows[3 * REACH, first:]
+    before = rows[:, first - REACH :]
+    found = nothing
+    for x in range(length):
+        value = np.float32(here[x])
+        right = np.float32(here[x + REACH])
+        down = np.float32(below[x])
+        side = value < level
+        # around the pixel, and around the square that both pairs have in common
+        across = (right < level) != side
+        across |= (down < level) != side
+        across |= (np.float32(above[x]) < level) != side
+        across |= (np.float32(before[REACH, x]) < level) != side
+        across |= (np.float32(below[x + REACH]) < level) != side
+        across |= (np.float32(above[x + REACH]) < level) != side
+        across |= (np.float32(before[2 * REACH, x]) < level) != side
+        across |= (np.float32(here[x + 2 * REACH]) < level) != side
+        across |= (np.float32(beyond[x]) < level) != side
+        lit = max(sign * value, sign * right) - sign * end
+        steep = abs(value - right) >= max(share * lit, least)
+        lit = max(sign * value, sign * down) - sign * end
+        steep |= abs(value - down) >= max(share * lit, least)
+        found += one if steep & (not (across | side)) else nothing
+    return found
+
+
+@njit(**LEAF)
 def _pair(grey, y, x, down):
     """The four grey values of a pair: its two pixels, and those OUTER before and behind it."""
     height, width = grey.shape
@@ -137,18 +190,24 @@ def _support(worth, before, a, b, behind, cost):
 
 
 @njit(cache=True, nogil=True)
-def support_by_level(grey, worth, cost, pairs):
+def support_by_level(grey, shut, worth, cost, pairs):
     """What speaks for a border at each level, and how many pairs lie across it: 2 x (257,).
 
-    Pixels below the level are obstacle.
+    Pixels below the level are obstacle. Pairs with a pixel where ``shut`` (h, w) is not 0 are
+    left out; it may have no pixels at all: nothing is.
     """
     height, width = grey.shape
+    whole = shut.size == 0
     changes = np.zeros((2, 258))
     for y in range(0, height, _row_step(height, width, pairs)):
         for down in (False, True):
             if down and y + REACH >= height:
                 continue
             for x in range(width if down else width - REACH):
+                if not whole and (
+                    shut[y, x] or (shut[y + REACH, x] if down else shut[y, x + REACH])
+                ):
+                    continue
                 before, a, b, behind = _pair(grey, y, x, down)
                 low = int(min(a, b) + 0.5)
                 high = int(max(a, b) + 0.5)
@@ -186,31 +245,35 @@ def support_of_mask(grey, mask, worth, cost, pairs):
 
 @njit(cache=True, nogil=True)
 def steps_of_regions(grey, labels, count, end, sign):
-    """The steps across the border of each region: ``(steps, light, pairs)``, (count,) each.
+    """The steps across the border of each region: ``(steps, light, sharp, pairs)``, (count,) each.
 
     ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. Sums over all pairs
-    with one pixel in a region: of how much lighter the other one is, and of the light, which is
+    with one pixel in a region: of how much lighter the other one is; of the light, which is
     how far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies
-    from it.
+    from it; and of how much of the step is sharp.
     """
     height, width = grey.shape
     steps = np.zeros(count)
     light = np.zeros(count)
+    sharp = np.zeros(count)
     pairs = np.zeros(count, np.int64)
     for y in range(height):
         for x in range(width):
             here = labels[y, x]
-            for down in (0, REACH):
-                there_y, there_x = y + down, x + REACH - down
+            for down in (False, True):
+                there_y, there_x = (y + REACH, x) if down else (y, x + REACH)
                 if there_y >= height or there_x >= width:
                     continue
                 there = labels[there_y, there_x]
                 if (here > 0) == (there > 0):
                     continue
-                a = np.float64(grey[y, x])
-                b = np.float64(grey[there_y, there_x])
+                before, one, other, behind = _pair(grey, y, x, down)
+                a, b = np.float64(one), np.float64(other)
+                outer = np.float64(behind) - np.float64(before)
+                inward = 1.0 if here > 0 else -1.0
                 region = max(here, there)
-                steps[region] += b - a if here > 0 else a - b
+                steps[region] += inward * (b - a)
                 light[region] += max(sign * a, sign * b) - sign * end
+                sharp[region] += inward * (b - a) - SOFT * max(inward * outer, 0.0)
                 pairs[region] += 1
-    return steps, light, pairs
+    return steps, light, sharp, pairs
