@@ -118,11 +118,13 @@ def _forget_seen(mask, xs, ys, directions, count):
 @njit(**LEAF)
 def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     """Walk one border: ``(where its cracks end, area)``, or -1 where the room does not do."""
-    diagonal, forward, move, step_x, step_y, turn, seen, area_of_x = tables
+    move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front = tables
     room = xs.shape[0]
     # unsigned: no index counts from the end
     at = np.uint64(start)
     begin = at
+    left_at = at + begin_left
+    front_at = at + begin_front
     state = NORTH
     area = 0
     while count < room:
@@ -133,9 +135,11 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
         count += 1
         flat[at] |= seen[state]
         area += area_of_x[state] * (x + 1) + (state == EAST_OF_IT)
-        left = np.uint64(flat[at + diagonal[state]] & OBSTACLE)
-        ahead = np.uint64(flat[at + forward[state]] & OBSTACLE)
-        case = state | left << ONE | ahead
+        left = np.uint64(flat[left_at] & OBSTACLE)
+        front = np.uint64(flat[front_at] & OBSTACLE)
+        case = state | left << ONE | front
+        left_at = at + to_left[case]
+        front_at = at + to_front[case]
         at += move[case]
         x += step_x[case]
         y += step_y[case]
@@ -149,15 +153,17 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
 def _walk_tables(stride):
     """The walk without branches: what follows from a direction and the two pixels ahead.
 
-    By direction * 4: the offsets of the pixel ahead on the left and of the one ahead, the bit
-    to set, the factor of x in the area. By direction * 4 + left * 2 + ahead: how far to move, in
-    bytes and in x and y, and the next direction * 4. Offsets are unsigned and wrap.
+    By direction * 4 + left * 2 + ahead: how far to move, in bytes; from where the walk was, the
+    two pixels to look at next, the one ahead on the left and the one ahead, so that they need not
+    wait for the next direction to be looked up; how far to move in x and y; the next direction
+    * 4. By direction * 4: the bit to set, the factor of x in the area. Then the two pixels to look
+    at first, from the first one, northwards. Offsets are unsigned and wrap.
     """
     ahead = (1, stride, -1, -stride)
     across = (1, 0, -1, 0)
     down = (0, 1, 0, -1)
-    diagonal = np.zeros(16, np.uint64)
-    forward = np.zeros(16, np.uint64)
+    to_left = np.zeros(16, np.uint64)
+    to_front = np.zeros(16, np.uint64)
     seen = np.zeros(16, np.uint8)
     area_of_x = np.zeros(16, np.int64)
     move = np.zeros(16, np.uint64)
@@ -169,22 +175,29 @@ def _walk_tables(stride):
     area_of_x[12] = -1
     for way in range(4):
         left = (way + 3) & 3
-        diagonal[4 * way] = np.uint64(np.int64(ahead[way] + ahead[left]))
-        forward[4 * way] = np.uint64(np.int64(ahead[way]))
+        diagonal = ahead[way] + ahead[left]
         for pixels in range(4):
             case = 4 * way + pixels
-            turn[case] = 4 * ((way + 1) & 3)
+            onward = (way + 1) & 3
+            moved = 0
             if pixels >= 2:
-                move[case] = diagonal[4 * way]
+                moved = diagonal
                 step_x[case] = across[way] + across[left]
                 step_y[case] = down[way] + down[left]
-                turn[case] = 4 * left
+                onward = left
             elif pixels == 1:
-                move[case] = forward[4 * way]
+                moved = ahead[way]
                 step_x[case] = across[way]
                 step_y[case] = down[way]
-                turn[case] = 4 * way
-    return diagonal, forward, move, step_x, step_y, turn, seen, area_of_x
+                onward = way
+            next_front = moved + ahead[onward]
+            move[case] = np.uint64(np.int64(moved))
+            to_front[case] = np.uint64(np.int64(next_front))
+            to_left[case] = np.uint64(np.int64(next_front + ahead[(onward + 3) & 3]))
+            turn[case] = 4 * onward
+    begin_left = np.uint64(np.int64(ahead[3] + ahead[2]))
+    begin_front = np.uint64(np.int64(ahead[3]))
+    return move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front
 
 
 @njit(cache=True, nogil=True)
