@@ -341,3 +341,17 @@ def test_dots_beside_something_large_do_not_fray_its_edge() -> None:
     inside = binarise(picture).inside
     assert cv2.connectedComponents(inside, connectivity=8)[0] == 2
     assert abs(int(inside.sum()) - 480 * 360) < 400
+
+
+@pytest.mark.parametrize("sigma", [1.0, 5.0, 20.0])
+def test_the_noise_is_the_same_however_the_picture_is_turned(sigma: float) -> None:
+    rng = np.random.default_rng(8)
+    clean = draw(SIX, LARGE, lit=ramp(LARGE, 0.3)).astype(float)[:, :-3]
+    noisy = np.clip(np.rint(clean + rng.normal(0, sigma, clean.shape)), 0, 255).astype(np.uint8)
+    there = noise_sigma(noisy)
+    turned = (noisy[::-1], noisy[:, ::-1], noisy.T, np.rot90(noisy), np.rot90(noisy, 3))
+    assert {noise_sigma(np.ascontiguousarray(one)) for one in turned} == {there}
+    # a sample of the pixels has an error of its own
+    assert abs(noise_sigma(np.roll(noisy, (3, -2), (0, 1))) - there) < 0.05 * there
+    # whole grey values and the same in floating point are counted by other parts
+    assert abs(noise_sigma(noisy.astype(np.float32)) - there) < 0.15 * there
