@@ -45,6 +45,7 @@ from vision.shape_kernels import (
     fit_circle,
     refine_circle,
 )
+from vision.sharpen_kernels import sharpen
 from vision.straighten_kernels import straighten
 from vision.tip_kernels import cut_tips, square_tips
 
@@ -375,6 +376,11 @@ def _round_corners(
             px, py, n, breaks, is_arc, edges, shape, ranges, dead_zone, sigma, worst, paid,
             is_fillet, corner,
         )  # fmt: skip
+        if not changed:
+            edges, changed = sharpen(
+                px, py, n, breaks, is_arc, edges, shape, joints, blur, dead_zone, sigma, worst,
+                expected, prices[0], is_fillet, corner,
+            )  # fmt: skip
         if not changed and searched < ROUNDS:
             searched += 1
             edges, changed = round_corners(

@@ -1,0 +1,54 @@
+"""What blur and noise do to sharp corners makes no sides; true sides as short stay."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.scene import PolygonRecord
+from tests.support.render import Points, draw, polygon
+from vision import extract
+
+SIZE = 220, 220
+PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
+SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
+
+
+def rectangle(rng: np.random.Generator, at: tuple[float, float], least: float) -> Points:
+    """The vertices of a turned rectangle, clockwise on the screen."""
+    turn = rng.uniform(0.0, math.tau)
+    c, s = math.cos(turn), math.sin(turn)
+    vertices: Points = SIGNS * rng.uniform(least, 35.0, 2) @ np.array([(c, s), (-s, c)]) + at
+    return vertices
+
+
+@pytest.mark.parametrize(("blur", "noise", "allowed"), [(1.5, 10.0, 0), (2.0, 10.0, 4)])
+def test_blur_and_noise_cut_no_corner(blur: float, noise: float, allowed: int) -> None:
+    """Rectangles of 96 that have other sides than four: 3 and 19 once."""
+    wrong = 0
+    for seed in range(24):
+        rng = np.random.default_rng([98, seed])
+        truth = [polygon(rectangle(rng, at, 10.0)) for at in PLACES]
+        for found in extract(draw(truth, SIZE, blur=blur, noise=noise, rng=rng)).objects:
+            (record,) = found.records
+            wrong += not (isinstance(record, PolygonRecord) and len(record.edges) == 4)
+    assert wrong <= allowed
+
+
+def test_a_short_bevel_stays() -> None:
+    """Three pixels cut off both sides of a corner: a side of four."""
+    for seed in range(6):
+        rng = np.random.default_rng([99, seed])
+        corners = rectangle(rng, (110.0, 110.0), 20.0)
+        bevelled = []
+        for i in range(4):
+            for other in (corners[i - 1], corners[(i + 1) % 4]):
+                bevelled.append(
+                    corners[i] + 3.0 * (other - corners[i]) / math.dist(other, corners[i])
+                )
+        (only,) = extract(draw([polygon(bevelled)], SIZE, blur=0.7, noise=5.0, rng=rng)).objects
+        (record,) = only.records
+        assert isinstance(record, PolygonRecord)
+        assert len(record.edges) == 8, f"seed {seed}"
