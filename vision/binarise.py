@@ -49,7 +49,7 @@ POLARITIES: tuple[Polarity, ...] = ("dark", "light", "auto")
 EVEN_MARGIN = 0.25
 """Least distance of the darkest free pixels from the level, as a share of the contrast, at
 which light is even: the edge itself is measured against its own surroundings."""
-SURE_MARGIN = 0.4
+SURE_MARGIN = 0.35
 """The same where noise, or the glow around light obstacles, hides the edges that are left out."""
 UNEVEN_MARGIN = 0.12
 """Share of the contrast that is left between one level and a class where light is uneven."""
