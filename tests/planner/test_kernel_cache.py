@@ -31,7 +31,7 @@ def test_a_variable_that_is_set_is_never_overruled(
     bare_environment: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", "/elsewhere")
-    assert choose_kernel_cache(Path("/nonexistent")) is None
+    assert choose_kernel_cache(bare_environment / "not" / "there") is None
     assert os.environ["NUMBA_CACHE_DIR"] == "/elsewhere"
 
 
@@ -39,7 +39,7 @@ def test_a_service_gets_its_cache_directory(
     bare_environment: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CACHE_DIRECTORY", f"{bare_environment}/service:/other")
-    folder = choose_kernel_cache(Path("/nonexistent"))
+    folder = choose_kernel_cache(bare_environment / "not" / "there")
     assert folder == bare_environment / "service" / "kernels"
     assert os.environ["NUMBA_CACHE_DIR"] == str(folder)
     assert folder.stat().st_mode & 0o777 == 0o700
@@ -49,7 +49,7 @@ def test_a_folder_that_others_can_write_to_is_never_used(bare_environment: Path)
     planted = bare_environment / f"clearway-kernels-{os.getuid()}"
     planted.mkdir()
     planted.chmod(0o777)
-    folder = choose_kernel_cache(Path("/nonexistent"))
+    folder = choose_kernel_cache(bare_environment / "not" / "there")
     assert folder is not None
     assert folder != planted
 
@@ -58,7 +58,7 @@ def test_a_link_planted_by_others_is_never_followed(bare_environment: Path) -> N
     target = bare_environment / "target"
     target.mkdir(mode=0o700)
     (bare_environment / f"clearway-kernels-{os.getuid()}").symlink_to(target)
-    folder = choose_kernel_cache(Path("/nonexistent"))
+    folder = choose_kernel_cache(bare_environment / "not" / "there")
     assert folder is not None
     assert folder.resolve() != target
 
