@@ -33,6 +33,8 @@ def _excess(t: float) -> float:
     return math.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi) - t * tail
 
 
+LAST = REACH * PER_SIGMA
+"""Where the table ends, and the excess is none."""
 EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) + 2)])
 
 
@@ -100,6 +102,8 @@ def _explain(px, py, lo, hi, from_, joint_x, joint_y, corner, blur, deviations):
         if dx * dx + dy * dy > reach:
             continue
         t = abs(dx * corner[ALONG_X] + dy * corner[ALONG_Y]) * scale
+        # tangents of arcs that miss their joint are no unit vectors
+        t = min(t, LAST)
         i = int(t)
         share = t - i
         deviations[k - from_] -= height * ((1.0 - share) * EXCESS[i] + share * EXCESS[i + 1])

@@ -122,9 +122,17 @@ def sharpen(
             gone = e
     if gone < 0:
         return edges, False
-    after = gone + 1 if gone + 1 < edges else 0
     middle = (breaks[gone] + edge_end(breaks, edges, n, gone)) // 2
-    breaks[after] = middle - n if middle >= n else middle
+    if gone + 1 < edges:
+        breaks[gone + 1] = middle
+    elif middle >= n:
+        breaks[0] = middle - n
+    else:
+        # the first edge begins before the border's first point now: it is the last one
+        breaks[gone] = middle
+        is_arc[gone] = is_arc[0]
+        is_fillet[gone] = is_fillet[0]
+        gone = 0
     for e in range(gone, edges - 1):
         breaks[e] = breaks[e + 1]
         is_arc[e] = is_arc[e + 1]

@@ -10,6 +10,9 @@ import pytest
 from planner.scene import PolygonRecord
 from tests.support.render import Points, draw, polygon
 from vision import extract
+from vision.joint_kernels import edge_end
+from vision.shape_kernels import fit_line
+from vision.sharpen_kernels import sharpen
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
@@ -52,3 +55,33 @@ def test_a_short_bevel_stays() -> None:
         (record,) = only.records
         assert isinstance(record, PolygonRecord)
         assert len(record.edges) == 8, f"seed {seed}"
+
+
+def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
+    """A side that goes may lie across the border's first point."""
+    side = np.arange(0.5, 30.0, 1.0)
+    zero, full = np.zeros_like(side), np.full_like(side, 30.0)
+    around = [(side, zero), (full, side), (30.0 - side, full), (zero, 30.0 - side)]
+    border = np.concatenate([np.stack(each, axis=1) for each in around])
+    n = len(border)
+    for shift in range(n):
+        x, y = np.roll(border, -shift, axis=0).T
+        px, py = np.tile(x, 2), np.tile(y, 2)
+        # four sides, and the four points around a corner as a fifth
+        starts = np.array([2, 30, 60, 90, n - 2])
+        breaks = np.sort((starts - shift) % n)
+        edges = len(breaks)
+        shape, joints = np.zeros((edges, 5)), np.zeros((edges, 2))
+        for e in range(edges):
+            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, shape[e])
+            joints[e] = px[breaks[e]], py[breaks[e]]
+        is_arc, is_fillet = np.zeros(edges, np.bool_), np.zeros(edges, np.bool_)
+        left, changed = sharpen(
+            px, py, n, breaks, is_arc, edges, shape, joints, 1.0, 0.2, 0.3, 2.0, 0.0, 30.0,
+            is_fillet, np.empty(7),
+        )  # fmt: skip
+        assert changed
+        assert left == edges - 1
+        assert (np.diff(breaks[:left]) > 0).all()
+        assert breaks[0] >= 0
+        assert breaks[left - 1] < n

@@ -7,7 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from vision.rounding_kernels import CORNER_ROOM, TURN, find_corners, sum_costs
+from vision.rounding_kernels import (
+    ALONG_X,
+    CORNER_ROOM,
+    STEEPNESS,
+    TURN,
+    _explain,
+    find_corners,
+    sum_costs,
+)
 
 SIDE = 40.0
 HALF = 20
@@ -56,3 +64,13 @@ def test_points_where_blur_puts_them_cost_nothing(blur: float, clockwise: bool) 
     sum_costs(*args, 1e-3, 1e-3 * blur, 0.01, 0.0, sums)
     assert sums[-1] > 100.0
     assert np.isclose(sums[-1], 2.0 * sums[n])
+
+
+def test_no_entry_beyond_the_table_is_read_where_tangents_are_no_unit_vectors() -> None:
+    corner = np.zeros(CORNER_ROOM)
+    corner[ALONG_X], corner[STEEPNESS] = 3.0, 1.0
+    deviations = np.zeros(1)
+    _explain.py_func(
+        np.array([3.9]), np.zeros(1), 0, 1, 0, 0.0, 0.0, corner, 1.0, deviations
+    )  # 374 entries from its beginning
+    assert abs(deviations[0]) < 1e-4
