@@ -57,6 +57,8 @@ class Glimpse:
     poses: Mapping[int, RobotPose]
     scene: Scene | None
     change: Change | None
+    doubles: tuple[str, ...] = ()
+    """A sentence where the driven robot's marker is seen twice."""
 
 
 class Eye:
@@ -86,13 +88,21 @@ class Eye:
         tell(poses)
         self._last_seen.update(poses)
         if self.settings.driven_id not in poses:
-            return Glimpse(frame.captured_s, poses, None, None)
+            return Glimpse(frame.captured_s, poses, None, None, self._doubles())
         change = self._watcher.update(frame.image, self._body_discs())
         scene = None
         if change is not None or self._known is None:
             self._known = self._brought_up_to_date(change)
             scene = self._known.scene
-        return Glimpse(frame.captured_s, poses, scene, change)
+        return Glimpse(frame.captured_s, poses, scene, change, self._doubles())
+
+    def _doubles(self) -> tuple[str, ...]:
+        """The driven robot's marker in two places: nobody knows which of them it is."""
+        places = self._tracker.doubles.get(self.settings.driven_id, ())
+        if len(places) < 2:
+            return ()
+        where = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y, _ in places)
+        return (f"the robot's marker {self.settings.driven_id} is seen at {where} at once",)
 
     def _body_discs(self) -> FloatArray:
         """The pixels of every robot's body, where it was seen last."""

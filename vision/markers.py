@@ -57,6 +57,11 @@ _SQUARE_TOLERANCE = 0.02
 _COARSE_SIDE_PX = 24.0
 """A marker is still decoded at this size, so a picture is searched no finer than needed."""
 
+_DOUBLES_EVERY = 6
+"""A whole picture costs as much as ten looks: every fifth of a second it is searched for markers
+that are there twice."""
+_APART_SIZES = 1.0
+"""Two sightings nearer to each other than a marker's side are one marker, seen by two recipes."""
 _LOST_SEARCH_S = 1.0
 _LOST_SEARCH_EVERY = 3
 
@@ -157,6 +162,11 @@ class MarkerTracker:
         """Why markers seen in the last frame were not taken for robots."""
         self.strangers: frozenset[int] = frozenset()
         """Ids of markers that belong to no robot, as the last search of a whole picture saw."""
+        self.doubles: dict[int, tuple[Pose, ...]] = {}
+        """Where robots' markers were seen that were seen in several places of one picture, in the
+        last two searches of a whole picture."""
+        self._suspects: frozenset[int] = frozenset()
+        self._searches = 0
 
     def update(self, frame: Frame) -> tuple[RobotPose, ...]:
         """The poses of the robots seen in this frame, by id; empty where none is.
@@ -181,9 +191,14 @@ class MarkerTracker:
             if sighting is not None:
                 found[robot.id] = sighting
         missing = [i for i in self._robots if i not in found]
-        if missing and self._worth_searching(missing, frame.captured_s):
-            for sighting in self._search(grey, missing, frame.captured_s, refusals):
-                found[sighting.id] = sighting
+        worth = bool(missing) and self._worth_searching(missing, frame.captured_s)
+        if worth or self._frames % _DOUBLES_EVERY == 0:
+            everywhere = self._search(grey, refusals)
+            for robot_id in missing if worth else ():
+                best = self._best(everywhere[robot_id], robot_id, frame.captured_s)
+                if best is not None:
+                    found[robot_id] = best
+            self._look_for_doubles(everywhere, found)
         poses = [self._believe(found[i], frame.captured_s, refusals) for i in sorted(found)]
         self.refusals = tuple(refusals)
         return tuple(pose for pose in poses if pose is not None)
@@ -241,11 +256,25 @@ class MarkerTracker:
                 return best
         return None
 
-    def _search(
-        self, grey: Image, missing: list[int], now_s: float, refusals: list[str]
-    ) -> list[_Sighting]:
-        """Search the whole picture, with another recipe each time."""
-        smallest = min(self._side_px(self._robots[i]) for i in missing)
+    def _look_for_doubles(
+        self, everywhere: dict[int, list[_Sighting]], found: dict[int, _Sighting]
+    ) -> None:
+        """Markers in several places, once two searches in a row have seen them so."""
+        places = {}
+        for robot_id, sightings in everywhere.items():
+            known = [found[robot_id]] if robot_id in found else []
+            apart_m = _APART_SIZES * self._robots[robot_id].marker_size_m
+            for sighting in sightings:
+                if all(math.dist(sighting.pose[:2], k.pose[:2]) > apart_m for k in known):
+                    known.append(sighting)
+            if len(known) > 1:
+                places[robot_id] = tuple(one.pose for one in known)
+        self.doubles = {i: poses for i, poses in places.items() if i in self._suspects}
+        self._suspects = frozenset(places)
+
+    def _search(self, grey: Image, refusals: list[str]) -> dict[int, list[_Sighting]]:
+        """Every robot's sightings in the whole picture, with another recipe each time."""
+        smallest = min(self._side_px(robot) for robot in self._robots.values())
         factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX and min(grey.shape) > 1 else 1
         picture = grey
         if factor > 1:
@@ -254,17 +283,19 @@ class MarkerTracker:
                 grey, (width // factor, height // factor), interpolation=cv2.INTER_AREA
             ).astype(np.uint8, copy=False)
         scale = np.array(grey.shape[::-1]) / np.array(picture.shape[::-1])
-        finder = self._finders[self._frames % len(self._finders)]
+        finder = self._finders[self._searches % len(self._finders)]
+        self._searches += 1
         seen = [(i, (q + 0.5) * scale - 0.5) for i, q in find_with(finder, picture)]
         self.strangers = frozenset(i for i, _ in seen if i not in self._robots)
-        found = []
-        for robot_id in missing:
-            robot = self._robots[robot_id]
-            sightings = [self._sight(grey, robot, q, refusals) for i, q in seen if i == robot_id]
-            best = self._best([s for s in sightings if s is not None], robot_id, now_s)
-            if best is not None:
-                found.append(best)
-        return found
+        return {
+            robot_id: [
+                sighting
+                for i, quad in seen
+                if i == robot_id
+                and (sighting := self._sight(grey, robot, quad, refusals)) is not None
+            ]
+            for robot_id, robot in self._robots.items()
+        }
 
     def _best(self, sightings: list[_Sighting], robot_id: int, now_s: float) -> _Sighting | None:
         """Of several markers with one id, the one nearest to where the robot should be."""
