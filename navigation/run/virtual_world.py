@@ -13,12 +13,21 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from firmware_protocol.messages import ResetCause, StopReason, Waypoint
 from firmware_protocol.mission import Mission
 from navigation.config import Config
 from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.planning import ArenaPlanner, SceneCheck
+from navigation.run.troubled_camera import (
+    NOWHERE,
+    CameraTroubles,
+    Memory,
+    TroubledCamera,
+    seen_pose,
+)
 from navigation.run.world import calibration_of, camera_over, others_of
 from navigation.simulator.arena import load_arena
 from navigation.simulator.drive_model import TruePose
@@ -34,7 +43,7 @@ from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
 from navigation.supervisor import in_words
 from navigation.track import Track
 from planner.scene import FloatArray, Scene
-from vision.camera import Camera, CameraError, Frame, SourceState
+from vision.camera import Camera, CameraError, Frame
 from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits
 
 LATENCIES_KEPT = 10_000
@@ -54,22 +63,17 @@ class VirtualTimes:
 
 
 @dataclass(slots=True)
-class Troubles:
+class Troubles(CameraTroubles):
     """What a test may switch while a run goes on; everything is well in the beginning."""
 
-    camera_lost: bool = False
-    """Reading fails, and so does opening it again."""
-    camera_silent: bool = False
-    """It gives no picture any more, without an error."""
-    camera_frozen: bool = False
-    """It gives its last picture over and over, with new times."""
-    marker_hidden: bool = False
     port_broken: bool = False
     """The port is gone: nothing passes, and it cannot be opened."""
     cable_out: bool = False
     """Nothing passes in either direction, without an error."""
     carried_to: tuple[float, float, float] | None = None
     """Somebody takes the robot and puts it there, once."""
+    stuck: bool = False
+    """The wheels turn and the robot stays where it is."""
 
 
 class VirtualWorld:
@@ -83,8 +87,7 @@ class VirtualWorld:
         self.config = config
         self.times = times or VirtualTimes()
         self.troubles = Troubles()
-        self.last_frame: Frame | None = None
-        """What the camera saw last: opening it again does not thaw one that is frozen."""
+        self._memory = Memory(np.random.default_rng(config.simulation.seed))
         self.loop = VirtualLoop(
             seed=config.simulation.seed,
             faults=faults_of(config),
@@ -101,6 +104,7 @@ class VirtualWorld:
         self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
         self.port = "virtual"
         self._due: list[tuple[float, Callable[[], None]]] = []
+        self._stuck_at: TruePose | None = None
         self._faults_to_come = faults_of(config)
 
     # Time.
@@ -136,6 +140,11 @@ class VirtualWorld:
         if troubles.carried_to is not None:
             loop.drive.pose = TruePose(*troubles.carried_to)
             troubles.carried_to = None
+        if troubles.stuck:
+            self._stuck_at = self._stuck_at or loop.drive.pose
+            loop.drive.pose = self._stuck_at
+        else:
+            self._stuck_at = None
 
     # The parts.
 
@@ -160,21 +169,17 @@ class VirtualWorld:
         """A new camera over what the arena is by now."""
         if self.troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")
-        return _TroubledCamera(
-            camera_over(
-                self.config,
-                self._arenas,
-                self._tracks,
-                self._pose_seen,
-                self.clock,
-                self.truth.began_s,
-                self.wait,
-            ),
-            self,
+        camera = camera_over(
+            self.config,
+            self._arenas,
+            self._tracks,
+            lambda: seen_pose(self.robot.pose(), self.troubles),
+            self.clock,
+            self.truth.began_s,
+            self.wait,
+            doubles=[lambda: self.troubles.double_at or NOWHERE],
         )
-
-    def _pose_seen(self) -> tuple[float, float, float]:
-        return (-9.0, -9.0, 0.0) if self.troubles.marker_hidden else self.robot.pose()
+        return TroubledCamera(camera, self.troubles, self._memory, self.clock, self.wait)
 
     def start(self) -> None:
         """What happens in the arena counts from the first start."""
@@ -216,50 +221,6 @@ class VirtualRobot:
                 self._track.add(*row)
             self._rows += 1
         self._loop.track.clear()
-
-
-class _TroubledCamera:
-    """The simulated camera, while nobody unplugs it."""
-
-    def __init__(self, camera: Camera, world: VirtualWorld) -> None:
-        self._camera, self._world = camera, world
-        self.name = camera.name
-
-    @property
-    def state(self) -> SourceState:
-        return self._camera.state
-
-    @property
-    def reason(self) -> str:
-        return self._camera.reason
-
-    @property
-    def rate_hz(self) -> float:
-        return self._camera.rate_hz
-
-    @property
-    def may_repeat(self) -> bool:
-        return self._camera.may_repeat
-
-    def open(self) -> None:
-        self._camera.open()
-
-    def close(self) -> None:
-        self._camera.close()
-
-    def read(self, timeout_s: float) -> Frame | None:
-        if self._world.troubles.camera_lost:
-            raise CameraError(f"{self.name}: is unplugged")
-        if self._world.troubles.camera_silent:
-            self._world.wait(timeout_s)
-            return None
-        frame, last = self._camera.read(timeout_s), self._world.last_frame
-        if frame is None:
-            return None
-        if self._world.troubles.camera_frozen and last is not None:
-            return replace(frame, image=last.image)
-        self._world.last_frame = frame
-        return frame
 
 
 class VirtualFrames:

@@ -174,8 +174,12 @@ def camera_over(
     clock: Clock,
     began_s: float,
     wait: Callable[[float], None] = time.sleep,
+    doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
 ) -> SimulatedCamera:
-    """The simulated camera above an arena in which things happen."""
+    """The simulated camera above an arena in which things happen.
+
+    ``doubles`` say where other things with the robot's own marker are.
+    """
 
     def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:
         return lambda: track.pose(clock() - began_s)
@@ -193,6 +197,7 @@ def camera_over(
             for one in config.other_robots
         ],
         [(began_s + from_s, arena.scene) for from_s, arena in arenas if from_s > now_s],
+        doubles,
     )
 
 

@@ -245,11 +245,13 @@ def make_camera(
     wait: Wait = time.sleep,
     others: Sequence[PoseNow | None] = (),
     scenes: Sequence[tuple[float, Scene]] = (),
+    doubles: Sequence[PoseNow] = (),
 ) -> SimulatedCamera:
     """The simulated camera of a configuration.
 
     ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
     is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
+    ``doubles`` say where else something looks like the robot.
     Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config)
@@ -258,6 +260,7 @@ def make_camera(
     robot = config.robot
     turn_rad = float(np.deg2rad(robot.marker_turn_deg))
     seen: list[tuple[MarkerSection, PoseNow, float]] = [(robot, pose_now, turn_rad)]
+    seen += [(robot, pose, turn_rad) for pose in doubles]
     seen += [
         (other, pose, 0.0)
         for other, pose in zip(config.other_robots, others, strict=bool(others))

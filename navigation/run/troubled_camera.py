@@ -1,0 +1,174 @@
+"""The simulated camera with everything that goes wrong with real ones, for runs in virtual time.
+
+A test switches `CameraTroubles` while a run goes on. Nothing but the picture and its stamp changes:
+the program sees what it would see of a camera that is frozen, late, swapped or lied to. Seconds,
+metres, radians.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+
+from navigation.simulator.drive_model import TruePose
+from vision.camera import Camera, CameraError, Frame, Image, SourceState
+
+Place: TypeAlias = tuple[float, float, float]
+NOWHERE: Place = (-9.0, -9.0, 0.0)
+"""So far from the arena that nothing of a robot there is in the picture."""
+NOISE_GREY = 2.0
+
+
+@dataclass(slots=True)
+class CameraTroubles:
+    """What a test may switch while a run goes on; everything is well in the beginning."""
+
+    camera_lost: bool = False
+    """Reading fails, and so does opening it again."""
+    camera_silent: bool = False
+    """It gives no picture any more, without an error."""
+    camera_frozen: bool = False
+    """It gives its last picture over and over, with new times."""
+    frozen_noise: bool = False
+    """A frozen picture has fresh noise, as if only the sensor were alive."""
+    clock_in_the_corner: bool = False
+    """Every picture shows the time, as network cameras draw it: no two are the same."""
+    stream_latency_s: float = 0.0
+    """Pictures come so late, stamped when they arrive, as a stream's are."""
+    future_s: float = 0.0
+    """Pictures are stamped so far in the future."""
+    looping: bool = False
+    """It plays its last three seconds again and again."""
+    marker_hidden: bool = False
+    marker_at: Place | None = None
+    """The picture shows the robot here: another picture, or another robot with its marker."""
+    marker_shift_m: tuple[float, float] = (0.0, 0.0)
+    """The robot is seen so far from where it is."""
+    marker_turned: bool = False
+    """Its marker sits the wrong way round."""
+    double_at: Place | None = None
+    """A second marker with its id lies here."""
+
+
+RECORDED = 90
+
+
+class TroubledCamera:
+    """A camera between the simulated one and the program; ``now`` gives virtual seconds."""
+
+    def __init__(
+        self,
+        camera: Camera,
+        troubles: CameraTroubles,
+        memory: Memory,
+        now: Callable[[], float],
+        wait: Callable[[float], None],
+    ) -> None:
+        self._camera, self._troubles, self._memory = camera, troubles, memory
+        self._now, self._wait = now, wait
+        self.name = camera.name
+
+    @property
+    def state(self) -> SourceState:
+        """As the camera's."""
+        return self._camera.state
+
+    @property
+    def reason(self) -> str:
+        """As the camera's."""
+        return self._camera.reason
+
+    @property
+    def rate_hz(self) -> float:
+        """As the camera's."""
+        return self._camera.rate_hz
+
+    @property
+    def may_repeat(self) -> bool:
+        """As the camera's."""
+        return self._camera.may_repeat
+
+    def open(self) -> None:
+        """Open the camera."""
+        self._camera.open()
+
+    def close(self) -> None:
+        """Close the camera; what is under way comes all the same, as from a stream's server."""
+        self._camera.close()
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next picture, with its troubles."""
+        troubles = self._troubles
+        if troubles.camera_lost:
+            raise CameraError(f"{self.name}: is unplugged")
+        if troubles.camera_silent:
+            self._wait(timeout_s)
+            return None
+        frame = self._camera.read(timeout_s)
+        if frame is not None:
+            self._memory.under_way.append(self._with_troubles(frame))
+        under_way, now_s = self._memory.under_way, self._now()
+        if not under_way or under_way[0].captured_s + troubles.stream_latency_s > now_s:
+            return None
+        frame = under_way.popleft()
+        if troubles.stream_latency_s > 0.0:
+            frame = replace(frame, captured_s=now_s)
+        return replace(frame, captured_s=frame.captured_s + troubles.future_s)
+
+    def _with_troubles(self, frame: Frame) -> Frame:
+        troubles, memory = self._troubles, self._memory
+        image = frame.image
+        if troubles.camera_frozen and memory.last is not None:
+            image = memory.last
+            if troubles.frozen_noise:
+                image = memory.noisy(image)
+        elif troubles.looping and memory.recorded:
+            image = memory.recorded[memory.played % len(memory.recorded)]
+            memory.played += 1
+        else:
+            memory.last = image
+            memory.recorded.append(image)
+        if troubles.clock_in_the_corner:
+            image = with_clock(image, frame.captured_s)
+        return replace(frame, image=image)
+
+
+class Memory:
+    """What the camera saw before: opening it again does not thaw one that is frozen."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.last: Image | None = None
+        self.recorded: deque[Image] = deque(maxlen=RECORDED)
+        self.played = 0
+        self.under_way: deque[Frame] = deque()
+        self._rng = rng
+
+    def noisy(self, image: Image) -> Image:
+        """The picture with fresh noise."""
+        noise = self._rng.normal(0.0, NOISE_GREY, image.shape)
+        return np.clip(image + noise, 0, 255).astype(np.uint8)
+
+
+def with_clock(image: Image, time_s: float) -> Image:
+    """The picture with the time in its corner, as network cameras draw it."""
+    shown = image.copy()
+    cv2.rectangle(shown, (0, 0), (120, 14), 230, -1)
+    cv2.putText(shown, f"12:00:{time_s:06.3f}", (2, 11), cv2.FONT_HERSHEY_PLAIN, 0.9, 20, 1)
+    return shown
+
+
+def seen_pose(true: TruePose, troubles: CameraTroubles) -> Place:
+    """Where the picture shows the robot."""
+    if troubles.marker_hidden:
+        return NOWHERE
+    if troubles.marker_at is not None:
+        return troubles.marker_at
+    dx, dy = troubles.marker_shift_m
+    turn = math.pi if troubles.marker_turned else 0.0
+    return true.x_m + dx, true.y_m + dy, true.heading_rad + turn
