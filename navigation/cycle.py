@@ -12,6 +12,7 @@ from navigation.mission import Station
 from navigation.targets import Target
 from navigation.traffic import Disc, Mover, TrafficLimits
 from navigation.watch import SafetyLimits
+from navigation.witness import NO_EVIDENCE, Evidence
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import Bounds
 
@@ -34,10 +35,12 @@ class PilotSettings:
     replan_distance_m: float
     """A changed obstacle that comes nearer to the path than this asks for a new plan."""
     give_up_s: float
-    """How long the robot may have to hold before the mission fails."""
+    """How long the robot may wait without any progress before the mission fails."""
     traffic: TrafficLimits
     corrections: int
     """How often the last stretch is planned again where the camera sees the robot off its goal."""
+    turns_on_spot: bool = True
+    """Whether the robot can prove itself by a turn on the spot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +60,10 @@ class Sight:
     """The sentence that says which part of the program has failed and is being restarted."""
     camera_reason: str = ""
     """What the camera says of itself; empty while all is well."""
+    doubles: tuple[str, ...] = ()
+    """A sentence for each marker that is seen twice."""
+    evidence: Evidence = NO_EVIDENCE
+    """What camera and wheels say together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +80,8 @@ class RobotReport:
     """How many waypoints of that mission the robot has reached."""
     standing_reason: str | None = None
     """Why the robot does not run its mission; None while it does."""
+    place_m: tuple[float, float] | None = None
+    """Where the robot believes to be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +96,8 @@ class PlanRequest:
     """Whether the stations but the last may change places."""
     avoid: tuple[Disc, ...] = ()
     """Where other robots are: kept clear of as obstacles are, in this plan only."""
+    speed_m_s: float = math.inf
+    """No faster than this, whatever the robot can: the camera's pictures are late."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,3 +125,5 @@ class Orders:
     """Stop under control and drop the queue."""
     estop: bool = False
     rearm: bool = False
+    measure_latency: bool = False
+    """The camera's latency is to be measured again from here on."""

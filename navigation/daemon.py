@@ -35,10 +35,17 @@ from navigation.parts import Surroundings
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, SceneCheck
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
-from navigation.stages import eye_settings, marked_robots, pilot_settings, plan_settings
+from navigation.stages import (
+    eye_settings,
+    marked_robots,
+    pilot_settings,
+    plan_settings,
+    witness_limits,
+)
 from navigation.supervisor import Part, Supervisor, in_words
 from navigation.targets import to_wire
 from navigation.track import Track
+from navigation.witness import NO_EVIDENCE, Witness
 from planner.path import NoPath
 from planner.roadmap import Roadmap
 from planner.scene import Bounds, Scene
@@ -82,6 +89,7 @@ class Daemon:
         self.link = world.make_link()
         self.camera = world.make_frames()
         self._eye = self._open_eye()
+        self.witness = Witness(witness_limits(config))
         self._vision_failure: str | None = None
         self._arena_planner = ArenaPlanner(plan_settings(config))
         self._planner = world.make_planner(self._arena_planner, self._on_scene, self._on_answer)
@@ -104,6 +112,11 @@ class Daemon:
         self.state: DaemonState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
         self._frame: Frame | None = None
+        self._doubles: tuple[str, ...] = ()
+        self._pose_arrived_s = -math.inf
+        self._reopened = 0
+        self._forget_latency = False
+        self._evidence = NO_EVIDENCE
         self._poses: Mapping[int, RobotPose] = {}
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self._times = StageTimes()
@@ -216,6 +229,7 @@ class Daemon:
         """End a pause; after a stop re-arm the robot, and the next time go on."""
         with self._lock:
             self.pilot.resume()
+            self._forget_latency = True
 
     def replan(self) -> None:
         """Plan anew from where the robot is."""
@@ -265,6 +279,7 @@ class Daemon:
             "link": snapshot.down_reason or snapshot.state.value,
             "camera": camera.reason or camera.state,
             "frames_s": camera.rate_hz,
+            "latency_s": self._evidence.latency_s,
         }
 
     def turns(self) -> dict[str, int]:
@@ -290,6 +305,7 @@ class Daemon:
         now_s = self._clock()
         failed = self._supervisor.look(now_s)
         snapshot = self.link.snapshot()
+        self._hear(snapshot, now_s)
         sight = self._sight(now_s, failed)
         with self._lock:
             for check in self._take_checks():
@@ -306,10 +322,31 @@ class Daemon:
             self._turned.notify_all()
         return self.state
 
+    def _hear(self, snapshot: LinkSnapshot, now_s: float) -> None:
+        """The wheels' side of the story, and whether the camera is another one than before."""
+        if snapshot.status is not None:
+            self.witness.report(snapshot.status, now_s - snapshot.status_age_s)
+        reopened = self.camera.status().reopened
+        if reopened != self._reopened or self._forget_latency:
+            self._reopened, self._forget_latency = reopened, False
+            self.witness.forget_latency()
+        self._evidence = self.witness.evidence()
+
+    def _dated(self, frame: Frame) -> Frame:
+        """The frame with the time at which it was exposed, as far as that is known.
+
+        A stamp in the future, from a clock that is not ours, counts as now.
+        """
+        stamp_s = frame.captured_s if math.isfinite(frame.captured_s) else -math.inf
+        stamp_s = min(stamp_s, self._clock())
+        return replace(frame, captured_s=stamp_s - self.witness.latency_s())
+
     def _see(self, frame: Frame) -> None:
         began_s = self._clock()
         if self._vision_failure is not None:
             return
+        self._frame_s = min(frame.captured_s, began_s)
+        frame = self._dated(frame)
         try:
             glimpse: Glimpse = self._eye.look(frame, self._tell_pose)
         except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
@@ -317,8 +354,8 @@ class Daemon:
             return
         self._note(look_s=self._clock() - began_s)
         self.processed += 1
-        self._frame_s = frame.captured_s
         self._frame, self._poses = frame, glimpse.poses
+        self._doubles = glimpse.doubles
         self.others.see(glimpse.poses)
         if glimpse.scene is not None:
             self._revision += 1
@@ -336,7 +373,8 @@ class Daemon:
         pose = poses.get(self.config.robot.marker_id)
         if pose is not None:
             self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
-            self.pose = pose
+            self.pose, self._pose_arrived_s = pose, self._frame_s
+            self.witness.saw(pose, self._frame_s)
             self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
     def _note(self, **times_s: float) -> None:
@@ -345,17 +383,19 @@ class Daemon:
 
     def _sight(self, now_s: float, failed: str | None) -> Sight:
         pose = self.pose
-        place = None if pose is None else (pose.x, pose.y, pose.heading_rad)
+        place = None if pose is None else self.witness.carried(pose, now_s)
         clearance = None if place is None else self._arena_planner.clearance_m(place[:2])
         return Sight(
             frame_age_s=now_s - self._frame_s,
-            pose_age_s=math.inf if pose is None else now_s - pose.captured_s,
+            pose_age_s=now_s - self._pose_arrived_s,
             pose=place,
             scene_revision=self._known_revision,
             clearance_m=clearance,
             failed=failed,
             camera_reason=_reason_of(self.camera.status()),
             others=self.others.movers(now_s),
+            doubles=self._doubles,
+            evidence=self._evidence,
         )
 
     def _write_journal(self, orders: Orders) -> None:
@@ -377,6 +417,8 @@ class Daemon:
             return
         if orders.rearm:
             self.link.reset_estop()
+        if orders.measure_latency:
+            self.witness.measure_again()
         if orders.halt:
             self.link.clear()
         if orders.permit != self._permitted or now_s - self._leased_s >= LEASE_EVERY_S:
@@ -385,8 +427,8 @@ class Daemon:
         if orders.upload is not None:
             mission_id, targets = orders.upload
             self.link.upload(mission_id, to_wire(targets))
-            assert self.pilot.path is not None
-            self.plans.append(DrivenPlan(self.pilot.path, self.pilot.trajectory, now_s))
+            if self.pilot.path is not None:  # none for a turn on the spot
+                self.plans.append(DrivenPlan(self.pilot.path, self.pilot.trajectory, now_s))
         if orders.request is not None:
             self._asked_s = now_s
             self._planner.ask(orders.request)
@@ -409,6 +451,8 @@ class Daemon:
             roadmap=self._arena_planner.roadmap,
             path=self.pilot.path,
             times=self._times,
+            evidence=self._evidence,
+            trust=self.pilot.trust.level,
         )
 
     def _to_go_m(self, snapshot: LinkSnapshot) -> float | None:
@@ -474,4 +518,5 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
         mission_id=snapshot.mission_id,
         executed=snapshot.executed,
         standing_reason=snapshot.standing_reason,
+        place_m=None if snapshot.status is None else (snapshot.status.x_m, snapshot.status.y_m),
     )

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 from navigation.link_snapshot import LinkSnapshot
 from navigation.mission import Mission
+from navigation.trust import Level
 from navigation.watch import Verdict
+from navigation.witness import NO_EVIDENCE, Evidence
 from planner.path import Path, Trajectory
 from planner.roadmap import Roadmap
 from vision.camera import Frame
@@ -54,6 +56,10 @@ class DaemonState:
     path: Path | None
     """The plan that is being driven."""
     times: StageTimes
+    evidence: Evidence = NO_EVIDENCE
+    """What camera and wheels say together."""
+    trust: Level = Level.SURE
+    """How far the robot's identity can be trusted."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,7 +98,7 @@ class Journal:
     def unfinished(self) -> Mission | None:
         """The mission that a restart has to go on with; None where nothing is left to do."""
         mission = self.mission()
-        goes_on = (State.PLANNING, State.DRIVING, State.HOLDING)
+        goes_on = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
         if mission is None or mission.state not in goes_on or not mission.remaining:
             return None
         return mission

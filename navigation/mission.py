@@ -16,6 +16,7 @@ class State(Enum):
 
     IDLE = "idle"
     PLANNING = "planning"
+    PROVING = "proving"
     DRIVING = "driving"
     HOLDING = "holding"
     STOPPED = "stopped"
@@ -30,6 +31,8 @@ class Event(Enum):
     PLANNED = "plan accepted"
     NO_PLAN = "no safe plan"
     REPLAN = "new plan needed"
+    PROVE = "to prove itself"
+    PROVED = "proved itself"
     HOLD = "unsafe or paused"
     CLEARED = "cause gone"
     ARRIVED = "last station reached"
@@ -46,11 +49,15 @@ TRANSITIONS: dict[tuple[State, Event], State] = {
     (_S.FAILED, _E.GIVEN): _S.PLANNING,
     (_S.PLANNING, _E.GIVEN): _S.PLANNING,
     (_S.DRIVING, _E.GIVEN): _S.PLANNING,
+    (_S.PROVING, _E.GIVEN): _S.PLANNING,
     (_S.HOLDING, _E.GIVEN): _S.HOLDING,
     (_S.PLANNING, _E.PLANNED): _S.DRIVING,
     (_S.PLANNING, _E.NO_PLAN): _S.HOLDING,
     (_S.PLANNING, _E.HOLD): _S.HOLDING,
     (_S.PLANNING, _E.REPLAN): _S.PLANNING,
+    (_S.PLANNING, _E.PROVE): _S.PROVING,
+    (_S.PROVING, _E.PROVED): _S.PLANNING,
+    (_S.PROVING, _E.HOLD): _S.HOLDING,
     (_S.DRIVING, _E.REPLAN): _S.PLANNING,
     (_S.DRIVING, _E.HOLD): _S.HOLDING,
     (_S.DRIVING, _E.ARRIVED): _S.DONE,
@@ -60,7 +67,7 @@ TRANSITIONS: dict[tuple[State, Event], State] = {
     **{(state, _E.STOP): _S.STOPPED for state in State},
     **{
         (state, _E.FAIL): _S.FAILED
-        for state in (_S.IDLE, _S.PLANNING, _S.DRIVING, _S.HOLDING, _S.STOPPED)
+        for state in (_S.IDLE, _S.PLANNING, _S.PROVING, _S.DRIVING, _S.HOLDING, _S.STOPPED)
     },
 }
 

@@ -18,13 +18,19 @@ import numpy as np
 
 from navigation.cycle import Orders, PilotSettings, PlanAnswer, PlanRequest, RobotReport, Sight
 from navigation.mission import Event, Mission, MissionError, State, Station
+from navigation.progress import Progress
+from navigation.slowing import WORTH_A_PLAN, speed_with
 from navigation.targets import Target
 from navigation.traffic import Encounter, discs_to_avoid, encounter
+from navigation.trust import NEAR_M, Level, Proof, Trust, slow_at_first
+from navigation.trust import Verdict as ProofVerdict
 from navigation.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
 
 NO_WAY: FloatArray = np.empty((0, 2))
+MEASURE_AGAIN_S = 10.0
+"""A camera that was too late is measured again so long after."""
 
 
 class Pilot:
@@ -55,7 +61,12 @@ class Pilot:
         self._executed_here = 0
         self._standing_since_s: float | None = None
         self._idle_since_s: float | None = None
-        self._holding_since_s: float | None = None
+        self._progress = Progress()
+        self.trust = Trust()
+        self._proof: Proof | None = None
+        self._measure_again_s: float | None = None
+        self._planned_m_s = math.inf
+        self._planned_revision = 0
         self._closed_way: FloatArray = NO_WAY
         self.no_path = False
         """Whether the last plan asked for could not be made."""
@@ -73,7 +84,12 @@ class Pilot:
                 )
         self.mission = self.mission.given(stations, "a mission was given", any_order=any_order)
         self._forget_plan()
+        self._begin_again()
+
+    def _begin_again(self) -> None:
+        """What counts the troubles of a mission counts from here."""
         self._corrections = 0
+        self._progress.begin()
 
     def restore(self, mission: Mission) -> None:
         """Go on with a mission that an earlier program left unfinished; planned anew."""
@@ -82,6 +98,7 @@ class Pilot:
             given, visited=mission.visited, any_order=mission.any_order, paused=mission.paused
         )
         self._forget_plan()
+        self.trust.doubt("the program was started again")
 
     def stop(self, reason: str) -> None:
         """Emergency stop: latched until `rearm`."""
@@ -104,7 +121,8 @@ class Pilot:
         elif self.mission.state in (State.IDLE, State.FAILED) and self.mission.remaining:
             self.mission = self.mission.after(Event.GIVEN, "going on as ordered")
             self._forget_plan()
-            self._corrections = 0
+            self._begin_again()
+            self.trust.vouch()
         elif self._estopped:
             self._rearm = True  # a robot that was stopped before we came
 
@@ -116,6 +134,7 @@ class Pilot:
         )
         self._stop_reason = None
         self._rearm = True
+        self.trust.vouch()
 
     def replan(self) -> None:
         """Plan anew from where the robot is; without a mission under way nothing happens."""
@@ -134,6 +153,7 @@ class Pilot:
     ) -> Orders:
         """One control cycle; see the module's text for its order."""
         met = self._look_at_traffic(sight)
+        self._look_at_identity(sight)
         self.verdict = judge(self._facts(now_s, sight, robot, met), self.settings.limits)
         if self._stop_reason is not None:
             self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
@@ -147,16 +167,91 @@ class Pilot:
         upload = self._take_answer(now_s, sight, answer)
         self._hold_or_go_on(now_s)
         self._make_way(met)
-        self._give_up(now_s)
+        self._slow_down(sight)
+        proof = self._prove(now_s, sight, robot)
+        self._give_up(now_s, sight)
         self._finish(now_s, sight, robot)
-        driving = self.mission.state is State.DRIVING
+        moves = (State.DRIVING, State.PROVING)
+        moving = self.mission.state in moves
         return Orders(
-            permit=driving,
+            permit=moving,
             request=self._ask(now_s, sight),
-            upload=upload if driving else None,
-            halt=was is State.DRIVING and not driving,
+            upload=(proof or upload) if moving else None,
+            halt=was in moves and not moving,
             rearm=rearm,
+            measure_latency=proof is not None,
         )
+
+    def _look_at_identity(self, sight: Sight) -> None:
+        """Whether camera and wheels still speak of one robot."""
+        lost = sight.pose is not None and sight.pose_age_s > self.settings.limits.pose_stale_s
+        refuted = self.trust.look(sight.evidence, "the robot was lost from view" if lost else None)
+        if refuted is not None and self._stop_reason is None:
+            self._stop_reason = refuted
+
+    def _slow_down(self, sight: Sight) -> None:
+        """A slower plan where the pictures have become later than the present one allows."""
+        allowed_m_s = self._allowed_m_s(sight)
+        if self.mission.state is State.DRIVING and allowed_m_s < WORTH_A_PLAN * self._planned_m_s:
+            late_s = sight.evidence.longest_latency_s
+            self.mission = self.mission.after(
+                Event.REPLAN, f"the camera's pictures are {late_s:.2f} s old: planning more slowly"
+            )
+            self._forget_plan()
+
+    def _allowed_m_s(self, sight: Sight) -> float:
+        robot = self.settings.traffic
+        return speed_with(
+            sight.evidence.longest_latency_s, robot.speed_m_s, robot.acceleration_m_s2
+        )
+
+    def _prove(
+        self, now_s: float, sight: Sight, robot: RobotReport
+    ) -> tuple[int, tuple[Target, ...]] | None:
+        """Let a doubted robot turn on the spot, and look at what the camera makes of it."""
+        if self.mission.state is State.PROVING:
+            self._judge_proof(now_s, sight, robot)
+            return None
+        self._proof = None
+        if self.mission.state is not State.PLANNING or self.trust.level is not Level.DOUBTED:
+            return None
+        evidence = sight.evidence
+        if sight.pose is None or robot.place_m is None or not evidence.wheels_stand:
+            return None
+        self._stop_reason = self.trust.moved(evidence)
+        if self._stop_reason is not None:
+            return None
+        if not self.settings.turns_on_spot:
+            self.trust.proved(evidence)
+            return None
+        if math.dist(robot.place_m, sight.pose[:2]) > NEAR_M:
+            return None
+        self._measure_again_s = None
+        self._mission_id = self._next_id()
+        self._proof = Proof(self._mission_id, now_s, evidence)
+        self.mission = self.mission.after(
+            Event.PROVE, f"{self.trust.why}: the robot turns a little to prove itself"
+        )
+        return self._mission_id, self.trust.turn(robot.place_m, sight.pose[2])
+
+    def _judge_proof(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
+        assert self._proof is not None
+        done = robot.mission_id == self._proof.mission_id and robot.executed >= 1
+        verdict, sentence = self._proof.judge(now_s, sight.evidence, done)
+        if verdict is ProofVerdict.PROVED:
+            self._stop_reason = self.trust.moved(sight.evidence)
+        if verdict is ProofVerdict.PROVED and self._stop_reason is None:
+            self.trust.proved(sight.evidence)
+            self.mission = self.mission.after(Event.PROVED, "the robot has proved itself")
+        elif verdict is ProofVerdict.REFUTED:
+            self._stop_reason = sentence
+        elif verdict is ProofVerdict.STILL:
+            self.mission = self.mission.after(Event.HOLD, sentence)
+            self._ask_again_s = now_s + self.settings.retry_s
+            self._clear_since_s = None
+
+    def _next_id(self) -> int:
+        return (self._mission_id + 1) & 0xFFFFFFFF or 1
 
     def _look_at_traffic(self, sight: Sight) -> Encounter | None:
         """What other robots ask for; while holding for one, the way that it had closed counts."""
@@ -194,7 +289,23 @@ class Pilot:
             near_robot=None if met is None or met.stands else met.sentence,
             failed=sight.failed,
             camera_reason=sight.camera_reason,
+            doubles=sight.doubles,
+            parted=sight.evidence.parted if self.mission.state is not State.PROVING else None,
+            latency_s=self._latency_that_matters(now_s, sight),
         )
+
+    def _latency_that_matters(self, now_s: float, sight: Sight) -> float | None:
+        """The camera's latency, but while it is being measured again, or is about to be."""
+        late_s = sight.evidence.latency_s
+        if self.mission.state is State.PROVING or late_s is None:
+            return None
+        if late_s <= self.settings.limits.latency_s or not self.settings.turns_on_spot:
+            self._measure_again_s = None
+            return late_s
+        if self._measure_again_s is None:
+            self._measure_again_s = now_s + MEASURE_AGAIN_S
+            self.trust.doubt("the camera's pictures were too late")
+        return late_s if now_s < self._measure_again_s else None
 
     def _is_leaving_estop(self, now_s: float) -> bool:
         """Whether the robot was re-armed a moment ago and may not have heard of it yet."""
@@ -272,13 +383,17 @@ class Pilot:
         self.replans += self.plans > 0
         self.plans += 1
         self.no_path = False
-        self._mission_id = (self._mission_id + 1) & 0xFFFFFFFF or 1
+        self._mission_id = self._next_id()
         self.path, self.trajectory, self.targets = answer.path, answer.trajectory, answer.targets
+        if self.trust.level is Level.PROBATION:
+            self.targets = slow_at_first(asked.start[:2], answer.targets)
+        self._planned_m_s = min(asked.speed_m_s, self.settings.traffic.speed_m_s)
+        self._planned_revision = answer.scene_revision
         self._path_start_index = self.mission.visited
         self._executed_here = 0
         self.waypoints_sent += len(answer.targets)
         self.mission = self.mission.after(Event.PLANNED, self._describe(answer.path))
-        return self._mission_id, answer.targets
+        return self._mission_id, self.targets
 
     def _describe(self, path: Path) -> str:
         left = len(self.mission.remaining)
@@ -287,22 +402,34 @@ class Pilot:
             f"clearance at least {path.min_clearance:.3f} m"
         )
 
-    def _give_up(self, now_s: float) -> None:
-        if self.mission.state is not State.HOLDING or self.mission.paused:
-            if self.mission.state is not State.PLANNING:
-                self._holding_since_s = None
-            return
-        if self._holding_since_s is None:
-            self._holding_since_s = now_s
-        if now_s - self._holding_since_s > self.settings.give_up_s:
+    def _give_up(self, now_s: float, sight: Sight) -> None:
+        state = self.mission.state
+        self._progress.look(
+            now_s,
+            waits=state in (State.HOLDING, State.PLANNING, State.PROVING)
+            and not self.mission.paused,
+            visited=self.mission.visited,
+            left_m=self._left_m(sight) if state is State.DRIVING else None,
+            revision=self._planned_revision,
+        )
+        if state is State.HOLDING and self._progress.waited_s > self.settings.give_up_s:
+            why = self.mission.reason
             self.mission = self.mission.after(
-                Event.FAIL, f"given up after {self.settings.give_up_s:g} s: {self.mission.reason}"
+                Event.FAIL, f"given up after {self.settings.give_up_s:g} s without progress: {why}"
             )
+
+    def _left_m(self, sight: Sight) -> float | None:
+        """How far it still is through the targets that are left."""
+        left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
+        if sight.pose is None or not left:
+            return None
+        points = np.array([sight.pose[:2], *left])
+        return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
     def _hold_or_go_on(self, now_s: float) -> None:
         if self.verdict.action is Action.HOLD:
             self._clear_since_s = None
-            if self.mission.state in (State.DRIVING, State.PLANNING):
+            if self.mission.state in (State.DRIVING, State.PLANNING, State.PROVING):
                 self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
                 left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
                 self._closed_way = np.array(left).reshape(-1, 2)
@@ -378,6 +505,8 @@ class Pilot:
             return None
         if sight.pose is None or sight.scene_revision == 0 or now_s < self._ask_again_s:
             return None
+        if self.trust.level is Level.DOUBTED:
+            return None
         self._request_id += 1
         self._asked = PlanRequest(
             self._request_id,
@@ -386,6 +515,7 @@ class Pilot:
             sight.scene_revision,
             any_order=self.mission.any_order and self.mission.visited == 0,
             avoid=discs_to_avoid(sight.pose[:2], sight.others, self.settings.traffic),
+            speed_m_s=self._allowed_m_s(sight),
         )
         return self._asked
 

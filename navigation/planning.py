@@ -95,6 +95,7 @@ class ArenaPlanner:
         visits = [vias[i] for i in path.order] if request.any_order else vias
         keep_m = min(path.min_clearance, self.settings.radius_m + self.settings.margin_m)
         limits = self.settings.limits
+        limits = replace(limits, speed=min(limits.speed, request.speed_m_s))
         path = smooth_path(
             path,
             roadmap.path_clearance,

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from firmware_protocol.framing import wire_bytes
+from firmware_protocol.messages import Status
 from navigation.config import Config, limits_of
 from navigation.cycle import PilotSettings
 from navigation.eye import Body, EyeSettings
@@ -15,6 +17,8 @@ from navigation.mission import Station
 from navigation.planning import PlanSettings
 from navigation.traffic import TrafficLimits
 from navigation.watch import SafetyLimits
+from navigation.witness import WitnessLimits
+from navigation.witness.agreement import AgreementLimits
 from planner.scene import Bounds
 from vision.markers import MarkedRobot
 
@@ -22,6 +26,7 @@ SETTLE_S: Final = 0.4
 RETRY_S: Final = 1.0
 ROBOT_GRACE_S: Final = 1.5
 CORRECTIONS: Final = 3
+BITS_A_BYTE: Final = 10
 
 
 def stations_of(config: Config) -> tuple[Station, ...]:
@@ -40,6 +45,7 @@ def pilot_settings(config: Config) -> PilotSettings:
             max_deviation_m=safety.max_deviation_m,
             robot_radius_m=config.robot.radius_m,
             clearance_slack_m=safety.clearance_slack_m,
+            latency_s=safety.latency_s,
         ),
         bounds_m=Bounds(*config.arena.bounds_m),
         goal_tolerance_m=config.mission.tolerance_m,
@@ -56,6 +62,16 @@ def pilot_settings(config: Config) -> PilotSettings:
             keep_m=safety.other_robots_m,
         ),
         corrections=CORRECTIONS,
+        turns_on_spot=config.robot.turns_on_spot,
+    )
+
+
+def witness_limits(config: Config) -> WitnessLimits:
+    """What camera and wheels may differ by."""
+    report_bytes = wire_bytes(Status.LAYOUT.size)
+    return WitnessLimits(
+        AgreementLimits(config.safety.odometry_slack_m, config.safety.odometry_error),
+        report_age_s=report_bytes * BITS_A_BYTE / config.serial.baud,
     )
 
 

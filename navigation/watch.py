@@ -35,6 +35,8 @@ class SafetyLimits:
     clearance_slack_m: float
     """How far below the radius the measured clearance may fall before it is a violation:
     the camera's own uncertainty."""
+    latency_s: float = 0.25
+    """How old pictures may be when they arrive."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +61,12 @@ class Facts:
     """The sentence that says which part of the program has failed."""
     camera_reason: str = ""
     """What the camera says of itself; empty while all is well."""
+    doubles: tuple[str, ...] = ()
+    """A sentence for each of the robot's markers that is seen twice."""
+    parted: str | None = None
+    """The sentence that says how camera and wheels differ."""
+    latency_s: float | None = None
+    """How old pictures are when they arrive, measured; None while it does not matter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +86,7 @@ def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
     """Whether the robot may move in this cycle."""
     found = [
         *_camera(facts, limits),
+        *_identity(facts, limits),
         *_link(facts, limits),
         *_place(facts, limits),
     ]
@@ -96,6 +105,21 @@ def _camera(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
     if facts.pose_age_s > limits.pose_stale_s:
         return [(Action.HOLD, f"the robot's marker was not seen {_since(facts.pose_age_s)}")]
     return []
+
+
+def _identity(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
+    found = [(Action.STOP, text) for text in facts.doubles]
+    if facts.parted is not None:
+        found.append((Action.HOLD, facts.parted))
+    if facts.latency_s is not None and facts.latency_s > limits.latency_s:
+        found.append(
+            (
+                Action.HOLD,
+                f"the camera's pictures are {facts.latency_s:.2f} s old when they arrive: "
+                f"the limit is {limits.latency_s:g} s",
+            )
+        )
+    return found
 
 
 def _link(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:

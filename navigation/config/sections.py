@@ -18,6 +18,7 @@ from navigation.config.dashboard import DashboardSection
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
     Count,
+    Fraction,
     NeighbourFile,
     NotNegative,
     Number,
@@ -228,8 +229,22 @@ class SafetySection(Section):
     other_robots_m: Positive = Field(
         default=0.03, description="hold when another robot comes nearer than this to the body"
     )
+    latency_s: Annotated[Positive, Field(le=0.3)] = Field(
+        default=0.25,
+        description="hold when the camera's pictures are older than this when they arrive, as "
+        "driving shows; beyond 0.15 s the robot drives more slowly",
+    )
+    odometry_error: Fraction = Field(
+        default=0.04,
+        description="what the wheels' metre may be wrong by, beside what is learned on the way: "
+        "where camera and wheels differ by more, the robot holds and has to prove itself",
+    )
+    odometry_slack_m: Positive = Field(
+        default=0.015, description="what camera and wheels may differ by in any case"
+    )
     give_up_s: Positive = Field(
-        default=30.0, description="the mission fails when the robot had to hold for longer"
+        default=30.0,
+        description="the mission fails when the robot had to wait for longer without progress",
     )
 
 

@@ -38,7 +38,7 @@ SETTINGS = PilotSettings(
 )
 PERIOD_S = 1 / 30
 SEEN = Sight(0.03, 0.03, (0.3, 0.3, 0.0), 1, 0.3)
-LINKED = RobotReport(age_s=0.02, down_reason=None)
+LINKED = RobotReport(age_s=0.02, down_reason=None, place_m=(0.3, 0.3))
 
 
 class World:
@@ -64,8 +64,25 @@ class World:
         elif orders.permit and self.moves and self.robot.executed < len(self.targets):
             t = self.targets[self.robot.executed]
             self.robot = replace(self.robot, executed=self.robot.executed + 1)
-            self.sight = replace(self.sight, pose=(t.x_m, t.y_m, t.heading_rad or 0.0))
+            self.move(t)
         return orders
+
+    def move(self, target: Target) -> None:
+        """The robot is at a target, and camera and wheels have seen it turn alike."""
+        assert self.sight.pose is not None
+        heading_rad = target.heading_rad or 0.0
+        turned_rad = math.remainder(heading_rad - self.sight.pose[2], math.tau)
+        seen = self.sight.evidence
+        self.sight = replace(
+            self.sight,
+            pose=(target.x_m, target.y_m, heading_rad),
+            evidence=replace(
+                seen,
+                wheels_rad=seen.wheels_rad + turned_rad,
+                camera_rad=seen.camera_rad + turned_rad,
+            ),
+        )
+        self.robot = replace(self.robot, place_m=(target.x_m, target.y_m))
 
     def plan(self, request: PlanRequest) -> PlanAnswer:
         if self.no_path is not None:
@@ -159,7 +176,7 @@ def test_after_a_hold_a_new_plan_is_made_from_where_the_robot_is(world: World) -
     world.sight = replace(world.sight, pose_age_s=0.03)
     assert not any(orders.permit for orders in world.run(8))  # the cause must stay away
     world.run_until(State.DONE)
-    assert len(world.uploads) == 2
+    assert len(world.uploads) == 3, "a plan, the turn that proves the robot, a plan"
     assert world.pilot.replans == 1
 
 

@@ -1,0 +1,196 @@
+"""Whether the robot that the camera sees is the one whose wheels turn, and how it proves that.
+
+- SURE: a person has armed the robot, or camera and wheels have agreed for ``PROBATION_M``.
+- DOUBTED: they parted, or the robot was lost from view. It may do nothing but prove itself: turn
+  a little on the spot, which leaves its disc where it is, and be seen to turn as its wheels do.
+- A robot that the camera shows far from where its wheels brought it needs a person in any case.
+- PROBATION: it has proved itself and drives on, slowly at first. What parts now is a stop.
+
+A robot that cannot turn on the spot proves itself by the first, slow piece of its way. Decisions
+only, no clock. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Final
+
+from navigation.targets import Target
+from navigation.witness import Evidence
+
+TURN_RAD: Final = 0.35
+"""Clearly more than the camera's noise and the follower's tolerance; less than a person steps
+back from."""
+TURNED: Final = 0.7
+"""The share of the turn that has to be made: the rest is the follower's business."""
+TURN_SLACK_RAD: Final = 0.1
+TURN_ERROR: Final = 0.1
+SLOWLY_M_S: Final = 0.08
+SLOWLY_OVER_M: Final = 0.2
+"""Braking from this speed takes 6 mm at 0.5 m/s2: what goes wrong here goes not far."""
+PROBATION_M: Final = 1.0
+ON_THE_SPOT_M: Final = 0.025
+"""A turn on the spot drives a few millimetres; more means that the place itself moves."""
+APART_RAD: Final = 2.0 * TURN_RAD
+"""More than the whole turn can make them differ by, however late the pictures are: a robot that is
+drawn back by a picture that stands still turns on and on."""
+PATIENCE_S: Final = 3.0
+"""How long pictures may take to show the turn: longer than any latency that is measured."""
+LONGEST_PROOF_S: Final = 8.0
+KNOCKED_M: Final = 0.1
+KNOCKED_RAD: Final = 0.7
+"""A robot that was knocked this far may prove itself; one that is farther from where its wheels
+brought it was carried, or is not where the camera shows it, and only a person can tell."""
+NEAR_M: Final = 0.02
+"""The robot's own estimate has followed the camera when they are so near: else it would drive
+to the place where it is told to turn."""
+
+
+class Level(Enum):
+    """How far the robot's identity can be trusted."""
+
+    SURE = "sure"
+    DOUBTED = "doubted"
+    PROBATION = "probation"
+
+
+class Verdict(Enum):
+    """What a proof has come to."""
+
+    OPEN = "not decided yet"
+    PROVED = "camera and wheels turned alike"
+    REFUTED = "the wheels turned, the camera saw something else"
+    STILL = "the wheels did not turn"
+
+
+@dataclass(slots=True)
+class Proof:
+    """A turn on the spot that is under way: its mission on the wire and what was known before."""
+
+    mission_id: int
+    began_s: float
+    before: Evidence
+    stands_since_s: float | None = None
+
+    def judge(self, now_s: float, evidence: Evidence, done: bool) -> tuple[Verdict, str]:
+        """What the turn shows by now, and the sentence to a proof that failed.
+
+        ``done``: the robot reports that it has turned.
+        """
+        wheels_rad = evidence.wheels_rad - self.before.wheels_rad
+        camera_rad = evidence.camera_rad - self.before.camera_rad
+        driven_m = evidence.driven_m - self.before.driven_m
+        if driven_m > ON_THE_SPOT_M:
+            return Verdict.REFUTED, (
+                f"the robot did not prove itself: it drove {driven_m:.3f} m where it was to turn "
+                "on the spot; the camera moves it about"
+            )
+        turned = abs(wheels_rad) >= TURNED * TURN_RAD
+        if not (done and evidence.wheels_stand):
+            self.stands_since_s = None
+        elif self.stands_since_s is None:
+            self.stands_since_s = now_s
+        stands = self.stands_since_s is not None
+        alike = abs(camera_rad - wheels_rad) <= TURN_SLACK_RAD + TURN_ERROR * abs(wheels_rad)
+        if stands and turned and alike:
+            return Verdict.PROVED, ""
+        waited = self.stands_since_s is not None and now_s - self.stands_since_s > PATIENCE_S
+        if (waited and turned) or abs(camera_rad - wheels_rad) > APART_RAD:
+            return Verdict.REFUTED, (
+                f"the robot did not prove itself: its wheels turned it "
+                f"{math.degrees(wheels_rad):.0f} deg, the camera saw {math.degrees(camera_rad):.0f}"
+                " deg: a frozen picture, another robot's marker, or wheels that slip"
+            )
+        if waited or now_s - self.began_s > LONGEST_PROOF_S:
+            return Verdict.STILL, "the robot did not turn when it was told to prove itself"
+        return Verdict.OPEN, ""
+
+
+class Trust:
+    """The level and why; `look` once a cycle, before anything is decided."""
+
+    def __init__(self) -> None:
+        self.level = Level.SURE
+        self.why = ""
+        """Why the robot is doubted; empty while it is not."""
+        self.proofs = 0
+        self._since_m = 0.0
+        self._slip_m, self._slip_rad = (0.0, 0.0), 0.0
+
+    def arm(self) -> None:
+        """Nothing speaks against the robot."""
+        self.level, self.why = Level.SURE, ""
+
+    def vouch(self) -> None:
+        """A person has looked: the robot is where the camera shows it."""
+        self.arm()
+
+    def doubt(self, why: str) -> None:
+        """Something asks for a proof; the first reason stays."""
+        if self.level is not Level.DOUBTED:
+            self.level, self.why = Level.DOUBTED, why
+
+    def look(self, evidence: Evidence, lost: str | None) -> str | None:
+        """New evidence; the sentence of a stop where a robot on probation parts again.
+
+        ``lost`` is the sentence of a camera that does not see the robot.
+        """
+        if evidence.parted is not None:
+            if self.level is Level.PROBATION:
+                driven_m = evidence.agreed_m - self._since_m
+                return f"{evidence.parted}, {driven_m:.2f} m after it had proved itself"
+            self.doubt(evidence.parted)
+        elif lost is not None:
+            self.doubt(lost)
+        elif self.level is Level.PROBATION and evidence.agreed_m - self._since_m >= PROBATION_M:
+            self.arm()
+        if self.level is Level.SURE:
+            self._slip_m, self._slip_rad = evidence.slip_m, evidence.slip_rad
+        return None
+
+    def moved(self, evidence: Evidence) -> str | None:
+        """The sentence where a robot that stands is too far from where its wheels had brought it.
+
+        It was carried, or the camera shows it where it is not: no motion tells one from the other.
+        To be asked when the pictures have caught up with it, however late they are.
+        """
+        off_m = math.dist(evidence.slip_m, self._slip_m)
+        off_rad = abs(math.remainder(evidence.slip_rad - self._slip_rad, math.tau))
+        if off_m <= KNOCKED_M and off_rad <= KNOCKED_RAD:
+            return None
+        turned = f" and {math.degrees(off_rad):.0f} deg" if off_rad > KNOCKED_RAD else ""
+        return (
+            f"the camera sees the robot {off_m:.2f} m{turned} from where its wheels brought it: "
+            "it was carried or is stuck, or the picture is frozen or shows another robot; look, "
+            "then re-arm it"
+        )
+
+    def proved(self, evidence: Evidence) -> None:
+        """The proof was made: probation begins."""
+        self.level, self.why, self._since_m = Level.PROBATION, "", evidence.agreed_m
+
+    def turn(
+        self,
+        here: tuple[float, float],
+        heading_rad: float,
+    ) -> tuple[Target, ...]:
+        """The next proof: a turn where the robot believes to be, to the other side each time."""
+        self.proofs += 1
+        side = 1.0 if self.proofs % 2 else -1.0
+        towards = math.remainder(heading_rad + side * TURN_RAD, math.tau)
+        return (Target(*here, SLOWLY_M_S, stops=True, heading_rad=towards),)
+
+
+def slow_at_first(here: tuple[float, float], targets: Sequence[Target]) -> tuple[Target, ...]:
+    """The targets with no more than ``SLOWLY_M_S`` over the first ``SLOWLY_OVER_M``."""
+    slowed, gone_m, before = [], 0.0, here
+    for target in targets:
+        early = gone_m < SLOWLY_OVER_M
+        speed_m_s = min(target.speed_m_s, SLOWLY_M_S) if early else target.speed_m_s
+        slowed.append(replace(target, speed_m_s=speed_m_s))
+        gone_m += math.dist(before, (target.x_m, target.y_m))
+        before = (target.x_m, target.y_m)
+    return tuple(slowed)

@@ -1,0 +1,271 @@
+"""Whether camera and wheels tell of one motion: where the robot was seen, less where it rolled.
+
+The wheels' way is laid out along the headings that the camera saw, so that wheels of unequal
+size bend nothing. What is left of the camera's position is the slip; it may grow by what the
+odometry is wrong by, and by what two wrong dates make of a changing speed. The same is done for
+the heading. The newest slip is held against those of the last seconds: a frozen picture, a jump,
+a drift, a robot that is carried, stuck or turned round all show as slip.
+
+How long the wheels' metre is, and how much they bend, is learned on the way, within bounds.
+Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from navigation.witness.wheels import WheelMotion
+from planner.scene import FloatArray
+
+ANCHOR_EVERY_S: Final = 0.1
+ANCHORS: Final = 100
+"""Ten seconds."""
+OFF_CENTRE_M: Final = 0.005
+"""How far a marker may sit from the middle between the wheels: a turn moves it around that."""
+SLACK_RAD: Final = 0.12
+TURN_ERROR: Final = 0.1
+"""What a turn may be wrong by: the distance between the wheels, as floors and tyres change it."""
+LEARNED_OVER_M: Final = 0.25
+STRAIGHT: Final = 0.8
+"""The wheels' metre is learned where the robot got so far of what it drove."""
+METRE_SPREAD: Final = 0.05
+"""Standard deviation of an unknown robot's wheels: the radius as measured by hand."""
+METRE_MOST: Final = 0.15
+PLACE_SIGMA_M: Final = 0.003
+"""Of the distance between two of the camera's positions: noise and calibration."""
+BEND_SPREAD_RAD_M: Final = 0.2
+"""Standard deviation of how unequal wheels bend a straight way: 2.4 % on 0.12 m."""
+BEND_MOST_RAD_M: Final = 0.6
+HEADING_SIGMA_RAD: Final = 0.02
+LATERAL_TURN_RAD: Final = 0.5
+"""Turns of less in a learned stretch leave the bend to be seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class AgreementLimits:
+    """What camera and wheels may differ by: a length, and a share of the way driven."""
+
+    slack_m: float
+    error: float
+
+
+@dataclass(frozen=True, slots=True)
+class Parting:
+    """Camera and wheels since a moment: how far each says that the robot got, and turned."""
+
+    over_s: float
+    camera_m: float
+    wheels_m: float
+    camera_rad: float
+    wheels_rad: float
+    by_place: bool
+    """Whether the positions part; else the headings do."""
+
+    @property
+    def sentence(self) -> str:
+        """In one sentence, for people."""
+        if self.by_place and abs(self.camera_m - self.wheels_m) < 0.005:
+            what = f"in another direction than its wheels drove ({self.wheels_m:.3f} m each)"
+            return f"the camera saw the robot move {what} in {self.over_s:.1f} s"
+        if self.by_place:
+            return (
+                f"the camera saw the robot move {self.camera_m:.3f} m in {self.over_s:.1f} s, "
+                f"its wheels drove {self.wheels_m:.3f} m"
+            )
+        camera_deg, wheels_deg = math.degrees(self.camera_rad), math.degrees(self.wheels_rad)
+        return (
+            f"the camera saw the robot turn {camera_deg:.0f} deg in {self.over_s:.1f} s, "
+            f"its wheels turned it {wheels_deg:.0f} deg"
+        )
+
+
+class _Learned:
+    """A constant, learned by a Kalman filter of one state that never moves."""
+
+    def __init__(self, value: float, spread: float, most: float) -> None:
+        self.value, self.variance = value, spread * spread
+        self._middle, self._most = value, most
+
+    @property
+    def spread(self) -> float:
+        return math.sqrt(self.variance)
+
+    def learn(self, correction: float, sigma: float) -> None:
+        """Take a measured difference from the value; one that cannot be is left."""
+        total = self.variance + sigma * sigma
+        if correction * correction > 9.0 * total:
+            return
+        gain = self.variance / total
+        value = self.value + gain * correction
+        self.value = max(self._middle - self._most, min(self._middle + self._most, value))
+        self.variance *= 1.0 - gain
+
+
+class _Anchor(NamedTuple):
+    """One moment: slip, what both say of place and heading, and how fast the robot was."""
+
+    time_s: float
+    slip_x_m: float
+    slip_y_m: float
+    slip_rad: float
+    driven_m: float
+    turned_rad: float
+    vx_m_s: float
+    vy_m_s: float
+    turn_rad_s: float
+    seen_x_m: float
+    seen_y_m: float
+    seen_rad: float
+
+
+class Agreement:
+    """Fed with a pose and the wheels' motion at its time; `add` says where they part."""
+
+    def __init__(self, limits: AgreementLimits) -> None:
+        self.limits = limits
+        self.agreed_m = 0.0
+        """How far the wheels have driven while both agreed; never falls."""
+        self.camera_rad = 0.0
+        """How far the camera saw the robot turn; over a break nothing is added."""
+        self.wheels_rad = 0.0
+        """How far the wheels turned it between the same poses."""
+        self._metre = _Learned(1.0, METRE_SPREAD, METRE_MOST)
+        self._bend = _Learned(0.0, BEND_SPREAD_RAD_M, BEND_MOST_RAD_M)
+        self._last: tuple[tuple[float, float, float], WheelMotion] | None = None
+        self._rolled: tuple[float, float, float] | None = None
+        self.slip_m, self.slip_rad = (0.0, 0.0), 0.0
+        """Where the camera saw the robot last, less where its wheels have brought it."""
+        self._anchors: deque[_Anchor] = deque(maxlen=ANCHORS)
+        self._lesson: tuple[_Anchor, WheelMotion] | None = None
+
+    def begin_again(self) -> None:
+        """Compare with what was until now no more; the slip so far stays."""
+        self._lesson = None
+        self._anchors.clear()
+
+    def break_off(self) -> None:
+        """The wheels lost count: what they did meanwhile is unknown."""
+        self._last = None
+        self.begin_again()
+
+    def add(
+        self,
+        time_s: float,
+        pose: tuple[float, float, float],
+        wheels: WheelMotion,
+        latency_error_s: float,
+    ) -> Parting | None:
+        """The worst disagreement with one of the last seconds' poses; None while there is none."""
+        if self._rolled is None:
+            self._rolled = pose
+        step_m = self._roll(pose, wheels)
+        here = self._anchor(time_s, pose, wheels)
+        self.slip_m, self.slip_rad = (here.slip_x_m, here.slip_y_m), here.slip_rad
+        parting = self._worst(here, latency_error_s) if self._anchors else None
+        if parting is None:
+            self.agreed_m += step_m
+            self._learn(here, wheels)
+        if not self._anchors or time_s - self._anchors[-1].time_s >= ANCHOR_EVERY_S:
+            self._anchors.append(here)
+        return parting
+
+    def _roll(self, pose: tuple[float, float, float], wheels: WheelMotion) -> float:
+        """Carry the rolled place on to the newest pose's time; how far was driven.
+
+        What the wheels did while nobody knew of it is left out, and shows as slip.
+        """
+        assert self._rolled is not None
+        before, then = self._last if self._last is not None else (pose, wheels)
+        self._last = (pose, wheels)
+        turned = math.remainder(pose[2] - before[2], math.tau)
+        middle = before[2] + turned / 2.0
+        way_m = (wheels.way_m - then.way_m) * self._metre.value
+        turn_rad = wheels.turn_rad - then.turn_rad
+        x, y, heading = self._rolled
+        self._rolled = (
+            x + way_m * math.cos(middle),
+            y + way_m * math.sin(middle),
+            math.remainder(heading + turn_rad + self._bend.value * way_m, math.tau),
+        )
+        self.camera_rad += turned
+        self.wheels_rad += turn_rad
+        return wheels.driven_m - then.driven_m
+
+    def _anchor(
+        self, time_s: float, pose: tuple[float, float, float], wheels: WheelMotion
+    ) -> _Anchor:
+        assert self._rolled is not None
+        x, y, heading = self._rolled
+        speed = wheels.speed_m_s * self._metre.value
+        return _Anchor(
+            time_s, pose[0] - x, pose[1] - y, math.remainder(pose[2] - heading, math.tau),
+            wheels.driven_m, wheels.turned_rad,
+            speed * math.cos(pose[2]), speed * math.sin(pose[2]), wheels.turn_rad_s,
+            pose[0], pose[1], pose[2],
+        )  # fmt: skip
+
+    def _worst(self, here: _Anchor, latency_error_s: float) -> Parting | None:
+        table = np.array(self._anchors).T
+        driven = here.driven_m - table[4]
+        turned = here.turned_rad - table[5]
+        late_m = latency_error_s * np.hypot(here.vx_m_s - table[6], here.vy_m_s - table[7])
+        slip_m = np.hypot(here.slip_x_m - table[1], here.slip_y_m - table[2])
+        error = self.limits.error + 2.0 * self._metre.spread
+        bearable_m = (
+            self.limits.slack_m + error * driven + OFF_CENTRE_M * np.minimum(turned, 2.0) + late_m
+        )
+        slip_rad = np.abs(_wrapped(here.slip_rad - table[3]))
+        bearable_rad = (
+            SLACK_RAD
+            + TURN_ERROR * turned
+            + 2.0 * self._bend.spread * driven
+            + latency_error_s * np.abs(here.turn_rad_s - table[8])
+        )
+        by_place, by_heading = slip_m / bearable_m, slip_rad / bearable_rad
+        worst = int(np.argmax(np.maximum(by_place, by_heading)))
+        if max(by_place[worst], by_heading[worst]) <= 1.0:
+            return None
+        return self._parting(self._anchors[worst], here, by_place[worst] >= by_heading[worst])
+
+    def _parting(self, then: _Anchor, here: _Anchor, by_place: bool) -> Parting:
+        dx, dy = here.seen_x_m - then.seen_x_m, here.seen_y_m - then.seen_y_m
+        slip_x, slip_y = here.slip_x_m - then.slip_x_m, here.slip_y_m - then.slip_y_m
+        turned = math.remainder(here.seen_rad - then.seen_rad, math.tau)
+        return Parting(
+            here.time_s - then.time_s,
+            math.hypot(dx, dy),
+            math.hypot(dx - slip_x, dy - slip_y),
+            turned,
+            math.remainder(turned - (here.slip_rad - then.slip_rad), math.tau),
+            by_place,
+        )
+
+    def _learn(self, here: _Anchor, wheels: WheelMotion) -> None:
+        """What a stretch without a parting teaches of the wheels."""
+        if self._lesson is None:
+            self._lesson = (here, wheels)
+            return
+        then, began = self._lesson
+        driven_m = wheels.driven_m - began.driven_m
+        if driven_m < LEARNED_OVER_M:
+            return
+        self._lesson = (here, wheels)
+        slip = np.array([here.slip_x_m - then.slip_x_m, here.slip_y_m - then.slip_y_m])
+        rolled = np.array([here.seen_x_m - then.seen_x_m, here.seen_y_m - then.seen_y_m]) - slip
+        got_m = float(np.hypot(*rolled))
+        if got_m >= STRAIGHT * driven_m:
+            self._metre.learn(float(slip @ rolled) / got_m**2, PLACE_SIGMA_M / driven_m)
+        if wheels.turned_rad - began.turned_rad < LATERAL_TURN_RAD:
+            way_m = (wheels.way_m - began.way_m) * self._metre.value
+            if abs(way_m) > LEARNED_OVER_M / 2.0:
+                off_rad = math.remainder(here.slip_rad - then.slip_rad, math.tau)
+                self._bend.learn(off_rad / way_m, HEADING_SIGMA_RAD / abs(way_m))
+
+
+def _wrapped(angles_rad: FloatArray) -> FloatArray:
+    return (angles_rad + np.pi) % (2.0 * np.pi) - np.pi

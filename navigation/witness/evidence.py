@@ -1,0 +1,51 @@
+"""What camera and wheels say together, once a control cycle.
+
+Metres, radians, seconds; nothing in it changes any more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+FREE_LATENCY_S: Final = 0.15
+"""Pictures up to so old are no reason to drive more slowly: a USB camera's 30 to 100 ms and a
+picture's exposure. Before it is measured the latency is taken to lie between 0 and this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """The witnesses' words; the defaults are those of a robot that was never seen to move."""
+
+    parted: str | None = None
+    """The sentence that says how camera and wheels differ, in the cycle that found it."""
+    agreed_m: float = 0.0
+    """How far the robot has driven since the beginning while both agreed; never falls."""
+    wheels_rad: float = 0.0
+    """How far the wheels have turned the robot since the beginning, left positive."""
+    camera_rad: float = 0.0
+    """How far the camera saw it turn in the same time, as far as it was seen."""
+    driven_m: float = 0.0
+    """How far the wheels have driven since the beginning, forwards and backwards."""
+    slip_m: tuple[float, float] = (0.0, 0.0)
+    """Where the camera sees the robot, less where its wheels brought it, summed up since the
+    beginning: it creeps with the odometry's errors and leaps when the robot is carried."""
+    slip_rad: float = 0.0
+    """The same of its heading, in (-pi, pi]."""
+    wheels_stand: bool = True
+    """Whether the wheels were still in the robot's last report."""
+    latency_s: float | None = None
+    """How old pictures are when they arrive; None until a motion has shown it."""
+    latency_error_s: float = FREE_LATENCY_S / 2.0
+    """What the latency may be off by."""
+
+    @property
+    def longest_latency_s(self) -> float:
+        """What has to be counted on; before it is measured, what needs no slower driving."""
+        if self.latency_s is None:
+            return FREE_LATENCY_S
+        return self.latency_s + self.latency_error_s
+
+
+NO_EVIDENCE: Final = Evidence()
+"""Before anything was seen."""

@@ -1,0 +1,166 @@
+"""The robot's motion by its own wheels, from the speeds in its reports.
+
+The pose in STATUS is drawn to the camera's and is no second witness; speed and turning rate are
+the wheels' alone. They are integrated between reports (trapezoids) and dated by the robot's own
+clock, so that a report that was held up on the line is not taken for a late motion. What happened
+in a longer gap is unknown: a new stretch begins there. Metres, radians, seconds of our clock.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from firmware_protocol.clock_sync import WRAP_US
+from firmware_protocol.messages import Status
+from planner.scene import FloatArray
+from vision.arrival_clock import ArrivalClock
+
+SPEED_LAG_S: Final = 0.03
+"""The robot's measured speeds are smoothed over 30 ms (``SMOOTHING_US`` of its controller)."""
+LONGEST_GAP_S: Final = 0.35
+"""Reports come every 50 ms; after seven lost ones nobody knows how the wheels turned."""
+REDATED_S: Final = 0.02
+"""A report that shows the clock's offset to be smaller by more than this puts earlier dates in
+doubt: a new stretch begins."""
+KEPT_S: Final = 4.0
+LONGEST_GUESS_S: Final = 0.2
+"""How long after the last report its speeds are taken to hold."""
+STANDING_M_S: Final = 0.004
+STANDING_RAD_S: Final = 0.03
+"""Slower wheels stand: one late step of the encoders in a report."""
+
+
+class WheelMotion(NamedTuple):
+    """The wheels at one moment: since the stretch began, and as fast as they turned then.
+
+    ``way_m`` and ``turn_rad`` are signed sums, ``driven_m`` and ``turned_rad`` count every
+    motion as positive.
+    """
+
+    way_m: float
+    turn_rad: float
+    driven_m: float
+    turned_rad: float
+    speed_m_s: float
+    turn_rad_s: float
+
+
+class WheelTrack:
+    """Fed with the robot's reports; asked for the motion at a time.
+
+    ``report_age_s`` is how old a report is when it has arrived by the shortest way: its bytes'
+    time on the wire.
+    """
+
+    def __init__(self, report_age_s: float = 0.0) -> None:
+        self._lag_s = SPEED_LAG_S + report_age_s
+        self._clock = ArrivalClock()
+        self._boot_id: int | None = None
+        self._robot_us = 0
+        self._robot_s = 0.0
+        self._knots: deque[tuple[float, WheelMotion]] = deque()
+        self._table: FloatArray | None = None
+        self.stretch = 0
+        """Counts the stretches without a gap; sums of different stretches cannot be compared."""
+        self.driven_m = 0.0
+        """How far the wheels have driven over all stretches, forwards and backwards."""
+
+    def see(self, status: Status, arrived_s: float) -> None:
+        """Take a report; one that is not newer than the last changes nothing."""
+        if status.boot_id != self._boot_id:
+            self._boot_id, self._clock = status.boot_id, ArrivalClock()
+            self._robot_us, self._robot_s = status.time_us, 0.0
+            self._begin(status, self._clock.time_of(0.0, arrived_s))
+            return
+        passed_us = (status.time_us - self._robot_us) % WRAP_US
+        if passed_us == 0 or passed_us > WRAP_US // 2:
+            return
+        dt_s = passed_us / 1e6
+        self._robot_us, self._robot_s = status.time_us, self._robot_s + dt_s
+        known_s = self._clock.offset_s
+        at_s = self._clock.time_of(self._robot_s, arrived_s)
+        if dt_s > LONGEST_GAP_S or known_s - self._clock.offset_s > REDATED_S:
+            self._begin(status, at_s)
+            return
+        last = self._knots[-1][1]
+        way_m = dt_s * (last.speed_m_s + status.speed_m_s) / 2.0
+        turn_rad = dt_s * (last.turn_rad_s + status.turn_rad_s) / 2.0
+        self.driven_m += abs(way_m)
+        self._add(
+            at_s,
+            WheelMotion(
+                last.way_m + way_m,
+                last.turn_rad + turn_rad,
+                last.driven_m + abs(way_m),
+                last.turned_rad + abs(turn_rad),
+                status.speed_m_s,
+                status.turn_rad_s,
+            ),
+        )
+
+    @property
+    def newest_s(self) -> float:
+        """Up to when the motion is known; -infinity before the first report."""
+        return self._knots[-1][0] if self._knots else -np.inf
+
+    @property
+    def oldest_s(self) -> float:
+        """From when on it is known; infinity before the first report."""
+        return self._knots[0][0] if self._knots else np.inf
+
+    @property
+    def stand(self) -> bool:
+        """Whether the wheels were still in the last report, or none came yet."""
+        if not self._knots:
+            return True
+        now = self._knots[-1][1]
+        return abs(now.speed_m_s) < STANDING_M_S and abs(now.turn_rad_s) < STANDING_RAD_S
+
+    @property
+    def stood_first(self) -> bool:
+        """Whether the wheels were still when what is known begins."""
+        first = self._knots[0][1] if self._knots else None
+        return first is None or (first.speed_m_s == 0.0 and first.turn_rad_s == 0.0)
+
+    def at(self, time_s: float) -> WheelMotion | None:
+        """The motion at a time; None where it lies outside of what is known."""
+        if not self.oldest_s <= time_s <= self.newest_s:
+            return None
+        return WheelMotion(*(float(v[0]) for v in self.at_times(np.array([time_s]))))
+
+    def at_times(self, times_s: FloatArray) -> FloatArray:
+        """The motions (6, n) at times; beyond what is known, those at its ends."""
+        table = self._table
+        if table is None:
+            table = self._table = np.array([(t, *motion) for t, motion in self._knots]).T
+        return np.array([np.interp(times_s, table[0], row) for row in table[1:]])
+
+    def since(self, time_s: float, now_s: float) -> tuple[float, float]:
+        """How far the wheels went and turned from a time up to now; zeros where unknown.
+
+        After the last report its speeds are taken to hold, for a moment.
+        """
+        then = self.at(time_s)
+        if then is None:
+            return 0.0, 0.0
+        last = self._knots[-1][1]
+        guess_s = min(max(0.0, now_s - self.newest_s), LONGEST_GUESS_S)
+        way_m = last.way_m - then.way_m + guess_s * last.speed_m_s
+        return way_m, last.turn_rad - then.turn_rad + guess_s * last.turn_rad_s
+
+    def _begin(self, status: Status, at_s: float) -> None:
+        self.stretch += 1
+        self._knots.clear()
+        self._add(at_s, WheelMotion(0.0, 0.0, 0.0, 0.0, status.speed_m_s, status.turn_rad_s))
+
+    def _add(self, at_s: float, motion: WheelMotion) -> None:
+        at_s -= self._lag_s
+        if self._knots:
+            at_s = max(at_s, self._knots[-1][0] + 1e-6)
+        self._knots.append((at_s, motion))
+        while self._knots[0][0] < at_s - KEPT_S:
+            self._knots.popleft()
+        self._table = None

@@ -1,0 +1,134 @@
+"""Feeds both witnesses, in order of time, and gives the evidence of a cycle.
+
+A pose waits until the wheels are known up to its time, which takes a report's interval of 50 ms;
+the robot that reports nothing is another rule's business. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_protocol.messages import Status
+from navigation.witness.agreement import Agreement, AgreementLimits, Parting
+from navigation.witness.evidence import FREE_LATENCY_S, Evidence
+from navigation.witness.latency import Latency, LatencyEstimate
+from navigation.witness.wheels import WheelTrack
+from vision.markers import RobotPose
+
+LONGEST_LOSS_S: Final = 0.5
+"""Poses farther apart than this are not compared: what happened between them is for the proof."""
+MOST_WAITING: Final = 60
+SLEW_S: Final = 0.005
+"""How much the latency that poses are dated by may change from one picture to the next: less
+than a picture's interval, so that their order stays."""
+
+
+@dataclass(frozen=True, slots=True)
+class WitnessLimits:
+    """The numbers of the comparison, from the configuration."""
+
+    agreement: AgreementLimits
+    report_age_s: float
+    """How old the robot's report is when it has arrived: its bytes' time on the wire."""
+
+
+class Witness:
+    """One robot's two witnesses."""
+
+    def __init__(self, limits: WitnessLimits) -> None:
+        self._limits = limits
+        self.wheels = WheelTrack(limits.report_age_s)
+        self._agreement = Agreement(limits.agreement)
+        self._latency = LatencyEstimate()
+        self._measured: Latency | None = None
+        self._waiting: deque[tuple[float, tuple[float, float, float]]] = deque()
+        self._stretch = 0
+        self._last_s = -math.inf
+        self._dated_by_s = 0.0
+        self._parting: Parting | None = None
+
+    # What comes in.
+
+    def report(self, status: Status, arrived_s: float) -> None:
+        """The robot's newest report; the same one again changes nothing."""
+        self.wheels.see(status, arrived_s)
+        self._compare()
+
+    def saw(self, pose: RobotPose, arrived_s: float) -> None:
+        """Where the camera saw the robot; ``arrived_s`` as its source has stamped the picture."""
+        if len(self._waiting) == MOST_WAITING:
+            self._waiting.popleft()
+        self._waiting.append((arrived_s, (pose.x, pose.y, pose.heading_rad)))
+        self._compare()
+
+    def measure_again(self) -> None:
+        """What was measured of the latency stays until the next motion has shown it."""
+        self._latency = LatencyEstimate()
+
+    def forget_latency(self) -> None:
+        """Another camera, or one that a person has seen to: nothing is known of its latency."""
+        self._latency, self._measured = LatencyEstimate(), None
+
+    # What it says.
+
+    def latency_s(self) -> float:
+        """By how much the next picture's stamp is too late; moves slowly to what is measured."""
+        wanted_s = 0.0 if self._measured is None else self._measured.latency_s
+        change_s = max(-SLEW_S, min(SLEW_S, wanted_s - self._dated_by_s))
+        self._dated_by_s += change_s
+        return self._dated_by_s
+
+    def evidence(self) -> Evidence:
+        """What is known by now; a parting is told once."""
+        parting, self._parting = self._parting, None
+        known = self._measured
+        return Evidence(
+            parted=None if parting is None else parting.sentence,
+            agreed_m=self._agreement.agreed_m,
+            wheels_rad=self._agreement.wheels_rad,
+            camera_rad=self._agreement.camera_rad,
+            driven_m=self.wheels.driven_m,
+            slip_m=self._agreement.slip_m,
+            slip_rad=self._agreement.slip_rad,
+            wheels_stand=self.wheels.stand,
+            latency_s=None if known is None else known.latency_s,
+            latency_error_s=FREE_LATENCY_S / 2.0 if known is None else known.error_s,
+        )
+
+    def carried(self, pose: RobotPose, now_s: float) -> tuple[float, float, float]:
+        """Where the robot is now: its pose, dated, and what the wheels have done since."""
+        way_m, turn_rad = self.wheels.since(pose.captured_s, now_s)
+        middle = pose.heading_rad + turn_rad / 2.0
+        heading = math.remainder(pose.heading_rad + turn_rad, math.tau)
+        return pose.x + way_m * math.cos(middle), pose.y + way_m * math.sin(middle), heading
+
+    # Inside.
+
+    def _compare(self) -> None:
+        """Take every pose up to whose time the wheels are known."""
+        if self.wheels.stretch != self._stretch:
+            self._stretch = self.wheels.stretch
+            self._latency.break_off()
+            self._agreement.break_off()
+        while self._waiting and self._waiting[0][0] <= self.wheels.newest_s:
+            time_s, pose = self._waiting.popleft()
+            if time_s - self._last_s > LONGEST_LOSS_S:
+                self._latency.break_off()
+                self._agreement.begin_again()
+            self._last_s = time_s
+            self._latency.add(time_s, pose, self.wheels)
+            self._measured = self._latency.estimate() or self._measured
+            self._judge(time_s, pose)
+
+    def _judge(self, time_s: float, pose: tuple[float, float, float]) -> None:
+        known = self._measured or Latency(FREE_LATENCY_S / 2.0, FREE_LATENCY_S / 2.0)
+        wheels = self.wheels.at(time_s - known.latency_s)
+        if wheels is None:
+            return
+        parting = self._agreement.add(time_s, pose, wheels, known.error_s)
+        if parting is not None:
+            self._parting = parting
+            self._agreement.begin_again()

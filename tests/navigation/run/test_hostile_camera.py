@@ -1,0 +1,249 @@
+"""A camera that lies while the robot drives, in virtual time: it may get no farther than a hand.
+
+Ground truth decides: how far the robot drives after the lie begins, that it touches nothing, and
+that the sentence names what was seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+
+import pytest
+
+from navigation.daemon import Daemon
+from navigation.daemon_state import DaemonState
+from navigation.mission import State
+from navigation.run.virtual_world import VirtualWorld
+from navigation.stages import stations_of
+from navigation.trust import Level
+from tests.support.virtual import cycle_until, is_driving, short_config
+
+GOAL = (0.20, 1.60)
+FAR = [{"x_m": GOAL[0], "y_m": GOAL[1]}]
+HIGH_CAMERA = {
+    "position_m": (1.155, 0.975, 2.9), "focal_px": 617.5, "centre_offset_px": (2.6, -1.9)
+}  # fmt: skip
+RADIUS_M = 0.09
+
+
+@dataclass(slots=True)
+class Stage:
+    """A daemon, its world, and how far the robot has driven since `lie`."""
+
+    world: VirtualWorld
+    daemon: Daemon
+    driven_m: float = 0.0
+    said: list[str] = field(default_factory=list)
+    _last: tuple[float, float] | None = None
+
+    def watch(self, now: DaemonState) -> None:
+        here = self.world.robot.pose()[:2]
+        self.driven_m += math.dist(here, self._last or here)
+        self._last = here
+        if now.sentence not in self.said[-1:]:
+            self.said.append(now.sentence)
+
+    def set_off(self, cycles: int = 20) -> None:
+        """Until the robot drives at full speed."""
+        self.daemon.give(stations_of(self.daemon.config))
+        cycle_until(self.daemon, is_driving)
+        for _ in range(cycles):
+            self.daemon.cycle()
+
+    def until(self, *states: State, seconds: float = 45.0) -> DaemonState:
+        return cycle_until(
+            self.daemon, lambda now: now.mission.state in states, seconds, self.watch
+        )
+
+    def rest(self, seconds: float = 2.0) -> None:
+        """The robot comes to a stand; what it still drives counts."""
+        until_s = self.world.clock() + seconds
+        cycle_until(self.daemon, lambda _: self.world.clock() > until_s, seconds + 1.0, self.watch)
+
+    def clearance_m(self) -> float:
+        """The least true clearance of the whole track, above the radius."""
+        truth = self.world.truth
+        return truth.track_clearance(truth.track()) - RADIUS_M
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    config = short_config(FAR, simulation={"camera": HIGH_CAMERA})
+    world = VirtualWorld(config)
+    with Daemon(config, world, first_mission_id=7) as daemon:
+        yield Stage(world, daemon)
+
+
+def freeze_with_a_clock(stage: Stage) -> None:
+    stage.world.troubles.camera_frozen = stage.world.troubles.clock_in_the_corner = True
+
+
+def freeze_with_noise(stage: Stage) -> None:
+    stage.world.troubles.camera_frozen = stage.world.troubles.frozen_noise = True
+
+
+def play_a_loop(stage: Stage) -> None:
+    stage.world.troubles.looping = True
+
+
+def show_another_robot(stage: Stage) -> None:
+    stage.world.troubles.marker_at = (1.2, 0.5, 0.3)
+
+
+def lay_a_second_marker(stage: Stage) -> None:
+    stage.world.troubles.double_at = (1.2, 0.5, 0.3)
+
+
+def turn_the_marker(stage: Stage) -> None:
+    stage.world.troubles.marker_turned = True
+
+
+def shift_the_marker(stage: Stage) -> None:
+    stage.world.troubles.marker_shift_m = (0.5, 0.0)
+
+
+def hold_the_robot(stage: Stage) -> None:
+    stage.world.troubles.stuck = True
+
+
+LIES: list[tuple[Callable[[Stage], None], float, str]] = [
+    # braking from 0.3 m/s alone takes 0.09 m
+    (freeze_with_a_clock, 0.17, "from where its wheels brought it"),
+    (freeze_with_noise, 0.17, "from where its wheels brought it"),
+    (play_a_loop, 0.17, "from where its wheels brought it"),
+    (show_another_robot, 0.17, "from where its wheels brought it"),
+    (lay_a_second_marker, 0.17, "the robot's marker 7 is seen at"),
+    (turn_the_marker, 0.17, "180 deg from where its wheels brought it"),
+    (shift_the_marker, 0.17, "must be at least"),
+    (hold_the_robot, 0.0, "from where its wheels brought it"),
+]
+
+
+@pytest.mark.parametrize(("lie", "most_m", "words"), LIES, ids=[row[0].__name__ for row in LIES])
+def test_a_lie_of_the_camera_is_a_stop_within_a_hand(
+    stage: Stage, lie: Callable[[Stage], None], most_m: float, words: str
+) -> None:
+    stage.set_off()
+    stage.watch(stage.daemon.state)  # type: ignore[arg-type]
+    lie(stage)
+    ended = stage.until(State.STOPPED)
+    stage.rest()
+    assert words in ended.sentence, stage.said
+    assert stage.driven_m <= most_m + 0.01
+    assert stage.clearance_m() > 0.0
+
+
+def test_a_marker_that_drifts_is_found_before_it_leads_the_robot_into_anything(
+    stage: Stage,
+) -> None:
+    """Three centimetres a second, to 0.3 m."""
+    stage.set_off()
+    since_s = stage.world.clock()
+
+    def drift(now: DaemonState) -> None:
+        shift_m = min(0.3, 0.03 * (stage.world.clock() - since_s))
+        stage.world.troubles.marker_shift_m = (shift_m, 0.0)
+        stage.watch(now)
+
+    ended = cycle_until(stage.daemon, lambda now: now.mission.state is State.STOPPED, 30.0, drift)
+    assert "camera" in ended.sentence
+    assert any("in another direction than its wheels" in said for said in stage.said)
+    assert stage.clearance_m() > 0.0
+
+
+def test_a_robot_that_was_knocked_proves_itself_and_goes_on(stage: Stage) -> None:
+    stage.set_off()
+    x, y, heading = stage.world.robot.pose()
+    stage.world.troubles.carried_to = (x + 0.06, y, heading)
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+    assert any(said.endswith("the robot turns a little to prove itself") for said in stage.said)
+    assert math.dist(stage.world.robot.pose()[:2], GOAL) < 0.01
+
+
+def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None:
+    stage.set_off()
+    stage.world.troubles.carried_to = (0.2, 0.75, 1.0)
+    ended = stage.until(State.STOPPED)
+    assert "it was carried or is stuck" in ended.sentence
+    stage.rest()
+    stage.daemon.resume()
+    stage.rest(1.0)
+    stage.daemon.resume()
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+
+
+def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage: Stage) -> None:
+    stage.set_off()
+    stage.world.troubles.marker_hidden = True
+    stage.until(State.HOLDING)
+    stage.rest()
+    stage.world.troubles.marker_hidden = False
+    stage.until(State.PROVING)
+    stood = stage.world.robot.pose()[:2]
+    stage.until(State.DRIVING)
+    assert math.dist(stood, stage.world.robot.pose()[:2]) < 0.01, "it turned on the spot"
+    assert stage.daemon.pilot.trust.level is Level.PROBATION
+    assert stage.daemon.pilot.targets[0].speed_m_s <= 0.08
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+
+
+@pytest.mark.parametrize("latency_s", [0.05, 0.1, 0.2])
+def test_a_late_stream_is_measured_and_driven_with(stage: Stage, latency_s: float) -> None:
+    stage.world.troubles.stream_latency_s = latency_s
+    stage.daemon.give(stations_of(stage.daemon.config))
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+    found_s = stage.daemon.witness.evidence().latency_s
+    assert found_s == pytest.approx(latency_s, abs=0.03)
+    assert stage.clearance_m() > 0.02
+    assert math.dist(stage.world.robot.pose()[:2], GOAL) < 0.01
+
+
+@pytest.mark.parametrize("latency_s", [0.35, 0.6, 0.9])
+def test_a_stream_that_is_too_late_is_not_driven_with(stage: Stage, latency_s: float) -> None:
+    stage.world.troubles.stream_latency_s = latency_s
+    stage.daemon.give(stations_of(stage.daemon.config))
+    ended = stage.until(State.FAILED, State.STOPPED, seconds=90.0)
+    stage.rest()
+    late = f"the camera's pictures are {latency_s:.1f}"
+    assert any(late[:-1] in said for said in stage.said), stage.said
+    assert "limit is 0.25 s" in ended.sentence or ended.mission.state is State.FAILED
+    assert stage.driven_m < 0.1
+    assert stage.clearance_m() > 0.05
+
+
+def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(stage: Stage) -> None:
+    stage.set_off()
+    stage.world.troubles.stream_latency_s = 0.22
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+    assert stage.daemon.pilot._planned_m_s < 0.27
+    assert stage.clearance_m() > 0.02
+
+
+def test_a_stamp_in_the_future_counts_as_now(stage: Stage) -> None:
+    stage.world.troubles.future_s = 3600.0
+    stage.daemon.give(stations_of(stage.daemon.config))
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+
+
+def test_pushed_back_time_and_again_the_mission_is_given_up(stage: Stage) -> None:
+    """States alone would never count: every push is a hold, a plan and a drive."""
+    stage.daemon.pilot.settings = replace(stage.daemon.pilot.settings, give_up_s=5.0)
+    stage.set_off(0)
+    x0, y0, heading0 = stage.world.robot.pose()
+
+    def push(now: DaemonState) -> None:
+        if now.mission.state is State.DRIVING and stage.world.robot.pose()[1] > y0 + 0.07:
+            stage.world.troubles.carried_to = (x0, y0, heading0)
+            stage.daemon.pilot.trust.vouch()  # who pushes it also says that all is well
+
+    ended = cycle_until(stage.daemon, lambda now: now.mission.is_over, 200.0, push)
+    assert ended.mission.state is State.FAILED
+    assert "given up after 5 s without progress" in ended.sentence
