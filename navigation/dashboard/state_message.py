@@ -17,6 +17,7 @@ from navigation.dashboard.seat import Seat
 from navigation.draw.shapes import RAMP_STEPS
 from navigation.mission import Station
 from navigation.serial_link import LinkSnapshot
+from navigation.witness import Evidence
 from planner.path import NoPath
 from vision.latest_frame import CameraStatus
 from vision.markers import RobotPose
@@ -71,6 +72,7 @@ def state_message(
             "reasons": list(state.verdict.reasons),
             "stations": [_station(station) for station in mission.stations],
             "visited": mission.visited,
+            "trust": state.trust.value,
         },
         "pose": None if state.pose is None else _pose(state.pose, view, now_s),
         "others": [_pose(other, view, now_s) for other in others],
@@ -78,7 +80,7 @@ def state_message(
         "clearance_m": state.clearance_m,
         "seat": _seat(seat, now_s),
         "viewers": viewers,
-        "camera": _camera(camera),
+        "camera": _camera(camera, state.evidence),
         "link": _link(state.link),
         "times": _times(state.times),
     }
@@ -123,7 +125,7 @@ def _seat(seat: Seat, now_s: float) -> dict[str, Any] | None:
     return {"id": holder.public, "name": holder.name, "free_in_s": round(seat.free_in_s(now_s))}
 
 
-def _camera(camera: CameraStatus) -> dict[str, Any]:
+def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
     return {
         "state": camera.state,
         "reason": camera.reason,
@@ -132,6 +134,7 @@ def _camera(camera: CameraStatus) -> dict[str, Any]:
         "dropped": camera.dropped,
         "reopened": camera.reopened,
         "age_ms": None if camera.age_s is None else _ms(camera.age_s),
+        "latency_ms": None if evidence.latency_s is None else _ms(evidence.latency_s),
     }
 
 

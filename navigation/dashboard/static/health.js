@@ -105,7 +105,9 @@ function cameraWord({ camera }) {
 }
 
 function cameraDetail({ camera }) {
-  return `${camera.rate_hz.toFixed(1)}/s, ${camera.dropped} dropped${camera.reopened ? `, opened again ${camera.reopened}×` : ""}`;
+  const age = camera.latency_ms === null ? "" : `, ${camera.latency_ms.toFixed(0)} ms old on arrival`;
+  const again = camera.reopened ? `, opened again ${camera.reopened}×` : "";
+  return `${camera.rate_hz.toFixed(1)}/s, ${camera.dropped} dropped${age}${again}`;
 }
 
 function linkWord({ link }) {

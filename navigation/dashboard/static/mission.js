@@ -1,7 +1,7 @@
 // The mission's state in words: what the robot does, or the plain sentence why it does not move.
 
 const WORDS = {
-  idle: "Ready", planning: "Planning", driving: "Driving", holding: "Holding",
+  idle: "Ready", planning: "Planning", proving: "Proving itself", driving: "Driving", holding: "Holding",
   stopped: "Stopped", done: "Arrived", failed: "Failed",
 };
 
@@ -48,7 +48,7 @@ export class MissionPanel {
     put("fact-clearance", metres(state.clearance_m, 3));
     put("fact-speed", pose ? `${link.moving ? pose.speed_m_s.toFixed(2) : "0.00"} m/s` : "–");
     this.pause.textContent = state.paused ? "Go on" : "Pause";
-    const underWay = ["planning", "driving", "holding"].includes(mission.state);
+    const underWay = ["planning", "proving", "driving", "holding"].includes(mission.state);
     this.pause.disabled = !this.seat.mayDrive || !(underWay || state.paused) || mission.state === "stopped";
     this.replan.hidden = mission.state !== "driving";
     this.again.hidden = !(["idle", "failed"].includes(mission.state) && this.#left > 0 && this.seat.mayDrive);
