@@ -21,6 +21,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
+from navigation.config.secrets import hide, hide_in
 from navigation.mission import State
 from navigation.recording.events import (
     Counted,
@@ -209,7 +210,8 @@ class Recorder:
         if news != self._said:
             self._said = news
             level = _LEVELS.get(now.mission.state, "info")
-            self.put(Told(time_s, level, f"{now.mission.state.value}: {now.sentence}", "mission"))
+            sentence = hide(f"{now.mission.state.value}: {now.sentence}")
+            self.put(Told(time_s, level, sentence, "mission"))
         if time_s - self._counted_s >= COUNTERS_EVERY_S:
             self._counted_s = time_s
             link = now.link
@@ -221,7 +223,7 @@ class Recorder:
                 "sent": asdict(link.sent),
                 "received": asdict(link.received),
             }
-            self.put(Counted(time_s, LINK, values))
+            self.put(Counted(time_s, LINK, hide_in(values)))
 
     # The recorder's thread.
 

@@ -10,7 +10,9 @@ import click
 
 from navigation.config import Config, load_config
 from navigation.config.errors import ConfigError, Problem, in_order, mark_of
+from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
+from navigation.config.secrets import hide
 
 if TYPE_CHECKING:
     from vision.calibration import Calibration
@@ -26,7 +28,7 @@ def command(config: Path) -> None:
     loaded = load_checked(config)
     click.echo(f"{config}: ok")
     for name, words in summary(loaded):
-        click.echo(f"  {name:<11}{words}")
+        click.echo(hide(f"  {name:<11}{words}"))
 
 
 def load_checked(file: Path) -> Config:
@@ -43,7 +45,7 @@ def load_checked(file: Path) -> Config:
             raise
         raise ConfigError(error.file, in_order([*error.problems, *found]), error.text) from None
     sections = {name: getattr(loaded, name) for name in Config.model_fields}
-    text = file.read_text(encoding="utf-8")
+    text = read_source(file)
     problems = _located(sections, text)
     if problems:
         raise ConfigError(str(file), problems, text)

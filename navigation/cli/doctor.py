@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import click
 
 from navigation.cli.options import format_option
+from navigation.config.secrets import hide, hide_in
 
 if TYPE_CHECKING:
     from navigation.config import Config
@@ -47,7 +48,7 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
     findings = [*machine_findings(), *configured]
     if form == "json":
         body = {"schema": "clearway.doctor/1", "findings": [asdict(f) for f in findings]}
-        click.echo(json.dumps(body, indent=2))
+        click.echo(json.dumps(hide_in(body), indent=2))
     else:
         for finding in findings:
             _show(finding)
@@ -61,9 +62,9 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
 
 def _show(finding: Finding) -> None:
     status = click.style(f"{finding.status:<4}", fg=COLOURS[finding.status])
-    click.echo(f"{status}  {finding.name:<14}{finding.sentence}")
+    click.echo(hide(f"{status}  {finding.name:<14}{finding.sentence}"))
     if finding.cure:
-        click.echo(f"{'':<20}-> {finding.cure}")
+        click.echo(hide(f"{'':<20}-> {finding.cure}"))
 
 
 def machine_findings() -> Iterator[Finding]:

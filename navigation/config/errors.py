@@ -15,6 +15,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from navigation.config.marks import Document, Location, Mark
+from navigation.config.secret_places import masked
+from navigation.config.secrets import SECRET_KEY, hide
 
 LONGEST_LINE = 100
 """Of a longer line only the part around the mistake is shown."""
@@ -54,8 +56,8 @@ class ConfigError(ValueError):
         self.text = text
         self.sound = dict(sound or {})
         """The sections that can be trusted all the same."""
-        lines = text.splitlines()
-        told = [_told(problem, file, lines) for problem in self.problems]
+        lines = masked(text).splitlines()
+        told = [hide(_told(problem, file, lines)) for problem in self.problems]
         if len(told) > 1:
             told.insert(0, f"{file}: {len(told)} errors")
         super().__init__("\n".join(told))
@@ -126,7 +128,7 @@ def problems_of(
                 mark = mark_of(document, where[:-1], of_key=True)
                 yield Problem(where, "is missing" + _meaning(where, model), mark)
         else:
-            secret = str(where[-1]).endswith("token")
+            secret = any(SECRET_KEY.search(str(part)) for part in where)
             sentence = _sentence(error, "what stands there" if secret else None)
             yield Problem(where, sentence, mark_of(document, where), is_secret=secret)
 
@@ -240,7 +242,10 @@ def _given(value: Any) -> str:
         return "a section"
     if isinstance(value, list):
         return "a list"
-    shown = repr(value)
+    try:
+        shown = repr(value)
+    except ValueError:  # a whole number of thousands of digits has no decimal form
+        return "a number of thousands of digits"
     return shown if len(shown) <= 60 else shown[:57] + "..."
 
 

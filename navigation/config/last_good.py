@@ -15,8 +15,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from navigation.config.load import parse_config
+from navigation.config.errors import ConfigError
+from navigation.config.load import parse_config, read_source
+from navigation.config.secret_places import masked
 from navigation.config.sections import Config
+from navigation.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12
@@ -46,11 +49,11 @@ class LastGood:
             if self.kept.exists() and self.kept.read_text(encoding="utf-8") == text:
                 return None
             self.kept.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            fresh = self.kept.with_suffix(".new")
-            fresh.write_text(text, encoding="utf-8")
-            fresh.replace(self.kept)  # whole or not at all, whenever the power fails
+            write_whole(self.kept, text, private=True)
         except OSError as error:
             return f"{self.kept}: {error.strerror or error}"
+        except UnwrittenFileError as error:
+            return str(error)
         return None
 
     def load(self, environment: Mapping[str, str]) -> Config:
@@ -61,9 +64,9 @@ class LastGood:
     def changes(self) -> list[str]:
         """What differs between the kept text and the file now, as a unified diff's lines."""
         try:
-            old = self.kept.read_text(encoding="utf-8").splitlines()
-            new = self.file.read_text(encoding="utf-8").splitlines()
-        except (OSError, UnicodeDecodeError):
+            old = masked(self.kept.read_text(encoding="utf-8")).splitlines()
+            new = masked(read_source(self.file)).splitlines()
+        except (OSError, UnicodeDecodeError, ConfigError):
             return []
         lines = list(difflib.unified_diff(old, new, "last good", str(self.file), lineterm="", n=0))
         if len(lines) > MOST_LINES:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -19,7 +19,12 @@ from navigation.config.checks import CHECKS
 from navigation.config.errors import ConfigError, Problem, in_order, mark_of, problems_of
 from navigation.config.marks import Document, Location, read_document
 from navigation.config.overrides import override, sourced
+from navigation.config.secret_places import secrets_in_environment, secrets_in_source
+from navigation.config.secrets import learn
 from navigation.config.sections import Config
+
+MOST_BYTES: Final = 4_000_000
+"""Of a file: more than the longest text takes in UTF-8."""
 
 
 def load_config(path: str | Path, environment: Mapping[str, str] | None = None) -> Config:
@@ -29,15 +34,26 @@ def load_config(path: str | Path, environment: Mapping[str, str] | None = None) 
     or missing keys, wrong types and values, and what does not fit together.
     """
     file = Path(path)
-    try:
-        text = file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(str(path), [Problem((), error.strerror or str(error))]) from error
-    except UnicodeDecodeError as error:
-        sentence = f"is not UTF-8 text (byte {error.start} is 0x{error.object[error.start]:02x})"
-        raise ConfigError(str(path), [Problem((), sentence)]) from error
+    text = read_source(file)
     overrides = os.environ if environment is None else environment
     return parse_config(text, str(path), file.parent, overrides)
+
+
+def read_source(file: Path) -> str:
+    """The text of a configuration; ``ConfigError`` where there is none or far too much of it."""
+    try:
+        with file.open("rb") as source:
+            data = source.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise ConfigError(str(file), [Problem((), error.strerror or str(error))]) from error
+    if len(data) > MOST_BYTES:
+        sentence = f"is larger than {MOST_BYTES} bytes: no configuration"
+        raise ConfigError(str(file), [Problem((), sentence)])
+    try:
+        return data.decode("utf-8").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        sentence = f"is not UTF-8 text (byte {error.start} is 0x{error.object[error.start]:02x})"
+        raise ConfigError(str(file), [Problem((), sentence)]) from error
 
 
 def parse_config(
@@ -47,6 +63,8 @@ def parse_config(
     environment: Mapping[str, str] | None = None,
 ) -> Config:
     """The configuration in a text; ``name`` is used in errors, ``folder`` for relative files."""
+    learn(secrets_in_source(text))
+    learn(secrets_in_environment(environment or {}))
     document = read_document(text)
     defects = [Problem((), defect.message, defect.mark) for defect in document.defects]
     if document.data is None and not defects:

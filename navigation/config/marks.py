@@ -4,6 +4,8 @@ Rules
 - The scalars are those of YAML 1.2's core schema: ``1e-3`` is a number, ``on`` and ``no`` are
   words. PyYAML alone follows YAML 1.1, where it is the other way round.
 - A key that stands twice, a key that is not a word and an alias inside itself are errors.
+- Length, depth and the number of values, with every alias written out, are bounded: nine lines
+  of aliases of aliases would be a billion values.
 - Lines and columns count from 1.
 """
 
@@ -12,9 +14,16 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import yaml
+
+MOST_CHARACTERS: Final = 1_000_000
+MOST_SHOWN: Final = 40
+"""Of a longer word only the beginning is shown."""
+MOST_DEPTH: Final = 50
+MOST_VALUES: Final = 50_000
+"""A mission of a thousand stations has five thousand."""
 
 Location: TypeAlias = tuple[str | int, ...]
 """Where a value stands in the document: ``("mission", "stations", 0, "x_m")``."""
@@ -48,8 +57,55 @@ class Document:
     defects: list[Defect] = field(default_factory=list)
 
 
+class TooMuchError(yaml.YAMLError):
+    """A document beyond the bounds; the message says which."""
+
+    def __init__(self, message: str, mark: Mark) -> None:
+        super().__init__(message)
+        self.mark = mark
+        """Where it is too much."""
+
+
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader with YAML 1.2's scalars."""
+    """PyYAML's safe loader with YAML 1.2's scalars, and bounds."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self._depth = self._values = 0
+        self._sizes: dict[int, int] = {}
+        """How many values each node is, written out, by its identity."""
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """A node, counted; ``TooMuchError`` at the value or alias that is too much."""
+        mark: yaml.Mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
+        is_alias = self.check_event(yaml.AliasEvent)
+        before = self._values
+        self._depth += 1
+        if self._depth > MOST_DEPTH:
+            raise TooMuchError(f"is nested deeper than {MOST_DEPTH} levels", _mark(mark))
+        self._values += 1
+        node: yaml.Node | None = super().compose_node(parent, index)
+        self._depth -= 1
+        if is_alias:
+            self._values += self._sizes.get(id(node), 1) - 1
+        else:
+            self._sizes[id(node)] = self._values - before
+        if self._values > MOST_VALUES:
+            sentence = f"has more than {MOST_VALUES} values, with its aliases written out"
+            raise TooMuchError(sentence, _mark(mark))
+        return node
+
+
+def compose(text: str) -> yaml.Node | None:
+    """The tree of nodes of a YAML text, None of an empty one.
+
+    ``yaml.YAMLError`` says what is wrong; ``TooMuchError`` where it is longer, deeper or larger
+    than any configuration.
+    """
+    if len(text) > MOST_CHARACTERS:
+        raise TooMuchError(f"is longer than {MOST_CHARACTERS} characters", Mark(1, 1))
+    node: yaml.Node | None = _Loader(text).get_single_node()
+    return node
 
 
 _TAG = "tag:yaml.org,2002:"
@@ -95,10 +151,11 @@ def read_document(text: str) -> Document:
     """Parse YAML text; what is wrong with it stands in ``defects``, nothing is raised."""
     document = Document(text)
     try:
-        loader = _Loader(text)
-        node = loader.get_single_node()
+        node = compose(text)
         if node is not None:
             document.data = _Walk(document).value(node, ())
+    except TooMuchError as error:
+        document.defects.append(Defect(error.mark, str(error)))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         parts = (error.context, error.problem)
@@ -109,8 +166,6 @@ def read_document(text: str) -> Document:
         mark_here = Mark(place.count("\n") + 1, len(place) - place.rfind("\n"))
         message = f"not YAML: the character {chr(error.character)!r} is not allowed"
         document.defects.append(Defect(mark_here, message))
-    except RecursionError:
-        document.defects.append(Defect(Mark(1, 1), "no configuration: nested too deeply"))
     return document
 
 
@@ -167,7 +222,8 @@ class _Walk:
                 return _CONSTRUCT[kind](node.value)
             problem = f"the tag {node.tag.replace(_TAG, '!!')} has no meaning here"
         except ValueError:
-            problem = f"'{node.value}' is no {kind}"
+            shown = node.value if len(node.value) <= MOST_SHOWN else node.value[:MOST_SHOWN] + "..."
+            problem = f"'{shown}' is no {kind}"
         mark = _mark(node.start_mark, node.end_mark)
         self._document.defects.append(Defect(mark, problem))
         return None

@@ -8,6 +8,11 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo
 
+MOST_STATIONS = 1000
+"""Of one mission, configured or ordered."""
+LONGEST_DWELL_S = 3600.0
+"""At one station. On the wire it is a waypoint for every 25 s: at most 144 000 of a mission."""
+
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]

@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, Final
 
+from navigation.config.secrets import hide
 from navigation.daemon_state import DaemonState
 from navigation.dashboard.rings import Ring
 from vision.latest_frame import CameraStatus
@@ -59,7 +60,7 @@ class Chronicle:
 
     def note(self, wall_s: float, level: str, text: str) -> None:
         """Add a line to the log."""
-        self.log.append(LogLine(wall_s, level, text))
+        self.log.append(LogLine(wall_s, level, hide(text)))
 
     def see(self, state: DaemonState, camera: CameraStatus, wall_s: float) -> None:
         """Take what is new in a state."""
@@ -72,6 +73,8 @@ class Chronicle:
         if down is not None or "link" in self._said:
             text = f"link: {down}" if down else "link: up"
             self._say("link", wall_s, "warn" if down else "info", text)
+        for trouble in state.troubles:
+            self._say(trouble, wall_s, "warn", trouble)
         if state.pose is not None:
             self._drive((state.pose.x, state.pose.y))
 

@@ -18,6 +18,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
+from navigation.config.secrets import hide_in
 from navigation.cycle import PlanAnswer
 from navigation.daemon_state import DaemonState
 from navigation.dashboard.access import Gate
@@ -70,7 +71,7 @@ class Hub:
         self.viewers: set[Attention] = set()
         self.viewers_ever = 0
         self.pictures_sent = 0
-        self.hello = {**greeting(daemon.config, self.view), "samples": list(COLUMNS)}
+        self.hello = hide_in({**greeting(daemon.config, self.view), "samples": list(COLUMNS)})
         self.state_text, self.state_number = "", 0
         self.world, self.world_number = b"", 0
         self.plan, self.plan_number = b"", 0
@@ -169,16 +170,19 @@ class Hub:
         return json.dumps(self._facts(state, now_s), allow_nan=False)
 
     def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
-        return state_message(
-            state,
-            self.view,
-            self.daemon.camera_status(),
-            self.seat,
-            others=self._others.values(),
-            now_s=now_s,
-            loop_age_s=now_s - self._seen_s,
-            viewers=len(self.viewers),
+        facts: dict[str, Any] = hide_in(
+            state_message(
+                state,
+                self.view,
+                self.daemon.camera_status(),
+                self.seat,
+                others=self._others.values(),
+                now_s=now_s,
+                loop_age_s=now_s - self._seen_s,
+                viewers=len(self.viewers),
+            )
         )
+        return facts
 
     def _renew_plan(self, state: DaemonState) -> bool:
         if state.path is self._path and self.plan:

@@ -1,17 +1,17 @@
 """The bundle for a report of a fault: one zip with what helps to understand it.
 
 It holds findings, versions, the configuration with the files it names, the last run's report
-and picture, and the head of the newest recording. Values that look like secrets are left out;
-of the environment only Clearway's own variables are kept.
+and picture, and the head of the newest recording. Secrets are left out, by their keys and by
+their values, wherever they stand; a recording in which one stands is left out as a whole. Of the
+environment only Clearway's own variables are kept.
 """
 
 from __future__ import annotations
 
 import json
 import platform
-import re
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
 from datetime import datetime
 from importlib import metadata
@@ -20,11 +20,17 @@ from typing import Final
 
 from navigation.config import Config
 from navigation.config.last_good import LastGood, state_folder
+from navigation.config.secret_places import (
+    log_without_secrets,
+    secrets_in_environment,
+    secrets_in_source,
+    without_secrets,
+)
+from navigation.config.secrets import HIDDEN, SECRET_KEY, hide_in, known, learn
 from navigation.machine.doctor import Finding
 
 MOST_RECORDING_BYTES: Final = 20_000_000
-SECRET: Final = re.compile(r"(?i)(token|password|passwd|secret|api_?key)")
-HIDDEN: Final = "(left out)"
+MOST_TEXT_BYTES: Final = 20_000_000
 
 
 def write_bundle(
@@ -54,18 +60,21 @@ def _contents(
     environment: Mapping[str, str],
     now: datetime,
 ) -> Iterator[tuple[str, str | bytes]]:
+    kept = None if file is None else LastGood(file, state_folder(environment)).kept
+    learn(secrets_in_environment(environment))
+    for source in filter(None, (file, kept)):
+        learn(secrets_in_source(_text(source) or ""))
     told = [asdict(finding) for finding in findings]
-    yield "findings.json", json.dumps(told, indent=2)
+    yield "findings.json", json.dumps(hide_in(told), indent=2)
     yield "versions.json", json.dumps(_versions(now), indent=2)
     own = {
-        name: HIDDEN if SECRET.search(name) else value
+        name: HIDDEN if SECRET_KEY.search(name) else without_secrets(value)
         for name, value in sorted(environment.items())
         if name.startswith("CLEARWAY_")
     }
     yield "environment.json", json.dumps(own, indent=2)
-    if file is not None:
+    if file is not None and kept is not None:
         yield from _file("configuration.yaml", file)
-        kept = LastGood(file, state_folder(environment)).kept
         yield from _file("last_good.yaml", kept)
     if config is None:
         return
@@ -77,37 +86,37 @@ def _contents(
     if runs:
         for one in sorted(runs[-1].iterdir()):
             if one.suffix in (".json", ".jsonl", ".svg"):
-                yield from _file(f"last_run/{one.name}", one)
+                yield from _file(f"last_run/{one.name}", one, log_without_secrets)
     yield from _newest_recording(config.recording.folder)
 
 
-def _newest_recording(folder: Path) -> Iterator[tuple[str, bytes]]:
+def _newest_recording(folder: Path) -> Iterator[tuple[str, str | bytes]]:
     """The head of it: a recording that is cut off can still be replayed."""
     files = sorted(folder.glob("clearway_*.mcap"))
     if files:
         with files[-1].open("rb") as recording:
-            yield f"recording/{files[-1].name}", recording.read(MOST_RECORDING_BYTES)
+            head = recording.read(MOST_RECORDING_BYTES)
+        if known().occurs_in(head):
+            yield f"recording/{files[-1].name}.txt", "left out: a secret stands in it\n"
+        else:
+            yield f"recording/{files[-1].name}", head
 
 
-def _file(name: str, file: Path) -> Iterator[tuple[str, str]]:
+def _file(
+    name: str, file: Path, clean: Callable[[str], str] = without_secrets
+) -> Iterator[tuple[str, str]]:
     """A text file without its secrets; nothing where it cannot be read."""
+    text = _text(file)
+    if text is not None:
+        yield name, clean(text)
+
+
+def _text(file: Path) -> str | None:
     try:
-        text = file.read_text(encoding="utf-8", errors="replace")
+        with file.open("rb") as source:
+            return source.read(MOST_TEXT_BYTES).decode("utf-8", errors="replace")
     except OSError:
-        return
-    yield name, without_secrets(text)
-
-
-def without_secrets(text: str) -> str:
-    """The lines of a YAML or JSON text with the values of keys that look like secrets hidden."""
-    lines = []
-    for line in text.splitlines(keepends=True):
-        key = re.match(r"(\s*[\"']?)([\w-]+)([\"']?\s*:\s*)\S", line)
-        if key and SECRET.search(key.group(2)):
-            end = "\n" if line.endswith("\n") else ""
-            line = f"{key.group(1)}{key.group(2)}{key.group(3)}{HIDDEN}{end}"
-        lines.append(re.sub(r"://[^/@\s]+@", f"://{HIDDEN}@", line))
-    return "".join(lines)
+        return None
 
 
 def _versions(now: datetime) -> dict[str, object]:

@@ -17,6 +17,8 @@ import socket
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from navigation.config.secrets import hide
+
 KEEPALIVES_A_PERIOD: Final = 4
 """systemd advises at least two; four leave room for one stage that is slow once."""
 SAID_AFTER: Final = 0.5
@@ -46,7 +48,7 @@ class Notifier:
         if self._socket is None:
             return True
         try:
-            self._socket.sendto("\n".join(assignments).encode(), self._address)
+            self._socket.sendto(hide("\n".join(assignments)).encode(), self._address)
         except OSError:
             self.lost += 1
             return False

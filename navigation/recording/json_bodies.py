@@ -11,6 +11,7 @@ from typing import Any, Final
 from pydantic import TypeAdapter
 
 from navigation.config import Config
+from navigation.config.secrets import hide_in
 from navigation.cycle import PlanRequest
 from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
 from planner.path import NoPath
@@ -39,7 +40,7 @@ def configuration_body(
     Secrets are left out, since recordings are given away: the dashboard's section, and the
     password in a camera's address.
     """
-    plain = config.model_dump(mode="json", exclude={"dashboard"})
+    plain = hide_in(config.model_dump(mode="json", exclude={"dashboard"}))
     plain["camera"]["source"] = _public(config.camera.source)
     return {
         "schema": SCHEMA,

@@ -107,7 +107,7 @@ def read_recording(path: Path) -> Recording:
                 asked[request.id] = request
             elif topic == bodies.PLANS and body["id"] in asked:
                 recording.plans.append(Planned(asked.pop(body["id"]), body))
-        except (ValueError, KeyError, TypeError, SceneError) as error:
+        except (ValueError, KeyError, TypeError, SceneError, RecursionError) as error:
             raise RecordingError(f"{path}: a message of {topic} cannot be read: {error}") from None
     if recording is None:
         raise RecordingError(f"{path}: holds no configuration: not a recording of a run")

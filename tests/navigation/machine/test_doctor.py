@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from navigation.config.secret_places import without_secrets
+from navigation.config.secrets import HIDDEN
 from navigation.machine import doctor
-from navigation.machine.bundle import HIDDEN, without_secrets
 from navigation.machine.doctor import Finding, worst
 from tests.support.pictures import call
 from tests.support.recordings import make_recording

@@ -1,0 +1,171 @@
+"""Where secrets stand in the source of a configuration, however it writes them.
+
+Rules
+- What YAML can be read is looked at node by node: plain, quoted, folded, literal, in flow style,
+  on the next line, by an anchor. The same words anywhere else in the text, and comments that
+  speak of a secret, are left out with them.
+- What cannot be read is looked at line by line, and rather too much than too little is left out:
+  from a secret key to the end of its line, and whatever is indented deeper or stands alone below.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+import yaml
+
+from navigation.config.marks import compose
+from navigation.config.secrets import HIDDEN, SECRET_KEY, Redactor, known, secrets_of_address
+
+_WORD: Final = r"[\w-]*(?:token|passw|pwd|passphrase|secret|api_?key|credential)[\w-]*"
+_KEY_LINE: Final = re.compile(rf"(?i){_WORD}[\"']?[ \t]*(?:\n[ \t]*)?(?::|=)")
+_COMMENT: Final = re.compile(rf"(?im)(?:^|[ \t])#[^\n]*?(?:{_WORD})[^\n]*$")
+_NOTHING_YET: Final = re.compile(r"(?:[&!][^\s]*\s*|[|>][-+0-9]*\s*)*(?:#.*)?$")
+"""What may stand behind a key whose value begins on the next line."""
+
+
+def secrets_in_source(text: str) -> set[str]:
+    """The secret values of a configuration's text, sound or not."""
+    root = _root(text)
+    if root is None:
+        spans = list(_line_by_line(text))
+        found = {text[a:b].strip().strip("\"'|>-").strip() for a, b in spans}
+        words = {word.strip("\"',{}[]") for a, b in spans for word in text[a:b].split()}
+        return {s for s in found | words if s} | set(secrets_of_address(text))
+    found = set()
+    for node, is_secret in _scalars(root, under_secret=False, seen=set()):
+        if is_secret:
+            found |= {node.value, *node.value.split()}
+        found |= set(secrets_of_address(node.value))
+    return found
+
+
+def secrets_in_environment(environment: Mapping[str, str]) -> set[str]:
+    """The secret values of the variables that override a configuration."""
+    found: set[str] = set()
+    for name, value in environment.items():
+        if name.startswith("CLEARWAY_"):
+            found |= secrets_in_source(value)
+            if SECRET_KEY.search(name):
+                found |= {value, value.strip().strip("\"'")}
+    return found
+
+
+def secret_spans(text: str) -> list[tuple[int, int]]:
+    """The places of secrets in the text, from the first to the last, none in another."""
+    root = _root(text)
+    spans = [] if root is None else list(_node_spans(root))
+    if root is None:
+        spans += _line_by_line(text)
+    spans += [match.span() for match in _COMMENT.finditer(text)]
+    spans += Redactor(known().secrets | secrets_in_source(text)).spans(text)
+    return _merged(spans)
+
+
+def masked(text: str) -> str:
+    """The text with a star for every character of a secret: lines and columns stay."""
+    parts, end = [], 0
+    for start, stop in secret_spans(text):
+        parts += [text[end:start], re.sub(r"[^\s]", "*", text[start:stop])]
+        end = stop
+    return "".join([*parts, text[end:]])
+
+
+def without_secrets(text: str) -> str:
+    """The text of a configuration with its secrets left out."""
+    return _without(text, secret_spans(text))
+
+
+def log_without_secrets(text: str) -> str:
+    """A log or report with everything left out that was learned or stands beside a secret key."""
+    return _without(text, _merged([*_line_by_line(text), *known().spans(text)]))
+
+
+def _without(text: str, spans: list[tuple[int, int]]) -> str:
+    parts, end = [], 0
+    for start, stop in spans:
+        parts += [text[end:start], HIDDEN]
+        end = stop
+    return "".join([*parts, text[end:]])
+
+
+def _root(text: str) -> yaml.Node | None:
+    try:
+        root = compose(text)
+    except (yaml.YAMLError, RecursionError):
+        return None
+    return root if isinstance(root, yaml.CollectionNode) else None
+
+
+def _scalars(
+    node: yaml.Node, *, under_secret: bool, seen: set[tuple[int, bool]]
+) -> Iterator[tuple[yaml.ScalarNode, bool]]:
+    """Every scalar value once, and whether it stands under a secret key."""
+    if (id(node), under_secret) in seen:
+        return
+    seen.add((id(node), under_secret))
+    if isinstance(node, yaml.ScalarNode):
+        yield node, under_secret
+    elif isinstance(node, yaml.SequenceNode):
+        for item in node.value:
+            yield from _scalars(item, under_secret=under_secret, seen=seen)
+    elif isinstance(node, yaml.MappingNode):
+        for key, value in node.value:
+            named = isinstance(key, yaml.ScalarNode) and SECRET_KEY.search(key.value)
+            yield from _scalars(value, under_secret=under_secret or bool(named), seen=seen)
+
+
+def _node_spans(root: yaml.Node) -> Iterator[tuple[int, int]]:
+    for node, is_secret in _scalars(root, under_secret=False, seen=set()):
+        if is_secret and node.value:
+            yield node.start_mark.index, node.end_mark.index
+
+
+def _line_by_line(text: str) -> Iterator[tuple[int, int]]:
+    for match in _KEY_LINE.finditer(text):
+        line_start = text.rfind("\n", 0, match.start()) + 1
+        indent = _indent(text[line_start:])
+        end = _line_end(text, match.end())
+        rest = text[match.end() : end].strip()
+        is_open = _NOTHING_YET.fullmatch(rest) is not None
+        quote = rest[:1]
+        if quote in "\"'" and quote and rest.count(quote) < 2:
+            closing = text.find(quote, text.index(quote, match.end()) + 1)
+            end = len(text) if closing < 0 else _line_end(text, closing)
+        looked = end
+        while looked < len(text):
+            before, looked = looked, _line_end(text, looked + 1)
+            line = text[before + 1 : looked]
+            if line.strip() and not is_open and _indent(line) <= indent:
+                break
+            if line.strip():
+                is_open, end = False, looked
+        start = match.end()
+        while start < end and text[start] in " \t":
+            start += 1
+        yield start, end
+        if rest.startswith("*"):
+            name = re.escape(rest[1:].split()[0].strip(",}]"))
+            for anchor in re.finditer(rf"&{name}[ \t]+", text):
+                yield anchor.end(), _line_end(text, anchor.end())
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip(" "))
+
+
+def _line_end(text: str, start: int) -> int:
+    found = text.find("\n", start)
+    return len(text) if found < 0 else found
+
+
+def _merged(spans: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    merged: list[tuple[int, int]] = []
+    for start, stop in sorted(span for span in spans if span[0] < span[1]):
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(stop, merged[-1][1]))
+        else:
+            merged.append((start, stop))
+    return merged

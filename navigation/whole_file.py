@@ -1,0 +1,37 @@
+"""Files that are there whole or not at all, whatever happens while they are written."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+
+
+class UnwrittenFileError(ValueError):
+    """A file cannot be written; the message names it and says why."""
+
+
+def write_whole(path: Path, data: str | bytes, *, private: bool = False) -> None:
+    """Write a file under another name and give it its own at the end.
+
+    ``private``: only its owner may read it. What is no ordinary file, such as /dev/stdout, is
+    written to as it is. Raises ``UnwrittenFileError``; nothing is left behind then.
+    """
+    content = data.encode() if isinstance(data, str) else data
+    fresh = path.with_name(f".{path.name}.new")
+    try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(content)
+            return
+        try:
+            flags = os.O_CREAT | os.O_TRUNC | os.O_WRONLY
+            with open(os.open(fresh, flags, 0o600 if private else 0o666), "wb") as file:
+                file.write(content)
+            fresh.replace(path)
+        except OSError:
+            with contextlib.suppress(OSError):  # the first error is the one to tell
+                fresh.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        reason = error.strerror or error
+        raise UnwrittenFileError(f"{path}: cannot be written: {reason}") from None

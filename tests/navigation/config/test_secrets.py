@@ -1,0 +1,231 @@
+"""No outgoing text shows a token or a camera's password, however the configuration writes it."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import re
+import zipfile
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote, quote_plus
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from navigation.config import ConfigError, parse_config, secrets
+from navigation.config.secret_places import masked, secrets_in_source, without_secrets
+from navigation.config.secrets import HIDDEN, Redactor, hide, hide_in, learn
+from navigation.machine.bundle import write_bundle
+from navigation.machine.logs import EventLog
+from navigation.recording.json_bodies import configuration_body
+from tests.support.pictures import call
+from tests.support.virtual import short_config
+
+TOKEN = "s3cr3t-t0ken.of_16~chars"
+PASSWORD = "geh eim/4711@%"
+ADDRESS = "rtsp://me:geh%20eim%2F4711%40%25@camera.local:554/live"
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_known() -> Iterator[None]:
+    before = secrets._known
+    secrets._known = Redactor()
+    yield
+    secrets._known = before
+
+
+FORMS = {
+    "plain": "dashboard:\n  token: TOKEN\n",
+    "quoted": 'dashboard:\n  token: "TOKEN"\n',
+    "single quoted": "dashboard:\n  token: 'TOKEN'   # ours\n",
+    "flow": "dashboard: {port: 1, token: TOKEN, host: a}\n",
+    "flow of json": '{"dashboard": {"token": "TOKEN", "port": 1}}\n',
+    "next line": "dashboard:\n  token:\n    TOKEN\n",
+    "next line of flow": "dashboard: {token:\n  TOKEN}\n",
+    "folded": "dashboard:\n  token: >-\n    TOKEN\n  port: 1\n",
+    "literal": "dashboard:\n  token: |\n    TOKEN\n\n  port: 1\n",
+    "folded in two": "dashboard:\n  token: >-\n    TOKEN\n    MORE-OF-IT\n",
+    "anchor": "dashboard:\n  token: &t TOKEN\n  viewer_token: *t\n",
+    "alias": "arena: &t TOKEN\ndashboard:\n  token: *t\n",
+    "tagged": "dashboard:\n  token: !!str TOKEN\n",
+    "explicit key": "dashboard:\n  ? token\n  : TOKEN\n",
+    "a list of them": "dashboard:\n  tokens: [TOKEN, MORE-OF-IT]\n",
+    "twice": "dashboard:\n  token: MORE-OF-IT\n  token: TOKEN\n",
+    "in a comment": "# TOKEN was mine\ndashboard:\n  token: TOKEN\n",
+    "in a comment alone": "# old token: TOKEN\narena: 1\n",
+    "escaped": 'dashboard:\n  token: "' + "".join(f"\\x{ord(c):02x}" for c in TOKEN) + '"\n',
+    "under another section": "arena:\n  passwords:\n    mine: TOKEN\n",
+}
+BROKEN = {
+    "": "",
+    "a tab": "\tarena: [\n",
+    "an open bracket": "arena: [1, 2\n",
+    "an open quote": "\narena: 'never closed\n",
+    "two documents": "\n---\na: 1\n",
+    "an unknown alias": "\narena: *nobody\n",
+}
+
+
+@pytest.mark.parametrize("broken", BROKEN)
+@pytest.mark.parametrize("form", FORMS)
+def test_a_configuration_s_text_is_left_without_its_secrets(form: str, broken: str) -> None:
+    text = (FORMS[form] + BROKEN[broken]).replace("TOKEN", TOKEN)
+    for clean in (without_secrets(text), masked(text)):
+        assert TOKEN not in clean
+        assert "MORE-OF-IT" not in clean
+    assert masked(text).count("\n") == text.count("\n")
+    for line, clean in zip(text.splitlines(), masked(text).splitlines(), strict=True):
+        assert len(line) == len(clean)
+
+
+@pytest.mark.parametrize("broken", BROKEN)
+@pytest.mark.parametrize("form", [f for f in FORMS if f not in ("in a comment alone",)])
+def test_an_error_s_text_never_shows_a_secret_and_what_was_read_is_learned(
+    form: str, broken: str
+) -> None:
+    text = (FORMS[form] + BROKEN[broken]).replace("TOKEN", TOKEN)
+    with pytest.raises(ConfigError) as caught:
+        parse_config(text, "a.yaml")
+    assert TOKEN not in str(caught.value)
+    assert "MORE-OF-IT" not in str(caught.value)
+    if form != "escaped" or not broken:
+        assert TOKEN not in hide(f"the page says {TOKEN}")
+
+
+def test_an_address_s_user_and_password_are_left_out_of_what_is_shown() -> None:
+    text = f"camera:\n  source: {ADDRESS}\n"
+    assert without_secrets(text) == f"camera:\n  source: rtsp://{HIDDEN}@camera.local:554/live\n"
+    assert {PASSWORD, "geh%20eim%2F4711%40%25"} <= secrets_in_source(text)
+
+
+@given(st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=4))
+def test_every_form_of_a_secret_is_found(secret: str) -> None:
+    redactor = Redactor([secret])
+    for form in (
+        secret,
+        quote(secret),
+        quote(secret, safe=""),
+        re.sub("%..", lambda m: m.group().lower(), quote(secret, safe="")),
+        quote_plus(secret),
+        json.dumps(secret)[1:-1],
+        json.dumps(secret, ensure_ascii=False)[1:-1],
+        base64.b64encode(secret.encode()).decode(),
+    ):
+        assert redactor.text(f" {form} ") == f" {HIDDEN} "
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("rtsp://me:pw@host/a is gone", f"rtsp://{HIDDEN}@host/a is gone"),
+        ("rtsp://me:se/cr@et@host/live", f"rtsp://{HIDDEN}@host/live"),
+        ("http://host/a@b", "http://host/a@b"),
+        ("http://host:80/a@b", "http://host:80/a@b"),
+        ("http://host/a?user=me&pwd=geheim&x=1", f"http://host/a?user=me&pwd={HIDDEN}&x=1"),
+        ("at 12.5 s: held", "at 12.5 s: held"),
+    ],
+)
+def test_addresses_are_shown_without_their_secrets(text: str, shown: str) -> None:
+    assert hide(text) == shown
+
+
+def test_keys_and_numbers_of_plain_data_stay() -> None:
+    learn(["token-1234"])
+    assert hide_in({"token-1234": [1.5, None, True, "a token-1234"]}) == {
+        "token-1234": [1.5, None, True, f"a {HIDDEN}"]
+    }
+
+
+def test_short_values_do_not_take_the_words_of_every_sentence() -> None:
+    learn(["a", "an", "the"])
+    assert hide("an angle of the arena") == "an angle of the arena"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "secret"),
+    [
+        ("CLEARWAY_DASHBOARD__TOKEN", TOKEN, TOKEN),
+        ("CLEARWAY_CAMERA__SOURCE", ADDRESS, "geh%20eim"),
+        ("CLEARWAY_DASHBOARD", f"{{token: {TOKEN}}}", TOKEN),
+    ],
+)
+def test_the_environment_s_secrets_are_in_no_bundle_and_in_no_log(
+    tmp_path: Path, name: str, value: str, secret: str
+) -> None:
+    (tmp_path / "a.yaml").write_text("arena: 1\n")
+    environment = {name: value, "XDG_STATE_HOME": str(tmp_path), "HOME": "/root"}
+    target = tmp_path / "bundle.zip"
+    write_bundle(target, tmp_path / "a.yaml", None, [], environment, datetime(2026, 1, 1))
+    for text in texts_of(target):
+        assert secret not in text
+    stream = io.StringIO()
+    log = EventLog(stream, "json", now=lambda: datetime(2026, 1, 1))
+    log.write("info", "said", reason=f"the value is {value}", more=[value])
+    assert secret not in stream.getvalue()
+
+
+def texts_of(bundle: Path) -> list[str]:
+    with zipfile.ZipFile(bundle) as archive:
+        return [archive.read(name).decode(errors="replace") for name in archive.namelist()]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_bundle_shows_no_secret_of_the_configuration_anywhere(tmp_path: Path, form: str) -> None:
+    text = FORMS[form].replace("TOKEN", TOKEN) + f"camera: {{source: '{ADDRESS}'}}\n"
+    (tmp_path / "a.yaml").write_text(text)
+    call("doctor", tmp_path / "a.yaml", "--bundle", tmp_path / "b.zip")
+    for shown in texts_of(tmp_path / "b.zip"):
+        assert TOKEN not in shown
+        assert "geh%20eim" not in shown
+        assert "MORE-OF-IT" not in shown
+
+
+def test_a_bundle_leaves_out_a_recording_in_which_a_secret_stands(tmp_path: Path) -> None:
+    config = short_config([])
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    (folder / "clearway_1.mcap").write_bytes(b"binary " + TOKEN.encode())
+    recording = config.recording.model_copy(
+        update={"folder": folder, "runs_dir": tmp_path / "runs"}
+    )
+    config = config.model_copy(update={"recording": recording})
+    (tmp_path / "a.yaml").write_text(f"dashboard: {{token: {TOKEN}}}\n")
+    write_bundle(
+        tmp_path / "b.zip", tmp_path / "a.yaml", config, [], {"HOME": "/"}, datetime(2026, 1, 1)
+    )
+    assert not any(TOKEN in text for text in texts_of(tmp_path / "b.zip"))
+
+
+def test_check_shows_an_address_without_its_password(config_file: Path) -> None:
+    text = config_file.read_text().replace("source: simulated", f"source: '{ADDRESS}'")
+    config_file.write_text(text)
+    told = call("check", config_file)
+    assert told.code == 0, told
+    assert f"rtsp://{HIDDEN}@camera.local" in told.out
+    assert "geh" not in told.out
+
+
+def test_a_traceback_shows_no_secret(config_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: Any) -> None:
+        raise RuntimeError(f"no answer from {ADDRESS} with {TOKEN}")
+
+    learn([TOKEN])
+    monkeypatch.setattr("navigation.cli.check.load_checked", fails)
+    told = call("--debug", "check", config_file)
+    assert "Traceback" in told.err
+    assert TOKEN not in told.err
+    assert "geh" not in told.err
+
+
+def test_a_recording_s_configuration_holds_no_secret() -> None:
+    config = short_config([])
+    config = config.model_copy(
+        update={"serial": config.serial.model_copy(update={"port": "rfc2217://me:geheim@host:1"})}
+    )
+    body = configuration_body(config, "", "1", 1, 0.0, 0)
+    assert "geheim" not in json.dumps(body)
