@@ -129,7 +129,8 @@ class Daemon:
         self._permitted = False
         self._stands_s = -math.inf
         self._journal = journal
-        self._journalled: Mission | None = None
+        self.troubles: dict[str, str] = {}
+        """What people must know although the run goes on, by subject; set by the loop's thread."""
         self._recorder = recorder
         self._cycles = self._ended = 0
         self._turned = threading.Condition()
@@ -400,15 +401,15 @@ class Daemon:
 
     def _write_journal(self, orders: Orders) -> None:
         """Before anything takes effect: progress, and the plan that the robot is given next."""
-        if self._journal is None:
-            return
         mission = self.pilot.mission
-        if mission.stations and not _same_progress(mission, self._journalled):
-            self._journal.save_mission(mission)
-            self._journalled = mission
+        if self._journal is None or not mission.stations:
+            return
+        sent = None
         if orders.upload is not None:
             mission_id, targets = orders.upload
-            self._journal.save_plan(SentPlan(mission_id, mission.visited, targets))
+            sent = SentPlan(mission_id, mission.visited, targets)
+        self._journal.keep(mission, sent, self._clock())
+        self.troubles["journal"] = self._journal.trouble
 
     def _carry_out(self, orders: Orders, now_s: float, sight: Sight) -> None:
         if orders.estop:
@@ -453,6 +454,7 @@ class Daemon:
             times=self._times,
             evidence=self._evidence,
             trust=self.pilot.trust.level,
+            troubles=tuple(filter(None, self.troubles.values())),
         )
 
     def _to_go_m(self, snapshot: LinkSnapshot) -> float | None:
@@ -493,14 +495,6 @@ class Daemon:
     def roadmap(self) -> Roadmap | None:
         """The newest roadmap, for pictures."""
         return self._arena_planner.roadmap
-
-
-def _same_progress(one: Mission, other: Mission | None) -> bool:
-    if other is None:
-        return False
-    parts = ((m.stations, m.visited, m.any_order, m.state, m.paused) for m in (one, other))
-    first, second = parts
-    return first == second
 
 
 def _reason_of(camera: CameraStatus) -> str:

@@ -60,6 +60,8 @@ class DaemonState:
     """What camera and wheels say together."""
     trust: Level = Level.SURE
     """How far the robot's identity can be trusted."""
+    troubles: tuple[str, ...] = ()
+    """What people must know although the run goes on: a journal or log that cannot be written."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,135 +3,137 @@
 Rules
 - Everything is written and synced before it takes effect: a mission before it is planned for,
   a plan before its first waypoint goes out, a visited station before anything relies on it.
-- SQLite in WAL mode with ``synchronous=FULL``: a kill at any moment loses nothing that was
-  said to be saved, and never leaves half a record.
-- One row each: the journal holds the present, not history.
+- The journal holds the present, not history, and serves its owner only (`journal_records`).
 - A mission that was stopped, done or failed is over, and one that was re-armed waits for an
   order: a restart never resumes them by itself. A paused one stays paused.
+- A journal that cannot be written costs no run: `trouble` says it, it is tried again every
+  ``RETRY_S``, and a file that was deleted is made again. A file that says less than the truth,
+  stations that were visited meanwhile, stays; one that would have a restart drive what was
+  stopped, finished or replaced is removed.
 """
 
 from __future__ import annotations
 
-import json
-import sqlite3
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Final
 
+from navigation.journal_file import OPEN_WITHIN_S, JournalError, JournalFile, JournalWriteError
+from navigation.journal_records import Contents, Owner, SentPlan, owner_of
 from navigation.mission import Mission, State, Station
-from navigation.targets import Target
 
-_T = TypeVar("_T")
+__all__ = ["Journal", "JournalError", "Owner", "SentPlan", "owner_of"]
 
-VERSION: Final = 1
-_TABLES: Final = """
-CREATE TABLE IF NOT EXISTS mission (one INTEGER PRIMARY KEY CHECK (one = 1), body TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS plan (one INTEGER PRIMARY KEY CHECK (one = 1), body TEXT NOT NULL);
-"""
-
-
-class JournalError(ValueError):
-    """The journal cannot be used; the message says which file and why."""
-
-
-@dataclass(frozen=True, slots=True)
-class SentPlan:
-    """A plan as it was given to the robot: its id on the wire and where in the mission it began."""
-
-    mission_id: int
-    visited_before: int
-    targets: tuple[Target, ...]
-
-    def visited_after(self, executed: int) -> int:
-        """How many stations are visited when the robot has executed so many targets."""
-        passed = [t.station for t in self.targets[:executed] if t.station is not None]
-        return self.visited_before + max(passed, default=0)
+RETRY_S: Final = 1.0
+_GOES_ON: Final = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
 
 
 class Journal:
-    """One journal file; a context manager. Not for several threads."""
+    """One journal; a context manager that opens nothing later than its constructor. One thread.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    ``JournalError`` where the file must not be used: another program holds it, it is no journal
+    or of a later version, or it is forbidden. ``remark`` says what was put aside; empty: nothing.
+    """
+
+    def __init__(self, path: Path, owner: Owner) -> None:
+        self.path, self.owner = path, owner
+        self.remark = self.trouble = ""
+        self._file: JournalFile | None = None
+        self._kept: Contents | None = None
+        self._failed: Contents | None = None
+        self._retry_s = 0.0
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._db = sqlite3.connect(path, isolation_level=None, timeout=2.0)
-            self._prepare()
-        except (OSError, sqlite3.Error) as error:
-            raise JournalError(f"journal {path}: {error}") from None
+            self._open(OPEN_WITHIN_S)
+        except JournalWriteError as error:
+            self.trouble = _in_words(error)
 
-    def _prepare(self) -> None:
-        self._db.execute("PRAGMA journal_mode=WAL")
-        self._db.execute("PRAGMA synchronous=FULL")
-        found = int(self._db.execute("PRAGMA user_version").fetchone()[0])
-        if found not in (0, VERSION):
-            self._db.close()
-            raise JournalError(
-                f"journal {self.path}: is of version {found}, this program writes {VERSION}"
-            )
-        self._db.executescript(_TABLES)
-        self._db.execute(f"PRAGMA user_version={VERSION}")
+    def _open(self, patience_s: float) -> None:
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+        self._file = JournalFile(self.path, self.owner, patience_s)
+        self.remark = self._file.remark
+        if self._kept is None:
+            self._kept = self._file.contents
 
     def __enter__(self) -> Journal:
         return self
 
     def __exit__(self, *_exc: object) -> None:
-        self._db.close()
-
-    def save_mission(self, mission: Mission) -> None:
-        """Keep the mission with its progress, in place of what was kept before."""
-        self._save("mission", {**asdict(mission), "state": mission.state.name})
-
-    def save_plan(self, plan: SentPlan) -> None:
-        """Keep what the robot is about to be given."""
-        self._save("plan", asdict(plan))
+        if self._file is not None:
+            self._file.close()
 
     def mission(self) -> Mission | None:
         """The mission that was kept last; None where there is none."""
-        return self._load("mission", _mission)
+        return None if self._kept is None else self._kept.mission
 
     def plan(self) -> SentPlan | None:
-        """The plan that was kept last; None where there is none."""
-        return self._load("plan", _plan)
+        """The plan that was kept last; None where there is none of this mission."""
+        return None if self._kept is None else self._kept.plan
 
     def unfinished(self) -> Mission | None:
         """The mission that a restart has to go on with; None where nothing is left to do."""
         mission = self.mission()
-        goes_on = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
-        if mission is None or mission.state not in goes_on or not mission.remaining:
-            return None
-        return mission
+        return mission if mission is not None and _has_work(mission) else None
 
-    def _save(self, table: str, body: dict[str, Any]) -> None:
-        text = json.dumps(body, allow_nan=False)
+    def keep(self, mission: Mission, sent: SentPlan | None, now_s: float) -> None:
+        """Keep the mission with its progress, and ``sent``, what the robot is about to be given.
+
+        A plan is kept until the next one, or another mission, is. Where nothing changed nothing
+        is written. Never raises: see `trouble`.
+        """
+        known = self._failed or self._kept
+        if sent is None and known is not None and known.mission.stations is mission.stations:
+            sent = known.plan
+        wanted = Contents(self.owner, mission, sent)
+        if self._failed is None and self._kept is not None and _is_same(wanted, self._kept):
+            return
+        if self._failed is not None and _is_same(wanted, self._failed) and now_s < self._retry_s:
+            return
         try:
-            self._db.execute(f"INSERT OR REPLACE INTO {table} VALUES (1, ?)", (text,))
-        except sqlite3.Error as error:
-            raise JournalError(f"journal {self.path}: cannot write: {error}") from None
+            self._write(wanted)
+        except JournalError as error:
+            self.trouble = _in_words(error)
+            self._failed, self._retry_s = wanted, now_s + RETRY_S
+            self._drop_what_misleads(mission)
+        else:
+            self.trouble = ""
+            self._failed, self._kept = None, wanted
 
-    def _load(self, table: str, read: Callable[[dict[str, Any]], _T]) -> _T | None:
-        try:
-            row = self._db.execute(f"SELECT body FROM {table}").fetchone()
-            return None if row is None else read(json.loads(row[0]))
-        except (sqlite3.Error, ValueError, KeyError, TypeError) as error:
-            raise JournalError(
-                f"journal {self.path}: its {table} cannot be read: {error}"
-            ) from None
+    def _write(self, wanted: Contents) -> None:
+        """Into the open file; where that is gone, into a new one in its place."""
+        if self._file is not None:
+            try:
+                self._file.save(wanted)
+            except JournalWriteError:
+                if self._failed is None:
+                    raise  # said first: whoever deleted it has perhaps a reason
+            else:
+                return
+        self._open(patience_s=0.0)  # the control loop waits for nobody
+        assert self._file is not None
+        self._file.save(wanted)
+
+    def _drop_what_misleads(self, mission: Mission) -> None:
+        kept = self._kept
+        if self._file is None or kept is None or not _has_work(kept.mission):
+            return
+        is_progress = kept.mission.stations == mission.stations and _has_work(mission)
+        if not is_progress or kept.mission.paused != mission.paused:
+            self._file.discard()
 
 
-def _mission(body: dict[str, Any]) -> Mission:
-    stations = tuple(Station(**station) for station in body["stations"])
-    return Mission(
-        stations,
-        int(body["visited"]),
-        bool(body["any_order"]),
-        State[body["state"]],
-        body["reason"],
-        bool(body.get("paused", False)),
-    )
+def _has_work(mission: Mission) -> bool:
+    return mission.state in _GOES_ON and bool(mission.remaining)
 
 
-def _plan(body: dict[str, Any]) -> SentPlan:
-    targets = tuple(Target(**target) for target in body["targets"])
-    return SentPlan(int(body["mission_id"]), int(body["visited_before"]), targets)
+def _is_same(one: Contents, other: Contents) -> bool:
+    """Whether a restart would do the same: sentences differ every moment."""
+    return one.plan is other.plan and _progress(one.mission) == _progress(other.mission)
+
+
+def _progress(m: Mission) -> tuple[tuple[Station, ...], int, bool, State, bool]:
+    return m.stations, m.visited, m.any_order, m.state, m.paused
+
+
+def _in_words(error: JournalError) -> str:
+    return f"{error}; the run goes on, and a restart would not know of it"

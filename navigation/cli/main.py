@@ -27,6 +27,8 @@ from typing import NamedTuple
 
 import click
 
+from navigation.cli.voice import complain
+
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
 INTERRUPTED = 128 + 2
 """As a shell reports SIGINT."""
@@ -143,10 +145,29 @@ def clearway(ctx: click.Context, debug: bool) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit with the code that the module's text names."""
+    _take_the_first_three()
+    threading.excepthook = _tell_a_thread_s_end
     code = run(sys.argv[1:] if arguments is None else arguments)
     if arguments is None:
         _end_process(code)
     sys.exit(code)
+
+
+def _tell_a_thread_s_end(end: threading.ExceptHookArgs) -> None:
+    """As Python does, without any secret."""
+    trace = traceback.format_exception(end.exc_type, end.exc_value, end.exc_traceback)
+    name = "a thread" if end.thread is None else f"thread {end.thread.name}"
+    complain(f"clearway: {name} has ended:\n{''.join(trace).rstrip()}")
+
+
+def _take_the_first_three() -> None:
+    """Leave none of stdin, stdout and stderr closed: the next file to be opened would become it.
+
+    What a library prints on stderr would go to the robot, if that were the serial port.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(number, True)
+    os.close(number)
 
 
 def _end_process(code: int) -> None:
@@ -176,15 +197,16 @@ def run(arguments: Sequence[str]) -> int:
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", FFMPEG_ERRORS if debug else FFMPEG_QUIET)
     try:
         code = _invoke(arguments)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # the process was started without it
+            sys.stdout.flush()
     except (click.Abort, KeyboardInterrupt):
         return INTERRUPTED
     except BrokenPipeError:
         return _reader_gone()
     except Exception as error:  # noqa: BLE001 - the last frame: told in one sentence, never lost
         if debug:
-            traceback.print_exc()
-        click.echo(f"clearway: error: {_sentence(error)}", err=True)
+            complain(traceback.format_exc().rstrip())
+        complain(f"clearway: error: {_sentence(error)}")
         return exit_code_of(error)
     return code if isinstance(code, int) else DONE
 

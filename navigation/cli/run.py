@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from navigation.cli.options import OUTPUT
+from navigation.cli.voice import Voice, complain
 
 if TYPE_CHECKING:
     from navigation.config import Config
@@ -75,8 +76,9 @@ def command(
     from navigation.machine.logs import EventLog
     from navigation.machine.sd_notify import Notifier, watchdog_period_s
     from navigation.run.runner import Runner
+    from navigation.whole_file import UnwrittenFileError
 
-    say = _say if not quiet else _say_nothing
+    voice = Voice(quiet=quiet)
     log = EventLog(
         sys.stderr,
         log_format,
@@ -91,11 +93,13 @@ def command(
         runner = Runner(
             loaded,
             once=once,
-            say=say,
+            file=config,
+            say=voice.say,
             socket=socket,
             record=record,
             dashboard=not no_dashboard,
-            show_token=sys.stdout.isatty(),  # a log that others read must not have it
+            show_token=sys.stdout is not None
+            and sys.stdout.isatty(),  # a log that others read must not have it
             log=log,
             notifier=notifier,
             watchdog_s=watchdog_period_s(os.environ),
@@ -105,8 +109,11 @@ def command(
             result = runner.run()
         loaded = reload.fresh
     if report is not None:
-        result.report.write(report)
-    _show(result.report, result.folder)
+        try:
+            result.report.write(report)
+        except UnwrittenFileError as error:
+            complain(f"clearway: {error}")
+    _show(voice, result.report, result.folder)
     return result.exit_code
 
 
@@ -118,6 +125,7 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
     from navigation.cli.check import load_checked
     from navigation.config.errors import ConfigError
     from navigation.config.last_good import LastGood, state_folder
+    from navigation.config.load import read_source
 
     kept = LastGood(file, state_folder(os.environ))
     try:
@@ -128,10 +136,10 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
             raise
         if not last_good:
             raise error.with_advice(advice) from None
-        click.echo(f"clearway: {error}\n{advice}\nclearway: running {kept.kept}", err=True)
+        complain(f"clearway: {error}\n{advice}\nclearway: running {kept.kept}")
         log.write("error", "configuration", file=str(file), running=str(kept.kept))
         return kept.load(os.environ)
-    problem = kept.keep(file.read_text(encoding="utf-8"))
+    problem = kept.keep(read_source(file))
     if problem is not None:
         log.write("warning", "configuration", reason=f"no copy could be kept: {problem}")
     return config
@@ -154,7 +162,7 @@ class _Reload:
         )
 
     def _say(self, level: Level, sentence: str) -> None:
-        click.echo(f"clearway: {sentence}", err=True)
+        complain(f"clearway: {sentence}")
         self._log.write(level, "configuration", reason=sentence)
 
     def _restart(self, config: Config) -> None:
@@ -163,20 +171,12 @@ class _Reload:
         self._runner.interrupt.set()
 
 
-def _say(line: str) -> None:
-    click.echo(line)
-
-
-def _say_nothing(_line: str) -> None:
-    pass
-
-
-def _show(report: Report, folder: Path) -> None:
+def _show(voice: Voice, report: Report, folder: Path | None) -> None:
     width = max(len(label) for label, _ in report.lines())
-    click.echo()
+    voice.tell("")
     for label, value in report.lines():
-        click.echo(f"  {label:<{width}}  {value}")
-    click.echo(f"  {'kept in':<{width}}  {folder}")
+        voice.tell(f"  {label:<{width}}  {value}")
+    voice.tell(f"  {'kept in':<{width}}  {folder or 'nothing: no room'}")
 
 
 @contextmanager

@@ -10,6 +10,7 @@ The same shapes go into both formats (``shapes.py``).
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Sequence
 from pathlib import Path as FilePath
@@ -103,7 +104,10 @@ def save_picture(
     try:
         target.write_bytes(data)
     except OSError as error:
-        raise DrawError(f"{target}: {error.strerror or error}") from None
+        with contextlib.suppress(OSError):  # half a picture is none, but a device stays
+            if target.is_file():
+                target.unlink()
+        raise DrawError(f"{target}: cannot be written: {error.strerror or error}") from None
 
 
 def _drawing(

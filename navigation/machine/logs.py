@@ -10,6 +10,7 @@ Times in lines are UTC; fields keep their units in their names.
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
@@ -19,6 +20,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final, Literal, TextIO, TypeAlias
 
+from navigation.config.secrets import hide_in
 from navigation.mission import State
 
 Level: TypeAlias = Literal["debug", "info", "warning", "error"]
@@ -37,6 +39,7 @@ EVENTS: Final = {
     "link": "the link's state is another",
     "camera": "the camera's state is another",
     "recording": "pictures are dropped, or the recording has ended early",
+    "trouble": "something cannot be written, and the run goes on; or can be written again",
     "watchdog": "a stage does not get on",
     "configuration": "the file was read again",
     "finished": "the run is over: state, reason, duration_s",
@@ -70,15 +73,28 @@ class EventLog:
         self._now = now
         self._least = LEVELS.index(level)
         self._priorities = priorities
+        self.trouble = ""
+        """Why the last event could not be written; empty where it was."""
+        self._name = "the log"
 
     @classmethod
     def to_file(cls, file: Path, *, now: Callable[[], datetime]) -> EventLog:
-        """A log into a file of at most ``MOST_FILE_BYTES``; its last line says that it is full."""
-        return cls(_LimitedFile(file), "json", now=now)
+        """A log into a file of at most ``MOST_FILE_BYTES``; its last line says that it is full.
+
+        A file that cannot be opened is a `trouble` like one that cannot be written.
+        """
+        try:
+            log = cls(_LimitedFile(file), "json", now=now)
+        except OSError as error:
+            log = cls(io.StringIO(), None, now=now)
+            log.trouble = f"{file}: cannot be written: {error.strerror or error}"
+        log._name = str(file)
+        return log
 
     def close(self) -> None:
         """Close the stream."""
-        self._stream.close()
+        with contextlib.suppress(OSError, ValueError):  # its last event has said so already
+            self._stream.close()
 
     def write(self, level: Level, event: str, **fields: Any) -> None:
         """One event; None values are left out of text and null in JSON."""
@@ -86,7 +102,7 @@ class EventLog:
             return
         time = self._now().astimezone(UTC).isoformat(timespec="milliseconds")
         time = time.replace("+00:00", "Z")
-        plain = {name: _plain(value) for name, value in fields.items()}
+        plain = {name: hide_in(_plain(value)) for name, value in fields.items()}
         if self._form == "json":
             body = {"time": time, "level": level, "event": event, **plain}
             line = json.dumps(body, allow_nan=False, ensure_ascii=False)
@@ -95,8 +111,14 @@ class EventLog:
             line = " ".join([f"{time} {level:<7} {event}", *words])
             if self._priorities:
                 line = f"<{PRIORITY[level]}>{line}"
-        self._stream.write(line + "\n")
-        self._stream.flush()
+        try:
+            self._stream.write(line + "\n")
+            self._stream.flush()
+        except (OSError, ValueError) as error:  # a full disk, a reader that went away
+            reason = error.strerror if isinstance(error, OSError) else None
+            self.trouble = f"{self._name}: cannot be written: {reason or error}"
+        else:
+            self.trouble = ""
 
 
 class _LimitedFile(io.TextIOBase):
@@ -151,6 +173,11 @@ class RunLog:
         """One event into every log."""
         for log in self.logs:
             log.write(level, event, **fields)
+
+    @property
+    def trouble(self) -> str:
+        """Which of the logs cannot be written, and why; empty where all can."""
+        return "; ".join(log.trouble for log in self.logs if log.trouble)
 
     def cycle(self, now: Any, camera: Any) -> None:
         """After a cycle: ``now`` is the `DaemonState`, ``camera`` the `CameraStatus`."""

@@ -42,18 +42,32 @@ class Attendance:
         self._said_drops = False
         self._said_end = False
         self._said_silence = False
+        self._troubles: tuple[str, ...] = ()
         self._recorder_turns = -1
         self._recorder_turned_s = 0.0
 
     def cycle(self, now: DaemonState, time_s: float) -> None:
         """After a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
         self._log.cycle(now, self._daemon.camera.status())
+        self._look_at_troubles(now.troubles)
         self._watchdog.tick(time_s)
         if self._watchdog.hanging != self._hanging:
             self._hanging = self._watchdog.hanging
             self._log.write("error", "watchdog", stages=", ".join(self._hanging) or "none")
         if self._recorder is not None and not self._said_end:
             self._look_at_the_recording(self._recorder, time_s)
+
+    def _look_at_troubles(self, troubles: tuple[str, ...]) -> None:
+        """Say what cannot be written, once, and once that it can be again."""
+        self._daemon.troubles["log"] = self._log.trouble
+        before, self._troubles = self._troubles, troubles
+        for sentence in troubles:
+            if sentence not in before:
+                self._log.write("error", "trouble", reason=sentence)
+                self._say(f"trouble: {sentence}")
+        if before and not troubles:
+            self._log.write("info", "trouble", reason="over")
+            self._say("trouble over: everything can be written again")
 
     def _look_at_the_recording(self, recorder: Recorder, time_s: float) -> None:
         counts = recorder.counts()

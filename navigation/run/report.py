@@ -12,7 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from navigation.config.secrets import hide_in
 from navigation.pilot import distance_to_polyline
+from navigation.whole_file import write_whole
 from planner.scene import FloatArray
 
 
@@ -84,11 +86,11 @@ class Report:
 
     def to_json(self) -> str:
         """As one JSON object; numbers are finite or null."""
-        return json.dumps(asdict(self), indent=2, allow_nan=False)
+        return json.dumps(hide_in(asdict(self)), indent=2, allow_nan=False)
 
     def write(self, path: Path) -> None:
-        """Write the JSON file."""
-        path.write_text(self.to_json() + "\n", encoding="utf-8")
+        """Write the JSON file; ``UnwrittenFileError`` where that cannot be done."""
+        write_whole(path, self.to_json() + "\n")
 
     def lines(self) -> list[tuple[str, str]]:
         """Label and value, for a person."""

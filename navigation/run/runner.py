@@ -5,6 +5,7 @@ Units: metres, radians, seconds.
 
 from __future__ import annotations
 
+import errno
 import math
 import random
 import sys
@@ -18,11 +19,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navigation.config import Config
+from navigation.config.secrets import hide
 from navigation.config.sections import SIMULATED
 from navigation.control import ControlServer, default_socket
 from navigation.daemon import Daemon
 from navigation.daemon_state import DaemonState
-from navigation.journal import Journal
+from navigation.journal import Journal, owner_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission import State
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
     from navigation.recorder import Recorder
 
 DONE, FAILED, NO_PATH = 0, 1, 3
+NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
+"""What a write says where the disk, or the share of it, is full."""
 PROGRESS_EVERY_S = 1.0
 EVENTS_FILE = "events.jsonl"
 """In a run's folder: the log of its events."""
@@ -47,10 +51,13 @@ EVENTS_FILE = "events.jsonl"
 
 @dataclass(frozen=True, slots=True)
 class RunResult:
-    """The report, where the run's folder is, and the exit code it deserves."""
+    """The report, where the run's folder is, and the exit code it deserves.
+
+    ``folder`` is None where there was no room for one.
+    """
 
     report: Report
-    folder: Path
+    folder: Path | None
     exit_code: int
 
 
@@ -60,7 +67,8 @@ class Runner:
     ``interrupt`` set from anywhere ends the run in order: the robot is stopped first.
     ``dashboard`` False serves none, whatever the configuration says; with ``show_token`` the
     address that is said has the token in it. ``log`` gets every event, and ``notifier`` tells
-    systemd that the run is ready, stopping and, every ``watchdog_s`` at least, well.
+    systemd that the run is ready, stopping and, every ``watchdog_s`` at least, well. ``file`` is
+    where the configuration was read from: missions in the journal are its own.
     """
 
     def __init__(
@@ -68,6 +76,7 @@ class Runner:
         config: Config,
         *,
         once: bool,
+        file: Path | None = None,
         say: Callable[[str], None],
         socket: Path | None = None,
         record: Path | None = None,
@@ -80,7 +89,7 @@ class Runner:
     ) -> None:
         self.config = config
         self.interrupt = threading.Event()
-        self._once = once
+        self._once, self._file = once, file
         self._socket = socket
         self._record = record
         self._dashboard = dashboard and config.dashboard.enabled
@@ -89,7 +98,8 @@ class Runner:
         self._notifier = notifier or Notifier(None)
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
-        self._say = say
+        self._say: Callable[[str], None] = lambda line: say(hide(line))
+        self._say_address = say if show_token else self._say
         self._clock = clock
         self._said_state: State | None = None
         self._said_sentence = ""
@@ -99,15 +109,13 @@ class Runner:
         """Until the mission is over (``once``), the time limit, or an interrupt."""
         if self.config.serial.port != SIMULATED:
             look_for_port(self.config.serial.port)  # before the user has waited for the kernels
-        folder = make_run_folder(self.config.recording.runs_dir, datetime.now())
-        warm_up(self.config, self._say)
-        world = World(self.config, self._clock)
-        self._say(f"camera {self.config.camera.source}, robot on {world.port}")
-        socket = self._socket or default_socket()
         with ExitStack() as open_things:
-            events = EventLog.to_file(folder / EVENTS_FILE, now=datetime.now)
-            self._log.logs.append(open_things.enter_context(closing(events)))
-            journal = self._open_journal(open_things)
+            journal = self._open_journal(open_things)  # first: a second program is refused here
+            folder = self._open_folder(open_things)
+            warm_up(self.config, self._say)
+            world = World(self.config, self._clock)
+            self._say(f"camera {self.config.camera.source}, robot on {world.port}")
+            socket = self._socket or default_socket()
             recorder = self._open_recorder(open_things, world)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
             daemon = open_things.enter_context(
@@ -138,7 +146,8 @@ class Runner:
             self._log.write(
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
-        write_run(folder, daemon, report)
+        for trouble in () if folder is None else write_run(folder, daemon, report):
+            self._say(f"trouble: {trouble}")
         if recorder is not None:
             self._say(recorder.summary())
         return RunResult(report, folder, self._exit_code(state, daemon))
@@ -151,13 +160,36 @@ class Runner:
 
         return open_things.enter_context(
             Dashboard(
-                ShownDaemon(daemon), say=self._say, clock=self._clock, show_token=self._show_token
+                ShownDaemon(daemon),
+                say=self._say_address,
+                clock=self._clock,
+                show_token=self._show_token,
             )
         )
 
     def _open_journal(self, open_things: ExitStack) -> Journal | None:
         path = self.config.recording.journal
-        return None if path is None else open_things.enter_context(Journal(path))
+        if path is None:
+            return None
+        journal = open_things.enter_context(Journal(path, owner_of(self.config, self._file)))
+        for sentence in filter(None, (journal.remark, journal.trouble)):
+            self._log.write("warning", "trouble", reason=sentence)
+            self._say(sentence)
+        return journal
+
+    def _open_folder(self, open_things: ExitStack) -> Path | None:
+        """The run's folder with its log of events; None where the disk has no room for it."""
+        runs_dir = self.config.recording.runs_dir
+        try:
+            folder = make_run_folder(runs_dir, datetime.now())
+        except OSError as error:
+            if error.errno not in NO_ROOM:
+                raise
+            self._say(f"trouble: {runs_dir}: {error.strerror}; the run keeps no report there")
+            return None
+        events = EventLog.to_file(folder / EVENTS_FILE, now=datetime.now)
+        self._log.logs.append(open_things.enter_context(closing(events)))
+        return folder
 
     def _open_recorder(self, open_things: ExitStack, world: World) -> Recorder | None:
         settings = self.config.recording

@@ -16,7 +16,7 @@ import numpy as np
 
 from navigation.daemon import Daemon
 from navigation.daemon_state import DrivenPlan
-from navigation.draw import OtherRobot, save_picture
+from navigation.draw import DrawError, OtherRobot, save_picture
 from navigation.mission import State
 from navigation.run.report import (
     FrameCounts,
@@ -28,6 +28,7 @@ from navigation.run.report import (
     tracking_error,
 )
 from navigation.stages import stations_of
+from navigation.whole_file import UnwrittenFileError
 from planner.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
@@ -95,9 +96,21 @@ def prepare_picture(daemon: Daemon) -> None:
         _ = daemon.roadmap.graph
 
 
-def write_run(folder: Path, daemon: Daemon, report: Report) -> None:
-    """``report.json``, and ``track.svg`` where a scene was seen."""
-    report.write(folder / "report.json")
+def write_run(folder: Path, daemon: Daemon, report: Report) -> list[str]:
+    """``report.json``, and ``track.svg`` where a scene was seen; why one could not be written."""
+    troubles = []
+    try:
+        report.write(folder / "report.json")
+    except UnwrittenFileError as error:
+        troubles.append(str(error))
+    try:
+        _write_picture(folder / "track.svg", daemon, report)
+    except DrawError as error:
+        troubles.append(str(error))
+    return troubles
+
+
+def _write_picture(file: Path, daemon: Daemon, report: Report) -> None:
     if daemon.scene is None:
         return
     track = driven_track(daemon)
@@ -108,7 +121,7 @@ def write_run(folder: Path, daemon: Daemon, report: Report) -> None:
     first = [tuple(track[0, 1:4])] if len(track) else []
     plans = list(daemon.plans)
     save_picture(
-        folder / "track.svg",
+        file,
         daemon.scene,
         daemon.roadmap,
         plans[-1].path if plans else None,

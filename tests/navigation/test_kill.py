@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.journal import Journal
+from navigation.journal import Journal, owner_of
 from navigation.mission import State
 from tests.support.kills import drive_under_fire, stands
 from tests.support.virtual import short_config
@@ -31,8 +31,9 @@ def test_each_station_is_visited_once_however_often_the_program_is_killed(
 
 
 def test_after_the_end_nothing_is_left_to_go_on_with(tmp_path: Path) -> None:
-    drive_under_fire(short_config(TOUR[:1]), tmp_path / "journal", 4, 1)
-    with Journal(tmp_path / "journal") as journal:
+    config = short_config(TOUR[:1])
+    drive_under_fire(config, tmp_path / "journal", 4, 1)
+    with Journal(tmp_path / "journal", owner_of(config)) as journal:
         assert journal.unfinished() is None
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.daemon import Daemon
-from navigation.journal import Journal
+from navigation.journal import Journal, owner_of
 from navigation.mission import State
 from navigation.run.restart import unfinished_mission
 from navigation.run.virtual_world import VirtualWorld
@@ -79,8 +79,9 @@ def drive_under_fire(
         world.asked = 0
         world.kill_at = int(rng.integers(1, QUESTIONS)) if killed < kills else math.inf
         try:
-            with_journal = Journal(journal)
-            end = _run(config, world, with_journal, first_id)
+            # closed in any case, as the system does: a dead program holds no lock
+            with Journal(journal, owner_of(config)) as with_journal:
+                end = _run(config, world, with_journal, first_id)
             break
         except Killed:
             killed += 1

@@ -103,6 +103,7 @@ class Now:
     pose: None = None
     path: None = None
     clearance_m: float | None = None
+    troubles: tuple[str, ...] = ()
 
 
 STATIONS = (Station(1.0, 1.0), Station(2.0, 1.0))
@@ -182,11 +183,60 @@ class Recording:
 
 def attendance_of(recording: Recording) -> tuple[Attendance, io.StringIO, list[str]]:
     run, stream = run_log()
-    daemon: Any = SimpleNamespace(camera=SimpleNamespace(status=lambda: FINE))
+    daemon: Any = SimpleNamespace(camera=SimpleNamespace(status=lambda: FINE), troubles={})
     watched: Any = recording
     said: list[str] = []
     watchdog = Watchdog(Notifier(None), None, dict)
     return Attendance(daemon, run, watchdog, watched, said.append), stream, said
+
+
+class FullDisk(io.StringIO):
+    """A stream without room."""
+
+    full = True
+
+    def write(self, text: str) -> int:
+        if self.full:
+            raise OSError(28, "No space left on device")
+        return super().write(text)
+
+
+def test_a_log_that_cannot_be_written_says_so_and_ends_nothing() -> None:
+    stream = FullDisk()
+    events = EventLog(stream, "json", now=lambda: NOW)
+    events.write("info", "said", reason="lost")
+    assert events.trouble == "the log: cannot be written: No space left on device"
+    stream.full = False
+    events.write("info", "said", reason="kept")
+    assert events.trouble == ""
+    assert [json.loads(line)["reason"] for line in stream.getvalue().splitlines()] == ["kept"]
+    stream.close()
+    events.write("info", "said")
+    assert "closed file" in events.trouble
+    events.close()
+
+
+def test_a_log_s_file_that_cannot_be_opened_is_a_trouble(tmp_path: Path) -> None:
+    events = EventLog.to_file(tmp_path / "nowhere" / "events.jsonl", now=lambda: NOW)
+    events.write("info", "said")
+    assert "events.jsonl: cannot be written: No such file" in events.trouble
+    events.close()
+
+
+def test_a_trouble_is_said_once_and_so_is_its_end() -> None:
+    attendance, stream, said = attendance_of(Recording(RecordingCounts()))
+    troubled: Any = replace(DRIVING, troubles=("the journal: no room",))
+    well: Any = DRIVING
+    for now in (well, troubled, troubled, troubled, well, well):
+        attendance.cycle(now, 0.0)
+    assert [e for e in events_of(stream) if e[1] == "trouble"] == [
+        ("error", "trouble"),
+        ("info", "trouble"),
+    ]
+    assert said == [
+        "trouble: the journal: no room",
+        "trouble over: everything can be written again",
+    ]
 
 
 def test_a_recording_that_drops_and_one_that_ends_are_told_once() -> None:

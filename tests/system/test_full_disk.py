@@ -1,0 +1,132 @@
+"""What cannot be written is said, and the mission is driven to its end all the same."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from navigation.config import load_config
+from navigation.journal import Journal, Owner
+from navigation.run.warm_up import warm_up
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]
+MISSION = "mission:\n  stations:\n    - {x_m: 0.20, y_m: 0.60}\n"
+DONE = re.compile(r"(?m)^  state +done: ")
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Path:
+    """A short mission with a journal and a recording, in a folder of its own."""
+    shutil.copytree(CONFIGS, tmp_path / "etc")
+    file = tmp_path / "etc" / "simulation.yaml"
+    text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, file.read_text(), flags=re.MULTILINE)
+    file.write_text(
+        text.replace("runs_dir: runs", f"runs_dir: {tmp_path / 'runs'}")
+        + f"  journal: {tmp_path / 'runs' / 'journal'}\n"
+    )
+    warm_up(load_config(file, {}), print)
+    return file
+
+
+def start(config: Path, *more: str, **options: object) -> subprocess.Popen[str]:
+    socket = config.parent / "c.sock"
+    arguments = ["run", str(config), "--once", "--no-dashboard", "--socket", str(socket), *more]
+    environment = {**os.environ, "XDG_STATE_HOME": str(config.parent / "state")}
+    return subprocess.Popen(
+        [*PROGRAM, *arguments], stderr=subprocess.PIPE, text=True, env=environment, **options
+    )  # type: ignore[call-overload]
+
+
+def finish(run: subprocess.Popen[str]) -> tuple[int, str, str]:
+    with run:
+        out, err = run.communicate(timeout=120)
+    return run.returncode, out or "", err
+
+
+def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        code, _, err = finish(start(config, stdout=full))
+    assert code == 0, err
+    assert "stdout cannot be written: No space left on device; the run goes on" in err
+    assert err.count("stdout cannot be written") == 1
+    assert DONE.search(err), err
+    assert "Traceback" not in err
+
+
+def test_a_closed_stdout_ends_no_mission(config: Path) -> None:
+    code, _, err = finish(start(config, preexec_fn=lambda: os.close(1)))
+    assert code == 0, err
+    assert DONE.search(err), err
+
+
+def test_a_reader_that_goes_away_ends_no_mission(config: Path) -> None:
+    run = start(config, stdout=subprocess.PIPE)
+    assert run.stdout is not None
+    run.stdout.readline()
+    run.stdout.close()
+    run.stdout = None
+    code, _, err = finish(run)
+    assert code == 0, err
+    assert "stdout cannot be written: Broken pipe" in err
+    assert DONE.search(err), err
+
+
+def test_files_that_may_not_grow_end_no_mission(config: Path, tmp_path: Path) -> None:
+    """As on a full disk: the log, the journal, the recording, the report and the picture."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+
+    record = ("--record", str(tmp_path / "recordings"))
+    report = ("--report", str(tmp_path / "report.json"))
+    run = start(config, *record, *report, stdout=subprocess.PIPE, preexec_fn=limit)
+    code, out, err = finish(run)
+    assert code == 0, out + err
+    assert DONE.search(out), out
+    for name in ("events.jsonl", "report.json", "track.svg", "journal", "recording"):
+        assert re.search(rf"(?m)^.*{re.escape(name)}.*$", out), f"{name}: {out}"
+    assert "Traceback" not in err
+    assert f"{tmp_path / 'report.json'}: cannot be written: File too large" in err
+    left = [file for file in tmp_path.rglob("*.json") if "etc" not in file.parts]
+    assert left == [], "no half report"
+
+
+def test_a_journal_that_is_deleted_on_the_way_is_said_and_made_again(
+    config: Path, tmp_path: Path
+) -> None:
+    run = start(config, stdout=subprocess.PIPE)
+    assert run.stdout is not None
+    said = []
+    for line in run.stdout:
+        said.append(line)
+        if "driving" in line:
+            break
+    for file in (tmp_path / "runs").glob("journal*"):
+        file.unlink()
+    code, out, err = finish(run)
+    assert code == 0, err
+    told = "".join(said) + out
+    assert f"journal {tmp_path / 'runs' / 'journal'}: was deleted" in told, told
+    assert DONE.search(told), told
+    events = [
+        json.loads(line)
+        for file in (tmp_path / "runs").glob("*/events.jsonl")
+        for line in file.read_text().splitlines()
+    ]
+    assert any(e["event"] == "trouble" and "was deleted" in e["reason"] for e in events)
+
+
+def test_a_second_run_with_the_same_journal_is_refused(config: Path) -> None:
+    with Journal(config.parent.parent / "runs" / "journal", Owner()):
+        code, out, err = finish(start(config, stdout=subprocess.PIPE))
+    assert (code, out) == (2, "")
+    assert re.fullmatch(r"clearway: error: journal .*: is in use by another program, .*\n", err)
