@@ -23,6 +23,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, Protocol
 
+from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.mission import MissionError, Station
 
 MOST_BYTES: Final = 65_536
@@ -101,8 +102,8 @@ def _reason(request: Mapping[str, Any]) -> str:
 
 def read_stations(value: Any) -> tuple[Station, ...]:
     """Stations from JSON; ControlError where they are none."""
-    if not isinstance(value, list) or not 1 <= len(value) <= 1000:
-        raise ControlError("stations: must be a list of 1 to 1000 stations")
+    if not isinstance(value, list) or not 1 <= len(value) <= MOST_STATIONS:
+        raise ControlError(f"stations: must be a list of 1 to {MOST_STATIONS} stations")
     return tuple(_station(number, item) for number, item in enumerate(value, 1))
 
 
@@ -118,6 +119,9 @@ def _station(number: int, item: Any) -> Station:
     dwell_s = _number(number, item, "dwell_s") if "dwell_s" in item else 0.0
     if dwell_s < 0.0:
         raise ControlError(f"station {number}: dwell_s = {dwell_s:g}: must be >= 0")
+    if dwell_s > LONGEST_DWELL_S:
+        limit = f"must be <= {LONGEST_DWELL_S:g}"
+        raise ControlError(f"station {number}: dwell_s = {dwell_s:g}: {limit}")
     return Station(x, y, heading_rad, dwell_s)
 
 

@@ -210,7 +210,14 @@ class _HeaderReader:
             raise SceneError(f"{name}: not YAML: {str(error).splitlines()[0]}") from None
         if not isinstance(node, yaml.MappingNode):
             raise SceneError(f"{name}:1:1: not the YAML of a ROS map: 'key: value' lines expected")
-        self.nodes = {str(key.value): value for key, value in node.value}
+        self.nodes = {}
+        for key, value in node.value:
+            word = str(key.value)
+            if word in self.nodes:
+                mark = key.start_mark
+                place = f"{name}:{mark.line + 1}:{mark.column + 1}"
+                raise SceneError(f"{place}: the key {word[:40]!r} is given twice")
+            self.nodes[word] = value
 
     def error(self, key: str, what: str) -> SceneError:
         mark = self.nodes[key].start_mark

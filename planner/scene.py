@@ -10,6 +10,7 @@ Rules and units
 - Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw``
   is as seen on the screen too, so that it survives the change from y down to y up.
 - Everything here is immutable; arrays are read-only.
+- Coordinates are finite and radii > 0: a record that is neither cannot be made.
 """
 
 from __future__ import annotations
@@ -47,12 +48,37 @@ def printable(message: str) -> str:
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in message)
 
 
+def _finite(point: Vec, what: str) -> None:
+    """SceneError where a coordinate is infinite or no number; zero times any other is zero."""
+    if not point[0] * 0.0 + point[1] * 0.0 == 0.0:
+        raise SceneError(f"{what} ({point[0]:g}, {point[1]:g}): must be finite")
+
+
+def _round(center: Vec, radius: float, what: str) -> None:
+    """SceneError where a circle has no place or no size."""
+    _finite(center, f"the centre of {what}")
+    if not 0.0 < radius < math.inf:
+        raise SceneError(f"the radius of {what} = {radius:g}: must be > 0 and finite")
+
+
+def _measured(residual_px: float, what: str) -> None:
+    if not residual_px * 0.0 == 0.0:
+        raise SceneError(f"the residual of {what} = {residual_px:g} px: must be finite")
+
+
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A straight edge from ``start`` to ``end``."""
+    """A straight edge from ``start`` to ``end``; ``SceneError`` where one is not finite."""
 
     start: Vec
     end: Vec
+
+    def __post_init__(self) -> None:
+        (x0, y0), (x1, y1) = self.start, self.end
+        # written out: scenes have a hundred thousand of them
+        if not x0 * 0.0 + y0 * 0.0 + x1 * 0.0 + y1 * 0.0 == 0.0:
+            _finite(self.start, "the start of a segment")
+            _finite(self.end, "the end of a segment")
 
     @property
     def length(self) -> float:
@@ -64,7 +90,8 @@ class Segment:
 class Arc:
     """A circular edge from ``start`` to ``end``; ``ccw`` as seen on the screen.
 
-    Equal ends mean the whole circle.
+    Equal ends mean the whole circle. ``SceneError`` where a coordinate is not finite or the
+    radius is not > 0.
     """
 
     start: Vec
@@ -72,6 +99,11 @@ class Arc:
     center: Vec
     radius: float
     ccw: bool
+
+    def __post_init__(self) -> None:
+        _finite(self.start, "the start of an arc")
+        _finite(self.end, "the end of an arc")
+        _round(self.center, self.radius, "an arc")
 
     def sweep(self, y_down: bool) -> tuple[float, float]:
         """``(start_rad, sweep_rad)`` in the coordinates' own sense: angle = atan2(y, x).
@@ -98,6 +130,10 @@ class PointRecord:
     at: Vec
     residual_px: float = 0.0
 
+    def __post_init__(self) -> None:
+        _finite(self.at, "a point")
+        _measured(self.residual_px, "a point")
+
 
 @dataclass(frozen=True, slots=True)
 class SegmentRecord:
@@ -106,6 +142,11 @@ class SegmentRecord:
     start: Vec
     end: Vec
     residual_px: float = 0.0
+
+    def __post_init__(self) -> None:
+        _finite(self.start, "the start of a segment")
+        _finite(self.end, "the end of a segment")
+        _measured(self.residual_px, "a segment")
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +157,10 @@ class CircleRecord:
     radius: float
     residual_px: float = 0.0
 
+    def __post_init__(self) -> None:
+        _round(self.center, self.radius, "a circle")
+        _measured(self.residual_px, "a circle")
+
 
 @dataclass(frozen=True, slots=True)
 class ArcRecord:
@@ -124,6 +169,11 @@ class ArcRecord:
     edges: tuple[Edge, ...]
     residual_px: float = 0.0
 
+    def __post_init__(self) -> None:
+        if not self.edges:
+            raise SceneError("a chain of edges (A): must have at least one edge")
+        _measured(self.residual_px, "a chain of edges")
+
 
 @dataclass(frozen=True, slots=True)
 class PolygonRecord:
@@ -131,6 +181,11 @@ class PolygonRecord:
 
     edges: tuple[Edge, ...]
     residual_px: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.edges:
+            raise SceneError("a polygon (L): must have at least one edge")
+        _measured(self.residual_px, "a polygon")
 
 
 Record: TypeAlias = PointRecord | SegmentRecord | CircleRecord | ArcRecord | PolygonRecord

@@ -13,6 +13,9 @@ from navigation.config.marks import Location
 from navigation.config.sections import SIMULATED, MarkerSection
 from navigation.config.values import Place
 
+MOST_STEPS = 1_000_000
+"""Generators along an arena's walls, and waypoints once around it."""
+
 _Found = Iterator[tuple[Location, str]]
 
 
@@ -124,6 +127,25 @@ def _bends_fit_into_the_arena(arena: Any, robot: Any) -> _Found:
         )
 
 
+def _plans_stay_small(arena: Any, robot: Any, planning: Any) -> _Found:
+    """The walls alone need a generator every spacing."""
+    x0, y0, x1, y1 = arena.bounds_m
+    if not (x0 < x1 and y0 < y1):
+        return
+    around_m = 2 * (x1 - x0 + y1 - y0)
+    spacing_m = robot.radius_m if planning.spacing_m is None else planning.spacing_m
+    where: Location = ("robot", "radius_m")
+    if planning.spacing_m is not None:
+        where = ("planning", "spacing_m")
+    for place, step_m in (
+        (where, spacing_m),
+        (("planning", "waypoint_spacing_m"), planning.waypoint_spacing_m),
+    ):
+        if around_m > MOST_STEPS * step_m:
+            limit = around_m / MOST_STEPS
+            yield place, f"must be >= {limit:.4g} in an arena of this size, not {step_m:g}"
+
+
 def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) -> _Found:
     places: list[tuple[Location, Place]] = [
         (("mission", "stations", index), station) for index, station in enumerate(mission.stations)
@@ -216,6 +238,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robot", "planning"), _spacing_is_fine_enough),
     (("arena", "robot"), _robot_fits_into_the_arena),
     (("arena", "robot"), _bends_fit_into_the_arena),
+    (("arena", "robot", "planning"), _plans_stay_small),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),

@@ -35,7 +35,7 @@ class DashboardSection(Section):
         default=None, description="whoever knows only this one may look and stop, not drive"
     )
     names: tuple[Text, ...] = Field(
-        default=(), description="further host names that browsers reach it by"
+        default=(), max_length=100, description="further host names that browsers reach it by"
     )
     hold_s: Positive = Field(
         default=300.0, description="the arena is free again when its operator did nothing for this"

@@ -23,7 +23,7 @@ from navigation.config.secret_places import secrets_in_environment, secrets_in_s
 from navigation.config.secrets import learn
 from navigation.config.sections import Config
 
-MOST_BYTES: Final = 4_000_000
+MOST_BYTES: Final = 2_000_000
 """Of a file: more than the longest text takes in UTF-8."""
 
 

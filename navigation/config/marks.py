@@ -18,11 +18,11 @@ from typing import Any, Final, TypeAlias
 
 import yaml
 
-MOST_CHARACTERS: Final = 1_000_000
+MOST_CHARACTERS: Final = 500_000
 MOST_SHOWN: Final = 40
 """Of a longer word only the beginning is shown."""
 MOST_DEPTH: Final = 50
-MOST_VALUES: Final = 50_000
+MOST_VALUES: Final = 20_000
 """A mission of a thousand stations has five thousand."""
 
 Location: TypeAlias = tuple[str | int, ...]

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Final
 
 import yaml
@@ -19,11 +20,14 @@ import yaml
 from navigation.config.marks import compose
 from navigation.config.secrets import HIDDEN, SECRET_KEY, Redactor, known, secrets_of_address
 
-_WORD: Final = r"[\w-]*(?:token|passw|pwd|passphrase|secret|api_?key|credential)[\w-]*"
-_KEY_LINE: Final = re.compile(rf"(?i){_WORD}[\"']?[ \t]*(?:\n[ \t]*)?(?::|=)")
-_COMMENT: Final = re.compile(rf"(?im)(?:^|[ \t])#[^\n]*?(?:{_WORD})[^\n]*$")
-_NOTHING_YET: Final = re.compile(r"(?:[&!][^\s]*\s*|[|>][-+0-9]*\s*)*(?:#.*)?$")
+_KEY_LINE: Final = re.compile(
+    rf"{SECRET_KEY.pattern}[\w-]{{0,64}}[\"']?[ \t]{{0,64}}(?:\n[ \t]{{0,64}})?[:=]"
+)
+_COMMENT: Final = re.compile(r"(?m)(?:^|[ \t])#[^\n]*")
+_NOTHING_YET: Final = re.compile(r"(?:(?:[&!]\S*|[|>][-+0-9]*)(?:\s+|$))*(?:#.*)?$")
 """What may stand behind a key whose value begins on the next line."""
+MOST_WORDS: Final = 50
+"""A longer value is left out where it stands; its words alone are no secrets."""
 
 
 def secrets_in_source(text: str) -> set[str]:
@@ -32,12 +36,12 @@ def secrets_in_source(text: str) -> set[str]:
     if root is None:
         spans = list(_line_by_line(text))
         found = {text[a:b].strip().strip("\"'|>-").strip() for a, b in spans}
-        words = {word.strip("\"',{}[]") for a, b in spans for word in text[a:b].split()}
+        words = {word.strip("\"',{}[]") for a, b in spans for word in _words(text[a:b])}
         return {s for s in found | words if s} | set(secrets_of_address(text))
     found = set()
     for node, is_secret in _scalars(root, under_secret=False, seen=set()):
         if is_secret:
-            found |= {node.value, *node.value.split()}
+            found |= {node.value, *_words(node.value)}
         found |= set(secrets_of_address(node.value))
     return found
 
@@ -59,7 +63,8 @@ def secret_spans(text: str) -> list[tuple[int, int]]:
     spans = [] if root is None else list(_node_spans(root))
     if root is None:
         spans += _line_by_line(text)
-    spans += [match.span() for match in _COMMENT.finditer(text)]
+    comments = (match.span() for match in _COMMENT.finditer(text))
+    spans += [(a, b) for a, b in comments if SECRET_KEY.search(text, a, b)]
     spans += Redactor(known().secrets | secrets_in_source(text)).spans(text)
     return _merged(spans)
 
@@ -91,6 +96,12 @@ def _without(text: str, spans: list[tuple[int, int]]) -> str:
     return "".join([*parts, text[end:]])
 
 
+def _words(value: str) -> list[str]:
+    words = value.split()
+    return words if len(words) <= MOST_WORDS else []
+
+
+@lru_cache(maxsize=2)  # one text is asked about several times, and reading it is the longest part
 def _root(text: str) -> yaml.Node | None:
     try:
         root = compose(text)
@@ -124,7 +135,10 @@ def _node_spans(root: yaml.Node) -> Iterator[tuple[int, int]]:
 
 
 def _line_by_line(text: str) -> Iterator[tuple[int, int]]:
+    end = 0
     for match in _KEY_LINE.finditer(text):
+        if match.start() < end:
+            continue
         line_start = text.rfind("\n", 0, match.start()) + 1
         indent = _indent(text[line_start:])
         end = _line_end(text, match.end())

@@ -24,9 +24,12 @@ SECRET_KEY: Final = re.compile(r"(?i)(token|passw|pwd|passphrase|secret|api_?key
 """What a key looks like whose value is shown to nobody."""
 HIDDEN: Final = "(left out)"
 LEAST_LENGTH: Final = 4
+LONGEST_IN_EVERY_FORM: Final = 500
+"""No password is longer; a longer value is found as it is only."""
 
 _ADDRESS: Final = re.compile(
-    r"""(://)(?:[^\s/?\#"'<>]*@|[^\s/:@"'<>]*:(?!\d*(?:[/?\#\s"']|$))[^\s"'<>]*@)"""
+    r"""(://)(?:[^\s/?\#"'<>]{0,500}@"""
+    r"""|[^\s/:@"'<>]{0,500}:(?!\d{0,9}(?:[/?\#\s"']|$))[^\s"'<>]{0,500}@)"""
 )
 """An address up to its last @; a password with a slash that should have been %2F included."""
 _QUERY: Final = re.compile(
@@ -76,12 +79,14 @@ class Redactor:
 def _any_form(secret: str) -> str:
     """A pattern for the secret however its characters are encoded, each for itself."""
     basic = base64.b64encode(secret.encode()).decode()
+    if len(secret) > LONGEST_IN_EVERY_FORM:
+        return re.escape(secret)
     parts = []
-    for letter in secret:
+    for letter in re.findall(r"\s+|\S", secret):
         percent = "".join(f"%{byte:02x}" for byte in letter.encode())
         escaped = {json.dumps(letter)[1:-1], repr(letter)[1:-1], letter}
         words = [re.escape(word) for word in sorted(escaped, key=len, reverse=True)]
-        if letter == " ":
+        if letter.isspace():
             words += [r"\+", r"\s+"]
         parts.append(f"(?:{'|'.join(words)}|(?i:{percent}))")
     return f"(?:{''.join(parts)}|{re.escape(basic)})"

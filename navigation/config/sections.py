@@ -17,12 +17,19 @@ from pydantic import BeforeValidator, Field, StrictBool
 from navigation.config.dashboard import DashboardSection
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
+    MOST_ROBOTS,
+    MOST_STATIONS,
     Count,
+    Degrees,
+    Fine,
     Fraction,
+    Length,
+    Metres,
     NeighbourFile,
     NotNegative,
     Number,
     Positive,
+    Rate,
     Section,
     Station,
     Text,
@@ -73,7 +80,7 @@ Preference = Annotated[
 class ArenaSection(Section):
     """The rectangle the robot may use; its sides are walls."""
 
-    bounds_m: tuple[Number, Number, Number, Number] = Field(
+    bounds_m: tuple[Metres, Metres, Metres, Metres] = Field(
         description="[x_min, y_min, x_max, y_max] of the free space"
     )
 
@@ -86,17 +93,16 @@ class CameraSection(Section):
         "an rtsp:// or http:// address, a video file, a picture or a folder of pictures"
     )
     size_px: tuple[
-        Annotated[int, Field(strict=True, ge=16)], Annotated[int, Field(strict=True, ge=16)]
+        Annotated[int, Field(strict=True, ge=16, le=32768)],
+        Annotated[int, Field(strict=True, ge=16, le=32768)],
     ] = Field(default=(1280, 960), description="[width, height] asked of the camera")
-    rate_hz: Annotated[Positive, Field(le=1000)] = Field(
-        default=30.0, description="frames a second asked of the camera"
-    )
+    rate_hz: Rate = Field(default=30.0, description="frames a second asked of the camera")
     calibration: NeighbourFile | None = Field(
         default=None,
         description="file written by `clearway calibrate`, relative to this file; "
         "empty with a simulated camera: its true values",
     )
-    metres_per_pixel: Positive | None = Field(
+    metres_per_pixel: Fine | None = Field(
         default=None,
         description="instead of a calibration: a camera looking straight down, no distortion",
     )
@@ -121,11 +127,11 @@ class MarkerSection(Section):
     """A robot as the camera sees it: its marker and its body."""
 
     marker_id: Count = Field(description="the number of the marker on the robot")
-    marker_size_m: Positive = Field(description="side of the marker's black square")
-    marker_height_m: NotNegative = Field(
+    marker_size_m: Length = Field(description="side of the marker's black square")
+    marker_height_m: Annotated[NotNegative, Field(le=100)] = Field(
         default=0.0, description="height of the marker above the floor"
     )
-    radius_m: Positive = Field(
+    radius_m: Length = Field(
         description="radius of the disc around the marker's centre that holds the whole robot"
     )
 
@@ -136,24 +142,24 @@ class RobotSection(MarkerSection):
     dictionary: Dictionary = Field(
         default="DICT_4X4_50", description="OpenCV's name of the marker family"
     )
-    marker_turn_deg: Number = Field(
+    marker_turn_deg: Degrees = Field(
         default=0.0, description="how the marker is mounted: its x axis against the robot's forward"
     )
-    speed_m_s: Positive = Field(default=0.3, description="highest speed")
-    acceleration_m_s2: Positive = Field(default=0.5, description="highest acceleration and braking")
-    lateral_acceleration_m_s2: Positive = Field(
+    speed_m_s: Rate = Field(default=0.3, description="highest speed")
+    acceleration_m_s2: Rate = Field(default=0.5, description="highest acceleration and braking")
+    lateral_acceleration_m_s2: Rate = Field(
         default=0.5, description="highest acceleration in bends"
     )
-    jerk_m_s3: Positive = Field(default=5.0, description="highest change of acceleration")
-    angular_rate_rad_s: Positive = Field(default=2.0, description="highest turning rate")
-    angular_acceleration_rad_s2: Positive = Field(
+    jerk_m_s3: Rate = Field(default=5.0, description="highest change of acceleration")
+    angular_rate_rad_s: Rate = Field(default=2.0, description="highest turning rate")
+    angular_acceleration_rad_s2: Rate = Field(
         default=6.0, description="highest turning acceleration"
     )
-    track_m: Positive = Field(default=0.12, description="distance between the driven wheels")
+    track_m: Length = Field(default=0.12, description="distance between the driven wheels")
     turns_on_spot: StrictBool = Field(
         default=True, description="whether it can turn without driving"
     )
-    turning_radius_m: NotNegative = Field(
+    turning_radius_m: Annotated[NotNegative, Field(le=1000)] = Field(
         default=0.0,
         description="no bend is driven tighter; a tighter one is turned standing, or refused "
         "where the robot cannot",
@@ -163,10 +169,10 @@ class RobotSection(MarkerSection):
 class PlanningSection(Section):
     """Which way to choose and how to drive it."""
 
-    margin_m: NotNegative = Field(
+    margin_m: Annotated[NotNegative, Field(le=100)] = Field(
         default=0.01, description="kept free around the robot's radius in every plan"
     )
-    spacing_m: Positive | None = Field(
+    spacing_m: Length | None = Field(
         default=None,
         description="distance of the diagram's generators; empty: chosen from the radius",
     )
@@ -174,19 +180,19 @@ class PlanningSection(Section):
         default="balanced",
         description="'clearance', 'length', 'balanced', or from 0 (length) to 1 (clearance)",
     )
-    waypoint_spacing_m: Positive = Field(
+    waypoint_spacing_m: Length = Field(
         default=0.05, description="largest distance between waypoints"
     )
-    chord_tolerance_m: Positive = Field(
+    chord_tolerance_m: Fine = Field(
         default=0.002, description="how far the line between two waypoints may leave the path"
     )
-    slow_clearance_m: Positive = Field(
+    slow_clearance_m: Annotated[Positive, Field(le=1000)] = Field(
         default=0.20, description="below this clearance the robot drives more slowly"
     )
-    slow_speed_m_s: Positive = Field(
+    slow_speed_m_s: Rate = Field(
         default=0.12, description="speed where the clearance is the robot's radius"
     )
-    replan_distance_m: NotNegative = Field(
+    replan_distance_m: Annotated[NotNegative, Field(le=1000)] = Field(
         default=0.15,
         description="plan again when a changed obstacle is nearer than this to the path",
     )
@@ -252,13 +258,17 @@ class MissionSection(Section):
     """Where to go; without stations the program waits for orders."""
 
     stations: tuple[Station, ...] = Field(
-        default=(), description="places to visit; the last is the goal"
+        default=(),
+        max_length=MOST_STATIONS,
+        description=f"places to visit, at most {MOST_STATIONS}; the last is the goal",
     )
     order: Literal["fixed", "best"] = Field(
         default="fixed", description="as written, or the shortest order (the last stays the goal)"
     )
-    tolerance_m: Positive = Field(default=0.01, description="how near to a station counts as there")
-    tolerance_deg: Positive = Field(
+    tolerance_m: Annotated[Positive, Field(le=10)] = Field(
+        default=0.01, description="how near to a station counts as there"
+    )
+    tolerance_deg: Annotated[Positive, Field(le=360)] = Field(
         default=2.0, description="how near to its heading counts as turned"
     )
 
@@ -290,7 +300,7 @@ class RecordingSection(Section):
     file_mb: Annotated[Positive, Field(ge=0.1)] = Field(
         default=200.0, description="a new MCAP file is begun when one has become larger than this"
     )
-    picture_rate_hz: Positive = Field(
+    picture_rate_hz: Rate = Field(
         default=10.0, description="most pictures a second that are recorded"
     )
     picture_format: Literal["jpeg", "png"] = Field(
@@ -309,7 +319,9 @@ class Config(Section):
     vision: VisionSection = Field(default=VisionSection(), description="seeing obstacles")
     robot: RobotSection = Field(description="the robot that is driven")
     other_robots: tuple[MarkerSection, ...] = Field(
-        default=(), description="robots that drive by themselves: moving obstacles"
+        default=(),
+        max_length=MOST_ROBOTS,
+        description=f"robots that drive by themselves: moving obstacles, at most {MOST_ROBOTS}",
     )
     planning: PlanningSection = Field(default=PlanningSection(), description="choosing the way")
     serial: SerialSection = Field(default=SerialSection(), description="the line to the robot")

@@ -6,18 +6,25 @@ Units as in `config_sections`: SI in the names, angles in degrees, pictures in p
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field, StrictBool
 
 from navigation.config.values import (
+    MOST_HAPPENINGS,
+    MOST_ROBOTS,
     Count,
+    Degrees,
     Fraction,
+    Length,
+    Metres,
     NeighbourFile,
     NotNegative,
     Number,
     Place,
     Pose,
     Positive,
+    Rate,
     RelativeError,
     Section,
     Text,
@@ -27,14 +34,14 @@ from navigation.config.values import (
 class SimulatedCameraSection(Section):
     """The simulated camera: a pinhole with lens distortion above the arena."""
 
-    position_m: tuple[Number, Number, Positive] = Field(
+    position_m: tuple[Metres, Metres, Length] = Field(
         default=(1.155, 0.975, 2.5), description="[x, y, height] of the lens"
     )
-    tilt_deg: tuple[Number, Number] = Field(
+    tilt_deg: tuple[Degrees, Degrees] = Field(
         default=(1.2, -0.8), description="leaning from straight down: [about x, about y]"
     )
-    turn_deg: Number = Field(default=0.7, description="turned about its own axis")
-    focal_px: Positive = Field(default=1235.0, description="focal length")
+    turn_deg: Degrees = Field(default=0.7, description="turned about its own axis")
+    focal_px: Annotated[Positive, Field(ge=1)] = Field(default=1235.0, description="focal length")
     centre_offset_px: tuple[Number, Number] = Field(
         default=(5.3, -3.8),
         description="principal point against the picture's centre: [right, down]",
@@ -42,14 +49,18 @@ class SimulatedCameraSection(Section):
     distortion: tuple[Number, Number, Number, Number, Number] = Field(
         default=(-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
     )
-    blur_px: NotNegative = Field(default=0.6, description="sigma of the lens's blur")
-    noise_grey: NotNegative = Field(
+    blur_px: Annotated[NotNegative, Field(le=100)] = Field(
+        default=0.6, description="sigma of the lens's blur"
+    )
+    noise_grey: Annotated[NotNegative, Field(le=255)] = Field(
         default=2.5, description="sigma of the sensor's noise, grey levels"
     )
     light_fall: Fraction = Field(
         default=0.12, description="how much darker the darkest corner's light is"
     )
-    latency_s: NotNegative = Field(default=0.0, description="from the exposure to the program")
+    latency_s: Annotated[NotNegative, Field(le=10)] = Field(
+        default=0.0, description="from the exposure to the program"
+    )
 
 
 class SimulatedRobotSection(Section):
@@ -64,9 +75,13 @@ class SimulatedRobotSection(Section):
     slip: Fraction = Field(
         default=0.01, description="sigma of the part of each wheel's travel that is lost or gained"
     )
-    motor_time_s: Positive = Field(default=0.05, description="time constant of the motors")
-    encoder_ticks_per_m: Positive = Field(default=4000.0, description="resolution of the encoders")
-    wheel_speed_m_s: Positive = Field(default=0.8, description="highest speed of a wheel")
+    motor_time_s: Annotated[Positive, Field(le=10)] = Field(
+        default=0.05, description="time constant of the motors"
+    )
+    encoder_ticks_per_m: Annotated[Positive, Field(ge=1)] = Field(
+        default=4000.0, description="resolution of the encoders"
+    )
+    wheel_speed_m_s: Rate = Field(default=0.8, description="highest speed of a wheel")
     faults: str = Field(
         default="", description="faults of the line, as in `clearway robot --faults`"
     )
@@ -87,9 +102,11 @@ class SimulatedTrackSection(Section):
 
     marker_id: Count = Field(description="which of other_robots it is")
     track: tuple[Place, ...] = Field(
-        min_length=1, description="the places it drives through; one alone: it stands there"
+        min_length=1,
+        max_length=MOST_HAPPENINGS,
+        description="the places it drives through; one alone: it stands there",
     )
-    speed_m_s: Positive = Field(default=0.2, description="how fast it drives")
+    speed_m_s: Rate = Field(default=0.2, description="how fast it drives")
     start_s: NotNegative = Field(default=0.0, description="when it sets off, after the beginning")
     back_and_forth: StrictBool = Field(
         default=False, description="whether it drives back at the end, and so on for ever"
@@ -123,8 +140,12 @@ class SimulationSection(Section):
         default=SimulatedRobotSection(), description="the simulated robot's errors"
     )
     other_robots: tuple[SimulatedTrackSection, ...] = Field(
-        default=(), description="how the other robots drive; one without a track is not there"
+        default=(),
+        max_length=MOST_ROBOTS,
+        description="how the other robots drive; one without a track is not there",
     )
     obstacles: tuple[SimulatedObstacleSection, ...] = Field(
-        default=(), description="obstacles that come and go"
+        default=(),
+        max_length=MOST_HAPPENINGS,
+        description=f"obstacles that come and go, at most {MOST_HAPPENINGS}",
     )

@@ -1,4 +1,8 @@
-"""The kinds of values in a configuration: bounded numbers, files, places and headings."""
+"""The kinds of values in a configuration: bounded numbers, files, places and headings.
+
+Every number has a smallest and a largest value, far beyond what any arena or robot needs and far
+below what fills a machine's memory; where a key needs tighter ones, its section says so.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +17,27 @@ MOST_STATIONS = 1000
 LONGEST_DWELL_S = 3600.0
 """At one station. On the wire it is a waypoint for every 25 s: at most 144 000 of a mission."""
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0)]
-NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0)]
+MOST_ROBOTS = 100
+MOST_HAPPENINGS = 1000
+"""Obstacles that come and go, and places of a scripted track."""
+LARGEST = 1e6
+"""Of any number that has no tighter limit."""
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0, le=LARGEST)]
+NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=LARGEST)]
+Metres = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1000, le=1000)]
+"""A coordinate in the arena."""
+Degrees = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-3600, le=3600)]
+Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.001, le=100)]
+"""Of a body or marker: from a millimetre to a hundred metres."""
+Fine = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=10)]
+"""A small length: what a pixel shows of the floor, how far a chord may leave its path."""
+Rate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.001, le=1000)]
+"""A speed, an acceleration or a frequency that is divided by."""
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
 RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]
-Count = Annotated[int, Field(strict=True, ge=0)]
+Count = Annotated[int, Field(strict=True, ge=0, le=0xFFFFFFFF)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 
 
@@ -40,14 +59,14 @@ class Section(BaseModel):
 class Place(Section):
     """A place in the arena."""
 
-    x_m: Number = Field(description="metres to the right")
-    y_m: Number = Field(description="metres up")
+    x_m: Metres = Field(description="metres to the right")
+    y_m: Metres = Field(description="metres up")
 
 
 class Pose(Place):
     """A place and a heading."""
 
-    heading_deg: Number = Field(default=0.0, description="degrees counter-clockwise from +x")
+    heading_deg: Degrees = Field(default=0.0, description="degrees counter-clockwise from +x")
 
     @property
     def heading_rad(self) -> float:
@@ -58,10 +77,12 @@ class Pose(Place):
 class Station(Place):
     """A place to visit."""
 
-    heading_deg: Number | None = Field(
+    heading_deg: Degrees | None = Field(
         default=None, description="heading to stand at, degrees; empty: any heading"
     )
-    dwell_s: NotNegative = Field(default=0.0, description="how long to stay there")
+    dwell_s: Annotated[NotNegative, Field(le=LONGEST_DWELL_S)] = Field(
+        default=0.0, description="how long to stay there"
+    )
 
     @property
     def heading_rad(self) -> float | None:
