@@ -210,7 +210,7 @@ class _HeaderReader:
             raise SceneError(f"{name}: not YAML: {str(error).splitlines()[0]}") from None
         if not isinstance(node, yaml.MappingNode):
             raise SceneError(f"{name}:1:1: not the YAML of a ROS map: 'key: value' lines expected")
-        self.nodes = {}
+        self.nodes: dict[str, yaml.Node] = {}
         for key, value in node.value:
             word = str(key.value)
             if word in self.nodes:

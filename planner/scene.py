@@ -10,7 +10,8 @@ Rules and units
 - Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw``
   is as seen on the screen too, so that it survives the change from y down to y up.
 - Everything here is immutable; arrays are read-only.
-- Coordinates are finite and radii > 0: a record that is neither cannot be made.
+- Coordinates are finite and radii >= 0, a circle of none being a point: any other record cannot
+  be made.
 """
 
 from __future__ import annotations
@@ -50,19 +51,19 @@ def printable(message: str) -> str:
 
 def _finite(point: Vec, what: str) -> None:
     """SceneError where a coordinate is infinite or no number; zero times any other is zero."""
-    if not point[0] * 0.0 + point[1] * 0.0 == 0.0:
+    if point[0] * 0.0 + point[1] * 0.0 != 0.0:
         raise SceneError(f"{what} ({point[0]:g}, {point[1]:g}): must be finite")
 
 
 def _round(center: Vec, radius: float, what: str) -> None:
-    """SceneError where a circle has no place or no size."""
+    """SceneError where a circle has no place or size; one of no radius is a point."""
     _finite(center, f"the centre of {what}")
-    if not 0.0 < radius < math.inf:
-        raise SceneError(f"the radius of {what} = {radius:g}: must be > 0 and finite")
+    if not 0.0 <= radius < math.inf:
+        raise SceneError(f"the radius of {what} = {radius:g}: must be >= 0 and finite")
 
 
 def _measured(residual_px: float, what: str) -> None:
-    if not residual_px * 0.0 == 0.0:
+    if residual_px * 0.0 != 0.0:
         raise SceneError(f"the residual of {what} = {residual_px:g} px: must be finite")
 
 
@@ -76,7 +77,7 @@ class Segment:
     def __post_init__(self) -> None:
         (x0, y0), (x1, y1) = self.start, self.end
         # written out: scenes have a hundred thousand of them
-        if not x0 * 0.0 + y0 * 0.0 + x1 * 0.0 + y1 * 0.0 == 0.0:
+        if x0 * 0.0 + y0 * 0.0 + x1 * 0.0 + y1 * 0.0 != 0.0:
             _finite(self.start, "the start of a segment")
             _finite(self.end, "the end of a segment")
 
@@ -91,7 +92,7 @@ class Arc:
     """A circular edge from ``start`` to ``end``; ``ccw`` as seen on the screen.
 
     Equal ends mean the whole circle. ``SceneError`` where a coordinate is not finite or the
-    radius is not > 0.
+    radius is not >= 0.
     """
 
     start: Vec
@@ -170,8 +171,6 @@ class ArcRecord:
     residual_px: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.edges:
-            raise SceneError("a chain of edges (A): must have at least one edge")
         _measured(self.residual_px, "a chain of edges")
 
 
@@ -183,8 +182,6 @@ class PolygonRecord:
     residual_px: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.edges:
-            raise SceneError("a polygon (L): must have at least one edge")
         _measured(self.residual_px, "a polygon")
 
 

@@ -21,7 +21,7 @@ from planner.scene import (
 HERE, THERE = (0.0, 0.0), (1.0, 0.0)
 SIDE = Segment(HERE, THERE)
 NO_NUMBERS = (math.nan, math.inf, -math.inf)
-NO_RADII = (*NO_NUMBERS, -1.0, 0.0, -0.0)
+NO_RADII = (*NO_NUMBERS, -1.0, -5e-324)
 WITH_A_COORDINATE: dict[str, Callable[[float], object]] = {
     "P": lambda v: PointRecord((v, 0.0)),
     "S": lambda v: SegmentRecord(HERE, (1.0, v)),
@@ -43,22 +43,16 @@ WITH_A_COORDINATE: dict[str, Callable[[float], object]] = {
 @pytest.mark.parametrize("value", NO_NUMBERS)
 @pytest.mark.parametrize("name", WITH_A_COORDINATE)
 def test_coordinates_that_are_not_finite_are_refused(name: str, value: float) -> None:
-    with pytest.raises(SceneError, match="must be finite$"):
+    with pytest.raises(SceneError, match=r"must be finite$"):
         WITH_A_COORDINATE[name](value)
 
 
 @pytest.mark.parametrize("radius", NO_RADII)
-def test_radii_that_are_not_positive_are_refused(radius: float) -> None:
-    with pytest.raises(SceneError, match=r"radius of a circle = .*: must be > 0 and finite$"):
+def test_radii_below_none_are_refused(radius: float) -> None:
+    with pytest.raises(SceneError, match=r"radius of a circle = .*: must be >= 0 and finite$"):
         CircleRecord(HERE, radius)
-    with pytest.raises(SceneError, match=r"radius of an arc = .*: must be > 0 and finite$"):
+    with pytest.raises(SceneError, match=r"radius of an arc = .*: must be >= 0 and finite$"):
         Arc(THERE, THERE, HERE, radius, True)
-
-
-def test_a_record_without_edges_is_refused() -> None:
-    for kind in (ArcRecord, PolygonRecord):
-        with pytest.raises(SceneError, match="at least one edge"):
-            kind(())
 
 
 @pytest.mark.parametrize("value", [0.0, -0.0, 5e-324, 1e300, -1e308, 7])
