@@ -291,7 +291,7 @@ def test_edges_that_do_not_connect_are_not_written():
         write_scene_text(scene)
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, 1e16])
+@pytest.mark.parametrize("value", [-1e16, 1e16, 1e300])
 def test_numbers_beyond_the_limit_are_not_written(value):
     scene = Scene("px", Bounds(0, 0, 9, 9), (SceneObject(0, (PointRecord((value, 0.0)),)),))
     with pytest.raises(SceneError, match="must lie within"):
