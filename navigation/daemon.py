@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 import threading
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final
@@ -133,6 +133,7 @@ class Daemon:
         """What people must know although the run goes on, by subject; set by the loop's thread."""
         self._recorder = recorder
         self._cycles = self._ended = 0
+        self._further_turns: dict[str, Callable[[], int]] = {}
         self._turned = threading.Condition()
 
     # Life.
@@ -202,6 +203,11 @@ class Daemon:
     def _restart_camera(self) -> None:
         self.camera.stop()
         self.camera.start()
+
+    def look_after(self, name: str, part: Part, turns: Callable[[], int]) -> None:
+        """Watch one more stage like those of the daemon: its failures, and whether it turns."""
+        self._supervisor.add(name, part)
+        self._further_turns[name] = turns
 
     # Orders from people.
 
@@ -293,7 +299,7 @@ class Daemon:
         }
         if self._recorder is not None and not self._recorder.has_ended():
             turns["recorder"] = self._recorder.turns
-        return turns
+        return turns | {name: count() for name, count in self._further_turns.items()}
 
     # The cycle.
 

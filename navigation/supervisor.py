@@ -39,6 +39,11 @@ class Supervisor:
         self._parts = dict(parts)
         self._records = {name: _Record() for name in parts}
 
+    def add(self, name: str, part: Part) -> None:
+        """Look after one more part from now on."""
+        self._parts[name] = part
+        self._records[name] = _Record()
+
     @property
     def restarts(self) -> int:
         """How often a part was started again."""

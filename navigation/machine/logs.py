@@ -3,6 +3,7 @@
 Rules
 - An event is a name from `EVENTS` and fields; its line is JSON or ``time level event words``.
 - Only news is logged: a change of state, of the reason, of the camera, of the link, a new plan.
+- What is no character, such as half of a surrogate pair, is written as its number.
 - Under systemd a text line begins with its priority, ``<4>``, which the journal takes off.
 
 Times in lines are UTC; fields keep their units in their names.
@@ -112,7 +113,7 @@ class EventLog:
             if self._priorities:
                 line = f"<{PRIORITY[level]}>{line}"
         try:
-            self._stream.write(line + "\n")
+            self._stream.write(line.encode("utf-8", "backslashreplace").decode() + "\n")
             self._stream.flush()
         except (OSError, ValueError) as error:  # a full disk, a reader that went away
             reason = error.strerror if isinstance(error, OSError) else None

@@ -5,6 +5,7 @@ Rules
   stops a robot's loop.
 - WATCHDOG=1 is sent only when every stage has turned since the last time. A stage that hangs
   is named in STATUS, and systemd restarts the program when its time is over.
+- An assignment is one line whatever is in it: what came from outside sets no other.
 - Without systemd (no NOTIFY_SOCKET) nothing is sent.
 
 The protocol: sd_notify(3). Units: seconds.
@@ -18,9 +19,11 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from navigation.config.secrets import hide
+from navigation.outside import printable
 
 KEEPALIVES_A_PERIOD: Final = 4
 """systemd advises at least two; four leave room for one stage that is slow once."""
+MOST_CHARACTERS: Final = 2000
 SAID_AFTER: Final = 0.5
 """A stage that has not turned for this part of the period is named."""
 
@@ -48,7 +51,8 @@ class Notifier:
         if self._socket is None:
             return True
         try:
-            self._socket.sendto(hide("\n".join(assignments)).encode(), self._address)
+            lines = (printable(one, MOST_CHARACTERS) for one in assignments)
+            self._socket.sendto(hide("\n".join(lines)).encode(), self._address)
         except OSError:
             self.lost += 1
             return False

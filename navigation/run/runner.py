@@ -36,6 +36,7 @@ from navigation.run.warm_up import warm_up
 from navigation.run.world import World
 from navigation.serial_port import look_for_port
 from navigation.stages import stations_of
+from navigation.supervisor import Part
 
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
@@ -127,7 +128,10 @@ class Runner:
                     recorder=recorder,
                 )
             )
-            open_things.enter_context(ControlServer(socket, daemon))
+            control = open_things.enter_context(ControlServer(socket, daemon))
+            daemon.look_after(
+                "control socket", Part(control.failure, control.restart), lambda: control.turns
+            )
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things)
             self._begin_mission(daemon, journal)

@@ -85,3 +85,13 @@ def test_after_a_good_while_the_pause_is_short_again(supervisor: Supervisor, par
 def test_an_error_is_told_in_its_first_line() -> None:
     assert in_words(ValueError("one\ntwo")) == "ValueError: one"
     assert in_words(KeyError()) == "KeyError"
+
+
+def test_a_part_that_came_later_is_looked_after_too(supervisor: Supervisor, part: Fragile) -> None:
+    later = Fragile()
+    supervisor.add("control socket", Part(lambda: later.broken, later.restart))
+    later.broken = "ValueError"
+    assert look(supervisor, part, 1.0) == [
+        "the control socket failed (ValueError): starting it again"
+    ]
+    assert later.broken is None

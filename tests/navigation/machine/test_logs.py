@@ -56,6 +56,14 @@ def test_a_line_of_text_quotes_what_needs_it_and_leaves_out_what_is_not_there() 
     assert stream.getvalue() == expected + ' text="a\\nb"\n'
 
 
+@pytest.mark.parametrize("form", ["json", "text"])
+def test_half_of_a_pair_is_written_as_its_number(form: str, tmp_path: Path) -> None:
+    with (tmp_path / "log").open("w+", encoding="utf-8") as stream:
+        EventLog(stream, form, now=lambda: NOW).write("info", "said", reason="\udcff\x1b")  # type: ignore[arg-type]
+        stream.seek(0)
+        assert "\\udcff\\u001b" in stream.read()
+
+
 def test_the_journal_gets_syslog_s_priorities() -> None:
     events, stream = log("text", priorities=True)
     events.write("error", "watchdog")

@@ -51,6 +51,13 @@ def test_a_systemd_that_is_gone_costs_messages_only(tmp_path: Path) -> None:
     notifier.close()
 
 
+def test_what_came_from_outside_sets_nothing_else(
+    notifier: Notifier, systemd: socket.socket
+) -> None:
+    assert notifier.send("STATUS=stopped: \udcff quick\nWATCHDOG=trigger", "READY=1")
+    assert systemd.recv(4096).decode().split("\n")[1:] == ["READY=1"]
+
+
 # The watchdog.
 
 

@@ -1,0 +1,25 @@
+"""Orders to a running daemon over a local socket: go, stop, pause, resume, replan, status.
+
+- `orders`: what may be asked for, checked and carried out; the dashboard uses it too.
+- `server`: the socket and its thread, which reads all clients at once and never waits for one;
+  `clients`: who is connected, until when, and who makes room; `order_thread`: the threads that
+  carry orders out, so that a stop waits for no other order.
+- `ask`: the other end, for the command line.
+
+One request and one answer a connection, each one line of JSON. Only the owner can use the socket
+(mode 0600, in a folder of mode 0700).
+"""
+
+from navigation.control.ask import default_socket, send_order
+from navigation.control.orders import Commanded, ControlError, carry_out, read_stations
+from navigation.control.server import ControlServer
+
+__all__ = [
+    "Commanded",
+    "ControlError",
+    "ControlServer",
+    "carry_out",
+    "default_socket",
+    "read_stations",
+    "send_order",
+]

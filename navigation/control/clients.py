@@ -1,0 +1,91 @@
+"""Who is connected to the control socket: what came so far, until when, and who makes room.
+
+Rules
+- A request as a whole has ``REQUEST_WITHIN_S``, however its bytes drip in.
+- Where ``MOST_CLIENTS`` are connected, a new one takes the place of the one that has kept its
+  request back for longest: whoever sends a whole line at once is read before that happens.
+- Those that wait for the answer to a stop make room last of all.
+
+Units: seconds.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from navigation.control.order_thread import Job
+
+MOST_BYTES: Final = 65_536
+MOST_CLIENTS: Final = 64
+REQUEST_WITHIN_S: Final = 2.0
+ANSWER_WITHIN_S: Final = 5.0
+
+
+class TooLongError(ValueError):
+    """A request of more than ``MOST_BYTES``."""
+
+
+@dataclass(slots=True, eq=False)
+class Client:
+    """One connection; ``job`` is there when its request was read whole."""
+
+    socket: socket.socket
+    came_s: float
+    job: Job | None = None
+    data: bytearray = field(default_factory=bytearray)
+
+    def read(self) -> bytes | None:
+        """What has come, once it is a whole line or the end; None while more is needed.
+
+        ``TooLongError`` where it is too long; OSError where the client is gone.
+        """
+        while True:
+            try:
+                part = self.socket.recv(MOST_BYTES)
+            except (BlockingIOError, InterruptedError):
+                return None
+            self.data += part
+            if len(self.data) > MOST_BYTES:
+                raise TooLongError(f"the request is longer than {MOST_BYTES} bytes")
+            if not part or b"\n" in part:
+                return bytes(self.data)
+
+    def answer(self, answer: Mapping[str, Any]) -> None:
+        """Send the answer as far as the client takes it at once, and hang up."""
+        line = json.dumps(_without_infinities(answer), allow_nan=False).encode() + b"\n"
+        with contextlib.suppress(OSError):  # it did not wait for its answer
+            self.socket.send(line)
+        self.socket.close()
+
+    def late(self, now_s: float) -> str | None:
+        """Why it is to be given up; None while it is in time."""
+        if self.job is None and now_s - self.came_s > REQUEST_WITHIN_S:
+            return f"no request came within {REQUEST_WITHIN_S:g} s"
+        if self.job is not None and now_s - self.job.came_s > ANSWER_WITHIN_S:
+            return f"the control loop has not answered within {ANSWER_WITHIN_S:g} s"
+        return None
+
+
+def who_makes_room(clients: list[Client]) -> Client:
+    """Of so many clients the one whose place is given to another."""
+    return min(
+        clients,
+        key=lambda one: (one.job is not None, one.job is not None and one.job.is_stop, one.came_s),
+    )
+
+
+def _without_infinities(value: Any) -> Any:
+    """The same as JSON takes it: what is infinite or no number is null."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, Mapping):
+        return {key: _without_infinities(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_infinities(one) for one in value]
+    return value

@@ -1,0 +1,108 @@
+"""A thread that carries orders out, all that wait at once, and hands their answers back.
+
+Stops have such a thread of their own: whatever another order waits for, a stop does not.
+Seconds of the clock that is passed in.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from navigation.control.orders import Commanded, carry_out
+from navigation.supervisor import in_words
+
+MOST_WAITING: Final = 64
+
+
+@dataclass(slots=True, eq=False)
+class Job:
+    """One request; its ``answer`` is there once it was carried out, ``done`` when it is final."""
+
+    request: dict[str, Any]
+    came_s: float
+    answer: dict[str, Any] | None = None
+    done: bool = False
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether it asks for the emergency stop."""
+        return self.request.get("order") == "stop"
+
+
+class OrderThread:
+    """Carries out what `put` hands over; ``on_done`` is called from the thread."""
+
+    def __init__(
+        self,
+        name: str,
+        daemon: Commanded,
+        on_done: Callable[[], None],
+        clock: Callable[[], float],
+    ) -> None:
+        self._daemon, self._on_done, self._clock = daemon, on_done, clock
+        self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
+        self._since_s: float | None = None
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def put(self, job: Job) -> bool:
+        """Hand a job over; False where too many wait already."""
+        if self._jobs.qsize() >= MOST_WAITING:
+            return False
+        self._jobs.put(job)
+        return True
+
+    def busy_s(self, now_s: float) -> float:
+        """For how long it has been at its present work; 0 while it waits for some."""
+        since_s = self._since_s
+        return 0.0 if since_s is None else now_s - since_s
+
+    def end(self) -> None:
+        """Let the thread end after what it has."""
+        self._jobs.put(None)
+
+    def _run(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            self._since_s = self._clock()
+            batch = [job]
+            while not self._jobs.empty():
+                following = self._jobs.get()
+                if following is None:
+                    self._jobs.put(None)  # for the next time round
+                    break
+                batch.append(following)
+            self._carry_out(batch)
+            self._since_s = None
+            self._on_done()
+
+    def _carry_out(self, batch: list[Job]) -> None:
+        for job in batch:
+            try:
+                job.answer = carry_out(job.request, self._daemon)
+            except Exception as error:  # noqa: BLE001 - answered; the next order is taken
+                job.answer = _failed(error)
+        acted = [job for job in batch if job.answer and job.answer["ok"] and _acts(job)]
+        try:
+            if acted:
+                # what the orders led to, not what was before them
+                self._daemon.settle()
+                now = self._daemon.describe()
+                for job in acted:
+                    job.answer = {"ok": True, **now}
+        except Exception as error:  # noqa: BLE001 - answered; the next order is taken
+            for job in acted:
+                job.answer = _failed(error)
+        for job in batch:
+            job.done = True
+
+
+def _acts(job: Job) -> bool:
+    return job.request.get("order") != "status"
+
+
+def _failed(error: Exception) -> dict[str, Any]:
+    return {"ok": False, "error": f"the program failed at it: {in_words(error)}"}

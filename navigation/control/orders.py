@@ -1,0 +1,123 @@
+"""Orders as they come from outside: checked, carried out by the daemon, answered.
+
+- A request is ``{"order": NAME, ...}``; an answer is ``{"ok": true, ...}`` or
+  ``{"ok": false, "error": SENTENCE}``. What is malformed is refused, never raised.
+- A stop's reason that is too long or unprintable is shortened and cleaned, never refused.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final, Protocol
+
+from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
+from navigation.mission import MissionError, Station
+from navigation.outside import finite_number, in_short, printable
+
+LONGEST_DWELLS_S: Final = 86_400.0
+"""All stays together: a day. They are planned in parts of 25 s, which must stay countable."""
+REASON_CHARACTERS: Final = 500
+
+
+class ControlError(ValueError):
+    """An order that cannot be given or taken; the message says why."""
+
+
+class Commanded(Protocol):
+    """What orders are given to: the daemon."""
+
+    def give(self, stations: tuple[Station, ...]) -> None:
+        """A new mission; MissionError where it cannot be."""
+
+    def stop(self, reason: str) -> None:
+        """Emergency stop, latched."""
+
+    def pause(self) -> None:
+        """Hold until resumed."""
+
+    def resume(self) -> None:
+        """End a pause; after a stop re-arm, and the next time go on."""
+
+    def replan(self) -> None:
+        """Plan anew from where the robot is."""
+
+    def settle(self) -> None:
+        """Return when the orders given so far were acted on, soon in any case."""
+
+    def describe(self) -> Mapping[str, Any]:
+        """The present state, as JSON takes it."""
+        ...
+
+
+def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
+    """Do what a request asks for; the answer, never an exception for a bad request."""
+    try:
+        match request.get("order"):
+            case "go":
+                daemon.give(read_stations(request.get("stations")))
+            case "stop":
+                daemon.stop(_reason(request))
+            case "pause":
+                daemon.pause()
+            case "resume":
+                daemon.resume()
+            case "replan":
+                daemon.replan()
+            case "status":
+                pass
+            case other:
+                raise ControlError(
+                    f"order {in_short(other)}: must be go, stop, pause, resume, replan or status"
+                )
+    except (ControlError, MissionError) as error:
+        return {"ok": False, "error": str(error)}
+    return {"ok": True, **daemon.describe()}
+
+
+def _reason(request: Mapping[str, Any]) -> str:
+    reason = request.get("reason", "stopped by order")
+    if not isinstance(reason, str):
+        raise ControlError(f"reason: must be a text of at most {REASON_CHARACTERS} characters")
+    return printable(reason, REASON_CHARACTERS)
+
+
+def read_stations(value: Any) -> tuple[Station, ...]:
+    """Stations from JSON; ControlError where they are none."""
+    if not isinstance(value, list) or not 1 <= len(value) <= MOST_STATIONS:
+        raise ControlError(f"stations: must be a list of 1 to {MOST_STATIONS} stations")
+    stations = tuple(_station(number, item) for number, item in enumerate(value, 1))
+    dwell_s = sum(station.dwell_s for station in stations)
+    if dwell_s > LONGEST_DWELLS_S:
+        raise ControlError(
+            f"stations: dwell_s = {dwell_s:g} together: must be at most {LONGEST_DWELLS_S:g}"
+        )
+    return stations
+
+
+def _station(number: int, item: Any) -> Station:
+    if not isinstance(item, dict) or not set(item) <= {"x_m", "y_m", "heading_rad", "dwell_s"}:
+        raise ControlError(
+            f"station {number}: must be an object of x_m, y_m, heading_rad and dwell_s"
+        )
+    x, y = (_number(number, item, key) for key in ("x_m", "y_m"))
+    heading_rad = None
+    if item.get("heading_rad") is not None:
+        heading_rad = math.remainder(_number(number, item, "heading_rad"), math.tau)
+    dwell_s = _number(number, item, "dwell_s") if "dwell_s" in item else 0.0
+    if dwell_s < 0.0:
+        raise ControlError(f"station {number}: dwell_s = {dwell_s:g}: must be >= 0")
+    if dwell_s > LONGEST_DWELL_S:
+        limit = f"must be <= {LONGEST_DWELL_S:g}"
+        raise ControlError(f"station {number}: dwell_s = {dwell_s:g}: {limit}")
+    return Station(x, y, heading_rad, dwell_s)
+
+
+def _number(number: int, item: Mapping[str, Any], key: str) -> float:
+    value = item.get(key)
+    found = finite_number(value)
+    if found is None:
+        raise ControlError(f"station {number}: {key} = {in_short(value)}: must be a finite number")
+    return found

@@ -1,0 +1,272 @@
+"""The control socket and the thread that reads it; a stop is taken whatever else goes on.
+
+Rules
+- The thread waits for nobody: all clients are read as their bytes come, orders are carried out
+  in threads of their own (`order_thread`), and a client that is slow makes room (`clients`).
+- Where no descriptor is left, one of those held back lets the next client in.
+- The thread is watched like every other stage: `turns` grows while it works, `failure` says
+  what has ended it, `restart` starts it again on the same socket.
+- Two daemons never share a socket: one that answers is left alone, one that does not is a
+  leftover and is replaced.
+
+Units: seconds.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import socket
+import stat
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+from navigation.control.clients import MOST_CLIENTS, Client, TooLongError, who_makes_room
+from navigation.control.order_thread import Job, OrderThread
+from navigation.control.orders import Commanded, ControlError
+from navigation.machine.descriptors import NONE_LEFT, SpareDescriptors
+from navigation.outside import OutsideError, read_object
+from navigation.supervisor import in_words
+
+BACKLOG: Final = 512
+ACCEPTS_A_TURN: Final = 64
+SPARE: Final = 4
+IDLE_S: Final = 0.2
+BUSY_S: Final = 0.02
+STOP_ANSWER_S: Final = 0.2
+"""A stop that was carried out is confirmed by then, whether the control loop has acted or not."""
+STUCK_S: Final = 5.0
+"""An order takes milliseconds; a thread that is at one for longer hangs."""
+PROBE_S: Final = 2.0
+STOP_SENT: Final = {
+    "ok": True,
+    "state": "stopping",
+    "reason": "the emergency stop was sent; the control loop has not confirmed it yet",
+}
+
+
+class ControlServer:
+    """Listens on a socket in a thread of its own; a context manager."""
+
+    def __init__(
+        self, path: Path, daemon: Commanded, *, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.path = path
+        self.refused = 0
+        """How many requests were malformed or refused."""
+        self.turns = 0
+        """Grows while the thread works, and the orders' threads do not hang."""
+        self._daemon, self._clock = daemon, clock
+        self._clients: list[Client] = []
+        self._crash: BaseException | None = None
+        self._stopping = threading.Event()
+
+    # Life.
+
+    def __enter__(self) -> ControlServer:
+        _make_private(self.path.parent)
+        _remove_leftover(self.path)
+        self._socket = _listen(self.path)
+        self._wake_out, self._wake_in = socket.socketpair()
+        for end in (self._wake_out, self._wake_in):
+            end.setblocking(False)
+        # here, not in the thread: there may be no descriptor left when it begins
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self._socket, selectors.EVENT_READ, self._accept)
+        self._selector.register(self._wake_out, selectors.EVENT_READ, self._drain)
+        self._spare = SpareDescriptors(SPARE)
+        self._stops, self._orders = (
+            OrderThread(name, self._daemon, self._wake, self._clock)
+            for name in ("control stops", "control orders")
+        )
+        self._start()
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self._stopping.set()
+        self._wake()
+        self._thread.join()
+        self._stops.end()
+        self._orders.end()
+        self._spare.close()
+        for one in (self._selector, self._socket, self._wake_in, self._wake_out):
+            one.close()
+        with contextlib.suppress(FileNotFoundError):
+            self.path.unlink()
+
+    def failure(self) -> str | None:
+        """The error that ended the thread, in words; None while it runs."""
+        return None if self._crash is None else in_words(self._crash)
+
+    def restart(self) -> None:
+        """Start the thread again after an error."""
+        self._thread.join()
+        self._crash = None
+        self._start()
+
+    def _start(self) -> None:
+        self._thread = threading.Thread(target=self._run, name="control", daemon=True)
+        self._thread.start()
+
+    def _wake(self) -> None:
+        # a full pipe wakes the thread just as well, and a closed one has none to wake
+        with contextlib.suppress(OSError):
+            self._wake_in.send(b"!")
+
+    # The thread.
+
+    def _run(self) -> None:
+        try:
+            while not self._stopping.is_set():
+                self._turn()
+        except Exception as error:  # noqa: BLE001 - said by the control loop, which restarts it
+            self._crash = error
+        finally:
+            for client in list(self._clients):
+                self._forget(client)
+                client.socket.close()
+
+    def _turn(self) -> None:
+        for key, _events in self._selector.select(BUSY_S if self._clients else IDLE_S):
+            key.data()
+        now_s = self._clock()
+        for client in list(self._clients):
+            self._look_after(client, now_s)
+        self._spare.refill()
+        if max(self._stops.busy_s(now_s), self._orders.busy_s(now_s)) < STUCK_S:
+            self.turns += 1
+
+    def _drain(self) -> None:
+        with contextlib.suppress(BlockingIOError):
+            self._wake_out.recv(4096)
+
+    def _accept(self) -> None:
+        for _ in range(ACCEPTS_A_TURN):
+            try:
+                connection, _ = self._socket.accept()
+            except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+                return
+            except OSError as error:
+                if error.errno not in NONE_LEFT:
+                    raise
+                if not self._make_room():
+                    return
+                continue
+            if len(self._clients) >= MOST_CLIENTS:
+                self._drop_one()
+            connection.setblocking(False)
+            client = Client(connection, self._clock())
+            self._clients.append(client)
+            self._selector.register(connection, selectors.EVENT_READ, partial(self._read, client))
+            self._read(client)  # most have sent their line before they are let in
+
+    def _make_room(self) -> bool:
+        """A descriptor for the next client: one that was held back, else another client's."""
+        if self._spare.release():
+            return True
+        if self._clients:
+            self._drop_one()
+            return True
+        return False
+
+    def _drop_one(self) -> None:
+        self.refused += 1
+        sentence = f"more than {MOST_CLIENTS} clients: this one made room for a newer one"
+        self._hang_up(who_makes_room(self._clients), {"ok": False, "error": sentence})
+
+    def _hang_up(self, client: Client, answer: dict[str, Any]) -> None:
+        self._forget(client)
+        client.answer(answer)
+
+    def _forget(self, client: Client) -> None:
+        self._clients.remove(client)
+        if client.job is None:  # else nothing more is read from it already
+            self._selector.unregister(client.socket)
+
+    def _read(self, client: Client) -> None:
+        if client not in self._clients:  # it made room a moment ago
+            return
+        try:
+            line = client.read()
+            if line is None:
+                return
+            if not line:  # it came and went without a word
+                raise ConnectionResetError
+            job = Job(read_object(line), self._clock())
+        except (TooLongError, OutsideError) as error:
+            self._refuse(client, str(error))
+            return
+        except OSError:  # a client that hangs up has its order dropped, nothing more
+            self._forget(client)
+            client.socket.close()
+            return
+        self._selector.unregister(client.socket)
+        client.job = job
+        thread = self._stops if job.is_stop else self._orders
+        if not thread.put(job):
+            self._refuse(client, "too many orders wait already")
+
+    def _refuse(self, client: Client, sentence: str) -> None:
+        self.refused += 1
+        self._hang_up(client, {"ok": False, "error": sentence})
+
+    def _look_after(self, client: Client, now_s: float) -> None:
+        job = client.job
+        if job is not None and job.answer is not None and job.done:
+            self.refused += not job.answer["ok"]
+            self._hang_up(client, job.answer)
+        elif job is not None and _is_due(job, now_s):
+            self._hang_up(client, STOP_SENT)
+        elif (sentence := client.late(now_s)) is not None:
+            self._refuse(client, sentence)
+
+
+def _is_due(job: Job, now_s: float) -> bool:
+    """Whether a stop that was carried out has waited long enough for the control loop."""
+    if not job.is_stop or now_s - job.came_s < STOP_ANSWER_S:
+        return False
+    return job.answer is not None and bool(job.answer["ok"])
+
+
+def _listen(path: Path) -> socket.socket:
+    one = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    mask = os.umask(0o177)
+    try:
+        one.bind(str(path))
+        one.listen(BACKLOG)
+        one.setblocking(False)
+    except OSError as error:
+        one.close()
+        raise ControlError(f"control socket {path}: {error.strerror or error}") from None
+    finally:
+        os.umask(mask)
+    return one
+
+
+def _make_private(folder: Path) -> None:
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    info = folder.lstat()
+    if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or info.st_mode & 0o022:
+        raise ControlError(f"control socket folder {folder}: must be yours alone (mode 0700)")
+
+
+def _remove_leftover(path: Path) -> None:
+    if not path.exists():
+        return
+    if not path.is_socket():
+        raise ControlError(f"control socket {path}: is a file that is no socket")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        probe.settimeout(PROBE_S)
+        try:
+            probe.connect(str(path))
+        except BlockingIOError:  # its queue is full: somebody listens
+            pass
+        except OSError:
+            path.unlink()
+            return
+    raise ControlError(f"control socket {path}: another daemon listens there already")

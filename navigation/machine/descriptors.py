@@ -1,0 +1,60 @@
+"""File descriptors: as many as the system allows, and a few held back for when they run out."""
+
+from __future__ import annotations
+
+import errno
+import os
+import resource
+from typing import Final
+
+WANTED: Final = 4096
+NONE_LEFT: Final = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
+"""What `accept` says where the process or the system has no room for another connection."""
+
+
+def raise_descriptor_limit(wanted: int = WANTED) -> int:
+    """Raise this process's soft limit as far as ``wanted`` and the hard one; the limit then."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != resource.RLIM_INFINITY:
+        wanted = min(wanted, hard)
+    if soft == resource.RLIM_INFINITY or soft >= wanted:
+        return descriptor_limit()
+    resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+    return wanted
+
+
+def descriptor_limit() -> int:
+    """How many descriptors this process may have open; `WANTED` where there is no limit."""
+    soft, _hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return WANTED if soft == resource.RLIM_INFINITY else soft
+
+
+class SpareDescriptors:
+    """Descriptors that are kept open for nothing, to be given away when none is left."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._held: list[int] = []
+        self.refill()
+
+    def release(self) -> bool:
+        """Close one of them, so that the next call that opens something succeeds; False: none."""
+        if not self._held:
+            return False
+        os.close(self._held.pop())
+        return True
+
+    def refill(self) -> None:
+        """Hold back as many as were wanted again, as far as there are some."""
+        while len(self._held) < self._count:
+            try:
+                self._held.append(os.open(os.devnull, os.O_RDONLY | os.O_CLOEXEC))
+            except OSError as error:
+                if error.errno not in NONE_LEFT:
+                    raise
+                return
+
+    def close(self) -> None:
+        """Give all of them back."""
+        while self.release():
+            pass
