@@ -29,7 +29,8 @@ class DashboardSection(Section):
     token: Token | None = Field(
         default=None,
         description="at least 16 letters, digits, _ ~ . or -; whoever knows it may drive "
-        "(better in the environment: CLEARWAY_DASHBOARD__TOKEN)",
+        "(better in the environment: CLEARWAY_DASHBOARD__TOKEN); empty: made and printed by the "
+        "program, and looking needs none",
     )
     viewer_token: Token | None = Field(
         default=None, description="whoever knows only this one may look and stop, not drive"

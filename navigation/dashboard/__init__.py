@@ -1,7 +1,9 @@
 """The dashboard: a page that shows the arena live and takes orders, in a thread of its own.
 
 - `server`: the port, the thread, its life; `app`: what is at which address.
-- `access`: who may; `seat`: who holds the arena. Both open nothing and read no clock.
+- `connections`, `places`: who is connected, and who makes room where there are too many.
+- `access`: who may; `own_token`: what one needs where no token is configured; `seat`: who holds the
+  arena.
 - `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them, with its
   `attention`: what it has got and could take.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.

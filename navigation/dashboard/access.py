@@ -5,6 +5,7 @@ Rules
   at this machine (DNS rebinding) is refused with 400.
 - The Origin, where a browser sends one, must be the Host itself: else 403.
 - Where a token is configured, everything but the page's own files and /healthz needs one.
+- Where none is, the program has one of its own: without it one may look, not stop or drive.
 - Every refusal is counted by its kind.
 """
 
@@ -25,11 +26,22 @@ PROTOCOL = "clearway.1"
 LOCAL_NAMES = frozenset({"localhost", "127.0.0.1", "::1"})
 
 
-class Role(Enum):
-    """What a visitor may do at most."""
+TOKEN_TO_STOP = "stopping and driving need the token: open the link that 'clearway run' has printed"
 
+
+class Role(Enum):
+    """What somebody may do at most; those that may less come first."""
+
+    VISITOR = "visitor"
+    """Look: who has no token, where looking needs none."""
     VIEWER = "viewer"
+    """Look and stop."""
     OPERATOR = "operator"
+
+    def may_less_than(self, other: Role) -> bool:
+        """Whether the other may do more."""
+        ranks = list(Role)
+        return ranks.index(self) < ranks.index(other)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +54,15 @@ class Refusal:
 
 
 class Gate:
-    """Lets in or turns away, and counts; ``refused`` is by kind."""
+    """Lets in or turns away, and counts; ``refused`` is by kind.
 
-    def __init__(self, section: DashboardSection) -> None:
+    ``own_token`` stands in for ``dashboard.token`` where none is configured; without either
+    everybody who can reach the page may drive.
+    """
+
+    def __init__(self, section: DashboardSection, own_token: str | None = None) -> None:
         self._section = section
+        self._token = section.token or own_token
         self._names = {name.lower() for name in section.names}
         if not section.is_local:
             host = socket.gethostname().lower()
@@ -60,22 +77,33 @@ class Gate:
         """None where Host and Origin are in order."""
         if host is None or not self._knows(_name_of(host)):
             return self._refuse(400, "host", "this name is not one of the dashboard's")
-        if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+        if origin is not None and _place_of(origin) != host.lower():
             return self._refuse(403, "origin", "orders from other pages are not taken")
         return None
 
     def role(self, token: str | None) -> Role | Refusal:
-        """What the bearer of a token may do; everything where no token is configured."""
+        """What the bearer of a token may do; everything where there is no token at all."""
         section = self._section
-        if section.token is None:
+        if self._token is None:
             return Role.OPERATOR
+        if token is None and section.token is None:
+            return Role.VISITOR
         if token is None:
             return self._refuse(401, "no_token", "a token is needed")
-        if _same(token, section.token):
+        if _same(token, self._token):
             return Role.OPERATOR
         if section.viewer_token is not None and _same(token, section.viewer_token):
             return Role.VIEWER
         return self._refuse(403, "token", "the token is wrong")
+
+    def may_stop(self, token: str | None) -> Refusal | None:
+        """None where the bearer of a token may stop the robot."""
+        role = self.role(token)
+        if isinstance(role, Refusal):
+            return role
+        if role is Role.VISITOR:
+            return self._refuse(401, "no_token", TOKEN_TO_STOP)
+        return None
 
     def _knows(self, name: str | None) -> bool:
         if name is None:
@@ -103,13 +131,22 @@ def bearer_of(authorization: str | None) -> str | None:
 
 
 def _same(one: str, other: str) -> bool:
-    return hmac.compare_digest(one.encode(), other.encode())
+    # headers may hold halves of surrogate pairs, which have no bytes of their own
+    return hmac.compare_digest(one.encode(errors="surrogatepass"), other.encode())
 
 
 def _name_of(host: str) -> str | None:
     """The name in a Host header, without its port; None where there is none."""
     try:
         return urlsplit(f"//{host}").hostname
+    except ValueError:
+        return None
+
+
+def _place_of(origin: str) -> str | None:
+    """Name and port of an Origin header; None where it is none."""
+    try:
+        return urlsplit(origin).netloc.lower()
     except ValueError:
         return None
 

@@ -17,14 +17,13 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from navigation.dashboard.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
-from navigation.dashboard.hub import LOOP_DEAD_S, Hub
+from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
 from navigation.dashboard.metrics import metrics_text
 from navigation.dashboard.orders import give
 from navigation.dashboard.palette import stylesheet
 from navigation.dashboard.viewer import Viewer
 
 MOST_BODY_BYTES: Final = 4096
-MOST_VIEWERS: Final = 64
 TYPES: Final = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
@@ -112,9 +111,9 @@ class _Pages:
 
     async def stop(self, request: Request) -> Response:
         """Emergency stop without a websocket: what the page tries when its own is lost."""
-        role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
-        if isinstance(role, Refusal):
-            return _refused(role)
+        refusal = self._hub.gate.may_stop(bearer_of(request.headers.get("authorization")))
+        if refusal is not None:
+            return _refused(refusal)
         size = 0
         async for part in request.stream():
             size += len(part)
@@ -160,12 +159,12 @@ class _Pages:
             sentence = f"the subprotocol must be {PROTOCOL}: load the page again"
             await _deny(socket, Refusal(400, "protocol", sentence))
             return
-        if len(hub.viewers) >= MOST_VIEWERS:
+        place = hub.admit(role)
+        if place is None:
             hub.gate.count("viewers")
             await _deny(socket, Refusal(503, "viewers", f"{MOST_VIEWERS} viewers are here already"))
             return
-        await socket.accept(subprotocol=PROTOCOL)
-        await Viewer(hub, socket, role).serve()
+        await Viewer(hub, socket, place).serve()
 
 
 def _refused(refusal: Refusal) -> Response:

@@ -10,15 +10,22 @@ import asyncio
 import math
 from typing import Final
 
+from navigation.dashboard.access import Role
+
 CREDITS: Final = 2
 EARLY: Final = 0.75
 """Pictures come unevenly: one that is early by less than a quarter of the pause is not left out."""
 
 
 class Attention:
-    """As the hub sees a viewer; ``key`` is what it joined with, empty before."""
+    """As the hub sees a viewer; ``key`` is what it joined with, empty before.
 
-    def __init__(self) -> None:
+    ``number`` counts viewers up; ``displaced`` is set when it has to leave for another.
+    """
+
+    def __init__(self, role: Role = Role.OPERATOR, number: int = 0) -> None:
+        self.role, self.number = role, number
+        self.displaced = asyncio.Event()
         self.key = ""
         self.is_watching = False
         self.news = asyncio.Event()

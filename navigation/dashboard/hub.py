@@ -21,7 +21,7 @@ from typing import Any, Final
 from navigation.config.secrets import hide_in
 from navigation.cycle import PlanAnswer
 from navigation.daemon_state import DaemonState
-from navigation.dashboard.access import Gate
+from navigation.dashboard.access import Gate, Role
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.geometry import path_facts, plan_message, world_message
@@ -42,6 +42,7 @@ IDLE_EVERY_S: Final = 0.1
 """How often the hub looks while nobody watches it."""
 STATE_EVERY_S: Final = 0.1
 PICTURES_S: Final = 120.0
+MOST_VIEWERS: Final = 64
 LOOP_DEAD_S: Final = 1.0
 """A control loop that ended no cycle for longer does not answer."""
 
@@ -55,6 +56,7 @@ class Hub:
         *,
         clock: Callable[[], float],
         wall_clock: Callable[[], float],
+        own_token: str | None = None,
     ) -> None:
         section = daemon.config.dashboard
         self.daemon, self.clock, self.wall_clock = daemon, clock, wall_clock
@@ -65,7 +67,7 @@ class Hub:
             section.picture_width_px,
             section.jpeg_quality,
         )
-        self.gate = Gate(section)
+        self.gate = Gate(section, own_token)
         self.seat = Seat(section.hold_s)
         self.chronicle = Chronicle()
         self.viewers: set[Attention] = set()
@@ -97,7 +99,7 @@ class Hub:
             try:
                 self.look(self.clock())
             except Exception as error:  # noqa: BLE001 - said; STOP must go on being served
-                self._complain(f"dashboard: {type(error).__name__}: {error}")
+                self.complain(f"dashboard: {type(error).__name__}: {error}")
             await asyncio.sleep(LOOK_EVERY_S if self.viewers else IDLE_EVERY_S)
 
     def look(self, now_s: float) -> None:
@@ -128,6 +130,23 @@ class Hub:
         for viewer in self.viewers:
             viewer.news.set()
 
+    def admit(self, role: Role) -> Attention | None:
+        """A viewer's place; None where all are taken by others who may do as much.
+
+        Else the one that may do least, and of those the first to come, has to leave.
+        """
+        if len(self.viewers) >= MOST_VIEWERS:
+            ranks = list(Role)
+            least = min(self.viewers, key=lambda one: (ranks.index(one.role), one.number))
+            if not least.role.may_less_than(role):
+                return None
+            least.displaced.set()
+            self.viewers.discard(least)
+        self.viewers_ever += 1
+        attention = Attention(role, self.viewers_ever)
+        self.viewers.add(attention)
+        return attention
+
     @property
     def loop_age_s(self) -> float:
         """How long ago the control loop ended a cycle; infinite before the first."""
@@ -147,7 +166,7 @@ class Hub:
         answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations)
         return preview_facts(answer)
 
-    def _complain(self, text: str) -> None:
+    def complain(self, text: str) -> None:
         """Into the log, once in a row."""
         last = self.chronicle.log.last
         if last is None or last.text != text:

@@ -1,7 +1,7 @@
 """Orders from viewers: read, checked against who may, and carried out as those of the socket.
 
 Rules
-- STOP is for everybody who may look, and goes straight to the link.
+- STOP is for everybody with a token, whoever holds the arena, and goes straight to the link.
 - Everything else is for the operator who holds the arena.
 - A stop is left by ``rearm`` only, and ``rearm`` leaves nothing but a stop: a page that has missed
   a stop cannot undo it, and a button pressed twice does not set the robot going.
@@ -13,17 +13,21 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from navigation.control import Commanded, carry_out
+from navigation.dashboard.access import TOKEN_TO_STOP
 from navigation.mission import State
+from navigation.outside import in_short
 
 MOTIONS: Final = frozenset({"go", "pause", "resume", "rearm", "replan"})
 
 
-def refusal_of(order: object, *, may_drive: bool, holds: bool) -> str | None:
-    """Why this visitor may not give this order; None where it may."""
+def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = True) -> str | None:
+    """Why somebody may not give this order; None where they may."""
     if order == "stop":
-        return None
+        return None if may_stop else TOKEN_TO_STOP
     if not isinstance(order, str) or order not in MOTIONS:
-        return f"order {order!r}: must be stop, go, pause, resume, rearm or replan"
+        return f"order {in_short(order)}: must be stop, go, pause, resume, rearm or replan"
+    if not may_stop:
+        return TOKEN_TO_STOP
     if not may_drive:
         return "this token is for looking and stopping only"
     if not holds:

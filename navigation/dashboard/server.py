@@ -1,5 +1,7 @@
 """The dashboard's port and thread: it opens, it says where it is, it closes; the run goes on.
 
+Connections have places (`places.py`), well below what the process may open, and are cut when they
+keep a request back: a flood of them takes neither the page's STOP nor descriptors from the rest.
 A port that cannot be had is said, never raised: the robot does not need a page to drive. The
 thread has an event loop of its own; nobody else touches it.
 """
@@ -12,15 +14,29 @@ import socket
 import threading
 import time
 from collections.abc import Callable
-from typing import Final
+from functools import partial
+from typing import Any, Final
 
 import uvicorn
 
 from navigation.dashboard.app import make_app
+from navigation.dashboard.connections import PlacedRequests
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.places import Places
 from navigation.dashboard.shown import Shown
+from navigation.machine.descriptors import NONE_LEFT, descriptor_limit
+from navigation.supervisor import in_words
 
-BACKLOG: Final = 128
+BACKLOG: Final = 512
+ACCEPTS_A_ROUND: Final = 32
+"""As many are accepted before those that have made no room yet are looked at."""
+MOST_PLACES: Final = 256
+LEAST_PLACES: Final = 16
+SHARE_OF_DESCRIPTORS: Final = 4
+"""The page's connections take this part of the process's descriptors at most: one in four."""
+AN_ADDRESS: Final = 0.625
+"""The share of the places that one address may have."""
+SWEEP_EVERY_S: Final = 0.25
 PING_EVERY_S, PONG_WITHIN_S = 5.0, 10.0
 MOST_MESSAGE_BYTES: Final = 1 << 20
 """Cut off before it is read whole; what pages may send is far less (`viewer`)."""
@@ -32,7 +48,8 @@ class Dashboard:
     """Serves the page of a running daemon; a context manager.
 
     ``say`` gets the address, or why there is none; with ``show_token`` the address has the
-    token in its fragment, which browsers keep to themselves.
+    token in its fragment, which browsers keep to themselves. ``own_token`` is what one needs to
+    stop and drive where no token is configured.
     """
 
     def __init__(
@@ -43,14 +60,17 @@ class Dashboard:
         clock: Callable[[], float] = time.monotonic,
         wall_clock: Callable[[], float] = time.time,
         show_token: bool = False,
+        own_token: str | None = None,
     ) -> None:
         self._daemon, self._say = daemon, say
         self._clock, self._wall_clock = clock, wall_clock
-        self._show_token = show_token
+        self._show_token, self._own_token = show_token, own_token
         self._section = daemon.config.dashboard
         self.url: str | None = None
         """Where it listens; None where it does not."""
         self.hub: Hub | None = None
+        self.places: Places | None = None
+        """The connections; None before the thread runs."""
         self._socket: socket.socket | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._closing = threading.Event()
@@ -89,7 +109,8 @@ class Dashboard:
         section = self._section
         host = socket.gethostname() if section.host in ("0.0.0.0", "::") else section.host
         shown = f"[{host}]" if ":" in host else host
-        fragment = f"#token={section.token}" if section.token and self._show_token else ""
+        token = section.token or self._own_token
+        fragment = f"#token={token}" if token and self._show_token else ""
         return f"http://{shown}:{port}/{fragment}"
 
     def _run(self) -> None:
@@ -100,10 +121,18 @@ class Dashboard:
 
     async def _serve(self) -> None:
         self._loop = asyncio.get_running_loop()
-        self.hub = hub = Hub(self._daemon, clock=self._clock, wall_clock=self._wall_clock)
+        self.hub = hub = Hub(
+            self._daemon,
+            clock=self._clock,
+            wall_clock=self._wall_clock,
+            own_token=self._own_token,
+        )
+        self.places = places = make_places()
+        http = partial(PlacedRequests, places=places, clock=time.monotonic)
         server = uvicorn.Server(
             uvicorn.Config(
                 make_app(hub),
+                http=http,  # type: ignore[arg-type]  # called, nothing else
                 ws="websockets-sansio",
                 ws_max_size=MOST_MESSAGE_BYTES,
                 ws_ping_interval=PING_EVERY_S,
@@ -114,18 +143,48 @@ class Dashboard:
                 log_level="critical",
                 access_log=False,
                 server_header=False,
+                backlog=ACCEPTS_A_ROUND,
                 timeout_graceful_shutdown=round(CLOSE_WITHIN_S),
             )
         )
         assert self._socket is not None
         if self._closing.is_set():  # a run that ended before its page was ready
             return
+        self._loop.set_exception_handler(partial(_on_error, hub, places))
         serving = asyncio.ensure_future(server.serve(sockets=[self._socket]))
+        sweeping = asyncio.ensure_future(_sweep(places, server, self._socket))
         await hub.run()
         server.should_exit = True
+        sweeping.cancel()
         await serving
         await _hang_up(server)
         hub.workers.shutdown(wait=False, cancel_futures=True)
+
+
+def make_places() -> Places:
+    """As many as this process can have beside everything else."""
+    most = min(MOST_PLACES, max(LEAST_PLACES, descriptor_limit() // SHARE_OF_DESCRIPTORS))
+    return Places(most, round(most * AN_ADDRESS))
+
+
+async def _sweep(places: Places, server: uvicorn.Server, listening: socket.socket) -> None:
+    """Cut late connections, again and again."""
+    while not server.started:
+        await asyncio.sleep(0.01)
+    listening.listen(BACKLOG)  # the queue may be longer than what is taken from it in a round
+    while True:
+        places.sweep(time.monotonic())
+        await asyncio.sleep(SWEEP_EVERY_S)
+
+
+def _on_error(
+    hub: Hub, places: Places, _loop: asyncio.AbstractEventLoop, context: dict[str, Any]
+) -> None:
+    """What went wrong in the loop itself is said, and a lack of descriptors is met."""
+    error = context.get("exception")
+    if isinstance(error, OSError) and error.errno in NONE_LEFT:
+        places.make_room()
+    hub.complain(f"dashboard: {in_words(error) if error is not None else context['message']}")
 
 
 async def _hang_up(server: uvicorn.Server) -> None:

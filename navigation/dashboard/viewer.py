@@ -3,7 +3,8 @@
 Rules
 - Nothing is queued but answers: a viewer that is slow gets the newest of everything, less often.
 - Pictures are sent on credit (`attention.py`).
-- What is malformed or too long is refused and counted; whoever goes on with it is cut off.
+- What is malformed or too long is refused and counted; whoever goes on with it is cut off, and
+  so is whoever sends more messages than a page has reason to.
 """
 
 from __future__ import annotations
@@ -17,19 +18,39 @@ from typing import Any, Final
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from navigation.control import ControlError, read_stations
-from navigation.dashboard.access import Role
+from navigation.dashboard.access import PROTOCOL, TOKEN_TO_STOP, Role
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.orders import give, refusal_of
 from navigation.dashboard.rings import Ring
 from navigation.dashboard.seat import public_half
+from navigation.outside import OutsideError, finite_number, in_short, read_object
+from navigation.supervisor import in_words
 
 MOST_CHARACTERS: Final = 65_536
 PATIENCE: Final = 20
 """How many malformed messages one connection may send."""
 ANSWERS: Final = 64
+MESSAGES_S: Final = 60.0
+"""Beside one for each picture: so many messages a second, for `BURST_S` at once."""
+BURST_S: Final = 5.0
 NAME_CHARACTERS: Final = 40
-POLICY, TOO_BIG, GOING_AWAY = 1008, 1009, 1001
+POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
+
+
+class Allowance:
+    """How many messages may still come: ``rate_s`` a second, for ``burst_s`` at once."""
+
+    def __init__(self, rate_s: float, burst_s: float, now_s: float) -> None:
+        self._rate_s, self._most = rate_s, rate_s * burst_s
+        self._left, self._since_s = self._most, now_s
+
+    def take(self, now_s: float) -> bool:
+        """One more came; False where it is one too many."""
+        self._left = min(self._most, self._left + self._rate_s * (now_s - self._since_s))
+        self._since_s = now_s
+        self._left -= 1.0
+        return self._left >= 0.0
 
 
 class MalformedError(ValueError):
@@ -37,30 +58,28 @@ class MalformedError(ValueError):
 
 
 class Viewer:
-    """A visitor at the other end of a websocket that was let in."""
+    """Somebody at the other end of a websocket that is let in; ``attention`` is their place."""
 
-    def __init__(self, hub: Hub, socket: WebSocket, role: Role) -> None:
-        self.hub, self.role = hub, role
-        hub.viewers_ever += 1
-        self.number = hub.viewers_ever
+    def __init__(self, hub: Hub, socket: WebSocket, attention: Attention) -> None:
+        self.hub, self.attention = hub, attention
+        self.role, self.number = attention.role, attention.number
         self.name = f"viewer {self.number}"
-        self.attention = Attention()
         self._socket = socket
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
         self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "picture": 0}
         self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
         self._bad = 0
+        self._allowance = Allowance(MESSAGES_S + hub.section.picture_rate_hz, BURST_S, hub.clock())
         self._left = False
         self._preview: asyncio.Task[None] | None = None
 
     async def serve(self) -> None:
         """Until the visitor leaves, misbehaves, or the dashboard closes."""
-        self.hub.viewers.add(self.attention)
-        tasks = [
-            asyncio.ensure_future(work)
-            for work in (self._send(), self._take(), self.hub.closing.wait())
-        ]
+        tasks: list[asyncio.Task[Any]] = []
         try:
+            await self._socket.accept(subprotocol=PROTOCOL)
+            reasons = (self.hub.closing.wait(), self.attention.displaced.wait())
+            tasks += [asyncio.ensure_future(one) for one in (self._send(), self._take(), *reasons)]
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
             for task in (*tasks, *([self._preview] if self._preview else [])):
@@ -71,6 +90,8 @@ class Viewer:
                 self.hub.seat.go(self.attention.key, self.hub.clock(), left=self._left)
         if self.hub.closing.is_set():
             await self._close(GOING_AWAY, "the program ends")
+        elif self.attention.displaced.is_set():
+            await self._close(TRY_LATER, "all places are taken, and somebody with a token came")
 
     # Out.
 
@@ -152,9 +173,13 @@ class Viewer:
                 self.hub.gate.count("oversized")
                 await self._close(TOO_BIG, f"a message may have {MOST_CHARACTERS} characters")
                 return
+            if not self._allowance.take(self.hub.clock()):
+                self.hub.gate.count("flood")
+                await self._close(POLICY, "too many messages")
+                return
             try:
                 self._handle(_read(text))
-            except (MalformedError, ControlError) as error:
+            except (MalformedError, OutsideError, ControlError) as error:
                 self.hub.gate.count("malformed")
                 self._bad += 1
                 if self._bad >= PATIENCE:
@@ -180,14 +205,14 @@ class Viewer:
             case "preview":
                 self._ask_preview(message)
             case "ping":
-                self._answer({"type": "pong", "id": message.get("id")})
+                self._answer({"type": "pong", "id": _number_of(message)})
             case other:
-                raise MalformedError(f"type {other!r}: is none of the protocol's")
+                raise MalformedError(f"type {in_short(other)}: is none of the protocol's")
 
     def _join(self, message: dict[str, Any]) -> None:
         key, name = message.get("key"), message.get("name", "")
-        if not isinstance(key, str) or not 16 <= len(key) <= 128:
-            raise MalformedError("key: must be 16 to 128 characters")
+        if not isinstance(key, str) or not 16 <= len(key) <= 128 or not key.isascii():
+            raise MalformedError("key: must be 16 to 128 characters of ASCII")
         if not isinstance(name, str) or len(name) > NAME_CHARACTERS or not name.isprintable():
             raise MalformedError(f"name: must be at most {NAME_CHARACTERS} printable characters")
         self.attention.key = key
@@ -196,8 +221,10 @@ class Viewer:
         self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
 
     def _sit(self, message: dict[str, Any]) -> None:
-        if self.role is not Role.OPERATOR:
-            error: str | None = "this token is for looking and stopping only"
+        if self.role is Role.VISITOR:
+            error: str | None = TOKEN_TO_STOP
+        elif self.role is not Role.OPERATOR:
+            error = "this token is for looking and stopping only"
         elif not self.attention.key:
             raise MalformedError("take: join first")
         else:
@@ -211,6 +238,7 @@ class Viewer:
         order, hub = message.get("order"), self.hub
         refusal = refusal_of(
             order,
+            may_stop=self.role is not Role.VISITOR,
             may_drive=self.role is Role.OPERATOR,
             holds=bool(self.attention.key) and hub.seat.is_held_by(self.attention.key),
         )
@@ -235,37 +263,39 @@ class Viewer:
             self._preview.cancel()  # the newest wins
 
         async def work() -> None:
-            self._reply(message, await self.hub.preview(stations))
+            try:
+                answer = await self.hub.preview(stations)
+            except Exception as error:  # noqa: BLE001 - answered; the page goes on
+                self.hub.note("warn", f"dashboard: preview: {in_words(error)}")
+                answer = {"ok": False, "reason": "this could not be planned"}
+            self._reply(message, answer)
 
         self._preview = asyncio.ensure_future(work())
 
     def _reply(self, message: dict[str, Any], answer: dict[str, Any]) -> None:
         kind = "preview" if message.get("type") == "preview" else "answer"
-        number = message.get("id")
-        self._answer({"type": kind, "id": number if isinstance(number, int) else None, **answer})
+        self._answer({"type": kind, "id": _number_of(message), **answer})
 
 
 def _read(text: str | None) -> dict[str, Any]:
     if text is None:
         raise MalformedError("a message must be text")
-    try:
-        message = json.loads(text)
-    except ValueError:
-        raise MalformedError("the message is no JSON") from None
-    except RecursionError:
-        raise MalformedError("the message is nested too deeply") from None
-    if not isinstance(message, dict):
-        raise MalformedError("a message must be one JSON object")
-    return message
+    return read_object(text)
+
+
+def _number_of(message: dict[str, Any]) -> int | None:
+    """The number that the page gave its message, for the answer."""
+    number = message.get("id")
+    return number if isinstance(number, int) and abs(number) < 2**53 else None
 
 
 def _told(message: dict[str, Any]) -> str:
     if message.get("order") != "go" or not isinstance(message.get("stations"), list):
-        return str(message.get("order")).upper()
+        return str(message.get("order")).upper()  # it is none but those that were let through
     stations = message["stations"]
     last = stations[-1] if stations and isinstance(stations[-1], dict) else {}
-    x, y = last.get("x_m"), last.get("y_m")
-    if not (isinstance(x, int | float) and isinstance(y, int | float)):
+    x, y = (finite_number(last.get(name)) for name in ("x_m", "y_m"))
+    if x is None or y is None:
         return "GO"
     more = f" by {len(stations) - 1} more" if len(stations) > 1 else ""
     return f"GO to ({x:.3f}, {y:.3f}) m{more}"

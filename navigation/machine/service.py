@@ -78,6 +78,7 @@ def unit_text(program: Path, config: Path, *, user: bool, run_as: str | None = N
         f"StateDirectory={NAME}",
         f"RuntimeDirectory={NAME}",
         "RuntimeDirectoryMode=0700",
+        "RuntimeDirectoryPreserve=restart",
         "WorkingDirectory=%S/clearway",
         "UMask=0077",
         "NoNewPrivileges=yes",

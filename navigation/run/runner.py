@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import math
+import os
 import random
 import sys
 import threading
@@ -67,7 +68,8 @@ class Runner:
 
     ``interrupt`` set from anywhere ends the run in order: the robot is stopped first.
     ``dashboard`` False serves none, whatever the configuration says; with ``show_token`` the
-    address that is said has the token in it. ``log`` gets every event, and ``notifier`` tells
+    address that is said has the configured token in it, and the program's own one in any case but
+    that of the journal. ``log`` gets every event, and ``notifier`` tells
     systemd that the run is ready, stopping and, every ``watchdog_s`` at least, well. ``file`` is
     where the configuration was read from: missions in the journal are its own.
     """
@@ -133,7 +135,7 @@ class Runner:
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
             )
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
-            page = self._serve_dashboard(daemon, open_things)
+            page = self._serve_dashboard(daemon, open_things, socket)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=self.config.camera.source, port=world.port)
@@ -156,20 +158,38 @@ class Runner:
             self._say(recorder.summary())
         return RunResult(report, folder, self._exit_code(state, daemon))
 
-    def _serve_dashboard(self, daemon: Daemon, open_things: ExitStack) -> Dashboard | None:
+    def _serve_dashboard(
+        self, daemon: Daemon, open_things: ExitStack, socket: Path
+    ) -> Dashboard | None:
         if not self._dashboard:
             return None
         # here, not above: a run without a page need not load a web server
         from navigation.dashboard import Dashboard, ShownDaemon
 
+        token = None
+        if self.config.dashboard.token is None:
+            token = self._own_token(socket.with_name(f"{socket.name}.token"))
+        in_journal = "JOURNAL_STREAM" in os.environ
         return open_things.enter_context(
             Dashboard(
                 ShownDaemon(daemon),
                 say=self._say_address,
                 clock=self._clock,
-                show_token=self._show_token,
+                own_token=token,
+                show_token=self._show_token or (token is not None and not in_journal),
             )
         )
+
+    def _own_token(self, file: Path) -> str:
+        """The token that is kept in the file; where it cannot be, one for this run."""
+        from navigation.dashboard.own_token import new_token, own_token
+
+        try:
+            return own_token(file)
+        except OSError as error:
+            reason = error.strerror or error
+            self._say(f"the page's token holds for this run only: {file}: {reason}")
+            return new_token()
 
     def _open_journal(self, open_things: ExitStack) -> Journal | None:
         path = self.config.recording.journal

@@ -24,6 +24,7 @@ export class Connection {
 
   constructor() {
     this.isUp = false;
+    this.lostReason = ""; // what the program said when it hung up
     this.key = kept("clearway.key", newKey);
     this.token = readToken();
     setInterval(() => this.#check(), 250);
@@ -58,7 +59,7 @@ export class Connection {
     this.#heard = performance.now();
     socket.onopen = () => this.#greet(socket);
     socket.onmessage = (event) => this.#hear(socket, event.data);
-    socket.onclose = () => this.#drop(socket);
+    socket.onclose = (event) => this.#drop(socket, event.reason);
   }
 
   /** Send a message now; false where that cannot be. */
@@ -88,6 +89,8 @@ export class Connection {
   useToken(token) {
     this.token = token;
     sessionStorage.setItem("clearway.token", token);
+    if (this.#socket) this.#drop(this.#socket); // it was let in with another token, or none
+    clearTimeout(this.#timer);
     this.#retryNow();
   }
 
@@ -130,8 +133,9 @@ export class Connection {
     if (!this.isUp) this.emit("down");
   }
 
-  #drop(socket) {
+  #drop(socket, reason = "") {
     if (socket !== this.#socket) return;
+    this.lostReason = reason;
     this.#socket = null;
     socket.close();
     if (this.isUp) {

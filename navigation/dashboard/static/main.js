@@ -45,7 +45,8 @@ connection.on("down", () => {
   document.body.classList.add("is-lost");
   byId("lost").hidden = !byId("token-form").hidden;
   const since = connection.lostSeconds;
-  byId("lost-text").textContent = `for ${since} s. What you see is old, and orders from here do not arrive. The robot stops by itself when the program has ended.`;
+  const said = connection.lostReason ? `The program said: ${connection.lostReason}. ` : "";
+  byId("lost-text").textContent = `${said}${said ? "For" : "for"} ${since} s. What you see is old, and orders from here do not arrive. The robot stops by itself when the program has ended.`;
   document.title = "No connection – Clearway";
 });
 connection.on("token", (status) => {

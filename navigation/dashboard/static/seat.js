@@ -35,6 +35,11 @@ export class Seat {
     return this.role === "operator";
   }
 
+  /** Without a token, where looking needs none: may not even stop. */
+  get isVisitor() {
+    return this.role === "visitor";
+  }
+
   get isMine() {
     return this.#granted || (Boolean(this.#mine) && this.#state?.seat?.id === this.#mine);
   }

@@ -1,4 +1,4 @@
-// STOP: immediate, without a question, for everybody; by the button and by the space bar.
+// STOP: immediate, without a question, for everybody with a token; by the button and the space bar.
 //
 // Only a hand fires it: nothing here runs because the page was loaded or the connection came
 // back. Where the connection is lost, a plain request is tried at once, and it is said whether it
@@ -47,7 +47,8 @@ export class Stop {
   /** The answer over the websocket; null where none came in time. */
   async #byLine() {
     const answer = await this.connection.ask({ type: "order", order: "stop" }, LINE_MS);
-    return answer.ok ? answer : null;
+    if (answer.type === "answer" && this.seat.isVisitor) this.connection.emit("token", 401);
+    return answer.ok || answer.type === "answer" ? answer : null; // else the program said nothing
   }
 
   async #byRequest() {
@@ -57,6 +58,7 @@ export class Stop {
         headers: this.connection.authorization,
         signal: AbortSignal.timeout(REQUEST_MS), // an old STOP must not arrive later
       });
+      if (answer.status === 401 || answer.status === 403) return { ok: false, error: (await answer.text()).trim() };
       return answer.ok ? await answer.json() : null;
     } catch {
       return null;

@@ -30,8 +30,35 @@ def run(config: Path, *options: str) -> Told:
 def test_a_run_says_where_its_dashboard_is(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", "0")
     told = run(config)
-    assert re.search(r"^dashboard at http://127\.0\.0\.1:\d+/$", told.out, re.MULTILINE), told
+    link = r"^dashboard at http://127\.0\.0\.1:\d+/#token=([\w-]{32})$"
+    found = re.search(link, told.out, re.MULTILINE)
+    assert found, told
     assert told.err == ""
+    kept = config.parent / "run" / "c.sock.token"
+    assert kept.read_text().strip() == found[1]
+    assert kept.stat().st_mode & 0o777 == 0o600
+    assert found[1] in run(config).out, "the link survives a restart"
+
+
+def test_the_journal_does_not_get_the_programs_own_token(
+    config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", "0")
+    monkeypatch.setenv("JOURNAL_STREAM", "8:1")
+    told = run(config)
+    assert re.search(r"^dashboard at http://127\.0\.0\.1:\d+/$", told.out, re.MULTILINE), told
+    assert (config.parent / "run" / "c.sock.token").read_text().strip() not in told.out
+
+
+def test_a_token_that_cannot_be_kept_holds_for_one_run_and_that_is_said(
+    config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CLEARWAY_DASHBOARD__PORT", "0")
+    (config.parent / "run" / "c.sock.token").mkdir(parents=True)
+    (config.parent / "run").chmod(0o700)
+    told = run(config)
+    assert "the page's token holds for this run only" in told.out
+    assert "#token=" in told.out
 
 
 def test_a_log_does_not_get_the_token(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
