@@ -1,7 +1,11 @@
-"""uvicorn's protocols with a place each: whoever keeps a request back does not keep a descriptor.
+"""uvicorn's protocols with a place each, so that nobody keeps descriptors or the loop from others.
 
-A request has ``REQUEST_WITHIN_S`` from its first byte (the first one from the connection's
-beginning) to the end of its answer, and a connection is idle for as long at most. Seconds.
+- A request has ``REQUEST_WITHIN_S`` from its first byte (the first one from the connection's
+  beginning) to the end of its answer, and a connection is idle for as long at most.
+- Of what a viewer sends ``BYTES_A_ROUND`` are read in a round of the loop: thousands of tiny frames
+  at once hold up nobody else. Frames that no page sends are few, or the connection is cut.
+
+Units: seconds.
 """
 
 from __future__ import annotations
@@ -14,10 +18,19 @@ from typing import Any, Final
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.frames import Frame
 
+from navigation.dashboard.allowance import Allowance
 from navigation.dashboard.places import Place, Places
 
 REQUEST_WITHIN_S: Final = 5.0
+BYTES_A_ROUND: Final = 1024
+ODD_FRAMES_S, ODD_BURST_S = 20.0, 5.0
+"""Pings, pongs and parts of messages: so many a second, for so long at once."""
+MOST_AFTER_CLOSE: Final = 16_384
+"""Bytes that are still read when a viewer was hung up on, in search of its consent."""
+MOST_UNREAD: Final = 512
+"""Messages that wait for the page's task, which takes them faster than pages send."""
 
 
 class PlacedRequests(H11Protocol):
@@ -68,6 +81,55 @@ class PlacedViewer(WebSocketsSansIOProtocol):
     def __init__(self, *args: Any, place: Place, places: Places, **rest: Any) -> None:
         super().__init__(*args, **rest)
         self._place, self._places = place, places
+        self._odd = Allowance(ODD_FRAMES_S, ODD_BURST_S, self.loop.time())
+        self._unread = bytearray()
+        self._after_close = 0
+
+    def data_received(self, data: bytes) -> None:
+        """A part now, the rest in the next rounds; nothing more is read until then."""
+        waits = bool(self._unread)
+        self._unread += data
+        if not waits:
+            self._read_on()
+
+    def _read_on(self) -> None:
+        part = bytes(self._unread[:BYTES_A_ROUND])
+        del self._unread[:BYTES_A_ROUND]
+        if self.transport.is_closing():
+            self._unread.clear()
+            return
+        super().data_received(part)
+        self._after_close += len(part) if self.close_sent else 0
+        if self.queue.qsize() > MOST_UNREAD or self._after_close > MOST_AFTER_CLOSE:
+            self._unread.clear()
+            self.transport.abort()
+        elif self._unread:
+            self.transport.pause_reading()
+            self.loop.call_soon(self._read_on)
+        elif not self.read_paused:
+            self.transport.resume_reading()
+
+    def handle_ping(self) -> None:
+        """Pages send none."""
+        if self._is_allowed():
+            super().handle_ping()
+
+    def handle_pong(self, event: Frame) -> None:
+        """One for each ping of ours."""
+        if self._is_allowed():
+            super().handle_pong(event)
+
+    def handle_cont(self, event: Frame) -> None:
+        """A further part of a message, which pages send whole."""
+        if self._is_allowed():
+            super().handle_cont(event)
+
+    def _is_allowed(self) -> bool:
+        if self._odd.take(self.loop.time()):
+            return True
+        self._unread.clear()
+        self.transport.abort()
+        return False
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Its place is free."""

@@ -19,6 +19,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from navigation.control import ControlError, read_stations
 from navigation.dashboard.access import PROTOCOL, TOKEN_TO_STOP, Role
+from navigation.dashboard.allowance import Allowance
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.orders import give, refusal_of
@@ -36,21 +37,6 @@ MESSAGES_S: Final = 60.0
 BURST_S: Final = 5.0
 NAME_CHARACTERS: Final = 40
 POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
-
-
-class Allowance:
-    """How many messages may still come: ``rate_s`` a second, for ``burst_s`` at once."""
-
-    def __init__(self, rate_s: float, burst_s: float, now_s: float) -> None:
-        self._rate_s, self._most = rate_s, rate_s * burst_s
-        self._left, self._since_s = self._most, now_s
-
-    def take(self, now_s: float) -> bool:
-        """One more came; False where it is one too many."""
-        self._left = min(self._most, self._left + self._rate_s * (now_s - self._since_s))
-        self._since_s = now_s
-        self._left -= 1.0
-        return self._left >= 0.0
 
 
 class MalformedError(ValueError):

@@ -42,6 +42,8 @@ class Live:
         self.world = World(config)
         self.daemon = Daemon(config, self.world, first_mission_id=7)
         self.said: list[str] = []
+        self.own_token: str | None = None
+        """What the page asks for from the next `bring_back` on; None: nothing."""
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._cycle, name="control loop")
         self._dashboard: Dashboard | None = None
@@ -76,7 +78,9 @@ class Live:
         section = self.config.dashboard.model_copy(update={"port": self._port})
         shown = ShownDaemon(self.daemon)
         shown.config = self.config.model_copy(update={"dashboard": section})
-        self._dashboard = Dashboard(shown, say=self.said.append).__enter__()
+        self._dashboard = Dashboard(
+            shown, say=self.said.append, own_token=self.own_token, show_token=True
+        ).__enter__()
         assert self._dashboard.url is not None, self.said
         self._port = int(self._dashboard.url.split(":")[2].split("/")[0])
         # the thread needs a moment to make its event loop

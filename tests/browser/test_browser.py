@@ -385,3 +385,37 @@ def test_a_token_opens_the_page_and_leaves_the_address(
         live.take_away()
         live.config = open_config
         live.bring_back()
+
+
+def test_the_printed_link_drives_and_without_its_token_one_only_looks(
+    open_page: OpenPage, live: Live, keep: Keep
+) -> None:
+    live.take_away()
+    live.own_token = "the-programs-own-token-32-letters"
+    live.bring_back()
+    try:
+        page = open_page(allowed=r"status of 401|REFUSED")
+        wait_for_picture(page)
+        expect(page.locator("#seat-text")).to_have_text("Looking only")
+        page.keyboard.press("Space")
+        expect(page.locator("#refusal-text")).to_contain_text("driving need the token")
+        expect(page.locator("#token-form")).to_be_visible()
+        keep(page, "visitor")
+        assert live.state is not State.STOPPED
+        page.locator("#token").fill(live.own_token)
+        page.locator("#token-form button").click()
+        expect(page.locator("#token-form")).to_be_hidden()
+        expect(page.locator("#seat-text")).not_to_have_text("Looking only")
+        page.keyboard.press("Space")
+        expect(page.locator("#stopped")).to_be_visible()
+        printed = live.said[-1].removeprefix("dashboard at ")
+        page = open_page(printed, allowed="REFUSED")
+        wait_for_picture(page)
+        expect(page.locator("#stopped")).to_be_visible()
+        expect(page.locator("#rearm")).to_be_enabled()
+        page.locator("#rearm").click()
+        expect(page.locator("#stopped")).to_be_hidden()
+    finally:
+        live.take_away()
+        live.own_token = None
+        live.bring_back()

@@ -41,14 +41,14 @@ export class Stop {
       this.say("STOP could not be delivered: use the switch on the robot. It stops by itself when the program does not reach it");
     } else if (!answer.ok) {
       this.say(answer.error);
+      if (this.seat.isVisitor) this.connection.emit("token", 401);
     }
   }
 
   /** The answer over the websocket; null where none came in time. */
   async #byLine() {
     const answer = await this.connection.ask({ type: "order", order: "stop" }, LINE_MS);
-    if (answer.type === "answer" && this.seat.isVisitor) this.connection.emit("token", 401);
-    return answer.ok || answer.type === "answer" ? answer : null; // else the program said nothing
+    return answer.type === "answer" ? answer : null; // else the program said nothing
   }
 
   async #byRequest() {

@@ -20,9 +20,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard import Dashboard, connections, server
 from navigation.dashboard.access import Gate, Refusal, Role
+from navigation.dashboard.allowance import Allowance
 from navigation.dashboard.hub import MOST_VIEWERS
 from navigation.dashboard.places import Places
-from navigation.dashboard.viewer import Allowance
 from tests.navigation.dashboard.test_server import KEY, Page, Site
 from tests.support.floods import flood
 from tests.support.shown import FakeDaemon, laboratory
@@ -228,6 +228,46 @@ def test_who_sends_more_messages_than_a_page_is_cut_off(site: OwnSite) -> None:
             page.hear("never")
     assert wait_until(lambda: site.refused("flood") == 1)
     stop_over_http(site)
+
+
+TINY = {
+    "pings": b"\x89\x80\0\0\0\0",
+    "pongs": b"\x8a\x80\0\0\0\0",
+    "parts": b"\x00\x80\0\0\0\0",
+    "messages": b"\x81\x80\0\0\0\0",
+}
+
+
+@pytest.mark.parametrize("kind", TINY)
+def test_tiny_frames_by_the_ten_thousand_hold_up_nobody_else(kind: str, site: OwnSite) -> None:
+    with contextlib.ExitStack() as opened:
+        operator = opened.enter_context(site.operator())
+        operator.hear("hello")
+        others = [opened.enter_context(site.live()) for _ in range(10)]
+        for page in others:
+            raw = page.line.socket
+            with contextlib.suppress(OSError):
+                raw.sendall((b"\x01\x80\0\0\0\0" if kind == "parts" else b"") + TINY[kind] * 20_000)
+        began_s = time.monotonic()
+        assert operator.order("stop")["ok"]
+        assert time.monotonic() - began_s < 10.0, "a test of figures is the benchmark's"
+        stop_over_http(site)
+        for page in others:
+            with pytest.raises(ConnectionClosed):
+                page.hear("never")
+
+
+def test_a_long_order_that_comes_in_parts_is_taken(site: OwnSite) -> None:
+    places = [{"x_m": 1.0 + k / 1000, "y_m": 0.5} for k in range(1000)]
+    with site.operator() as page:
+        page.join()
+        page.send(type="take", id=1)
+        assert page.hear("answer")["ok"]
+        assert page.order("go", stations=places)["ok"]
+        page.send(type="ping", id=9)
+        assert page.hear("pong")["id"] == 9
+    ((*_, last),) = [one for one in site.daemon.orders if isinstance(one, tuple)]
+    assert last.x == pytest.approx(1.999)
 
 
 def test_an_allowance_comes_back_with_time() -> None:
