@@ -6,7 +6,8 @@
   carry orders out, so that a stop waits for no other order.
 - `ask`: the other end, for the command line.
 
-One request and one answer a connection, each one line of JSON. Only the owner can use the socket
+One request and one answer a connection, each one line of JSON; ``"again": true`` in an answer says
+that there was no place, and that the same may be asked again. Only the owner can use the socket
 (mode 0600, in a folder of mode 0700).
 """
 

@@ -50,6 +50,8 @@ def send_order(path: Path, request: Mapping[str, Any]) -> dict[str, Any]:
     while True:
         try:
             answer = read_object(_exchange(path, line, until_s))
+            if answer.get("again") is True:
+                raise ConnectionResetError("it is crowded")
             break
         except (FileNotFoundError, ConnectionRefusedError):
             raise ControlError(

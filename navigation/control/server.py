@@ -177,7 +177,8 @@ class ControlServer:
     def _drop_one(self) -> None:
         self.refused += 1
         sentence = f"more than {MOST_CLIENTS} clients: this one made room for a newer one"
-        self._hang_up(who_makes_room(self._clients), {"ok": False, "error": sentence})
+        answer = {"ok": False, "error": sentence, "again": True}
+        self._hang_up(who_makes_room(self._clients), answer)
 
     def _hang_up(self, client: Client, answer: dict[str, Any]) -> None:
         self._forget(client)

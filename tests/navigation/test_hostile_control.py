@@ -303,6 +303,33 @@ def test_the_oldest_that_said_nothing_makes_room_and_a_stop_last_of_all() -> Non
         assert left == [silent[1], silent[2], silent[0], going, stopping]
 
 
+@pytest.mark.parametrize(
+    "first", [b"", b'{"ok": false, "error": "crowded", "again": true}\n'], ids=["mute", "crowded"]
+)
+def test_a_stop_that_found_no_place_is_asked_for_again_and_a_go_is_not(
+    first: bytes, tmp_path: Path
+) -> None:
+    path, asked = tmp_path / "c.sock", []
+
+    def serve(listening: socket.socket) -> None:
+        for answer in (first, first, b'{"ok": true, "state": "stopped", "reason": ""}\n'):
+            connection, _ = listening.accept()
+            with connection:
+                asked.append(json.loads(connection.recv(1000))["order"])
+                connection.sendall(answer)
+
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(path))
+        listening.listen()
+        thread = threading.Thread(target=serve, args=(listening,))
+        thread.start()
+        with pytest.raises(ControlError, match="does not answer"):
+            send_order(path, {"order": "go", "stations": [A_PLACE]})
+        assert send_order(path, {"order": "stop"})["state"] == "stopped"
+        thread.join(10.0)
+    assert asked == ["go", "stop", "stop"]
+
+
 # Descriptors, and the thread's own life.
 
 
