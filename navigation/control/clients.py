@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from navigation.config.secrets import hide_in
 from navigation.control.order_thread import Job
 
 MOST_BYTES: Final = 65_536
@@ -58,7 +59,7 @@ class Client:
 
     def answer(self, answer: Mapping[str, Any]) -> None:
         """Send the answer as far as the client takes it at once, and hang up."""
-        line = json.dumps(_without_infinities(answer), allow_nan=False).encode() + b"\n"
+        line = json.dumps(hide_in(_without_infinities(answer)), allow_nan=False).encode() + b"\n"
         with contextlib.suppress(OSError):  # it did not wait for its answer
             self.socket.send(line)
         self.socket.close()
