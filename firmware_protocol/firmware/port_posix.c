@@ -23,7 +23,8 @@
 
 static int line = -1;
 static int keep_open = -1; /* the other end, so that the line outlives its user */
-static uint32_t line_free_us;
+static uint32_t written_us;
+static uint32_t writing_us; /* how long what was written takes, from written_us on */
 static cw_wheels wanted;
 static float speed[2];
 static double travel_um[2];
@@ -91,7 +92,6 @@ bool cw_port_begin(int argc, char **argv)
         return false;
     }
     moved_us = cw_port_now_us();
-    line_free_us = moved_us;
     return true;
 }
 
@@ -126,7 +126,10 @@ uint16_t cw_port_overruns(void)
 
 bool cw_port_can_write(void)
 {
-    return (int32_t)(cw_port_now_us() - line_free_us) >= 0;
+    if (cw_port_now_us() - written_us >= writing_us) {
+        writing_us = 0;
+    }
+    return writing_us == 0u;
 }
 
 void cw_port_write(const uint8_t *data, uint8_t length)
@@ -134,7 +137,8 @@ void cw_port_write(const uint8_t *data, uint8_t length)
     /* where nobody reads, the bytes are lost, as on a cable */
     ssize_t written = write(line, data, length);
     (void)written;
-    line_free_us = cw_port_now_us() + BYTE_US * length;
+    written_us = cw_port_now_us();
+    writing_us = BYTE_US * length;
 }
 
 bool cw_port_estop_seen(void)

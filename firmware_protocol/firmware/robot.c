@@ -113,11 +113,7 @@ bool cw_robot_sum(cw_robot *robot)
 
 static uint32_t pose_age_us(const cw_robot *robot)
 {
-    int32_t age = (int32_t)(robot->now_us - robot->estimate.fix_us);
-    if (!robot->estimate.fix_recent) {
-        return UINT32_MAX;
-    }
-    return age < 0 ? 0u : (uint32_t)age;
+    return robot->estimate.fix_recent ? robot->now_us - robot->estimate.fix_us : UINT32_MAX;
 }
 
 static bool pose_is_stale(const cw_robot *robot)
@@ -191,7 +187,7 @@ cw_result cw_robot_reset_estop(cw_robot *robot)
 void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms)
 {
     uint32_t ttl_us = (uint32_t)ttl_ms * 1000u;
-    robot->lease_end_us = robot->now_us + (ttl_us < CW_LEASE_MAX_US ? ttl_us : CW_LEASE_MAX_US);
+    robot->lease_us = ttl_us < CW_LEASE_MAX_US ? ttl_us : CW_LEASE_MAX_US;
     robot->lease_valid = true;
     robot->leased_us = robot->now_us;
     robot->lease_flags = flags;
@@ -218,7 +214,7 @@ void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason)
 void cw_robot_tick(cw_robot *robot, uint32_t now_us)
 {
     robot->now_us = now_us;
-    if ((int32_t)(robot->lease_end_us - now_us) <= 0) {
+    if (now_us - robot->leased_us >= robot->lease_us) {
         robot->lease_valid = false;
     }
     if (pose_age_us(robot) >= 65535000ul) {
@@ -357,8 +353,8 @@ int16_t cw_robot_turning_mrad_s(const cw_robot *robot)
 
 uint16_t cw_robot_lease_left_ms(const cw_robot *robot)
 {
-    return robot->lease_valid ? (uint16_t)((robot->lease_end_us - robot->now_us + 500u) / 1000u)
-                                     : 0u;
+    uint32_t left_us = robot->lease_us - (robot->now_us - robot->leased_us);
+    return robot->lease_valid ? (uint16_t)((left_us + 500u) / 1000u) : 0u;
 }
 
 uint16_t cw_robot_pose_age_ms(const cw_robot *robot)

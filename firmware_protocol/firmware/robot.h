@@ -1,8 +1,9 @@
 /* The robot's decisions: queue, states, lease, emergency stop. The manual of the C side.
  *
  * - No malloc, no clock, no I/O: the caller owns a cw_robot and passes in time and wheel travel.
- * - Times are microseconds of any free-running 32-bit clock; they may wrap. Set now_us before a
- *   call; cw_robot_step and cw_robot_tick, and the link, do so themselves.
+ * - Times are microseconds of any free-running 32-bit clock; they may wrap. What has passed is a
+ *   difference without a sign, so that a processor that stood still for an hour finds its lease
+ *   lapsed; only a clock that comes round to the same value (71.6 min) hides it. Set now_us before a call; cw_robot_step and cw_robot_tick, and the link, do so themselves.
  * - Inside: micrometres, binary angles, eighths of mm/s; whole numbers only (fixed.h). Travel
  *   comes as micrometres since the last cycle.
  * - cw_robot_init sets every field. Not for use from an interrupt, but for the emergency stop:
@@ -48,8 +49,8 @@ typedef struct cw_robot {
     uint32_t exec_next;
     uint32_t prefix_crc;
     uint32_t exec_crc;
-    uint32_t lease_end_us;
-    uint32_t leased_us;
+    uint32_t leased_us; /* when the last lease came */
+    uint32_t lease_us;  /* how long it runs from there */
     uint32_t now_us; /* as told last */
     uint32_t step_us;
     int16_t speed; /* measured */
