@@ -1,12 +1,17 @@
-"""The robot's clock as the host sees it: offset and drift from round trips.
+"""The robot's clock as the host sees it: offset and drift from round trips, and how sure that is.
 
 Each exchange gives the four times of NTP (RFC 5905). Of the last exchanges those with a round
 trip near the shortest are trusted, and a regression with decaying weights gives offset and
-drift. The robot counts microseconds modulo 2**32 (71.6 minutes); they are unrolled here.
+drift. Which of the two ways took how long no exchange can show, so the offset is known to about
+half a round trip, and that bound is kept: ``error_s``. An exchange that contradicts it means that
+one of the clocks has jumped; what was known before it is forgotten.
+
+The robot counts microseconds modulo 2**32 (71.6 minutes); they are unrolled here.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 from typing import Final
@@ -18,6 +23,8 @@ _TRUST_S: Final = 0.002
 _DECAY_S: Final = 30.0
 _DRIFT_MAX: Final = 1e-3
 """A thousand parts in a million: a ceramic resonator's worst."""
+DOUBT_S: Final = 0.03
+"""A report that is so much later than it should be may come from a clock that has jumped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,15 +32,21 @@ class _Sample:
     host_s: float
     offset_s: float
     round_trip_s: float
+    error_s: float
+    """The true offset was no further away than this, then."""
+
+    def error_at(self, host_s: float, offset_s: float) -> float:
+        """How far another offset may be from the truth at that time."""
+        return abs(offset_s - self.offset_s) + self.error_s + _DRIFT_MAX * abs(host_s - self.host_s)
 
 
 class ClockEstimate:
     """Offset of the robot's clock: ``robot_s = host_s + offset_s(host_s)``."""
 
     def __init__(self) -> None:
+        self.jumps = 0
+        """How often a clock has jumped."""
         self._samples: deque[_Sample] = deque(maxlen=_KEPT)
-        self._last_robot_us: int | None = None
-        self._turns = 0
         self._mean_s = 0.0
         self._offset_s = 0.0
         self.drift = 0.0
@@ -46,28 +59,74 @@ class ClockEstimate:
     @property
     def round_trip_s(self) -> float:
         """The shortest round trip among the kept exchanges; infinity before the first."""
-        return min((s.round_trip_s for s in self._samples), default=float("inf"))
+        return min((s.round_trip_s for s in self._samples), default=math.inf)
 
-    def add(self, sent_s: float, received_us: int, answered_us: int, now_s: float) -> None:
-        """Take one exchange: host sent, robot received, robot answered, host received."""
-        received_s = self._unrolled(received_us)
+    def add(
+        self,
+        sent_s: float,
+        received_us: int,
+        answered_us: int,
+        now_s: float,
+        wire_s: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        """Take one exchange: host sent, robot received, robot answered, host received.
+
+        ``wire_s`` is what question and answer need on the line at the least, in seconds: the
+        offset is corrected by it, and the bound holds without it.
+        """
+        received_s = self._unrolled(received_us, now_s)
         answered_s = received_s + ((answered_us - received_us) % WRAP_US) / 1e6
-        round_trip_s = (now_s - sent_s) - (answered_s - received_s)
+        low_s, high_s = answered_s - now_s, received_s - sent_s
+        round_trip_s = high_s - low_s - sum(wire_s)
         if round_trip_s < -_TRUST_S:
             return
-        offset_s = ((received_s - sent_s) + (answered_s - now_s)) / 2.0
-        self._samples.append(_Sample((sent_s + now_s) / 2.0, offset_s, round_trip_s))
+        offset_s = (low_s + wire_s[1] + high_s - wire_s[0]) / 2.0
+        error_s = max(abs(offset_s - low_s), abs(high_s - offset_s))
+        sample = _Sample((sent_s + now_s) / 2.0, offset_s, round_trip_s, error_s)
+        self._forget_what_contradicts(sample, now_s)
+        self._samples.append(sample)
         self._fit()
 
     def offset_s(self, host_s: float) -> float:
         """The robot's clock minus the host's at host time ``host_s``."""
         return self._offset_s + self.drift * (host_s - self._mean_s)
 
-    def _unrolled(self, robot_us: int) -> float:
-        if self._last_robot_us is not None and robot_us < self._last_robot_us - WRAP_US // 2:
-            self._turns += 1
-        self._last_robot_us = robot_us
-        return (robot_us + self._turns * WRAP_US) / 1e6
+    def error_s(self, host_s: float) -> float:
+        """How wrong ``offset_s`` is at the most, whatever the line does; infinity before the first.
+
+        Half of the best round trip, and what the clocks may have drifted since.
+        """
+        offset_s = self.offset_s(host_s)
+        return min((s.error_at(host_s, offset_s) for s in self._samples), default=math.inf)
+
+    def robot_us(self, host_s: float) -> int:
+        """The robot's clock at that time of the host, modulo 2**32."""
+        return round((host_s + self.offset_s(host_s)) * 1e6) % WRAP_US
+
+    def host_s(self, robot_us: int, now_s: float) -> float:
+        """When the robot's clock said so: the time nearest to ``now_s``, of the host's clock."""
+        return now_s + _short_us(robot_us - self.robot_us(now_s)) / 1e6
+
+    def is_in_doubt(self, robot_us: int, now_s: float) -> bool:
+        """Whether a report of the robot's clock that came just now does not fit what is known."""
+        if not self.ready:
+            return False
+        late_s = now_s - self.host_s(robot_us, now_s)
+        return not -self.error_s(now_s) <= late_s <= self.error_s(now_s) + DOUBT_S
+
+    def _forget_what_contradicts(self, sample: _Sample, now_s: float) -> None:
+        """An exchange that cannot be true together with those before it: a clock has jumped."""
+        apart_s = abs(sample.offset_s - self.offset_s(now_s))
+        if self.ready and apart_s > sample.error_s + self.error_s(now_s):
+            self._samples.clear()
+            self.jumps += 1
+
+    def _unrolled(self, robot_us: int, now_s: float) -> float:
+        """The robot's clock as a time without wraps: the one nearest to what is expected."""
+        if not self.ready:
+            return robot_us / 1e6
+        expected_us = round((now_s + self.offset_s(now_s)) * 1e6)
+        return (expected_us + _short_us(robot_us - expected_us)) / 1e6
 
     def _fit(self) -> None:
         limit_s = self.round_trip_s + _TRUST_S
@@ -89,3 +148,8 @@ class ClockEstimate:
             )
         self.drift = max(-_DRIFT_MAX, min(_DRIFT_MAX, slope))
         self._mean_s, self._offset_s = mean_s, offset_s
+
+
+def _short_us(difference_us: int) -> int:
+    """A difference of two clocks modulo 2**32, the short way round."""
+    return (difference_us + WRAP_US // 2) % WRAP_US - WRAP_US // 2

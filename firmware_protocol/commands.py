@@ -79,6 +79,11 @@ class Commands:
         """Another mission replaces all wishes about the last one."""
         self._start_s, self._pause, self._clear = None, False, False
 
+    @property
+    def reset_wanted(self) -> bool:
+        """Whether the robot was told, or is to be told, to leave its emergency stop."""
+        return self._reset
+
     def want_reset(self, wanted: bool) -> None:
         """Leave the emergency stop, or no longer."""
         self._reset = wanted

@@ -1,15 +1,22 @@
 """Lease and pose: sent once each, and a newer one replaces one that still waits.
 
-Both carry an age, which goes on until they leave. Seconds of the host's clock.
+Both carry a time of the robot's own clock, so that they age on the line, in every buffer and in
+the robot alike. A lease is dated as early as the clock's bound allows, a pose as it is known best.
+Nothing is sent while that bound is wider than ``ERROR_MAX_S``. Seconds of the host's clock.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Final
 
-from firmware_protocol.framing import wire_bytes
-from firmware_protocol.line_pace import LinePace
+from firmware_protocol.clock_sync import ClockEstimate
 from firmware_protocol.messages import Lease, LeaseFlag, PoseFix
+
+ERROR_MAX_S: Final = 0.05
+"""At 0.5 m/s a pose dated wrong by so much is 25 mm off; leases get shorter by as much."""
+_POSE_KEPT_S: Final = 0.5
+"""The robot takes no older ones."""
 
 
 class Freshest:
@@ -17,13 +24,15 @@ class Freshest:
 
     def __init__(self) -> None:
         self.pose_captured_s = -math.inf
+        self.stale = 0
+        """How many were too old to be sent."""
         self._lease: tuple[Lease, float] | None = None
         self._pose: tuple[PoseFix, float] | None = None
 
-    def give_lease(self, lease: Lease, now_s: float) -> None:
+    def give_lease(self, lease: Lease, issued_s: float) -> None:
         """LocalError where a value does not fit the wire."""
         lease.pack()
-        self._lease = (lease, now_s)
+        self._lease = (lease, issued_s)
 
     def give_pose(self, fix: PoseFix, captured_s: float) -> None:
         """LocalError where a value does not fit the wire."""
@@ -34,19 +43,29 @@ class Freshest:
         """Nothing waits any more."""
         self._lease = self._pose = None
 
-    def take(self, now_s: float, pace: LinePace) -> Lease | PoseFix | None:
-        """What goes out now, the lease first, with its age when it has arrived."""
+    def take(self, now_s: float, clock: ClockEstimate) -> Lease | PoseFix | None:
+        """What goes out now, the lease first; None where nothing waits or the clock is unknown."""
+        error_s = clock.error_s(now_s)
+        self._drop_stale(now_s)
+        if error_s > ERROR_MAX_S:
+            return None
         if self._lease is not None:
-            lease, given_s = self._lease
-            self._lease = None
-            return Lease(lease.ttl_s, lease.flags, lease.pose_age_s + (now_s - given_s))
+            (lease, issued_s), self._lease = self._lease, None
+            issued_us = clock.robot_us(issued_s - error_s)
+            return Lease(lease.ttl_s, lease.flags, lease.pose_age_s, issued_us)
         if self._pose is not None:
-            fix, self.pose_captured_s = self._pose
-            self._pose = None
-            on_the_wire_s = pace.wire_s(wire_bytes(PoseFix.LAYOUT.size))
-            age_s = max(0.0, now_s - self.pose_captured_s) + on_the_wire_s
-            return PoseFix(fix.x_m, fix.y_m, fix.heading_rad, age_s)
+            (fix, self.pose_captured_s), self._pose = self._pose, None
+            captured_us = clock.robot_us(self.pose_captured_s)
+            return PoseFix(fix.x_m, fix.y_m, fix.heading_rad, captured_us)
         return None
+
+    def _drop_stale(self, now_s: float) -> None:
+        if self._lease is not None and now_s - self._lease[1] >= self._lease[0].ttl_s:
+            self._lease = None
+            self.stale += 1
+        if self._pose is not None and now_s - self._pose[1] >= _POSE_KEPT_S:
+            self._pose = None
+            self.stale += 1
 
 
 def lease_of(ttl_s: float, permit: bool, pose_age_s: float, odometry: bool) -> Lease:

@@ -20,14 +20,13 @@ from firmware_protocol.clock_sync import ClockEstimate
 from firmware_protocol.commands import Commands
 from firmware_protocol.errors import LocalError, RemoteError
 from firmware_protocol.framing import (
-    VERSION,
     Frame,
     FrameParser,
     Sender,
     encode_frame,
     wire_bytes,
 )
-from firmware_protocol.freshest import Freshest, lease_of
+from firmware_protocol.freshest import ERROR_MAX_S, Freshest, lease_of
 from firmware_protocol.host_counters import HostCounters
 from firmware_protocol.host_events import (
     EstopConfirmed,
@@ -38,16 +37,19 @@ from firmware_protocol.host_events import (
     MissionVoid,
     RobotRebooted,
     StatusReceived,
+    StrayHello,
 )
 from firmware_protocol.host_sessions import HostSessions
 from firmware_protocol.host_state import TRANSITIONS, LinkEvent, LinkState
-from firmware_protocol.line_diagnosis import why_silent
+from firmware_protocol.line_diagnosis import TAKEN_OVER, why_refused, why_silent
 from firmware_protocol.line_pace import LinePace
 from firmware_protocol.link import RttEstimate, SendWindow
 from firmware_protocol.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     Ack,
+    Challenge,
+    Confirm,
     Hello,
     HelloAck,
     Lease,
@@ -65,6 +67,12 @@ from firmware_protocol.upload import Upload
 SILENCE_S: Final = 0.5
 """The link is lost after so long without a frame of the session."""
 ESTOP_REPEAT_S: Final = 0.02
+STRAY_TOLD_S: Final = 1.0
+"""Stray HELLOs are told no more often than this."""
+REFUSED_S: Final = 8.0
+"""A refusal is believed for so long: two more askings may get lost."""
+_ASKING: Final = (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
+"""No robot has answered yet, or none that can be used."""
 
 
 class HostConnection:
@@ -100,6 +108,12 @@ class HostConnection:
         self._opened_s = 0.0
         self._heard_s = -math.inf
         self._bytes_s = -math.inf
+        self._refused_s = -math.inf
+        self._stray_s = -math.inf
+        self._taken = False
+        """Whether another host has the robot, and had it when the link was lost."""
+        self._nonce: int | None = None
+        """The robot's challenge that is to be answered."""
         self._sync = SyncSchedule()
         self._estop_wanted = False
         self._estop_s = -math.inf
@@ -163,12 +177,15 @@ class HostConnection:
         pose_age_s: float = math.inf,
         odometry: bool = False,
     ) -> None:
-        """Sent once, now: the control loop lives. ``odometry``: may drive without poses."""
+        """Sent once: the control loop lived at ``now_s``. ``odometry``: may drive without poses.
+
+        It runs out ``ttl_s`` after that by the robot's clock, however long it takes to get there.
+        """
         self._freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Sent once: where the camera saw the robot at host time ``captured_s``."""
-        self._freshest.give_pose(PoseFix(x_m, y_m, heading_rad, 0.0), captured_s)
+        self._freshest.give_pose(PoseFix(x_m, y_m, heading_rad), captured_s)
 
     def estop(self) -> None:
         """Emergency stop: past every queue, repeated until the robot confirms it."""
@@ -203,6 +220,26 @@ class HostConnection:
         return self._estop_wanted
 
     @property
+    def leaving_estop(self) -> bool:
+        """Whether the robot is to leave its emergency stop and has not answered yet.
+
+        Until then its reports tell of the old stop; afterwards ESTOP is a new one.
+        """
+        return self._commands.reset_wanted
+
+    def why_no_permit(self, now_s: float) -> str | None:
+        """A plain sentence on why no lease can be given, None where one can."""
+        error_s = self.clock.error_s(now_s)
+        if error_s <= ERROR_MAX_S:
+            return None
+        if not self.clock.ready:
+            return "its clock is not known yet"
+        return (
+            f"its clock is known to {error_s * 1e3:.0f} ms only, {ERROR_MAX_S * 1e3:.0f} ms are "
+            "needed: the line is too slow"
+        )
+
+    @property
     def pose_captured_s(self) -> float:
         """When the pose that was sent last was seen: the user's measure of its way here."""
         return self._freshest.pose_captured_s
@@ -220,10 +257,10 @@ class HostConnection:
         """A plain sentence on why the link is not up, None where it is."""
         if self.state.is_up:
             return None
-        if self.state is LinkState.CLOSED:
+        if self.state in (LinkState.CLOSED, LinkState.REFUSED):
             return self._reason
         if self.state is LinkState.LINK_LOST and self._sessions.foreigner_speaks(now_s):
-            return "another host has taken the robot over"
+            return TAKEN_OVER
         since_s = now_s - max(self._bytes_s, self._opened_s)
         silent = now_s - self._bytes_s > SILENCE_S
         return why_silent(self.parser.counters, since_s if silent else None)
@@ -244,7 +281,7 @@ class HostConnection:
             if self._sessions.is_late(frame, now_s):
                 self.counters.late_session += 1
             else:
-                self.counters.foreign_session += 1
+                self._meet_a_stranger(frame, now_s)
             return
         try:
             message = read_message(frame)
@@ -254,7 +291,7 @@ class HostConnection:
         if isinstance(message, HelloAck):
             self._greeted(message, now_s)
             return
-        if self.state in (LinkState.HELLO, LinkState.LINK_LOST):
+        if self.state in _ASKING:
             return
         self._heard_s = now_s
         self._window.acknowledge(frame.acknowledged, now_s)
@@ -262,43 +299,61 @@ class HostConnection:
             self.counters.naks += 1
             self._window.complained(now_s)
         match message:
+            case Challenge(nonce):
+                self._nonce = nonce if self.state is LinkState.VERIFY else None
             case Ack(accept_next):
                 if self.upload_state is not None:
                     self.upload_state.see_ack(accept_next, frame.credit)
             case Status():
                 self._take_status(message, frame, now_s)
             case TimeSyncReply(sent_us, received_us, answered_us):
-                sent_s = self._sync.sent_s(sent_us)
-                if sent_s is not None:
-                    # both stamps of a frame as if it took no time on the wire
-                    arrived_s = sent_s + self._pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
-                    left_s = now_s - self._pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
-                    self.clock.add(arrived_s, received_us, answered_us, left_s)
+                self._take_time(sent_us, received_us, answered_us, now_s)
             case _:
                 self.counters.nonsense += 1
 
+    def _take_time(self, sent_us: int, received_us: int, answered_us: int, now_s: float) -> None:
+        sent_s = self._sync.sent_s(sent_us)
+        if sent_s is not None:
+            asking_s = self._pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
+            answering_s = self._pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
+            jumps = self.clock.jumps
+            self.clock.add(sent_s, received_us, answered_us, now_s, (asking_s, answering_s))
+            self.counters.clock_jumps += self.clock.jumps - jumps
+
+    def _meet_a_stranger(self, frame: Frame, now_s: float) -> None:
+        self.counters.foreign_session += 1
+        if self.counters.stray_hellos == self._sessions.stray_hellos:
+            return
+        self.counters.stray_hellos = self._sessions.stray_hellos
+        if now_s - self._stray_s >= STRAY_TOLD_S:
+            self._stray_s = now_s
+            self._events.append(StrayHello(frame.session))
+
     def _greeted(self, hello: HelloAck, now_s: float) -> None:
-        if self.state not in (LinkState.HELLO, LinkState.LINK_LOST):
+        if self.state not in _ASKING:
             return
         self.robot = hello
-        if hello.major != VERSION or hello.schema != SCHEMA_HASH:
-            what = (
-                f"the robot speaks protocol {hello.major} with schema {hello.schema:#010x}, "
-                f"this program {VERSION} with {SCHEMA_HASH:#010x}: update one of them"
-            )
-            self._drop_session()
-            self._change(LinkEvent.REFUSED, what)
-            self._reason = what
+        why = why_refused(hello.major, hello.schema, SCHEMA_HASH)
+        if why is not None:
+            self._refused_s, self._reason = now_s, why
+            self._change(LinkEvent.REFUSED, why)
+            self._sessions.wait_long(now_s)
             return
+        self._nonce = None
         self._window = SendWindow(hello.rx_window)
         self._window.rtt = self.rtt
         self._heard_s = now_s
-        self._change(LinkEvent.GREETED, "a robot has answered")
+        self.counters.taken_back += self._taken
+        back = "the other host has fallen silent: the robot is taken back"
+        self._change(LinkEvent.GREETED, back if self._taken else "a robot has answered")
+        self._taken = False
 
     def _take_status(self, status: Status, frame: Frame, now_s: float) -> None:
         self.status, self.status_s = status, now_s
         if self.state is LinkState.VERIFY:
             self._verify(status)
+        if self.clock.is_in_doubt(status.time_us, now_s):
+            self._sync.doubt()
         if status.state is RobotState.ESTOP and self._estop_wanted:
             self._estop_wanted = False
             self._events.append(EstopConfirmed())
@@ -317,7 +372,8 @@ class HostConnection:
         self.counters.reboots += 1
         assert self.robot is not None
         self.clock = ClockEstimate()
-        self._sync.hurry()
+        self._sync.begin_again()
+        self._commands.want_reset(False)  # it has not kept its emergency stop
         self._change(LinkEvent.REBOOT, "the robot has rebooted: its mission is gone")
         self._events.append(RobotRebooted(status.boot_id, self.robot.reset_cause))
         if self.upload_state is not None:
@@ -356,13 +412,17 @@ class HostConnection:
 
     def tick(self, now_s: float) -> None:
         """Timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
-        if self.state in (LinkState.CLOSED, LinkState.HELLO, LinkState.LINK_LOST):
+        if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
+            self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
+        if self.state is LinkState.CLOSED or self.state in _ASKING:
             return
         if now_s - self._heard_s > SILENCE_S:
             self.counters.links_lost += 1
             silent_s = now_s - self._heard_s
             self._drop_session()
-            self._change(LinkEvent.SILENCE, f"no frame for {silent_s:.2f} s")
+            self._taken = self._sessions.foreigner_speaks(now_s)
+            why = TAKEN_OVER if self._taken else f"no frame for {silent_s:.2f} s"
+            self._change(LinkEvent.SILENCE, why)
             self._new_session(now_s)
             return
         self._window.tick(now_s)
@@ -392,13 +452,14 @@ class HostConnection:
         return max(now_s, min(soon))
 
     def _next_frame(self, now_s: float) -> Frame | None:
-        if self.state in (LinkState.HELLO, LinkState.LINK_LOST):
+        if self.state in _ASKING:
             return self._next_hello(now_s)
-        fresh = self._freshest.take(now_s, self._pace)
-        if fresh is not None:
-            return self._frame(fresh)
         if self.state is LinkState.VERIFY:
-            return None
+            return self._next_confirm(now_s)
+        urgent = self._freshest.take(now_s, self.clock) or self._sync.next_question(now_s)
+        self.counters.stale = self._freshest.stale
+        if urgent is not None:
+            return self._frame(urgent)
         self._fill_window(now_s)
         pending = self._window.next_frame(now_s)
         if pending is not None:
@@ -410,7 +471,7 @@ class HostConnection:
                 sequence=pending.sequence,
                 reliable=True,
             )
-        return self._next_sync(now_s)
+        return None
 
     def _fill_window(self, now_s: float) -> None:
         upload = self.upload_state
@@ -435,11 +496,14 @@ class HostConnection:
             return None
         return self._frame(Hello(SCHEMA_HASH)) if self._sessions.hello_due(now_s) else None
 
-    def _next_sync(self, now_s: float) -> Frame | None:
-        question = self._sync.next_question(now_s)
-        return None if question is None else self._frame(question)
+    def _next_confirm(self, now_s: float) -> Frame | None:
+        """The challenge given back; HELLO again where it, or the robot's report, was lost."""
+        if self._nonce is None:
+            return self._next_hello(now_s)
+        nonce, self._nonce = self._nonce, None
+        return self._frame(Confirm(nonce))
 
-    def _frame(self, message: Hello | Lease | PoseFix | TimeSync) -> Frame:
+    def _frame(self, message: Hello | Confirm | Lease | PoseFix | TimeSync) -> Frame:
         return Frame(kind=message.TYPE, session=self._sessions.present, payload=message.pack())
 
     def _account(self, data: bytes, now_s: float) -> bytes:
@@ -462,7 +526,7 @@ class HostConnection:
         self.counters.timeouts += self._window.timeouts
         self._window = SendWindow(0)
         self._freshest.forget()
-        self._sync.forget()
+        self._sync.begin_again()
         self._heard_s = -math.inf
         if self.upload_state is not None:
             self.upload_state.new_session()

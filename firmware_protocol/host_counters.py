@@ -13,6 +13,11 @@ class HostCounters:
     bytes_sent: int = 0
     sessions: int = 0
     links_lost: int = 0
+    taken_back: int = 0
+    """How often another host had the robot and fell silent."""
+    stray_hellos: int = 0
+    """How often the robot has answered a HELLO that was none of ours."""
+    clock_jumps: int = 0
     reboots: int = 0
     naks: int = 0
     retransmits: int = 0
@@ -20,3 +25,5 @@ class HostCounters:
     foreign_session: int = 0
     late_session: int = 0
     nonsense: int = 0
+    stale: int = 0
+    """Leases and poses that had become too old before they could be sent."""

@@ -58,10 +58,17 @@ class MissionVoid:
 
 @dataclass(frozen=True, slots=True)
 class RobotRebooted:
-    """The robot's processor has started anew; its queue is gone."""
+    """The robot's processor has started again; its queue is gone."""
 
     boot_id: int
     cause: ResetCause
+
+
+@dataclass(frozen=True, slots=True)
+class StrayHello:
+    """Somebody else, or a frame from long ago, has asked the robot for a session; it stays ours."""
+
+    session: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,4 +85,5 @@ Event: TypeAlias = (
     | MissionVoid
     | RobotRebooted
     | EstopConfirmed
+    | StrayHello
 )

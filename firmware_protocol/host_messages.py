@@ -28,7 +28,7 @@ WAYPOINTS_PER_FRAME: Final = (MAX_PAYLOAD - 10) // WAYPOINT_BYTES
 
 @dataclass(frozen=True, slots=True)
 class Hello:
-    """The host opens a session; sent until answered. Layout frozen for ever."""
+    """The host asks for a session; sent until it is open. Layout frozen for ever."""
 
     schema: int
     major: int = VERSION
@@ -46,6 +46,26 @@ class Hello:
         """Read a payload; RemoteError where it is none."""
         major, minor, schema = unpack_exactly("HELLO", cls.LAYOUT, payload)
         return cls(schema, major, minor)
+
+
+@dataclass(frozen=True, slots=True)
+class Confirm:
+    """The host gives the robot's number back: it is here now, and no recording."""
+
+    nonce: int
+
+    TYPE: ClassVar[MessageType] = MessageType.CONFIRM
+    LAYOUT: ClassVar[Struct] = Struct("<I")
+
+    def pack(self) -> bytes:
+        """The payload."""
+        return self.LAYOUT.pack(self.nonce)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; RemoteError where it is none."""
+        (nonce,) = unpack_exactly("CONFIRM", cls.LAYOUT, payload)
+        return cls(nonce)
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,56 +245,60 @@ class ResetEstop:
 
 @dataclass(frozen=True, slots=True)
 class Lease:
-    """The control loop lives and, with PERMIT, lets the robot drive for ``ttl_s`` longer."""
+    """The control loop lived; with PERMIT the robot may drive for ``ttl_s`` from then.
+
+    ``issued_us`` is when, of the robot's clock modulo 2**32; ``pose_age_s`` was the pose's age.
+    """
 
     ttl_s: float
     flags: LeaseFlag
     pose_age_s: float = math.inf
+    issued_us: int = 0
 
     TYPE: ClassVar[MessageType] = MessageType.LEASE
-    LAYOUT: ClassVar[Struct] = Struct("<HBH")
+    LAYOUT: ClassVar[Struct] = Struct("<IHHB")
 
     def pack(self) -> bytes:
-        """The payload; LocalError where the time is negative."""
+        """The payload; LocalError where a time is negative."""
         ttl = clamped(self.ttl_s, 1e3, 0xFFFF)
-        return self.LAYOUT.pack(ttl, self.flags, clamped(self.pose_age_s, 1e3, NO_POSE_MS))
+        age = clamped(self.pose_age_s, 1e3, NO_POSE_MS)
+        return self.LAYOUT.pack(self.issued_us, ttl, age, self.flags)
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
         """Read a payload; RemoteError where it is none."""
-        ttl, flags, age = unpack_exactly("LEASE", cls.LAYOUT, payload)
+        issued_us, ttl, age, flags = unpack_exactly("LEASE", cls.LAYOUT, payload)
         if flags & ~3:
             raise RemoteError(f"LEASE flags {flags:#x}: only PERMIT and ODOMETRY are known")
-        return cls(ttl / 1e3, LeaseFlag(flags), math.inf if age == NO_POSE_MS else age / 1e3)
+        age_s = math.inf if age == NO_POSE_MS else age / 1e3
+        return cls(ttl / 1e3, LeaseFlag(flags), age_s, issued_us)
 
 
 @dataclass(frozen=True, slots=True)
 class PoseFix:
-    """Where the camera saw the robot ``age_s`` before this frame was sent (at most 6.5 s)."""
+    """Where the camera saw the robot at ``captured_us`` of the robot's clock, modulo 2**32."""
 
     x_m: float
     y_m: float
     heading_rad: float
-    age_s: float
+    captured_us: int = 0
 
     TYPE: ClassVar[MessageType] = MessageType.POSE
-    LAYOUT: ClassVar[Struct] = Struct("<iihH")
+    LAYOUT: ClassVar[Struct] = Struct("<iihI")
 
     def pack(self) -> bytes:
         """The payload; LocalError where a value does not fit."""
         x, y = to_um("x_m", self.x_m), to_um("y_m", self.y_m)
-        return self.LAYOUT.pack(
-            x, y, heading_to_wire(self.heading_rad), clamped(self.age_s, 1e4, 0xFFFF)
-        )
+        return self.LAYOUT.pack(x, y, heading_to_wire(self.heading_rad), self.captured_us)
 
     @classmethod
     def unpack(cls, payload: bytes) -> Self:
         """Read a payload; RemoteError where it is none."""
-        x, y, wire_heading, age = unpack_exactly("POSE", cls.LAYOUT, payload)
+        x, y, wire_heading, captured_us = unpack_exactly("POSE", cls.LAYOUT, payload)
         heading = heading_from_wire(wire_heading)
         if heading is None:
             raise RemoteError("POSE without a heading")
-        return cls(x / UM_PER_M, y / UM_PER_M, heading, age / 1e4)
+        return cls(x / UM_PER_M, y / UM_PER_M, heading, captured_us)
 
 
 @dataclass(frozen=True, slots=True)

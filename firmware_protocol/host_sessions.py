@@ -1,9 +1,13 @@
 """The host's sessions: their numbers, when HELLO goes out, and who else is on the line.
 
 - A session's number is drawn at random and never one of the last sixteen: late frames of an own
-  session are told from those of another host.
-- HELLO is repeated, each time a half later, until a robot answers. While another host speaks, a
-  host that lost its robot keeps still.
+  session are told from those of a stranger.
+- HELLO is repeated, each time a half later, until the robot reports in the session; to a robot of
+  another schema every few seconds.
+- A stranger's HELLO is no stranger's session: the robot answers it, and stays with ours. Only what
+  it says in an open session shows that another host has given its challenge back.
+- Such a host has the robot while the robot hears it: while the count of frames grows that the
+  robot's STATUS brings. This one keeps still meanwhile, and takes the robot back afterwards.
 - Seconds of the host's monotonic clock.
 """
 
@@ -14,12 +18,19 @@ import random
 from collections import deque
 from typing import Final
 
+from firmware_protocol.errors import RemoteError
 from firmware_protocol.framing import Frame
+from firmware_protocol.messages import MessageType, Status
 
 HELLO_FIRST_S: Final = 0.05
 HELLO_LAST_S: Final = 0.5
-FOREIGN_S: Final = 1.0
+HELLO_REFUSED_S: Final = 3.0
+"""A robot of another schema is asked this often."""
+FOREIGN_S: Final = 2.5
+"""A host that has the robot is heard by it at least once a second, with TIMESYNC."""
 _REMEMBERED: Final = 16
+_OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
+"""What the robot says in a session that is not open."""
 
 
 class HostSessions:
@@ -27,9 +38,14 @@ class HostSessions:
 
     def __init__(self, rng: random.Random) -> None:
         self.present = 0
+        self.stray_hellos = 0
+        """How often the robot has answered a HELLO that was none of ours."""
         self._rng = rng
         self._own: deque[int] = deque(maxlen=_REMEMBERED)
         self._foreign_s = -math.inf
+        self._foreign: int | None = None
+        self._frames: int | None = None
+        """How many frames the robot had taken when it reported in that session last."""
         self._hello_s = 0.0
         self._wait_s = HELLO_FIRST_S
 
@@ -42,14 +58,30 @@ class HostSessions:
         self._wait_s = HELLO_FIRST_S
 
     def is_late(self, frame: Frame, now_s: float) -> bool:
-        """Whether a frame of another session is one of ours; a stranger's is remembered."""
+        """Whether a frame of another session is one of ours; a stranger's is looked at."""
         if frame.session in self._own:
             return True
-        self._foreign_s = now_s
+        if frame.kind == MessageType.HELLO_ACK:
+            self.stray_hellos += 1
+        if frame.kind not in _OPENING:
+            self._look_at(frame, now_s)
         return False
 
+    def _look_at(self, frame: Frame, now_s: float) -> None:
+        if frame.session != self._foreign:
+            self._foreign, self._frames, self._foreign_s = frame.session, None, now_s
+        if frame.kind != MessageType.STATUS:
+            return
+        try:
+            frames = Status.unpack(frame.payload).counters.frames
+        except RemoteError:
+            return  # another schema's: its session is known, what it counts is not
+        if self._frames not in (None, frames):
+            self._foreign_s = now_s
+        self._frames = frames
+
     def foreigner_speaks(self, now_s: float) -> bool:
-        """Whether another host's session was heard just now."""
+        """Whether the robot has heard another host in an open session just now."""
         return now_s - self._foreign_s < FOREIGN_S
 
     def hello_due(self, now_s: float) -> bool:
@@ -58,4 +90,9 @@ class HostSessions:
             return False
         self._hello_s = now_s + self._wait_s
         self._wait_s = min(HELLO_LAST_S, 1.5 * self._wait_s)
+        self._frames = None  # the robot counts this HELLO too
         return True
+
+    def wait_long(self, now_s: float) -> None:
+        """The robot cannot be used: ask it again, but seldom."""
+        self._hello_s = now_s + HELLO_REFUSED_S

@@ -3,7 +3,8 @@
 CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mission is
 compared with ours. STREAM: up. DRAIN: up, the whole mission is with the robot, which executes
 it. LINK_LOST: it was up and fell silent; asking again. REBOOTED: up, but the robot's memory is
-gone; its mission is void until a new one is given.
+gone; its mission is void until a new one is given. REFUSED: a robot of another version or schema
+has answered; it is asked again every few seconds.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ class LinkState(Enum):
     DRAIN = "drain"
     LINK_LOST = "link lost"
     REBOOTED = "rebooted"
+    REFUSED = "refused"
 
     @property
     def is_up(self) -> bool:
@@ -40,7 +42,7 @@ class LinkEvent(Enum):
     REBOOT = "first STATUS of the session; another boot_id than before"
     ALL_ACCEPTED = "the robot has the whole mission"
     MISSION_OVER = "mission executed, void, or replaced"
-    SILENCE = "no frame of the session for too long"
+    SILENCE = "no frame of the session, or no refusal, for too long"
     RENEW = "a fresh session is wanted, to leave an emergency stop"
 
 
@@ -50,6 +52,10 @@ TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
     (LinkState.CLOSED, LinkEvent.OPEN): LinkState.HELLO,
     (LinkState.HELLO, LinkEvent.GREETED): LinkState.VERIFY,
     (LinkState.LINK_LOST, LinkEvent.GREETED): LinkState.VERIFY,
+    (LinkState.REFUSED, LinkEvent.GREETED): LinkState.VERIFY,
+    (LinkState.HELLO, LinkEvent.REFUSED): LinkState.REFUSED,
+    (LinkState.LINK_LOST, LinkEvent.REFUSED): LinkState.REFUSED,
+    (LinkState.REFUSED, LinkEvent.SILENCE): LinkState.HELLO,
     (LinkState.VERIFY, LinkEvent.VERIFIED): LinkState.STREAM,
     (LinkState.VERIFY, LinkEvent.REBOOT): LinkState.REBOOTED,
     (LinkState.VERIFY, LinkEvent.SILENCE): LinkState.LINK_LOST,
@@ -59,5 +65,4 @@ TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
     **{(state, LinkEvent.SILENCE): LinkState.LINK_LOST for state in _UP},
     **{(state, LinkEvent.RENEW): LinkState.HELLO for state in _UP},
     **{(state, LinkEvent.CLOSE): LinkState.CLOSED for state in LinkState},
-    **{(state, LinkEvent.REFUSED): LinkState.CLOSED for state in LinkState},
 }

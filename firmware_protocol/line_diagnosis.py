@@ -1,8 +1,25 @@
-"""What a line without a link looks like, as a sentence for whoever has to mend it."""
+"""What a line without a link looks like, as a sentence for whoever has to fix it."""
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmware_protocol.framing import VERSION, ParserCounters
+
+TAKEN_OVER: Final = "another host has taken the robot over"
+
+
+def why_refused(major: int, schema: int, ours: int) -> str | None:
+    """Why a robot that speaks so cannot be used; None where it can."""
+    if major == VERSION and schema == ours:
+        return None
+    older = "the robot's firmware or this program, whichever is older"
+    if major != VERSION:
+        older = "the robot's firmware" if major < VERSION else "this program"
+    return (
+        f"the robot speaks protocol {major} with schema {schema:#010x}, "
+        f"this program {VERSION} with {ours:#010x}: update {older}"
+    )
 
 
 def why_silent(count: ParserCounters, no_byte_s: float | None) -> str:

@@ -18,6 +18,7 @@ from firmware_protocol.host_messages import (
     WAYPOINT_BYTES,
     WAYPOINTS_PER_FRAME,
     Clear,
+    Confirm,
     Hello,
     Lease,
     Pause,
@@ -28,7 +29,14 @@ from firmware_protocol.host_messages import (
     Waypoint,
     Waypoints,
 )
-from firmware_protocol.robot_messages import Ack, HelloAck, RobotCounters, Status, TimeSyncReply
+from firmware_protocol.robot_messages import (
+    Ack,
+    Challenge,
+    HelloAck,
+    RobotCounters,
+    Status,
+    TimeSyncReply,
+)
 from firmware_protocol.vocabulary import (
     STOP_SENTENCES,
     CommandResult,
@@ -45,6 +53,8 @@ from firmware_protocol.wire_values import known, wrap_angle
 Message: TypeAlias = (
     Hello
     | HelloAck
+    | Confirm
+    | Challenge
     | Waypoints
     | Start
     | Pause
@@ -62,6 +72,7 @@ MESSAGES: Final = {
     message.TYPE: message
     for message in (
         Hello,
+        Confirm,
         Waypoints,
         Start,
         Pause,
@@ -71,6 +82,7 @@ MESSAGES: Final = {
         PoseFix,
         TimeSync,
         HelloAck,
+        Challenge,
         Ack,
         Status,
         TimeSyncReply,
@@ -118,8 +130,10 @@ __all__ = [
     "WAYPOINTS_PER_FRAME",
     "WAYPOINT_BYTES",
     "Ack",
+    "Challenge",
     "Clear",
     "CommandResult",
+    "Confirm",
     "Hello",
     "HelloAck",
     "Lease",

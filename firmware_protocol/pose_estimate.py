@@ -105,9 +105,8 @@ class PoseEstimate:
             x, y, moved = self._moved = (x + dx, y + dy, moved + turn)
         history[0] = _Past(x >> 8, y >> 8, moved >> 16, now_us >> 8)
 
-    def correct(self, fix: PoseFix, now_us: int) -> bool:
-        """Take a camera pose of ``fix.age_s`` ago; False where it was not used."""
-        seen_us = now_us - round(fix.age_s * 1e6)
+    def correct(self, fix: PoseFix, seen_us: int) -> bool:
+        """Take a camera pose of that time; False where it was not used."""
         since = self._moved_since(seen_us >> 8)
         if since is None:
             self.rejected += 1

@@ -35,6 +35,8 @@ from firmware_protocol.waypoint_record import Target
 QUEUE_SIZE: Final = 32
 LEASE_MAX_US: Final = 500_000
 """However long a lease the host asks for, the robot stops this long after it."""
+AHEAD_US: Final = 20_000
+"""A host may think the robot's clock so far ahead of what it is."""
 DISARM_US: Final = 2_000_000
 """After so long without a lease the robot leaves HOLD for IDLE."""
 POSE_STALE_US: Final = 500_000
@@ -89,12 +91,11 @@ class RobotController:
         self._records: deque[bytes] = deque(maxlen=QUEUE_SIZE)
         self._targets: deque[Target] = deque(maxlen=QUEUE_SIZE)
         self._ended = False
+        self._lease = Lease(0.0, LeaseFlag.NONE)
         self._lease_end_us: int | None = None
         """When the lease runs out; None where there is none."""
-        self._leased_us = 0
-        """When the last lease came."""
-        self._lease = LeaseFlag.NONE
-        self._host_pose_age_s = math.inf
+        self._issued_us = 0
+        """When the last lease was given."""
         self._session_after_estop = False
         self._step_us: int | None = None
         self._wheels_um = (0, 0)
@@ -109,8 +110,8 @@ class RobotController:
     def open_session(self, now_s: float) -> None:
         """A host has opened a session: the lease of the old one is void."""
         self._lease_end_us = None
-        self._leased_us = _us(now_s)
-        self._lease = LeaseFlag.NONE
+        self._issued_us = _us(now_s)
+        self._lease = Lease(0.0, LeaseFlag.NONE, self._lease.pose_age_s)
         self._session_after_estop = True
         self._change(RobotEvent.SESSION, StopReason.NEW_SESSION)
 
@@ -146,9 +147,9 @@ class RobotController:
             return CommandResult.WRONG_MISSION
         if exec_next != self.exec_next:
             return CommandResult.WRONG_INDEX
-        if not self._lease_runs(_us(now_s)) or not self._lease & LeaseFlag.PERMIT:
+        if not self._lease_runs(_us(now_s)) or not self._lease.flags & LeaseFlag.PERMIT:
             return CommandResult.NO_LEASE
-        if not self._lease & LeaseFlag.ODOMETRY and self._pose_is_stale(_us(now_s)):
+        if not self._lease.flags & LeaseFlag.ODOMETRY and self._pose_is_stale(_us(now_s)):
             return CommandResult.NO_POSE
         self.follower.begin(self.estimate.now)
         self._change(RobotEvent.START, StopReason.NONE)
@@ -168,22 +169,31 @@ class RobotController:
             self._change(RobotEvent.CLEAR, StopReason.CLEARED)
         return CommandResult.DONE
 
-    def lease(self, message: Lease, now_s: float) -> None:
-        """The control loop lives: prolong, or withdraw, the permit to drive."""
-        self._leased_us = _us(now_s)
-        self._lease_end_us = self._leased_us + min(_us(message.ttl_s), LEASE_MAX_US)
-        self._lease = message.flags
-        self._host_pose_age_s = message.pose_age_s
-        self._watch(_us(now_s))
+    def lease(self, message: Lease, now_s: float) -> bool:
+        """The control loop lived when it gave the lease: prolong, or withdraw, the permit to drive.
+
+        False for one that has run out on its way, or is older than the present one.
+        """
+        now_us = _us(now_s)
+        issued_us = _unrolled(message.issued_us, now_us)
+        end_us = issued_us + min(_us(message.ttl_s), LEASE_MAX_US)
+        if now_us >= end_us or (self._lease_runs(now_us) and issued_us < self._issued_us):
+            return False
+        self._lease, self._issued_us, self._lease_end_us = message, issued_us, end_us
+        self._watch(now_us)
+        return True
 
     def pose_fix(self, message: PoseFix, now_s: float) -> bool:
-        """The camera saw the robot; False where the fix was not used."""
-        return self.estimate.correct(message, _us(now_s))
+        """The camera saw the robot; False where that was not used: too old, or a jump."""
+        now_us = _us(now_s)
+        seen_us = _unrolled(message.captured_us, now_us)
+        if now_us - seen_us >= POSE_STALE_US:
+            return False
+        return self.estimate.correct(message, min(seen_us, now_us))
 
     def emergency_stop(self, reason: StopReason = StopReason.ESTOP_HOST) -> None:
         """Wheels to zero at once, latched until :meth:`reset_estop`."""
-        if self.state is not RobotState.ESTOP:
-            self._session_after_estop = False
+        self._session_after_estop = False
         self._change(RobotEvent.ESTOP, reason)
         self.follower.freeze()
         self.wheels = _OFF
@@ -248,7 +258,7 @@ class RobotController:
             flags |= StatusFlag.MOVING
         if self._lease_runs(_us(now_s)):
             flags |= StatusFlag.LEASE_VALID
-            if self._lease & LeaseFlag.PERMIT:
+            if self._lease.flags & LeaseFlag.PERMIT:
                 flags |= StatusFlag.PERMIT
         if self.estimate.known:
             flags |= StatusFlag.POSE_KNOWN
@@ -287,11 +297,11 @@ class RobotController:
         if self.state is RobotState.RUN:
             if not self._lease_runs(now_us):
                 self._change(RobotEvent.HALT, StopReason.LEASE_LAPSED)
-            elif not self._lease & LeaseFlag.PERMIT:
+            elif not self._lease.flags & LeaseFlag.PERMIT:
                 self._change(RobotEvent.HALT, StopReason.NO_PERMIT)
-            elif not self._lease & LeaseFlag.ODOMETRY and self._pose_is_stale(now_us):
+            elif not self._lease.flags & LeaseFlag.ODOMETRY and self._pose_is_stale(now_us):
                 self._change(RobotEvent.HALT, StopReason.POSE_STALE)
-        if self.state is RobotState.HOLD and now_us - self._leased_us >= DISARM_US:
+        if self.state is RobotState.HOLD and now_us - self._issued_us >= DISARM_US:
             self._change(RobotEvent.DISARM, StopReason.DISARMED)
 
     def _lease_runs(self, now_us: int) -> bool:
@@ -302,7 +312,7 @@ class RobotController:
         return math.inf if fix_us is None else max(0, now_us - fix_us)
 
     def _pose_is_stale(self, now_us: int) -> bool:
-        oldest_us = max(self._host_pose_age_s * 1e6, self._pose_age_us(now_us))
+        oldest_us = max(self._lease.pose_age_s * 1e6, self._pose_age_us(now_us))
         return oldest_us > POSE_STALE_US
 
     def _travelled(self, side: int, total_m: float) -> int:
@@ -356,3 +366,8 @@ _TROUBLE: Final = {Trouble.OFF_PATH: StopReason.OFF_PATH, Trouble.STUCK: StopRea
 
 def _us(seconds: float) -> int:
     return round(seconds * 1e6)
+
+
+def _unrolled(stamp_us: int, now_us: int) -> int:
+    """A stamp of 32 bits as a time of the clock that wraps never: the last one, or just ahead."""
+    return now_us + AHEAD_US - (now_us + AHEAD_US - stamp_us) % (1 << 32)

@@ -2,17 +2,19 @@
 
 - ``receive_bytes`` takes what has arrived; ``next_frame`` hands out one frame at a time, by
   urgency, so that a board needs one transmit buffer and nothing waits behind a queue.
-- A frame counts only in the session that the last HELLO opened; HELLO and ESTOP need none.
+- HELLO asks for a session; it opens when the host has given the CHALLENGE's number back. Until
+  then the present session goes on: a stray HELLO changes nothing, and a recording opens nothing.
+- A frame counts only in the present session; HELLO, CONFIRM and ESTOP need none.
 - What is told is the present state: nothing is lost if a frame is.
 """
 
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_protocol.crc import crc32c
 from firmware_protocol.errors import RemoteError
 from firmware_protocol.framing import (
     MAX_PAYLOAD,
@@ -28,8 +30,10 @@ from firmware_protocol.messages import (
     RELIABLE,
     SCHEMA_HASH,
     Ack,
+    Challenge,
     Clear,
     CommandResult,
+    Confirm,
     Hello,
     HelloAck,
     Lease,
@@ -54,7 +58,6 @@ RX_WINDOW: Final = 248
 STATUS_INTERVAL_S: Final = 0.05
 STATUS_SPACING_S: Final = 0.01
 """A change is told at once, but no more often than this; a stop is told without waiting."""
-SESSIONS_REMEMBERED: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +83,11 @@ class RobotConnection:
         self.duplicates = 0
         self.rejected = 0
         self.overruns = 0
-        self._old_sessions: deque[int] = deque(maxlen=SESSIONS_REMEMBERED)
+        self._asked: int | None = None
+        """The session that a host has asked for and not yet confirmed."""
+        self._nonce = identity.boot_id
+        """What the host has to give back for it; made from boot and clocks, one after another."""
+        self._challenge_due = False
         self._sequence = ReceiveSequence()
         self._command = 0
         self._result = CommandResult.NONE
@@ -116,8 +123,14 @@ class RobotConnection:
         if frame.kind == MessageType.ESTOP:
             self.controller.emergency_stop()
             return
+        if frame.session == 0:
+            self.session_errors += 1
+            return
         if frame.kind == MessageType.HELLO:
             self._greet(frame, now_s)
+            return
+        if frame.kind == MessageType.CONFIRM:
+            self._confirm(frame, now_s)
             return
         if frame.session != self.session:
             self.session_errors += 1
@@ -135,13 +148,10 @@ class RobotConnection:
             self.rejected += 1
         elif frame.reliable:
             self._receive_reliable(frame, message, now_s)
-        else:
-            self._act(message, now_s)
+        elif not self._act(message, now_s):
+            self.rejected += 1
 
     def _greet(self, frame: Frame, now_s: float) -> None:
-        if frame.session == 0 or frame.session in self._old_sessions:
-            self.session_errors += 1
-            return
         try:
             hello = Hello.unpack(frame.payload)
         except RemoteError:
@@ -151,10 +161,18 @@ class RobotConnection:
         same = hello.major == VERSION and hello.schema == self.identity.schema
         if frame.session == self.session or not same:
             return
+        self._challenge_due = True
+        if frame.session != self._asked:
+            self._asked = frame.session
+            self._nonce = crc32c(_clock_us(now_s).to_bytes(4, "little"), self._nonce)
+
+    def _confirm(self, frame: Frame, now_s: float) -> None:
+        if frame.session != self._asked or frame.payload != Confirm(self._nonce).pack():
+            self.session_errors += 1
+            return
         self.controller.open_session(now_s)
-        if self.session is not None:
-            self._old_sessions.append(self.session)
-        self.session = frame.session
+        self.session, self._asked = frame.session, None
+        self._challenge_due = False
         self._sequence = ReceiveSequence()
         self._command, self._result = 0, CommandResult.NONE
         self._ack_due = self._nak_due = False
@@ -189,10 +207,10 @@ class RobotConnection:
             case ResetEstop(command):
                 self._answer(command, control.reset_estop())
             case Lease():
-                control.lease(message, now_s)
                 self._ack_due = True  # a short sign of life where noise eats the long STATUS
+                return control.lease(message, now_s)
             case PoseFix():
-                control.pose_fix(message, now_s)
+                return control.pose_fix(message, now_s)
             case TimeSync(host_sent_us):
                 self._sync = (host_sent_us, _clock_us(now_s))
             case _:  # HELLO was answered before; the others come from robots only
@@ -211,6 +229,9 @@ class RobotConnection:
         if self._hello_session is not None:
             session, self._hello_session = self._hello_session, None
             return self._frame(self._hello_ack(), session)
+        if self._challenge_due:
+            self._challenge_due = False
+            return self._frame(Challenge(self._nonce), self._asked)
         if self.session is None:
             return b""
         if self._nak_due and now_s - self._nak_s >= NAK_INTERVAL_S:
@@ -294,7 +315,7 @@ class RobotConnection:
 
     def _frame(
         self,
-        message: HelloAck | Ack | TimeSyncReply | Status,
+        message: HelloAck | Challenge | Ack | TimeSyncReply | Status,
         session: int | None = None,
         nak: bool = False,
     ) -> bytes:

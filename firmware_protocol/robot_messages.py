@@ -82,6 +82,27 @@ class HelloAck:
 
 
 @dataclass(frozen=True, slots=True)
+class Challenge:
+    """The session that was asked for opens when the host has given this number back."""
+
+    nonce: int
+    """Another one for every session and boot."""
+
+    TYPE: ClassVar[MessageType] = MessageType.CHALLENGE
+    LAYOUT: ClassVar[Struct] = Struct("<I")
+
+    def pack(self) -> bytes:
+        """The payload."""
+        return self.LAYOUT.pack(self.nonce)
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Read a payload; RemoteError where it is none."""
+        (nonce,) = unpack_exactly("CHALLENGE", cls.LAYOUT, payload)
+        return cls(nonce)
+
+
+@dataclass(frozen=True, slots=True)
 class TimeSyncReply:
     """The robot's clock at receiving and at answering; microseconds, modulo 2**32."""
 

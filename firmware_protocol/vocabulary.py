@@ -10,6 +10,7 @@ class MessageType(IntEnum):
     """The type byte of a frame."""
 
     HELLO = 0x01
+    CONFIRM = 0x02
     WAYPOINTS = 0x10
     START = 0x11
     PAUSE = 0x12
@@ -20,6 +21,7 @@ class MessageType(IntEnum):
     TIMESYNC = 0x22
     ESTOP = 0x2E
     HELLO_ACK = 0x81
+    CHALLENGE = 0x82
     ACK = 0x90
     STATUS = 0x91
     TIMESYNC_REPLY = 0xA2
@@ -58,7 +60,7 @@ class StopReason(IntEnum):
 STOP_SENTENCES: Final = {
     StopReason.NONE: "it has not been stopped",
     StopReason.BOOTED: "it has just booted",
-    StopReason.NEW_SESSION: "the link was made anew",
+    StopReason.NEW_SESSION: "a new link was made",
     StopReason.PAUSED: "it was told to pause",
     StopReason.CLEARED: "its queue was cleared",
     StopReason.MISSION_DONE: "it has finished its mission",

@@ -30,6 +30,10 @@ class LinkSnapshot:
     ``mission_done`` are the robot's; ``mission_id`` is None where it holds none.
     ``moving`` is True in RUN and until the robot has come to a stand after it.
     ``standing_reason`` says why the robot is not running, None while it is in RUN.
+    ``leaving_estop``: the robot was told to leave its emergency stop and has not answered; what
+    it reports is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
+    no more than ``clock_error_s``; by it ``status_taken_s`` is when the robot took ``status``, in
+    host seconds. All three are None before the clock is known.
     """
 
     state: LinkState
@@ -45,11 +49,14 @@ class LinkSnapshot:
     moving: bool = False
     estopped: bool = False
     estop_pending: bool = False
+    leaving_estop: bool = False
     disarmed: bool = False
     standing_reason: str | None = None
     boot_id: int | None = None
     rtt_s: float | None = None
     clock_offset_s: float | None = None
+    clock_error_s: float | None = None
+    status_taken_s: float | None = None
     sent: HostCounters = field(default_factory=HostCounters)
     received: ParserCounters = field(default_factory=ParserCounters)
 
@@ -63,27 +70,37 @@ def snapshot_of(
     was asked for that the host's end does not know of yet.
     """
     reason = host.why_down(now_s)
-    if host.state is LinkState.CLOSED and reason is not None:
+    if host.state is LinkState.CLOSED:
         reason = port_fault
+    known = host.clock.ready
     snapshot = LinkSnapshot(
         state=host.state,
         down_reason=reason,
         heard_age_s=0.0,
         boot_id=None if host.robot is None else host.robot.boot_id,
         rtt_s=host.rtt.smoothed_s if host.rtt.samples else None,
-        clock_offset_s=host.clock.offset_s(now_s) if host.clock.ready else None,
+        clock_offset_s=host.clock.offset_s(now_s) if known else None,
+        clock_error_s=host.clock.error_s(now_s) if known else None,
         sent=replace(host.counters),
         received=replace(host.parser.counters),
         estop_pending=host.estop_pending or estop_waits,
+        leaving_estop=host.leaving_estop,
     )
-    return snapshot if host.status is None else _with_status(snapshot, host.status)
+    if host.status is None:
+        return snapshot
+    no_permit = host.why_no_permit(now_s) if host.state.is_up else None
+    taken_s = host.clock.host_s(host.status.time_us, host.status_s) if known else None
+    return _with_status(snapshot, host.status, no_permit, taken_s)
 
 
-def _with_status(snapshot: LinkSnapshot, status: Status) -> LinkSnapshot:
+def _with_status(
+    snapshot: LinkSnapshot, status: Status, no_permit: str | None, taken_s: float | None
+) -> LinkSnapshot:
     running = status.state is RobotState.RUN
     return replace(
         snapshot,
         status=status,
+        status_taken_s=taken_s,
         mission_id=status.mission or None,
         accepted=status.accept_next,
         executed=status.exec_next,
@@ -92,5 +109,5 @@ def _with_status(snapshot: LinkSnapshot, status: Status) -> LinkSnapshot:
         moving=running or bool(status.flags & StatusFlag.MOVING),
         estopped=status.state is RobotState.ESTOP,
         disarmed=status.reason is StopReason.DISARMED,
-        standing_reason=None if running else STOP_SENTENCES[status.reason],
+        standing_reason=None if running else no_permit or STOP_SENTENCES[status.reason],
     )

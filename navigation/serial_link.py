@@ -70,6 +70,9 @@ class SerialLink:
         self._port_fault = "the port is not open"
         self._orders: deque[Callable[[float], None]] = deque()
         self._estop = threading.Event()
+        self._reset_lock = threading.Lock()
+        self._resets = self._resets_taken = self._resets_published = 0
+        """Orders to leave the emergency stop: given, carried out, and known to the snapshot."""
         self._events: deque[Event] = deque(maxlen=EVENTS_KEPT)
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
@@ -167,11 +170,12 @@ class SerialLink:
         ``odometry`` lets it drive without the camera.
         """
         Lease(ttl_s, LeaseFlag.NONE, pose_age_s).pack()  # an error belongs to the caller's thread
-        self._order(lambda now_s: self._host.lease(now_s, ttl_s, permit, pose_age_s, odometry))
+        issued_s = self._clock()  # now, and not when the thread comes to it
+        self._order(lambda _now_s: self._host.lease(issued_s, ttl_s, permit, pose_age_s, odometry))
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Where the camera saw the robot at ``captured_s`` of the clock."""
-        PoseFix(x_m, y_m, heading_rad, 0.0).pack()
+        PoseFix(x_m, y_m, heading_rad).pack()
         if not math.isfinite(captured_s):
             raise LocalError(f"captured_s = {captured_s}: must be finite")
         self._order(lambda _now_s: self._host.pose_fix(x_m, y_m, heading_rad, captured_s))
@@ -183,15 +187,24 @@ class SerialLink:
 
     def reset_estop(self) -> None:
         """Leave the emergency stop; the mission is void."""
-        self._order(self._host.reset_estop)
+        with self._reset_lock:
+            self._resets += 1
+            self._orders.append(self._host.reset_estop)
+        self._wake()
 
     # What is known, for any thread.
 
     def snapshot(self) -> LinkSnapshot:
         """The present state, ages counted up to now."""
+        resetting = self._resets != self._resets_published
         snapshot, heard_s, status_s = self._published
         now_s = self._clock()
-        return replace(snapshot, heard_age_s=now_s - heard_s, status_age_s=now_s - status_s)
+        return replace(
+            snapshot,
+            heard_age_s=now_s - heard_s,
+            status_age_s=now_s - status_s,
+            leaving_estop=snapshot.leaving_estop or resetting,
+        )
 
     def failure(self) -> str | None:
         """The error that ended the thread, in words; None while it runs."""
@@ -242,10 +255,13 @@ class SerialLink:
         if self._estop.is_set():
             self._estop.clear()
             self._host.estop()
+        with self._reset_lock:
+            resets = self._resets
         while self._orders:
             order = self._orders.popleft()
             if not self._estop.is_set():
                 order(self._clock())
+        self._resets_taken = resets
 
     def _exchange(self, port: serial.Serial) -> None:
         data = port.read(4096)
@@ -326,6 +342,7 @@ class SerialLink:
             host, now_s, port_fault=self._port_fault, estop_waits=self._estop.is_set()
         )
         self._published = (snapshot, host.heard_s, host.status_s)
+        self._resets_published = self._resets_taken
 
     def _start(self, now_s: float) -> None:
         # without a mission there is nothing to start: it may have become void meanwhile

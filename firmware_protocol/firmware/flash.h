@@ -10,6 +10,14 @@
 #define CW_FORGET(pointer) ((void)(pointer))
 #endif
 
+/* A function to be called and not copied into its callers: which of them need it to save flash was
+ * found by trying, with `make avr`. */
+#ifdef __AVR__
+#define CW_APART __attribute__((noinline))
+#else
+#define CW_APART
+#endif
+
 #ifdef __AVR__
 #include <avr/pgmspace.h>
 #define CW_IN_FLASH PROGMEM

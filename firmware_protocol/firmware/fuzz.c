@@ -16,6 +16,8 @@ const cw_settings cw_robot_settings = CW_SETTINGS;
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+#define LONGEST_US (CW_LEASE_MAX_MS * 1000ul + CW_AHEAD_US)
+
 static cw_robot robot;
 static cw_link line;
 static uint32_t now_us;
@@ -44,7 +46,7 @@ static void check(void)
                 "no power after an emergency stop");
     }
     if (robot.state == CW_STATE_RUN) {
-        require(now_us - leased_us <= CW_LEASE_MAX_US, "no driving without a lease");
+        require(now_us - leased_us <= LONGEST_US, "no driving without a lease");
         require(robot.mission != 0u && !robot.done, "no driving without a mission");
     }
 }
@@ -70,7 +72,7 @@ static void begin(void)
     cw_robot_init(&robot);
     cw_link_init(&line, &robot, &identity);
     now_us = 4294000000ul; /* the clock wraps in every run */
-    leased_us = now_us - (uint32_t)(2u * CW_LEASE_MAX_US);
+    leased_us = now_us - (uint32_t)(2u * LONGEST_US);
 }
 
 /* A whole frame as a host would send it. */
@@ -109,7 +111,7 @@ static void send(uint8_t type, uint8_t flags, uint8_t sequence, const uint8_t *p
 
 static void order(uint8_t type, const uint8_t *payload, uint8_t length)
 {
-    send(type, CW_FLAG_RELIABLE, line.expected, payload, length);
+    send(type, CW_FLAG_RELIABLE, line.open.expected, payload, length);
 }
 
 static void hello(void)
@@ -117,13 +119,34 @@ static void hello(void)
     uint8_t payload[6] = {CW_VERSION, CW_MINOR_VERSION};
     (void)cw_put_u32(payload + 2, CW_SCHEMA_HASH);
     send(CW_HELLO, 0, 0, payload, sizeof payload);
+    (void)cw_put_u32(payload, line.nonce);
+    send(CW_CONFIRM, 0, 0, payload, 4);
+    require(line.session == 7u, "a session opens when the challenge was given back");
 }
 
 static void lease(uint8_t flags)
 {
-    uint8_t payload[5] = {0xF4, 0x01, flags, 10, 0};
+    uint8_t payload[CW_LEASE_BYTES] = {0, 0, 0, 0, 0xF4, 0x01, 10, 0, flags};
+    (void)cw_put_u32(payload, now_us);
     send(CW_LEASE, 0, 0, payload, sizeof payload);
 }
+
+#ifndef CW_FUZZ_LINK
+
+/* Two bytes say how old it is, in 0.1 ms. */
+static void see(const uint8_t *rest, uint8_t length)
+{
+    uint8_t payload[14] = {0};
+    if (length < 12u) {
+        send(CW_POSE, 0, 0, rest, length);
+        return;
+    }
+    memcpy(payload, rest, 10);
+    (void)cw_put_u32(payload + 10, now_us - 100u * cw_get_u16(rest + 10));
+    send(CW_POSE, 0, 0, payload, sizeof payload);
+}
+
+#endif
 
 static void clear(uint8_t mission)
 {
@@ -220,7 +243,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             cw_link_receive(&line, rest, length, now_us);
             break;
         case 1:
-            send(length > 0u ? rest[0] : 0, deed >> 4, line.expected, rest, length);
+            send(length > 0u ? rest[0] : 0, deed >> 4, line.open.expected, rest, length);
             break;
         case 2:
             queue(rest, (uint8_t)(length / CW_WAYPOINT_BYTES % (CW_WAYPOINTS_PER_FRAME + 1u)));
@@ -237,7 +260,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                   length > 3u ? (int16_t)cw_get_u16(rest) : 0);
             break;
         case 6:
-            send(CW_POSE, 0, 0, rest, length < 12u ? length : 12u);
+            see(rest, length);
             break;
         default:
             if (deed > 0xF0u) {

@@ -26,6 +26,7 @@ void cw_link_init(cw_link *link, cw_robot *robot, const cw_identity *identity)
     memset(link, 0, sizeof *link);
     link->robot = robot;
     link->identity = *identity;
+    link->nonce = identity->boot_id;
 }
 
 /* Receiving. */
@@ -39,13 +40,6 @@ void cw_link_init(cw_link *link, cw_robot *robot, const cw_identity *identity)
 
 static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8_t length)
 {
-    uint8_t i;
-    for (i = 0; i < CW_SESSIONS_REMEMBERED; i++) {
-        if (session == 0u || link->old_sessions[i] == session) {
-            link->count.session_errors++;
-            return;
-        }
-    }
     if (length != 6u) {
         link->count.rejected++;
         return;
@@ -58,20 +52,22 @@ static void greet(cw_link *link, uint16_t session, const uint8_t *payload, uint8
     if (link->session == session) {
         return;
     }
-    cw_robot_open_session(link->robot);
-    if (link->session != 0u) {
-        memmove(link->old_sessions + 1, link->old_sessions,
-                sizeof link->old_sessions - sizeof link->old_sessions[0]);
-        link->old_sessions[0] = link->session;
+    link->open.challenge_due = true;
+    if (link->open.asked != session) {
+        link->open.asked = session;
+        link->nonce = cw_crc32c((const uint8_t *)&link->robot->now_us, 4, link->nonce);
     }
+}
+
+static void confirm(cw_link *link, uint16_t session, const uint8_t *payload, uint8_t length)
+{
+    if (length != 4u || session != link->open.asked || cw_get_u32(payload) != link->nonce) {
+        link->count.session_errors++;
+        return;
+    }
+    cw_robot_open_session(link->robot);
     link->session = session;
-    link->expected = 0;
-    link->command = 0;
-    link->result = CW_RESULT_NONE;
-    link->ack_due = false;
-    link->nak_due = false;
-    link->sync_due = false;
-    link->status_sent = false;
+    memset(&link->open, 0, sizeof link->open);
 }
 
 static bool heading_is_right(const uint8_t *at, bool may_be_free)
@@ -108,7 +104,7 @@ static bool waypoints_are_right(const uint8_t *payload, uint8_t length)
 static bool is_sound(uint8_t type, const uint8_t *payload, uint8_t length)
 {
     /* START to RESET_ESTOP, then LEASE to TIMESYNC */
-    static const uint8_t lengths[7] CW_IN_FLASH = {10, 2, 6, 2, 5, 12, 4};
+    static const uint8_t lengths[7] CW_IN_FLASH = {10, 2, 6, 2, 9, 14, 4};
     uint8_t row = (uint8_t)(type - CW_START);
     if (type == CW_WAYPOINTS) {
         return waypoints_are_right(payload, length);
@@ -123,7 +119,7 @@ static bool is_sound(uint8_t type, const uint8_t *payload, uint8_t length)
         return false;
     }
     if (type == CW_LEASE) {
-        return (payload[2] & 0xFCu) == 0u;
+        return (payload[8] & 0xFCu) == 0u;
     }
     return type != CW_POSE || heading_is_right(payload + 8, false);
 }
@@ -133,25 +129,26 @@ static bool is_reliable_type(uint8_t type)
     return type >= CW_WAYPOINTS && type <= CW_RESET_ESTOP;
 }
 
-static void answer(cw_link *link, const uint8_t *payload, cw_result result)
+CW_APART static void answer(cw_link *link, const uint8_t *payload, cw_result result)
 {
-    link->command = cw_get_u16(payload);
-    link->result = (uint8_t)result;
+    link->open.command = cw_get_u16(payload);
+    link->open.result = (uint8_t)result;
     link->robot->news = true;
 }
 
-static void see_pose(cw_link *link, const uint8_t *payload)
+static bool see_pose(cw_link *link, const uint8_t *payload)
 {
     int32_t seen[3];
     memcpy(seen, payload, 8);
     seen[2] = (int32_t)((uint32_t)cw_angle_of((int16_t)cw_get_u16(payload + 8)) << 16);
-    cw_robot_pose(link->robot, seen, (uint32_t)cw_get_u16(payload + 10) * 100u);
+    return cw_robot_pose(link->robot, seen, cw_get_u32(payload + 10));
 }
 
 /* Do what a sound message says; false where it cannot be taken now. */
-static bool act(cw_link *link, uint8_t type, const uint8_t *payload)
+CW_APART static bool act(cw_link *link, uint8_t type, const uint8_t *payload)
 {
     cw_robot *robot = link->robot;
+    cw_lease lease;
     switch (type) {
     case CW_WAYPOINTS:
         return cw_robot_accept(robot, cw_get_u32(payload), cw_get_u32(payload + 4), payload[8],
@@ -170,15 +167,14 @@ static bool act(cw_link *link, uint8_t type, const uint8_t *payload)
         answer(link, payload, cw_robot_reset_estop(robot));
         break;
     case CW_LEASE:
-        cw_robot_lease(robot, cw_get_u16(payload), payload[2], cw_get_u16(payload + 3));
-        link->ack_due = true;
-        break;
+        link->open.ack_due = true;
+        memcpy(&lease, payload, CW_LEASE_BYTES);
+        return cw_robot_lease(robot, &lease);
     case CW_POSE:
-        see_pose(link, payload);
-        break;
+        return see_pose(link, payload);
     case CW_TIMESYNC:
     default:
-        link->sync_due = true;
+        link->open.sync_due = true;
         link->sync_host_us = cw_get_u32(payload);
         link->sync_robot_us = robot->now_us;
         break;
@@ -190,14 +186,14 @@ static void take_message(cw_link *link, const uint8_t *frame, uint8_t length)
 {
     bool reliable = (frame[0] & CW_FLAG_RELIABLE) != 0u;
     uint8_t type = frame[1];
-    uint8_t ahead = (uint8_t)(frame[4] - link->expected);
+    uint8_t ahead = (uint8_t)(frame[4] - link->open.expected);
     const uint8_t *payload = frame + CW_HEADER_BYTES;
     if (!is_sound(type, payload, length)) {
         link->count.rejected++;
         if (reliable && ahead == 0u) {
             /* a whole frame of nonsense will not get better by being sent again */
-            link->expected++;
-            link->ack_due = true;
+            link->open.expected++;
+            link->open.ack_due = true;
         }
         return;
     }
@@ -205,20 +201,22 @@ static void take_message(cw_link *link, const uint8_t *frame, uint8_t length)
         link->count.rejected++;
         return;
     }
-    if (!reliable) {
-        (void)act(link, type, payload);
-        return;
+    if (reliable) {
+        link->open.ack_due = true;
+        if (ahead > 128u) {
+            link->count.duplicates++;
+            return;
+        }
+        if (ahead > 0u) {
+            link->count.gaps++;
+            link->open.nak_due = true;
+            return;
+        }
     }
-    link->ack_due = true;
-    if (ahead > 128u) {
-        link->count.duplicates++;
-    } else if (ahead > 0u) {
-        link->count.gaps++;
-        link->nak_due = true;
-    } else if (act(link, type, payload)) {
-        link->expected++;
-    } else {
+    if (!act(link, type, payload)) {
         link->count.rejected++;
+    } else if (reliable) {
+        link->open.expected++;
     }
 }
 
@@ -226,12 +224,12 @@ static void damaged(cw_link *link, uint16_t *counter)
 {
     (*counter)++;
     if (link->session != 0u) {
-        link->nak_due = true; /* ask at once, do not wait for the host's timeout */
+        link->open.nak_due = true; /* ask at once, do not wait for the host's timeout */
     }
 }
 
 /* COBS and CRC go byte by byte as the line brings them, so that a frame is answered at once. */
-static void keep(cw_link *link, uint8_t byte)
+CW_APART static void keep(cw_link *link, uint8_t byte)
 {
     link->buffer[link->filled++] = byte;
     link->crc = cw_crc32c(&byte, 1, link->crc);
@@ -260,7 +258,7 @@ static void take_byte(cw_link *link, uint8_t byte)
 }
 
 /* A zero has ended what may be a frame. */
-static void take_frame(cw_link *link)
+CW_APART static void take_frame(cw_link *link)
 {
     const uint8_t *frame = link->buffer;
     uint8_t length, type;
@@ -288,9 +286,13 @@ static void take_frame(cw_link *link)
     session = cw_get_u16(frame + 2);
     if (type == CW_ESTOP_TYPE) {
         cw_robot_emergency_stop(link->robot, CW_REASON_ESTOP_HOST);
+    } else if (session == 0u) {
+        link->count.session_errors++;
     } else if (type == CW_HELLO) {
         greet(link, session, frame + CW_HEADER_BYTES, length);
-    } else if (session != link->session || session == 0u) {
+    } else if (type == CW_CONFIRM) {
+        confirm(link, session, frame + CW_HEADER_BYTES, length);
+    } else if (session != link->session) {
         link->count.session_errors++;
     } else {
         take_message(link, frame, length);
@@ -323,7 +325,7 @@ static uint8_t *begin_frame(const cw_link *link, uint8_t *out, uint8_t type, uin
     at[1] = type;
     (void)cw_put_u16(at + 2, session);
     at[4] = 0;
-    at[5] = link->expected;
+    at[5] = link->open.expected;
     at[6] = cw_robot_credit(link->robot);
     at[7] = 0;
     return at + CW_HEADER_BYTES;
@@ -380,6 +382,12 @@ static uint8_t send_hello_ack(cw_link *link, uint8_t *out)
     return end_frame(out, at);
 }
 
+static uint8_t send_challenge(cw_link *link, uint8_t *out)
+{
+    uint8_t *at = begin_frame(link, out, CW_CHALLENGE, link->open.asked, 0);
+    return end_frame(out, cw_put_u32(at, link->nonce));
+}
+
 static uint8_t send_ack(cw_link *link, uint8_t *out, uint8_t flags)
 {
     uint8_t *at = begin_frame(link, out, CW_ACK, link->session, flags);
@@ -405,8 +413,8 @@ static uint8_t send_status(cw_link *link, uint8_t *out)
     *at++ = robot->state;
     *at++ = cw_robot_flags(robot);
     *at++ = robot->reason;
-    *at++ = link->result;
-    at = cw_put_u16(at, link->command);
+    *at++ = link->open.result;
+    at = cw_put_u16(at, link->open.command);
     at = put(at, pose, 8);
     at = cw_put_u16(at, (uint16_t)cw_heading_of((uint16_t)(pose[2] >> 16)));
     at = cw_put_u16(at, (uint16_t)cw_robot_speed_mm_s(robot));
@@ -420,7 +428,7 @@ static uint8_t send_status(cw_link *link, uint8_t *out)
 static bool status_is_due(const cw_link *link)
 {
     uint32_t waited_us = link->robot->now_us - link->status_us;
-    return !link->status_sent || link->robot->alarm || waited_us >= CW_STATUS_INTERVAL_US ||
+    return !link->open.status_sent || link->robot->alarm || waited_us >= CW_STATUS_INTERVAL_US ||
            (waited_us >= CW_STATUS_SPACING_US && link->robot->news);
 }
 
@@ -431,26 +439,30 @@ uint8_t cw_link_next_frame(cw_link *link, uint8_t out_frame[CW_MAX_WIRE], uint32
         link->hello_due = false;
         return send_hello_ack(link, out_frame);
     }
+    if (link->open.challenge_due) {
+        link->open.challenge_due = false;
+        return send_challenge(link, out_frame);
+    }
     if (link->session == 0u) {
         return 0;
     }
-    if (link->nak_due && (!link->nak_sent || now_us - link->nak_us >= CW_NAK_INTERVAL_US)) {
+    if (link->open.nak_due && (!link->nak_sent || now_us - link->nak_us >= CW_NAK_INTERVAL_US)) {
         link->nak_sent = true;
         link->nak_us = now_us;
-        link->nak_due = false;
-        link->ack_due = false;
+        link->open.nak_due = false;
+        link->open.ack_due = false;
         return send_ack(link, out_frame, CW_FLAG_NAK);
     }
-    if (link->ack_due) {
-        link->ack_due = false;
+    if (link->open.ack_due) {
+        link->open.ack_due = false;
         return send_ack(link, out_frame, 0);
     }
-    if (link->sync_due) {
-        link->sync_due = false;
+    if (link->open.sync_due) {
+        link->open.sync_due = false;
         return send_time(link, out_frame);
     }
     if (status_is_due(link)) {
-        link->status_sent = true;
+        link->open.status_sent = true;
         link->status_us = now_us;
         link->robot->news = false;
         link->robot->alarm = false;

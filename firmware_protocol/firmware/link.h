@@ -17,7 +17,6 @@
 #include "wire.h"
 
 #define CW_RX_WINDOW 248u
-#define CW_SESSIONS_REMEMBERED 4u
 #define CW_STATUS_INTERVAL_US 50000ul
 #define CW_STATUS_SPACING_US 10000ul
 #define CW_NAK_INTERVAL_US 3000ul
@@ -25,7 +24,7 @@
 #define CW_ESTOP_BYTES 15u
 extern const uint8_t cw_estop_frame[CW_ESTOP_BYTES];
 
-/* Who the robot is. boot_id has to differ from boot to boot. */
+/* Who the robot is. boot_id has to differ from boot to boot: the challenges are made from it. */
 typedef struct { /* in the order of HELLO_ACK */
     uint32_t schema; /* CW_SCHEMA_HASH */
     uint32_t firmware;
@@ -45,6 +44,19 @@ typedef struct {
     uint16_t rejected;
 } cw_counters;
 
+/* Of the present session: all 0 when it opens. */
+typedef struct {
+    uint16_t asked; /* another session that a host has asked for and not confirmed; 0: none */
+    uint16_t command;
+    uint8_t result; /* cw_result */
+    uint8_t expected; /* sequence number */
+    bool challenge_due;
+    bool ack_due;
+    bool nak_due;
+    bool sync_due;
+    bool status_sent;
+} cw_open;
+
 typedef struct {
     cw_robot *robot;
     cw_identity identity;
@@ -54,20 +66,14 @@ typedef struct {
     uint8_t filled;
     uint32_t crc;
     uint16_t session; /* 0: none */
-    uint16_t old_sessions[CW_SESSIONS_REMEMBERED];
-    uint8_t expected; /* sequence number */
-    uint16_t command;
-    uint8_t result; /* cw_result */
+    uint32_t nonce;   /* of the last challenge: made from boot and clocks, one after another */
+    cw_open open;
     bool hello_due;
     uint16_t hello_session;
-    bool ack_due;
-    bool nak_due;
     bool nak_sent;
     uint32_t nak_us;
-    bool sync_due;
     uint32_t sync_host_us;
     uint32_t sync_robot_us;
-    bool status_sent;
     uint32_t status_us;
     uint8_t buffer[CW_MAX_DECODED]; /* the frame that is arriving, decoded */
 } cw_link;

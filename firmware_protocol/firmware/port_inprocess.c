@@ -142,7 +142,7 @@ void cw_twin_view(const cw_twin *twin, cw_view *out_view)
     out_view->credit = cw_robot_credit(robot);
     out_view->powered = robot->wheels.powered;
     out_view->done = robot->done;
-    out_view->expected = twin->link.expected;
+    out_view->expected = twin->link.open.expected;
     out_view->has_session = twin->link.session != 0u;
     out_view->phase = robot->follower.phase;
 }

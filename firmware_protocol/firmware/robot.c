@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "flash.h"
+
 #define DT_MAX_US 60000ul
 #define SMOOTHING_US 30000u
 #define TURNING 72u /* 9 mm/s: one late step of both encoders reads as 8.3 */
@@ -55,7 +57,7 @@ void cw_robot_init(cw_robot *robot)
 {
     memset(robot, 0, sizeof *robot);
     robot->reason = CW_REASON_BOOTED;
-    robot->host_pose_age_ms = CW_NO_POSE_MS;
+    robot->lease.pose_age_ms = CW_NO_POSE_MS;
     forget_mission(robot, 0);
     cw_follower_init(&robot->follower);
 }
@@ -63,8 +65,8 @@ void cw_robot_init(cw_robot *robot)
 void cw_robot_open_session(cw_robot *robot)
 {
     robot->lease_valid = false;
-    robot->leased_us = robot->now_us;
-    robot->lease_flags = 0;
+    robot->lease.issued_us = robot->now_us;
+    robot->lease.flags = 0;
     robot->session_after_estop = true;
     if (robot->state == CW_STATE_BOOT) {
         change(robot, CW_STATE_IDLE, CW_REASON_NEW_SESSION);
@@ -111,20 +113,38 @@ bool cw_robot_sum(cw_robot *robot)
     return true;
 }
 
-static uint32_t pose_age_us(const cw_robot *robot)
+/* How long ago that was, and CW_AHEAD_US more, so that what lies a little ahead is not long ago. */
+static uint32_t since(const cw_robot *robot, uint32_t stamp_us)
+{
+    return robot->now_us - stamp_us + CW_AHEAD_US;
+}
+
+/* How long the lease was given for, and CW_AHEAD_US more. */
+static uint32_t time_to_live(const cw_lease *lease)
+{
+    uint16_t ttl_ms = lease->ttl_ms < CW_LEASE_MAX_MS ? lease->ttl_ms : CW_LEASE_MAX_MS;
+    return (uint32_t)ttl_ms * 1000u + CW_AHEAD_US;
+}
+
+CW_APART static bool lease_runs(const cw_robot *robot, const cw_lease *lease)
+{
+    return since(robot, lease->issued_us) < time_to_live(lease);
+}
+
+CW_APART static uint32_t pose_age_us(const cw_robot *robot)
 {
     return robot->estimate.fix_recent ? robot->now_us - robot->estimate.fix_us : UINT32_MAX;
 }
 
 static bool pose_is_stale(const cw_robot *robot)
 {
-    return (uint32_t)robot->host_pose_age_ms * 1000u > CW_POSE_STALE_US ||
+    return robot->lease.pose_age_ms > CW_POSE_STALE_US / 1000u ||
            pose_age_us(robot) > CW_POSE_STALE_US;
 }
 
 static bool blind_is_allowed(const cw_robot *robot)
 {
-    return (robot->lease_flags & CW_LEASE_ODOMETRY) != 0u;
+    return (robot->lease.flags & CW_LEASE_ODOMETRY) != 0u;
 }
 
 cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next)
@@ -141,7 +161,7 @@ cw_result cw_robot_start(cw_robot *robot, uint32_t mission, uint32_t exec_next)
     if (exec_next != robot->exec_next) {
         return CW_RESULT_WRONG_INDEX;
     }
-    if (!robot->lease_valid || (robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
+    if (!robot->lease_valid || (robot->lease.flags & CW_LEASE_PERMIT) == 0u) {
         return CW_RESULT_NO_LEASE;
     }
     if (!blind_is_allowed(robot) && pose_is_stale(robot)) {
@@ -184,27 +204,34 @@ cw_result cw_robot_reset_estop(cw_robot *robot)
     return CW_RESULT_DONE;
 }
 
-void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms)
+bool cw_robot_lease(cw_robot *robot, const cw_lease *lease)
 {
-    uint32_t ttl_us = (uint32_t)ttl_ms * 1000u;
-    robot->lease_us = ttl_us < CW_LEASE_MAX_US ? ttl_us : CW_LEASE_MAX_US;
+    /* the present one is younger than half a turn of the clock: the sign is right */
+    if (!lease_runs(robot, lease) ||
+        (robot->lease_valid && (int32_t)(lease->issued_us - robot->lease.issued_us) < 0)) {
+        return false;
+    }
+    robot->lease = *lease;
     robot->lease_valid = true;
-    robot->leased_us = robot->now_us;
-    robot->lease_flags = flags;
-    robot->host_pose_age_ms = pose_age_ms;
     cw_robot_tick(robot, robot->now_us);
+    return true;
 }
 
-void cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t age_us)
+bool cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t seen_us)
 {
-    (void)cw_estimate_correct(&robot->estimate, seen, robot->now_us - age_us);
+    uint32_t age_us = since(robot, seen_us);
+    if (age_us >= CW_POSE_STALE_US + CW_AHEAD_US) {
+        return false;
+    }
+    if (age_us < CW_AHEAD_US) {
+        seen_us = robot->now_us;
+    }
+    return cw_estimate_correct(&robot->estimate, seen, seen_us);
 }
 
 void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason)
 {
-    if (robot->state != CW_STATE_ESTOP) {
-        robot->session_after_estop = false;
-    }
+    robot->session_after_estop = false;
     change(robot, CW_STATE_ESTOP, reason);
     robot->follower.speed = 0;
     robot->follower.spin = 0;
@@ -214,7 +241,7 @@ void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason)
 void cw_robot_tick(cw_robot *robot, uint32_t now_us)
 {
     robot->now_us = now_us;
-    if (now_us - robot->leased_us >= robot->lease_us) {
+    if (!lease_runs(robot, &robot->lease)) {
         robot->lease_valid = false;
     }
     if (pose_age_us(robot) >= 65535000ul) {
@@ -222,12 +249,13 @@ void cw_robot_tick(cw_robot *robot, uint32_t now_us)
     }
     if (!robot->lease_valid) {
         halt(robot, CW_REASON_LEASE_LAPSED);
-    } else if ((robot->lease_flags & CW_LEASE_PERMIT) == 0u) {
+    } else if ((robot->lease.flags & CW_LEASE_PERMIT) == 0u) {
         halt(robot, CW_REASON_NO_PERMIT);
     } else if (!blind_is_allowed(robot) && pose_is_stale(robot)) {
         halt(robot, CW_REASON_POSE_STALE);
     }
-    if (robot->state == CW_STATE_HOLD && robot->now_us - robot->leased_us >= CW_DISARM_US) {
+    if (robot->state == CW_STATE_HOLD && 
+        since(robot, robot->lease.issued_us) >= CW_DISARM_US + CW_AHEAD_US) {
         change(robot, CW_STATE_IDLE, CW_REASON_DISARMED);
     }
 }
@@ -325,7 +353,7 @@ uint8_t cw_robot_flags(const cw_robot *robot)
     }
     if (robot->lease_valid) {
         flags |= CW_STATUS_LEASE_VALID;
-        if ((robot->lease_flags & CW_LEASE_PERMIT) != 0u) {
+        if ((robot->lease.flags & CW_LEASE_PERMIT) != 0u) {
             flags |= CW_STATUS_PERMIT;
         }
     }
@@ -353,7 +381,7 @@ int16_t cw_robot_turning_mrad_s(const cw_robot *robot)
 
 uint16_t cw_robot_lease_left_ms(const cw_robot *robot)
 {
-    uint32_t left_us = robot->lease_us - (robot->now_us - robot->leased_us);
+    uint32_t left_us = time_to_live(&robot->lease) - since(robot, robot->lease.issued_us);
     return robot->lease_valid ? (uint16_t)((left_us + 500u) / 1000u) : 0u;
 }
 

@@ -18,9 +18,10 @@
 #include "follower.h"
 #include "wire.h"
 
-#define CW_LEASE_MAX_US 500000ul
+#define CW_LEASE_MAX_MS 500u
 #define CW_DISARM_US 2000000ul
 #define CW_POSE_STALE_US 500000ul
+#define CW_AHEAD_US 20000ul /* a host may think the robot's clock so far ahead of what it is */
 #define CW_LEAP_UM 0x100000l /* 1 m */
 
 typedef struct {
@@ -29,6 +30,16 @@ typedef struct {
     bool powered; /* false: switch the motors off */
 } cw_wheels;
 
+/* A lease as the wire has it. */
+typedef struct {
+    uint32_t issued_us; /* when the control loop gave it, of this robot's clock */
+    uint16_t ttl_ms;
+    uint16_t pose_age_ms; /* of the camera's newest pose, then */
+    uint8_t flags;
+} cw_lease;
+
+#define CW_LEASE_BYTES 9u
+
 typedef struct cw_robot {
     uint8_t state;  /* cw_state */
     uint8_t reason; /* cw_reason: why the robot is not in RUN */
@@ -36,26 +47,23 @@ typedef struct cw_robot {
     bool ended;     /* the waypoint with END was accepted */
     bool session_after_estop;
     bool lease_valid;
-    uint8_t lease_flags;
     bool stepped;
     bool news;  /* something that STATUS should tell soon */
     uint8_t unsummed; /* so many of the queue's last are not yet in prefix_crc */
     bool alarm; /* a stop that STATUS should tell at once */
     bool hurry; /* the same, that should not wait for the next step's turn */
-    uint16_t host_pose_age_ms;
     /* these five in the order of STATUS and HELLO_ACK */
     uint32_t mission;
     uint32_t accept_next;
     uint32_t exec_next;
     uint32_t prefix_crc;
     uint32_t exec_crc;
-    uint32_t leased_us; /* when the last lease came */
-    uint32_t lease_us;  /* how long it runs from there */
     uint32_t now_us; /* as told last */
     uint32_t step_us;
     int16_t speed; /* measured */
     int16_t spin;
     cw_wheels wheels; /* what the motors are to do now */
+    cw_lease lease; /* the last one */
     cw_follower follower;
     cw_estimate estimate;
     cw_queue queue;
@@ -77,11 +85,12 @@ cw_result cw_robot_pause(cw_robot *robot);
 cw_result cw_robot_clear(cw_robot *robot, uint32_t mission);
 cw_result cw_robot_reset_estop(cw_robot *robot);
 
-/* The control loop lives: prolong, or withdraw, the permit. */
-void cw_robot_lease(cw_robot *robot, uint16_t ttl_ms, uint8_t flags, uint16_t pose_age_ms);
+/* The control loop lived when it gave the lease: prolong, or withdraw, the permit, counted from there.
+ * False for one that has run out on its way, or is older than the present one. */
+bool cw_robot_lease(cw_robot *robot, const cw_lease *lease);
 
-/* The camera saw the robot `age_us` ago. */
-void cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t age_us);
+/* The camera saw the robot at `seen_us`. False where that was not used: too old, or one that jumps. */
+bool cw_robot_pose(cw_robot *robot, const int32_t seen[3], uint32_t seen_us);
 
 /* Wheels to zero at once, latched. */
 void cw_robot_emergency_stop(cw_robot *robot, cw_reason reason);

@@ -7,7 +7,7 @@
 #define CW_VERSION 1u
 #define CW_MINOR_VERSION 0u
 /* CRC-32C of the layouts; the Python side computes the same, a test compares both. */
-#define CW_SCHEMA_HASH 0xf5bd3488ul
+#define CW_SCHEMA_HASH 0x1ffb9810ul
 
 #define CW_HEADER_BYTES 8u
 #define CW_CHECK_BYTES 4u
@@ -24,6 +24,7 @@
 
 /* Message types. */
 #define CW_HELLO 0x01u
+#define CW_CONFIRM 0x02u
 #define CW_WAYPOINTS 0x10u
 #define CW_START 0x11u
 #define CW_PAUSE 0x12u
@@ -34,6 +35,7 @@
 #define CW_TIMESYNC 0x22u
 #define CW_ESTOP_TYPE 0x2Eu
 #define CW_HELLO_ACK 0x81u
+#define CW_CHALLENGE 0x82u
 #define CW_ACK 0x90u
 #define CW_STATUS 0x91u
 #define CW_TIMESYNC_REPLY 0xA2u

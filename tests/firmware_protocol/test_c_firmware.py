@@ -17,6 +17,8 @@ from firmware_protocol.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     Clear,
+    Confirm,
+    Hello,
     Lease,
     LeaseFlag,
     MessageType,
@@ -46,7 +48,7 @@ MISSION = Mission(9, [Waypoint(0.02 * i, 0.001 * i, 0.3) for i in range(60)])
 def random_deed(pair: Pair, rng: random.Random) -> None:
     control = pair.python.controller
     command = rng.randrange(1, 0x10000)
-    match rng.randrange(17):
+    match rng.randrange(18):
         case 0:
             pair.hello(rng.randrange(1, 12))
         case 1:
@@ -62,11 +64,15 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
             pair.send(Pause(command))
         case 7 | 8:
             flags = rng.choice([LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, LeaseFlag.PERMIT])
-            pair.send(Lease(rng.random(), flags, rng.choice([0.05, 0.9])))
+            given_us = pair.clock_us - rng.choice([0, 4_000, 200_000, 500_000, -15_000, -30_000])
+            given_us = rng.choice([given_us % 2**32] * 9 + [rng.getrandbits(32)])
+            pair.send(Lease(rng.random(), flags, rng.choice([0.05, 0.9]), given_us))
         case 9:
             pose = control.estimate.pose
             offset = rng.choice([0.0, 0.01, 0.3])
-            pair.send(PoseFix(pose.x_m + offset, pose.y_m, pose.heading_rad, rng.random() * 0.3))
+            age_us = rng.choice([round(rng.random() * 3e5)] * 9 + [-10_000, 600_000, 2**31])
+            seen_us = (pair.clock_us - age_us) % 2**32
+            pair.send(PoseFix(pose.x_m + offset, pose.y_m, pose.heading_rad, seen_us))
         case 10:
             pair.send(TimeSync(rng.getrandbits(32)))
         case 11:
@@ -82,6 +88,16 @@ def random_deed(pair: Pair, rng: random.Random) -> None:
                 frame = Frame(kind, pair.session, payload, number, reliable=reliable)
                 pair.feed(encode_frame(frame, Sender.HOST))
         case 13:
+            session = rng.choice([pair.session, pair.session, rng.randrange(1, 12)])
+            kind, payload = rng.choice(
+                [
+                    (MessageType.HELLO, Hello(SCHEMA_HASH).pack()),
+                    (MessageType.CONFIRM, Confirm(rng.getrandbits(32)).pack()),
+                    (MessageType.CONFIRM, Confirm(pair.python._nonce).pack()),
+                ]
+            )
+            pair.feed(encode_frame(Frame(kind, session, payload), Sender.HOST))
+        case 14:
             pair.feed(rng.randbytes(rng.randrange(400)))
         case _:
             begin_to_drive(pair, rng)
@@ -99,7 +115,7 @@ def begin_to_drive(pair: Pair, rng: random.Random) -> None:
     if records:
         pair.send(Waypoints(9, first, records))
     for _ in range(rng.randrange(1, 8)):
-        pair.send(Lease(0.5, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.05))
+        pair.send(Lease(0.5, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.05, pair.clock_us))
         pair.send(Start(3, 9, control.exec_next))
         pair.pass_time(100)
 

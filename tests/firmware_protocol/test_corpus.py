@@ -115,7 +115,7 @@ def do(pair: Pair, deed: int, length: int, rest: bytes) -> None:
 
 
 def lease(pair: Pair, flags: LeaseFlag) -> None:
-    pair.send(Lease(0.5, flags, 0.01))
+    pair.send(Lease(0.5, flags, 0.01, pair.clock_us))
 
 
 def see(pair: Pair, rest: bytes) -> None:
@@ -126,5 +126,5 @@ def see(pair: Pair, rest: bytes) -> None:
         if -(2**31) not in (x_um, y_um):
             heading_rad = heading_from_wire(heading)
             assert heading_rad is not None
-            age_s = int.from_bytes(rest[10:12], "little") * 1e-4
-            pair.send(PoseFix(x_um / 1e6, y_um / 1e6, heading_rad, age_s))
+            seen_us = pair.clock_us - 100 * int.from_bytes(rest[10:12], "little")
+            pair.send(PoseFix(x_um / 1e6, y_um / 1e6, heading_rad, seen_us % 2**32))

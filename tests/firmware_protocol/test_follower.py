@@ -31,6 +31,11 @@ DELAY_STEPS = 4
 CAMERA_STEPS = 3
 
 
+def clock_us(now_s: float) -> int:
+    """The robot's clock as the wire has it."""
+    return round(now_s * 1e6) % (1 << 32)
+
+
 @dataclass
 class Run:
     """A drive without a wire: the controller, the moving robot and the camera's delay."""
@@ -64,12 +69,11 @@ class Run:
         if self.steps % CAMERA_STEPS == 0 and len(self.poses) > DELAY_STEPS and not self.blind:
             x, y, heading = self.poses[-1 - DELAY_STEPS]
             e = self.rng.standard_normal(3) * self.noise
-            fix = PoseFix(
-                x + 0.0008 * e[0], y + 0.0008 * e[1], heading + 0.006 * e[2], DELAY_STEPS * DT_S
-            )
+            seen_us = clock_us(self.now_s - DELAY_STEPS * DT_S)
+            fix = PoseFix(x + 0.0008 * e[0], y + 0.0008 * e[1], heading + 0.006 * e[2], seen_us)
             self.control.pose_fix(fix, self.now_s)
         flags = LeaseFlag.PERMIT | (LeaseFlag.ODOMETRY if self.blind else LeaseFlag.NONE)
-        self.control.lease(Lease(0.5, flags, 0.04), self.now_s)
+        self.control.lease(Lease(0.5, flags, 0.04, clock_us(self.now_s)), self.now_s)
         self.wheels = self.control.step(self.now_s, *self.drive.encoders_m)
 
     def follow(self, waypoints: Sequence[Waypoint], patience_s: float = 60.0) -> list[TruePose]:
@@ -287,14 +291,14 @@ def test_a_robot_moved_by_hand_is_believed_after_a_few_fixes() -> None:
 
 def test_one_wrong_fix_is_not_believed() -> None:
     run = Run()
-    assert not run.control.pose_fix(PoseFix(1.0, 1.0, 0.0, 0.04), run.now_s)
+    assert not run.control.pose_fix(PoseFix(1.0, 1.0, 0.0, clock_us(run.now_s - 0.04)), run.now_s)
     assert math.hypot(*run.control.estimate.pose[:2]) < 0.01
 
 
 def test_a_fix_older_than_the_memory_is_not_used() -> None:
     run = Run()
     run.idle(1.0)
-    assert not run.control.pose_fix(PoseFix(0.0, 0.0, 0.0, 2.0), run.now_s)
+    assert not run.control.pose_fix(PoseFix(0.0, 0.0, 0.0, clock_us(run.now_s - 0.4)), run.now_s)
 
 
 def test_a_robot_whose_encoders_count_backwards_holds() -> None:
@@ -309,7 +313,8 @@ def test_a_robot_whose_encoders_count_backwards_holds() -> None:
         for _ in range(5):
             run.drive.step(DT_S / 5, run.wheels)
         left, right = run.drive.encoders_m
-        control.lease(Lease(0.5, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.0), run.now_s)
+        flags = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY
+        control.lease(Lease(0.5, flags, 0.0, clock_us(run.now_s)), run.now_s)
         run.wheels = control.step(run.now_s, -left, -right)
     assert control.reason is StopReason.OFF_PATH
     assert run.drive.pose.x_m < 0.7

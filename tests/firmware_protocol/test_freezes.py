@@ -25,7 +25,7 @@ LONGER_MINUTES = (71.7, 107.5, 143.0, 178.9)
 def see(pair: Pair) -> None:
     """The camera sees the robot where it is."""
     pose = pair.python.controller.estimate.pose
-    pair.send(PoseFix(pose.x_m, pose.y_m, pose.heading_rad, 0.0))
+    pair.send(PoseFix(pose.x_m, pose.y_m, pose.heading_rad, pair.clock_us))
 
 
 def driving_pair(seed: int = 1) -> Pair:
@@ -34,7 +34,7 @@ def driving_pair(seed: int = 1) -> Pair:
     pair.hello(20)
     begin_to_drive(pair, random.Random(seed))
     see(pair)
-    pair.send(Lease(0.5, LeaseFlag.PERMIT, 0.0))
+    pair.send(Lease(0.5, LeaseFlag.PERMIT, 0.0, pair.clock_us))
     pair.pass_time(5)
     assert pair.c.controller.state is RobotState.RUN
     return pair
@@ -72,7 +72,7 @@ def test_a_pose_of_before_a_freeze_starts_nothing(minutes: float) -> None:
     """A lease that comes first says that the camera is well; the robot knows better."""
     pair = driving_pair()
     pair.freeze(60.0 * minutes)
-    pair.send(Lease(0.5, LeaseFlag.PERMIT, 0.0))
+    pair.send(Lease(0.5, LeaseFlag.PERMIT, 0.0, pair.clock_us))
     pair.sequence = pair.python._sequence.expected
     pair.send(Start(9, 9, pair.python.controller.exec_next))
     for robot in (pair.python, pair.c):

@@ -23,6 +23,7 @@ from firmware_protocol.host_events import (
 from firmware_protocol.host_state import TRANSITIONS, LinkState
 from firmware_protocol.messages import (
     ESTOP_FRAME,
+    SCHEMA_HASH,
     CommandResult,
     MessageType,
     RobotState,
@@ -49,9 +50,9 @@ class Table:
         self.lease = True
         self.host.open(self.now_s)
 
-    def boot(self, boot_id: int) -> None:
+    def boot(self, boot_id: int, schema: int = SCHEMA_HASH) -> None:
         self.control = RobotController()
-        self.robot = RobotConnection(Identity(boot_id), self.control)
+        self.robot = RobotConnection(Identity(boot_id, schema=schema), self.control)
 
     def to_robot(self, data: bytes) -> list[bytes]:
         return [data]
@@ -111,6 +112,11 @@ def test_every_change_of_state_stands_in_the_table() -> None:
     table.run(1.0)
     table.boot(2)
     table.run(1.5)
+    table.cable = False
+    table.run(1.0)
+    table.cable = True
+    table.boot(3, schema=1)
+    table.run(1.0)
     table.host.close()
     table.tick()
     changes = [(e.old, e.new) for e in table.events if isinstance(e, LinkChanged)]

@@ -117,9 +117,9 @@ def test_unknown_flags_and_headings_are_refused() -> None:
     with pytest.raises(RemoteError):
         Waypoint.unpack(good[:8] + (31_417).to_bytes(2, "little") + good[10:])
     with pytest.raises(RemoteError):
-        Lease.unpack(b"\0\0\x04\0\0")
+        Lease.unpack(bytes(8) + b"\x04")
     with pytest.raises(RemoteError):
-        PoseFix.unpack(bytes(8) + (-32768).to_bytes(2, "little", signed=True) + bytes(2))
+        PoseFix.unpack(bytes(8) + (-32768).to_bytes(2, "little", signed=True) + bytes(4))
 
 
 def test_an_infinite_pose_age_means_no_pose() -> None:

@@ -12,8 +12,10 @@ from firmware_protocol.messages import (
     RELIABLE,
     SCHEMA_HASH,
     Ack,
+    Challenge,
     Clear,
     CommandResult,
+    Confirm,
     Hello,
     HelloAck,
     Lease,
@@ -70,12 +72,19 @@ class Board:
             self.sequence = (self.sequence + 1) % 256
         self.robot.receive_bytes(encode_frame(frame, Sender.HOST), self.now_s)
 
+    @property
+    def clock_us(self) -> int:
+        return round(self.now_s * 1e6)
+
     def hello(self, session: int) -> None:
+        """Ask for a session, and give the challenge back."""
         self.session, self.sequence = session, 0
         self.send(Hello(SCHEMA_HASH))
+        if self.robot.session != session:
+            self.send(Confirm(self.robot._nonce))
 
     def lease(self, flags: LeaseFlag = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY) -> None:
-        self.send(Lease(0.5, flags, 0.0))
+        self.send(Lease(0.5, flags, 0.0, self.clock_us))
 
     def pass_time(self, seconds: float) -> None:
         for _ in range(max(1, round(seconds / 0.01))):
@@ -277,7 +286,7 @@ def test_a_stop_is_told_at_once_and_other_news_in_their_turn() -> None:
 
 def test_session_zero_is_none() -> None:
     board = Board()
-    board.hello(0)
+    board.send(Hello(SCHEMA_HASH), session=0)
     assert board.robot.session is None
     assert board.robot.session_errors == 1
 
@@ -285,7 +294,7 @@ def test_session_zero_is_none() -> None:
 def test_no_lease_is_longer_than_half_a_second() -> None:
     board = Board()
     board.run(far())
-    board.send(Lease(60.0, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.0))
+    board.send(Lease(60.0, LeaseFlag.PERMIT | LeaseFlag.ODOMETRY, 0.0, board.clock_us))
     board.pass_time(0.55)
     assert board.control.reason is StopReason.LEASE_LAPSED
 
@@ -409,7 +418,7 @@ class AnyHost(RuleBasedStateMachine):
 
     @rule(x=st.floats(-1.0, 1.0), age=st.floats(0.0, 0.5))
     def pose(self, x: float, age: float) -> None:
-        self.board.send(PoseFix(x, 0.0, 0.0, age))
+        self.board.send(PoseFix(x, 0.0, 0.0, self.board.clock_us - round(age * 1e6)))
 
     @rule()
     def estop(self) -> None:
@@ -452,7 +461,7 @@ class AnyHost(RuleBasedStateMachine):
             assert self.board.last == (0.0, 0.0, False)
         assert all(math.isfinite(v) for v in control.estimate.pose)
         for message in self.board.answers:
-            assert isinstance(message, Status | HelloAck | Ack | TimeSyncReply)
+            assert isinstance(message, Status | HelloAck | Challenge | Ack | TimeSyncReply)
 
 
 AnyHost.TestCase.settings = settings(max_examples=40, stateful_step_count=40, deadline=None)

@@ -21,7 +21,6 @@ from firmware_protocol.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     CommandResult,
-    Hello,
     MessageType,
     ResetCause,
     RobotState,
@@ -31,6 +30,7 @@ from firmware_protocol.robot_connection import Identity
 from navigation.simulator.line_faults import FaultSpec
 from tests.support.avr_firmware import AvrFirmware
 from tests.support.fault_witness import DEAD_MAN_S, STOP_S, Witness, robot_maker
+from tests.support.hostile_scenarios import HOSTILE
 
 __all__ = ["SCENARIOS", "robot_maker"]
 
@@ -269,22 +269,20 @@ def second_host(seed: int) -> str:
 def wrong_baud_rate(seed: int) -> str:
     witness = Witness(seed)
     rng = np.random.default_rng(seed)
+    # a robot says nothing before it has a session: let one go on at the wrong rate
+    witness.connect()
+    witness.loop.host = HostConnection(random.Random(seed), witness.loop.baud)
+    witness.loop.host.open(witness.loop.now_s)
     for line in witness.loop._faulty:
         line.carry = lambda data, now_s: bytes(  # type: ignore[method-assign]
             rng.integers(0, 256, max(1, len(data) // 12) if data else 0, dtype=np.uint8)
         )
-    # a robot that is not connected sends nothing: let one talk at the wrong rate
-    witness.loop.robot.receive_bytes(hello(1), witness.loop.robot_s)
     witness.loop.run(3.0)
     why = witness.loop.host.why_down(witness.loop.now_s)
     assert why is not None
     assert "baud" in why, why
     assert witness.state is RobotState.IDLE
     return "refused and said so"
-
-
-def hello(session: int) -> bytes:
-    return encode_frame(Frame(MessageType.HELLO, session, Hello(SCHEMA_HASH).pack()), Sender.HOST)
 
 
 def line_echoes(seed: int) -> str:
@@ -403,9 +401,15 @@ def schema_mismatch(seed: int) -> str:
     why = witness.loop.host.why_down(witness.loop.now_s)
     assert why is not None
     assert "schema" in why, why
-    assert witness.loop.host.state is LinkState.CLOSED
+    assert witness.loop.host.state is LinkState.REFUSED
     assert witness.state is RobotState.BOOT
-    return "refused and said so"
+    # the right firmware is put on it: it is found without a word from anybody
+    if not isinstance(robot, AvrFirmware):
+        witness.loop.make_robot = make
+        witness.boot()
+    witness.connect(4.0)
+    witness.begin()
+    return "said so; then " + witness.finish()
 
 
 def clocks_drift(seed: int) -> str:
@@ -522,4 +526,5 @@ SCENARIOS: dict[str, Callable[[int], str]] = {
     "paused and started again": paused,
     "start without a lease": start_without_a_lease,
     "mission replaced while driving": replaced_while_driving,
+    **HOSTILE,
 }

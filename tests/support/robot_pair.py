@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
-from firmware_protocol.messages import RELIABLE, SCHEMA_HASH, Hello, Message, read_message
+from firmware_protocol.messages import (
+    RELIABLE,
+    SCHEMA_HASH,
+    Confirm,
+    Hello,
+    Message,
+    read_message,
+)
 from firmware_protocol.robot import RobotController
 from firmware_protocol.robot_connection import Identity, RobotConnection
 from tests.support.c_robot import CRobot
@@ -43,9 +50,17 @@ class Pair:
             self.sequence = (self.sequence + 1) % 256
         self.feed(encode_frame(frame, Sender.HOST))
 
+    @property
+    def clock_us(self) -> int:
+        """The robots' clock, as the wire has it."""
+        return round(self.now_s * 1e6) % (1 << 32)
+
     def hello(self, session: int) -> None:
+        """Ask for a session, and give the challenge back."""
         self.session, self.sequence = session, 0
         self.send(Hello(SCHEMA_HASH))
+        if self.python.session != session:
+            self.send(Confirm(self.python._nonce))
 
     def pass_time(self, ticks: int) -> None:
         for _ in range(ticks):
