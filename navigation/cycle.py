@@ -73,6 +73,8 @@ class RobotReport:
     age_s: float = math.inf
     down_reason: str | None = "not connected yet"
     estopped: bool = False
+    leaving_estop: bool = False
+    """Whether the robot was re-armed and has not answered yet: it reports the old stop."""
     disarmed: bool = False
     mission_id: int | None = None
     """The mission that the robot holds."""

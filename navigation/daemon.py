@@ -419,7 +419,8 @@ class Daemon:
 
     def _carry_out(self, orders: Orders, now_s: float, sight: Sight) -> None:
         if orders.estop:
-            if not self.link.snapshot().estopped:
+            link = self.link.snapshot()
+            if link.leaving_estop or not link.estopped:
                 self.link.estop()
             return
         if orders.rearm:
@@ -514,6 +515,7 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
         age_s=snapshot.heard_age_s,
         down_reason=snapshot.down_reason,
         estopped=snapshot.estopped,
+        leaving_estop=snapshot.leaving_estop,
         disarmed=snapshot.disarmed,
         mission_id=snapshot.mission_id,
         executed=snapshot.executed,

@@ -49,7 +49,6 @@ class Pilot:
         self.waypoints_executed = 0
         self._stop_reason: str | None = None
         self._rearm = False
-        self._rearm_until_s: float | None = None
         self._estopped = False
         self._mission_id = first_mission_id
         self._request_id = 0
@@ -157,7 +156,7 @@ class Pilot:
         self.verdict = judge(self._facts(now_s, sight, robot, met), self.settings.limits)
         if self._stop_reason is not None:
             self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
-        rearm = self._take_rearm(now_s, robot)
+        rearm = self._take_rearm(robot)
         was = self.mission.state
         if self.verdict.action is Action.STOP:
             self._enter_stop(robot)
@@ -278,7 +277,7 @@ class Pilot:
             pose_age_s=sight.pose_age_s,
             link_age_s=robot.age_s,
             link_down_reason=robot.down_reason,
-            robot_estopped=robot.estopped and not self._is_leaving_estop(now_s),
+            robot_estopped=robot.estopped and not (self._rearm or robot.leaving_estop),
             robot_disarmed=robot.disarmed and running,
             robot_idle_reason=self._idle_reason(now_s, robot),
             position_m=position,
@@ -307,17 +306,9 @@ class Pilot:
             self.trust.doubt("the camera's pictures were too late")
         return late_s if now_s < self._measure_again_s else None
 
-    def _is_leaving_estop(self, now_s: float) -> bool:
-        """Whether the robot was re-armed a moment ago and may not have heard of it yet."""
-        return self._rearm or (self._rearm_until_s is not None and now_s < self._rearm_until_s)
-
-    def _take_rearm(self, now_s: float, robot: RobotReport) -> bool:
+    def _take_rearm(self, robot: RobotReport) -> bool:
         """Whether the robot is to be told in this cycle that it may leave its stop."""
         rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
-        if rearm:
-            self._rearm_until_s = now_s + self.settings.robot_grace_s
-        elif not robot.estopped:
-            self._rearm_until_s = None
         return rearm
 
     def _idle_reason(self, now_s: float, robot: RobotReport) -> str | None:

@@ -232,11 +232,26 @@ def test_a_robot_that_is_slow_to_leave_its_stop_is_not_stopped_again(world: Worl
     world.run(5)
     world.pilot.resume()
     world.cycle()
+    world.robot = replace(world.robot, leaving_estop=True)
     world.pilot.resume()
-    world.run(15)
+    world.run(100)
     assert world.pilot.mission.state is not State.STOPPED
-    world.robot = replace(world.robot, estopped=False)
+    world.robot = replace(world.robot, estopped=False, leaving_estop=False)
     world.run_until(State.DONE)
+
+
+def test_an_emergency_stop_pressed_right_after_the_re_arm_stops_at_once(world: World) -> None:
+    world.pilot.give(TOUR)
+    world.run_until(State.DRIVING)
+    world.pilot.stop("the operator pressed STOP")
+    world.robot = replace(world.robot, estopped=True)
+    world.run(5)
+    world.pilot.resume()
+    assert world.cycle().rearm
+    world.pilot.resume()
+    assert world.cycle().estop, "the link does not say that this is the old stop"
+    assert world.pilot.mission.state is State.STOPPED
+    assert "the robot reports an emergency stop" in world.pilot.mission.reason
 
 
 def test_a_robot_that_stays_in_its_stop_after_being_re_armed_is_stopped_again(
