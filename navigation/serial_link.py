@@ -183,7 +183,8 @@ class SerialLink:
     def estop(self) -> None:
         """Emergency stop: before every other order, repeated until the robot confirms."""
         self._estop.set()
-        self._wake()
+        # and once more in its turn: a re-arm of before may still wait, and would undo it
+        self._order(lambda _now_s: self._host.estop())
 
     def reset_estop(self) -> None:
         """Leave the emergency stop; the mission is void."""

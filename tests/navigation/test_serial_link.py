@@ -123,6 +123,42 @@ def test_the_robot_stops_when_the_control_loop_hangs_although_the_thread_lives()
         assert wait_until(lambda: link.snapshot().mission_done, 20.0)
 
 
+def test_a_lease_is_dated_by_the_control_loop_and_not_by_a_thread_that_was_late() -> None:
+    """A link whose thread was held up sends no permit of before as one of now."""
+    now_s = [100.0]
+    link = SerialLink("/dev/none", clock=lambda: now_s[0])
+    given: list[float] = []
+    link._host.lease = lambda issued_s, *_rest: given.append(issued_s)  # type: ignore[method-assign]
+    link.lease(True)
+    now_s[0] = 101.5
+    link._take_orders()
+    assert given == [100.0]
+
+
+def test_a_re_arm_is_known_from_the_order_on_until_the_robot_has_answered() -> None:
+    with robot() as there, SerialLink(there.port) as link, controlled(link, there):
+        assert wait_until(lambda: is_up(link))
+        link.estop()
+        assert wait_until(lambda: link.snapshot().estopped, 2.0)
+        assert not link.snapshot().leaving_estop
+        link.reset_estop()
+        assert link.snapshot().leaving_estop, "before the thread has seen the order"
+        assert wait_until(lambda: not link.snapshot().leaving_estop, 5.0)
+        assert not link.snapshot().estopped
+
+
+def test_a_stop_pressed_after_a_re_arm_is_not_undone_by_it() -> None:
+    """The stop overtakes the queue; the re-arm that still waits there is older than the stop."""
+    link = SerialLink("/dev/none")
+    link.reset_estop()
+    assert link.snapshot().leaving_estop
+    link.estop()
+    link._take_orders()
+    link._publish()
+    assert link.snapshot().estop_pending
+    assert not link.snapshot().leaving_estop
+
+
 def test_a_missing_port_is_one_clear_sentence(tmp_path: Path) -> None:
     with pytest.raises(PortError, match="there is no such device"):
         SerialLink(str(tmp_path / "ttyUSB9")).open()
