@@ -24,9 +24,8 @@ from firmware_protocol.framing import (
     FrameParser,
     Sender,
     encode_frame,
-    wire_bytes,
 )
-from firmware_protocol.freshest import ERROR_MAX_S, Freshest, lease_of
+from firmware_protocol.freshest import Freshest, lease_of
 from firmware_protocol.host_counters import HostCounters
 from firmware_protocol.host_events import (
     EstopConfirmed,
@@ -61,7 +60,7 @@ from firmware_protocol.messages import (
     read_message,
 )
 from firmware_protocol.mission import Mission
-from firmware_protocol.sync_schedule import SyncSchedule
+from firmware_protocol.robot_clock import RobotClock
 from firmware_protocol.upload import Upload
 
 SILENCE_S: Final = 0.5
@@ -91,7 +90,6 @@ class HostConnection:
         self.state = LinkState.CLOSED
         self.parser = FrameParser(Sender.ROBOT)
         self.counters = HostCounters()
-        self.clock = ClockEstimate()
         self.rtt = RttEstimate()
         self.robot: HelloAck | None = None
         self.status: Status | None = None
@@ -102,6 +100,7 @@ class HostConnection:
         self._void_ids: deque[int] = deque(maxlen=64)
         self._sessions = HostSessions(rng)
         self._pace = LinePace(baud)
+        self._clock = RobotClock(self._pace)
         self._freshest = Freshest()
         self._window = SendWindow(0)
         self._reason = "the port is not open"
@@ -114,7 +113,6 @@ class HostConnection:
         """Whether another host has the robot, and had it when the link was lost."""
         self._nonce: int | None = None
         """The robot's challenge that is to be answered."""
-        self._sync = SyncSchedule()
         self._estop_wanted = False
         self._estop_s = -math.inf
         self._commands = Commands()
@@ -229,15 +227,12 @@ class HostConnection:
 
     def why_no_permit(self, now_s: float) -> str | None:
         """A plain sentence on why no lease can be given, None where one can."""
-        error_s = self.clock.error_s(now_s)
-        if error_s <= ERROR_MAX_S:
-            return None
-        if not self.clock.ready:
-            return "its clock is not known yet"
-        return (
-            f"its clock is known to {error_s * 1e3:.0f} ms only, {ERROR_MAX_S * 1e3:.0f} ms are "
-            "needed: the line is too slow"
-        )
+        return self._clock.why_unknown(now_s)
+
+    @property
+    def clock(self) -> ClockEstimate:
+        """The robot's clock, as far as it is known."""
+        return self._clock.estimate
 
     @property
     def pose_captured_s(self) -> float:
@@ -306,19 +301,11 @@ class HostConnection:
                     self.upload_state.see_ack(accept_next, frame.credit)
             case Status():
                 self._take_status(message, frame, now_s)
-            case TimeSyncReply(sent_us, received_us, answered_us):
-                self._take_time(sent_us, received_us, answered_us, now_s)
+            case TimeSyncReply():
+                self._clock.take(message, now_s)
+                self.counters.clock_jumps = self._clock.jumps
             case _:
                 self.counters.nonsense += 1
-
-    def _take_time(self, sent_us: int, received_us: int, answered_us: int, now_s: float) -> None:
-        sent_s = self._sync.sent_s(sent_us)
-        if sent_s is not None:
-            asking_s = self._pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
-            answering_s = self._pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
-            jumps = self.clock.jumps
-            self.clock.add(sent_s, received_us, answered_us, now_s, (asking_s, answering_s))
-            self.counters.clock_jumps += self.clock.jumps - jumps
 
     def _meet_a_stranger(self, frame: Frame, now_s: float) -> None:
         self.counters.foreign_session += 1
@@ -352,8 +339,7 @@ class HostConnection:
         self.status, self.status_s = status, now_s
         if self.state is LinkState.VERIFY:
             self._verify(status)
-        if self.clock.is_in_doubt(status.time_us, now_s):
-            self._sync.doubt()
+        self._clock.compare(status, now_s)
         if status.state is RobotState.ESTOP and self._estop_wanted:
             self._estop_wanted = False
             self._events.append(EstopConfirmed())
@@ -371,8 +357,7 @@ class HostConnection:
             return
         self.counters.reboots += 1
         assert self.robot is not None
-        self.clock = ClockEstimate()
-        self._sync.begin_again()
+        self._clock.new_boot()
         self._commands.want_reset(False)  # it has not kept its emergency stop
         self._change(LinkEvent.REBOOT, "the robot has rebooted: its mission is gone")
         self._events.append(RobotRebooted(status.boot_id, self.robot.reset_cause))
@@ -456,7 +441,7 @@ class HostConnection:
             return self._next_hello(now_s)
         if self.state is LinkState.VERIFY:
             return self._next_confirm(now_s)
-        urgent = self._freshest.take(now_s, self.clock) or self._sync.next_question(now_s)
+        urgent = self._freshest.take(now_s, self.clock) or self._clock.next_question(now_s)
         self.counters.stale = self._freshest.stale
         if urgent is not None:
             return self._frame(urgent)
@@ -526,7 +511,7 @@ class HostConnection:
         self.counters.timeouts += self._window.timeouts
         self._window = SendWindow(0)
         self._freshest.forget()
-        self._sync.begin_again()
+        self._clock.new_session()
         self._heard_s = -math.inf
         if self.upload_state is not None:
             self.upload_state.new_session()

@@ -1,0 +1,66 @@
+"""The robot's clock as one connection keeps it: asks for it, takes the answers, doubts, forgets.
+
+``estimate`` is what is known (``clock_sync``), ``sync_schedule`` when to ask. Seconds of the host's
+monotonic clock.
+"""
+
+from __future__ import annotations
+
+from firmware_protocol.clock_sync import ClockEstimate
+from firmware_protocol.framing import wire_bytes
+from firmware_protocol.freshest import ERROR_MAX_S
+from firmware_protocol.line_pace import LinePace
+from firmware_protocol.messages import Status, TimeSync, TimeSyncReply
+from firmware_protocol.sync_schedule import SyncSchedule
+
+
+class RobotClock:
+    """The clock of one robot, over one line."""
+
+    def __init__(self, pace: LinePace) -> None:
+        self.estimate = ClockEstimate()
+        self.jumps = 0
+        """How often one of the clocks has jumped."""
+        self._asking_s = pace.wire_s(wire_bytes(TimeSync.LAYOUT.size))
+        self._answering_s = pace.wire_s(wire_bytes(TimeSyncReply.LAYOUT.size))
+        self._schedule = SyncSchedule()
+
+    def next_question(self, now_s: float) -> TimeSync | None:
+        """The question that is due, None where none is; it counts as sent."""
+        return self._schedule.next_question(now_s)
+
+    def take(self, answer: TimeSyncReply, now_s: float) -> None:
+        """An answer; one to no question of ours is left out."""
+        sent_s = self._schedule.sent_s(answer.host_sent_us)
+        if sent_s is None:
+            return
+        before = self.estimate.jumps
+        wire_s = (self._asking_s, self._answering_s)
+        self.estimate.add(sent_s, answer.robot_received_us, answer.robot_sent_us, now_s, wire_s)
+        self.jumps += self.estimate.jumps - before
+
+    def compare(self, status: Status, now_s: float) -> None:
+        """A report that has come just now: where its time does not fit, ask soon."""
+        if self.estimate.is_in_doubt(status.time_us, now_s):
+            self._schedule.doubt()
+
+    def new_session(self) -> None:
+        """Answers on their way are void; ask quickly again."""
+        self._schedule.begin_again()
+
+    def new_boot(self) -> None:
+        """The clock is another one."""
+        self.estimate = ClockEstimate()
+        self._schedule.begin_again()
+
+    def why_unknown(self, now_s: float) -> str | None:
+        """A plain sentence on why no lease can be dated by it, None where one can."""
+        error_s = self.estimate.error_s(now_s)
+        if error_s <= ERROR_MAX_S:
+            return None
+        if not self.estimate.ready:
+            return "its clock is not known yet"
+        return (
+            f"its clock is known to {error_s * 1e3:.0f} ms only, {ERROR_MAX_S * 1e3:.0f} ms are "
+            "needed: the line is too slow"
+        )
