@@ -113,6 +113,7 @@ def emergency_stops(avr: AvrRobot, runs: int) -> list[float]:
 def dead_man(avr: AvrRobot, runs: int) -> list[float]:
     """From the lease's limit, counted from its last byte, to the report of HOLD, in seconds.
 
+    Below zero: a lease runs from when it was given, less the bound of the robot's clock.
     The report's own time on the wire is taken off; the frame under way before it is not.
     """
     late = []
