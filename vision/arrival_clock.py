@@ -27,7 +27,7 @@ class ArrivalClock:
         passed_s = max(0.0, stamp_s - self._stamp_s) if math.isfinite(self._stamp_s) else 0.0
         self._stamp_s = max(stamp_s, self._stamp_s)
         self._offset_s = min(self._offset_s + DRIFT * passed_s, arrived_s - stamp_s)
-        return stamp_s + self._offset_s
+        return min(stamp_s + self._offset_s, arrived_s)  # rounding may put it behind
 
     @property
     def offset_s(self) -> float:

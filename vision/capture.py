@@ -9,17 +9,21 @@ Rules and units
 from __future__ import annotations
 
 import glob
+import math
 import os
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from vision.arrival_clock import ArrivalClock
 from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
 
 _OPEN_TIMEOUT_MS = 5000
 _DRIVER_CLOCK_LIMIT_S = 0.5
 _FRAMES_FOR_RATE = 30
+_LONGEST_HOLD_UP_S = 2.0
+"""A picture that its stamp makes older than this has a stamp that cannot be trusted."""
 _BURST_S = 1.0
 """How long after opening a stream's frames say nothing of its rate: what its server or FFmpeg had
 kept comes all at once."""
@@ -192,13 +196,17 @@ def driver_time_s(position_ms: float, grabbed_s: float) -> float:
 class StreamCamera(Capture):
     """An RTSP or HTTP stream, through FFmpeg, with bounded waits.
 
-    Its rate is known a second after it was opened.
+    Its rate is known a second after it was opened. The pictures of an RTSP stream carry the
+    sender's times (RTP): what the network holds up is dated by them. What every picture takes, by
+    the shortest way too, no stream tells.
     """
 
     def __init__(self, url: str, clock: Clock) -> None:
         super().__init__(without_password(url), clock)
         self._url = url
         self._opened_s = 0.0
+        self._sender: ArrivalClock | None = None
+        self._stamp_s = -math.inf
 
     def open(self) -> None:
         """Connect; ``CameraError`` where nobody answers within five seconds."""
@@ -210,14 +218,29 @@ class StreamCamera(Capture):
         ]
         self._start(self._url, cv2.CAP_FFMPEG, timeouts)
         self._opened_s = self._clock()
+        is_rtp = self._url.lower().startswith(("rtsp://", "rtsps://"))
+        self._sender = ArrivalClock() if is_rtp else None
+        self._stamp_s = -math.inf
 
     def read(self, timeout_s: float) -> Frame | None:
         """The next frame; FFmpeg bounds the wait by five seconds."""
         grabbed = self._grab()
         if grabbed is None:
             raise CameraError(f"{self.name}: the stream ended or its peer is gone")
-        image, captured_s = grabbed
-        return self._frame(image, captured_s, count=captured_s - self._opened_s >= _BURST_S)
+        image, arrived_s = grabbed
+        count = arrived_s - self._opened_s >= _BURST_S
+        return self._frame(image, self._sent_s(arrived_s), count=count)
+
+    def _sent_s(self, arrived_s: float) -> float:
+        """When the picture was sent, by its own stamp; the arrival where it has none."""
+        if self._sender is None or self._capture is None:
+            return arrived_s
+        stamp_s = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+        if not math.isfinite(stamp_s) or stamp_s <= self._stamp_s:
+            self._sender, self._stamp_s = ArrivalClock(), -math.inf  # it counts from elsewhere now
+            return arrived_s
+        self._stamp_s = stamp_s
+        return max(self._sender.time_of(stamp_s, arrived_s), arrived_s - _LONGEST_HOLD_UP_S)
 
     def _why_not(self) -> str:
         return "no stream there, or nobody answered within 5 s"

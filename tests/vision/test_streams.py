@@ -7,9 +7,13 @@ import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from tests.support.mjpeg_server import RATE_HZ, MjpegServer, mjpeg_server
+from vision.arrival_clock import ArrivalClock
+from vision.camera import Image
+from vision.capture import StreamCamera
 from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.sources import camera_for
 
@@ -122,3 +126,59 @@ def test_a_server_that_never_answers_is_told_and_not_taken_for_a_hung_driver(kin
             status = wait_for(reader, lambda s: s.state == "lost", 60.0)
     assert "nobody answered within 5 s; trying again in 0.25 s" in status.reason
     assert status.reopened == 1
+
+
+class _Held:
+    """A capture of an RTSP stream whose pictures, 40 ms apart, are held up now and then."""
+
+    def __init__(self, held_s: Callable[[int], float], restart_at: int = -1) -> None:
+        self.number = -1
+        self.now_s = 100.0
+        self._held_s, self._restart_at = held_s, restart_at
+
+    def grab(self) -> bool:
+        self.number += 1
+        self.now_s = max(self.now_s, self.sent_s + self._held_s(self.number))
+        return True
+
+    @property
+    def sent_s(self) -> float:
+        return 100.0 + 0.04 * self.number
+
+    def retrieve(self) -> tuple[bool, Image]:
+        return True, np.zeros((4, 4, 3), np.uint8)
+
+    def get(self, _property: int) -> float:
+        restarted = 0 <= self._restart_at <= self.number
+        return 40.0 * (self.number - self._restart_at if restarted else self.number)
+
+
+def test_pictures_of_an_rtsp_stream_that_are_held_up_are_dated_by_their_stamps() -> None:
+    held = _Held(lambda n: 0.3 if n % 20 == 5 else 0.01)
+    camera = StreamCamera("rtsp://127.0.0.1/none", lambda: held.now_s)
+    camera._capture, camera._sender = held, ArrivalClock()  # type: ignore[assignment]
+    for n in range(200):
+        frame = camera.read(0.1)
+        assert frame is not None
+        assert frame.captured_s <= held.now_s
+        assert frame.captured_s == pytest.approx(held.sent_s + 0.01, abs=0.002), n
+
+
+def test_a_stream_whose_stamps_begin_again_or_lie_is_dated_by_its_arrival() -> None:
+    held = _Held(lambda _n: 0.0, restart_at=50)
+    camera = StreamCamera("rtsp://127.0.0.1/none", lambda: held.now_s)
+    camera._capture, camera._sender = held, ArrivalClock()  # type: ignore[assignment]
+    for _ in range(120):
+        frame = camera.read(0.1)
+        assert frame is not None
+        assert abs(frame.captured_s - held.now_s) < 0.002
+
+
+def test_an_http_streams_made_up_times_are_not_believed() -> None:
+    held = _Held(lambda n: 0.04 * n)
+    camera = StreamCamera("http://127.0.0.1/none", lambda: held.now_s)
+    camera._capture = held  # type: ignore[assignment]
+    for _ in range(50):
+        frame = camera.read(0.1)
+        assert frame is not None
+        assert frame.captured_s == held.now_s
