@@ -73,13 +73,13 @@ def command(
     --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
     CONFIG again: a good one is run from then on, of a bad one every error is told.
     """
-    from navigation.machine.descriptors import raise_descriptor_limit
+    from navigation.machine.descriptors import set_descriptor_limit
     from navigation.machine.logs import EventLog
     from navigation.machine.sd_notify import Notifier, watchdog_period_s
     from navigation.run.runner import Runner
     from navigation.whole_file import UnwrittenFileError
 
-    raise_descriptor_limit()
+    set_descriptor_limit()
     voice = Voice(quiet=quiet)
     log = EventLog(
         sys.stderr,

@@ -7,18 +7,23 @@ import os
 import resource
 from typing import Final
 
-WANTED: Final = 4096
+WANTED: Final = 1024
+"""Descriptors below this fit ``select``, which pyserial and the link's thread wait with. The page's
+and the socket's connections take less than half of them."""
 NONE_LEFT: Final = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
 """What `accept` says where the process or the system has no room for another connection."""
 
 
-def raise_descriptor_limit(wanted: int = WANTED) -> int:
-    """Raise this process's soft limit as far as ``wanted`` and the hard one; the limit then."""
+def set_descriptor_limit(wanted: int = WANTED) -> int:
+    """Bring this process's soft limit to ``wanted``, as far as the hard one lets it.
+
+    A higher one comes down: the serial port could not be waited for with a descriptor beyond it.
+    """
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if hard != resource.RLIM_INFINITY:
         wanted = min(wanted, hard)
-    if soft == resource.RLIM_INFINITY or soft >= wanted:
-        return descriptor_limit()
+    if soft == wanted:
+        return wanted
     resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
     return wanted
 
