@@ -18,7 +18,14 @@ from numba import njit
 from vision.crisp_kernels import HALF
 from vision.joint_kernels import edge_end, onto
 from vision.kernel_options import LEAF, SUMS
-from vision.outline_kernels import ARC_CCW, LINE, arc_length, distance_to_edge, finish_edge
+from vision.outline_kernels import (
+    ARC_CCW,
+    LINE,
+    STRAY_PX,
+    arc_length,
+    distance_to_edge,
+    finish_edge,
+)
 from vision.polish_kernels import polish_edges
 from vision.shape_kernels import HUGE
 
@@ -127,10 +134,11 @@ def _arc_ends(kinds, rows, e, after):
 
 
 @njit(**SUMS)
-def _loss_beside(px, py, lo, hi, e, after, kinds, rows, free, near_begin, near_end):
+def loss_beside(px, py, lo, hi, e, after, kinds, rows, free, near_begin, near_end):
     """A stretch's farthest point from its finished edge, and the area lost beyond ``free``.
 
-    In a picture with grey; what lies near the ends does not count.
+    In a picture with grey; what lies near the ends, as squared distances, does not count as far as
+    ``STRAY_PX``.
     """
     xs = px[lo : hi + 1]
     ys = py[lo : hi + 1]
@@ -155,7 +163,7 @@ def _loss_beside(px, py, lo, hi, e, after, kinds, rows, free, near_begin, near_e
             ay = y - t * dy
             away = math.sqrt(ax * ax + ay * ay)
             beside = (x * x + y * y < near_begin) | (vx * vx + vy * vy < near_end)
-            away = 0.0 if beside else away
+            away = 0.0 if beside & (away < STRAY_PX) else away
             farthest = max(farthest, away)
             lost += max(away - free, 0.0)
         return farthest, lost
@@ -178,7 +186,8 @@ def _loss_beside(px, py, lo, hi, e, after, kinds, rows, free, near_begin, near_e
         to_end = vx * vx + vy * vy
         away = abs(math.sqrt(dx * dx + dy * dy) - r)
         away = away if within else math.sqrt(min(to_begin, to_end))
-        away = 0.0 if (to_begin < near_begin) | (to_end < near_end) else away
+        beside = (to_begin < near_begin) | (to_end < near_end)
+        away = 0.0 if beside & (away < STRAY_PX) else away
         farthest = max(farthest, away)
         lost += max(away - free, 0.0)
     return farthest, lost
@@ -205,7 +214,7 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
         # where it is narrow the light of both sides meets
         near_begin = max(near_begin, guard * guard, TIP_PX * TIP_PX)
         near_end = max(near_end, guard * guard, TIP_PX * TIP_PX)
-        far, area = _loss_beside(
+        far, area = loss_beside(
             px, py, lo, hi, e, next_, kinds, rows, free, near_begin, near_end
         )  # fmt: skip
         if far < BESIDE_OTHER_PX:
@@ -217,10 +226,8 @@ def _loss(px, py, lo, hi, e, edges, kinds, rows, crisp, free, guard):
         y = py[k]
         beside = (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near_begin
         beside = beside or (x - rows[next_, 0]) ** 2 + (y - rows[next_, 1]) ** 2 < near_end
-        if beside and not crisp:
-            continue
         best, fx, fy = distance_to_edge(kinds, rows, e, next_, x, y)
-        if beside and best < TIP_STRAY_PX:
+        if beside and best < (TIP_STRAY_PX if crisp else STRAY_PX):
             continue
         if best >= BESIDE_OTHER_PX:
             d, ex, ey = distance_to_edge(kinds, rows, before, e, x, y)

@@ -9,6 +9,8 @@ Rules and units
   what are its edges and where do they meet (``vision.joint_kernels``); do they cover it
   (``vision.cover_kernels``), or without grey, do they separate its pixels
   (``vision.mend_kernels``).
+- Whatever was fitted, an outline that leaves its border, or leaves a part of it out, is given up
+  for chords from border point to border point (``vision.stray_kernels``).
 """
 
 # mypy: allow-untyped-defs
@@ -33,8 +35,8 @@ from vision.fillet_kernels import ROUNDS, round_corners, touch_lines
 from vision.handedness_kernels import bring_cracks_along, bring_into_place, put_edges_back
 from vision.joint_kernels import edge_end, fit_and_join
 from vision.kernel_options import LEAF
-from vision.mend_kernels import mend
-from vision.outline_kernels import LINE, finish_edge
+from vision.mend_kernels import all_chords, mend
+from vision.outline_kernels import LINE, STRAY_PX, finish_edge
 from vision.partition_kernels import partition
 from vision.residual_kernels import measure_residual
 from vision.separation_kernels import find_cracks, middles
@@ -43,10 +45,12 @@ from vision.shape_kernels import (
     circle_cost,
     circle_rms,
     fit_circle,
+    goes_round,
     refine_circle,
 )
 from vision.sharpen_kernels import sharpen
 from vision.straighten_kernels import straighten
+from vision.stray_kernels import outline_strays
 from vision.tip_kernels import cut_tips, square_tips
 
 POLYGON, CIRCLE, TINY = 0, 1, 2
@@ -164,6 +168,7 @@ def fit_borders(
     if not crisp:
         finer[1] *= ROUNDER_BY
     worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
+    round_worst = min(worst, STRAY_PX)
     allowed = MOST_PX + 4.5 * spread
     free = CALM_LOSS_PX + 2.0 * spread
     skip = math.ceil(trim)
@@ -192,7 +197,7 @@ def fit_borders(
                 px, py, n, qx, qy, hx, hy, cracks, transposed, turns, ox, oy
             )
         round_cost, nearly = _circle_of_all(
-            px, py, n, crisp, dead_zone, sigma, worst, budget, prices[2], circle, active,
+            px, py, n, crisp, dead_zone, sigma, round_worst, budget, prices[2], circle, active,
             pixels[b] >= HELD_AREA, qx, qy, hx, hy, cracks,
         )  # fmt: skip
         edges = 0
@@ -288,6 +293,8 @@ def fit_borders(
                 qx, qy, hx, hy, cracks, at, kind[count:], data[count:], many, budget - SURE, state,
                 inside, seeds,
             )  # fmt: skip
+            if outline_strays(qx, qy, cracks, at, kind[count:], data[count:], many):
+                many = all_chords(qx, qy, hx, hy, cracks, at, kind[count:], data[count:], seeds)
             measure_residual(qx, qy, cracks, at, kind[count:], data[count:], many, NO_BLUR, NO_BLUR)
         else:
             if not sound:
@@ -299,6 +306,10 @@ def fit_borders(
                 px, py, n, breaks, edges, joints, kinds, rows, ragged, chord, is_seed, seeds,
                 kind[count:], data[count:], at,
             )  # fmt: skip
+            if outline_strays(px, py, n, at, kind[count:], data[count:], many):
+                many = _write_chords(
+                    px, py, n, chord, is_seed, seeds, kind[count:], data[count:], at
+                )
             measure_residual(px, py, n, at, kind[count:], data[count:], many, blur, guard)
         _place(data[count:], many, ox, oy, kind[count:])
         put_edges_back(kind[count:], data[count:], many, transposed, turns)
@@ -345,6 +356,8 @@ def _circle_of_all(
     if far >= HUGE or not fit_circle(px, py, NONE, n, ONE, circle):
         return HUGE, False
     refine_circle(px, py, NONE, n, REFINEMENTS, circle)
+    if not goes_round(px, py, n, circle[0], circle[1]):
+        return HUGE, False
     if crisp:
         separate_circle(px, py, NONE, n, circle, active)
         if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
@@ -448,15 +461,32 @@ def _write_with_chords(
             continue
         m = chords(px, py, breaks[e], edge_end(breaks, edges, n, e), chord, is_seed, found)
         for t in range(m):
-            kind[count] = LINE
+            x = joints[e, 0] if t == 0 else px[found[t]]
+            y = joints[e, 1] if t == 0 else py[found[t]]
             at[count] = found[t] - n if found[t] >= n else found[t]
-            data[count, 0] = joints[e, 0] if t == 0 else px[found[t]]
-            data[count, 1] = joints[e, 1] if t == 0 else py[found[t]]
-            data[count, 2] = 0.0
-            data[count, 3] = 0.0
-            data[count, 4] = 0.0
+            _write_chord(kind, data, count, x, y)
             count += 1
     return count
+
+
+@njit(cache=True, nogil=True)
+def _write_chords(px, py, n, chord, is_seed, found, kind, data, at):
+    """Write chords all around a border, from point to point; returns their number."""
+    count = chords(px, py, NONE, n, chord, is_seed, found)
+    for t in range(count):
+        at[t] = found[t]
+        _write_chord(kind, data, t, px[found[t]], py[found[t]])
+    return count
+
+
+@njit(**LEAF)
+def _write_chord(kind, data, i, x, y):
+    kind[i] = LINE
+    data[i, 0] = x
+    data[i, 1] = y
+    data[i, 2] = 0.0
+    data[i, 3] = 0.0
+    data[i, 4] = 0.0
 
 
 @njit(**LEAF)

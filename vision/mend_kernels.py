@@ -216,11 +216,11 @@ def mend(qx, qy, hx, hy, n, at, kind, rows, count, budget, state, inside, found)
         if first == count:
             break
         count = _replace(qx, qy, hx, hy, n, at, kind, rows, count, first, inside, found)
-    return _all_chords(qx, qy, hx, hy, n, at, kind, rows, found)
+    return all_chords(qx, qy, hx, hy, n, at, kind, rows, found)
 
 
 @njit(**LEAF)
-def _all_chords(qx, qy, hx, hy, n, at, kind, rows, found):
+def all_chords(qx, qy, hx, hy, n, at, kind, rows, found):
     """Chords all around, from the crack farthest from the middle on."""
     mx = 0.0
     my = 0.0

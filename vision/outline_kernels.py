@@ -20,6 +20,12 @@ LINE, ARC_CW, ARC_CCW = 0, 1, 2
 """Kinds of an edge; the turn as seen on the screen."""
 FLATTEST_PX = 1e-3
 """An arc that rises less above its chord is a line."""
+STRAY_PX = 2.0
+"""How far a written outline and its border may be apart, but for a pointed corner that blur rounded
+back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
+(``vision.fitting_kernels.MOST_PX``), and there is a point for every row or column of a border only:
+what ``tests/support/outline_judge.py`` fails, which allows 3 px, fails here
+(``python -m benchmarks.outlines``)."""
 TURNS = 8
 """Steps in which an arc's points are looked at for its turning sense."""
 TAU = 2.0 * math.pi

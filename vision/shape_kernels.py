@@ -20,7 +20,7 @@ import math
 
 from numba import njit
 
-from vision.kernel_options import SUMS
+from vision.kernel_options import LEAF, SUMS
 
 HUGE = 1e18
 """The cost of what may not be."""
@@ -305,6 +305,25 @@ def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
         if cost > bound:
             return BEATEN
     return cost / (sigma * sigma)
+
+
+@njit(**LEAF)
+def goes_round(px, py, n, x, y):
+    """Whether a whole border of n points, a closed polyline, winds once round (x, y).
+
+    A circle's residuals do not tell: both sides of a slit lie beside a short stretch of many
+    circles. D. Sunday, Inclusion of a Point in a Polygon, 2001.
+    """
+    turns = 0
+    for k in range(n):
+        ax = px[k] - x
+        ay = py[k] - y
+        bx = px[k + 1] - x
+        by = py[k + 1] - y
+        side = ax * by - bx * ay
+        turns += (ay <= 0.0) & (by > 0.0) & (side > 0.0)
+        turns -= (ay > 0.0) & (by <= 0.0) & (side < 0.0)
+    return abs(turns) == 1
 
 
 @njit(**SUMS)
