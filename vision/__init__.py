@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from vision.calibration_file import load_calibration, save_calibration
     from vision.camera import Camera, CameraError, Frame
     from vision.change import Change, SceneWatcher
+    from vision.doubts import doubts_about
     from vision.grey import PictureError
     from vision.latest_frame import LatestFrame
     from vision.markers import MarkedRobot, MarkerTracker, RobotPose
@@ -34,6 +35,7 @@ __all__ = [
     "RobotPose",
     "SceneWatcher",
     "camera_for",
+    "doubts_about",
     "extract",
     "load_calibration",
     "save_calibration",
@@ -53,6 +55,7 @@ _HOME = {
     "RobotPose": "vision.markers",
     "SceneWatcher": "vision.change",
     "camera_for": "vision.sources",
+    "doubts_about": "vision.doubts",
     "extract": "vision.observe",
     "load_calibration": "vision.calibration_file",
     "save_calibration": "vision.calibration_file",

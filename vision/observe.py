@@ -22,6 +22,7 @@ from vision.binarise import Method, Polarity
 from vision.binary import Binary
 from vision.colour import binarise_by_colour
 from vision.contours import Borders, follow_borders, laplacian_border, locate_edges
+from vision.doubts import with_doubts
 from vision.fitting import fit_edges, is_drawing, tolerance_of
 from vision.grey import PictureError, as_array
 from vision.paper import paper_objects
@@ -65,7 +66,8 @@ def extract(
     ``polarity`` says which side of the level is obstacle, ``method`` and ``threshold`` how
     the level is found (see ``vision.binarise``); a threshold alone is method ``fixed``.
     ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
-    metres; objects wholly outside the bounds are dropped, with a remark.
+    metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
+    or far too much is found, a remark says so (see ``vision.doubts``).
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
     pixels. Raises ``PictureError`` for a picture or an option that cannot be used, and where
     no pixel is free. Safe to call from several threads. O(pixels) to threshold, then
@@ -121,7 +123,7 @@ def _scene(
     clock: _StopWatch,
     remarks: tuple[str, ...],
 ) -> Scene:
-    return Scene(
+    scene = Scene(
         units=placement.units,
         bounds=placement.bounds,
         objects=objects,
@@ -132,6 +134,7 @@ def _scene(
         timings_ms=clock.laps,
         remarks=(*binary.remarks, *remarks),
     )
+    return with_doubts(scene)
 
 
 class _StopWatch:

@@ -21,6 +21,7 @@ from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, re
 from vision.calibration import Calibration, FloatArray
 from vision.camera import Image
 from vision.change import Rectangle
+from vision.doubts import doubts_about, with_doubts
 from vision.grey import PictureError
 from vision.observe import extract
 
@@ -131,13 +132,16 @@ def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -
     for anew in found:
         for name, ms in anew.timings_ms.items():
             laps[name] = laps.get(name, 0.0) + ms
-    return replace(
+    # that a part is empty is no remark on the arena
+    said = [r for anew in found for r in anew.remarks if r not in doubts_about(anew)]
+    joined = replace(
         scene,
         objects=(*kept, *(replace(o, id=free_id + i) for i, o in enumerate(new))),
         border_pixels=sum(anew.border_pixels for anew in found),
         timings_ms=laps,
-        remarks=tuple(dict.fromkeys(r for anew in found for r in anew.remarks)),
+        remarks=tuple(dict.fromkeys(said)),
     )
+    return with_doubts(joined)
 
 
 def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple[_Box, ...]:

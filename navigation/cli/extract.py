@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
-from navigation.cli.outputs import keep_apart, write_text
+from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -83,6 +83,7 @@ def command(
     total_ms = 1e3 * (time.perf_counter() - begin_s)
     timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
     scene = replace(scene, timings_ms=timings_ms, remarks=(*remarks, *scene.remarks))
+    warn_of_doubts(scene, image)
     answer = _as_json(scene) if form == "json" else _as_text(scene)
     if output is None:
         click.echo(answer, nl=False)

@@ -1,11 +1,15 @@
-"""Files that commands write: never over what they read, and one sentence where it fails."""
+"""What commands write: files, never over what they read, and warnings of doubtful pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from planner.scene import Scene
 
 
 class OutputError(ValueError):
@@ -33,6 +37,16 @@ def write_text(path: Path, text: str) -> None:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def warn_of_doubts(scene: Scene, source: Path) -> None:
+    """Warn on standard error where a picture shows nothing, or hardly an arena."""
+    if scene.binarisation is None:
+        return
+    from vision.doubts import doubts_about
+
+    for doubt in doubts_about(scene):
+        click.echo(f"clearway: warning: {source}: {doubt}", err=True)
 
 
 def _identity(path: Path) -> object:

@@ -21,7 +21,7 @@ from navigation.cli.options import (
     format_option,
     polarity_option,
 )
-from navigation.cli.outputs import keep_apart, write_text
+from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 
 if TYPE_CHECKING:
     from navigation.cli.plan_answer import PlanAnswer
@@ -96,6 +96,7 @@ def command(
     keep_apart((("--output", output), ("--render", render)), (source,))
     begin_s = time.perf_counter()
     scene = load_source(source, polarity)
+    warn_of_doubts(scene, source)
     stations = [start, *via, goal]
     room = 4.0 * (radius + margin)
     scene = hold_points(scene, [(s.x, s.y) for s in stations], room)

@@ -16,7 +16,7 @@ from navigation.cli.options import (
     OutputType,
     polarity_option,
 )
-from navigation.cli.outputs import keep_apart, write_text
+from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 
 SUFFIXES = (".graphml", ".geojson", ".json")
 
@@ -67,6 +67,7 @@ def command(
     from planner import exchange
 
     scene = load_source(source, polarity)
+    warn_of_doubts(scene, source)
     roadmap, _ = timed_roadmap(scene, radius, spacing)
     match output.suffix.lower():
         case ".graphml":

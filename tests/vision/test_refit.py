@@ -22,6 +22,7 @@ from planner.scene import (
 )
 from tests.support.render import draw, polygon
 from vision.calibration import Calibration
+from vision.doubts import doubts_about
 from vision.refit import KnownScene
 
 SIZE = (480, 360)
@@ -221,3 +222,18 @@ def test_a_scene_changed_a_hundred_times_does_not_grow() -> None:
     assert len(known.scene.objects) == len(known.boxes) == len(FIXED)
     assert known.scene.remarks == ()
     assert_same(known.scene, seen(image))
+
+
+def test_an_emptied_part_is_no_doubt_and_an_emptied_arena_is() -> None:
+    """Where the last obstacle went, whoever drives has to learn that nothing is seen any more."""
+    before, after = picture(FIXED), picture(FIXED[:-1])
+    fewer = refit(seen(before), after, changed(before, after), PLAN)
+    assert fewer is not None
+    assert doubts_about(fewer) == ()
+    assert not any("no obstacle" in remark for remark in fewer.remarks)
+    one, none = picture(FIXED[:1]), picture([])
+    empty = refit(seen(one), none, changed(one, none), PLAN)
+    assert empty is not None
+    assert empty.objects == ()
+    (doubt,) = doubts_about(empty)
+    assert empty.remarks == (doubt,)

@@ -51,6 +51,27 @@ def test_the_overlay_is_a_picture(arena: Path, tmp_path: Path) -> None:
     assert cv2.imread(str(out)).shape == (240, 360, 3)
 
 
+def test_a_picture_in_which_nothing_was_found_is_a_warning_and_no_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "fog.png"
+    cv2.imwrite(str(file), np.full((60, 90), 180, np.uint8))
+    assert run(["extract", str(file), "--format", "json"]) == 0
+    told = capsys.readouterr()
+    warning = f"clearway: warning: {file}: no obstacle was found in the picture: no contrast"
+    assert told.err.startswith(warning)
+    assert told.err.count("\n") == 1
+    (remark,) = json.loads(told.out)["remarks"]
+    assert told.err == f"clearway: warning: {file}: {remark}\n"
+
+
+def test_an_arena_is_answered_without_a_warning(
+    arena: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["extract", str(arena)]) == 0
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize(
     ("content", "word"),
     [
