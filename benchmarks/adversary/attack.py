@@ -1,0 +1,24 @@
+"""What an attack is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from benchmarks.adversary.rig import Needs, Rig
+
+Act = Callable[[Rig], None]
+"""Does it, while the robot drives; returns when there is no more to see but the stop."""
+
+
+@dataclass(frozen=True, slots=True)
+class Attack:
+    """``kind``: line, camera, process, flood or disk. ``onset_m``: between which distances from
+    its start the robot is when it begins; None: from before the program starts.
+    """
+
+    kind: str
+    name: str
+    act: Act
+    needs: Needs = Needs()
+    onset_m: tuple[float, float] = (0.05, 0.5)

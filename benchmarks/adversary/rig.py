@@ -1,0 +1,245 @@
+"""One run: robot, line, camera and program, driven to the moment of the attack, and its end.
+
+Seconds are monotonic; metres.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import signal
+import socket
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.adversary.bars import (
+    Moment,
+    Outcome,
+    drove_without_permit_s,
+    judge,
+    least_gap_m,
+    stood_after_s,
+)
+from benchmarks.adversary.line import Line
+from benchmarks.adversary.processes import Process, ProcessError, clearway, module
+from benchmarks.adversary.scene import Errand, read_config, write_config
+from benchmarks.adversary.truth import TruthWatch
+from navigation.control import ControlError, send_order
+from navigation.simulator.arena import load_arena
+from tests.support.waiting import wait_until
+
+UP_WITHIN_S = 60.0
+DRIVES_WITHIN_S = 30.0
+AFTER_STOP_S = 1.6
+OVER = ("done", "failed", "stopped")
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """What an attack needs besides robot, line and program.
+
+    ``http_camera``: a network camera in place of the simulated one in the program; ``handled``:
+    a robot that can be carried; ``page``: the page; ``recorded``: the run is recorded;
+    ``stdout``: where the program's output goes.
+    """
+
+    http_camera: bool = False
+    handled: bool = False
+    page: bool = False
+    recorded: bool = False
+    stdout: Path | None = None
+
+
+class Rig:
+    """A context manager; afterwards no process of it is left."""
+
+    def __init__(self, folder: Path, errand: Errand, needs: Needs, seed: int) -> None:
+        self.folder, self.errand, self.needs, self.seed = folder, errand, needs, seed
+        self.rng = np.random.default_rng(seed)
+        self.socket = folder / "c.sock"
+        self.page_port = _free_port() if needs.page else None
+        self.halted_s: list[tuple[float, float]] = []
+        """From when to when the robot's own process was stopped."""
+        self.stop_s: float | None = None
+        self.stop_ordered_s: float | None = None
+        self.end: tuple[str, str] | None = None
+        """State and sentence, where the attack has asked for them at a better moment."""
+        self._things = ExitStack()
+        self.daemons: list[Process] = []
+
+    def __enter__(self) -> Rig:
+        try:
+            self._start()
+        except BaseException:
+            self._things.close()
+            raise
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self._things.close()
+
+    def process(self, process: Process) -> Process:
+        """One more process, ended with the run."""
+        self._things.callback(process.end)
+        return process
+
+    def _start(self) -> None:
+        self.config_file = write_config(self.folder, self.errand, page_port=self.page_port)
+        self.config = read_config(self.config_file)
+        x_m, y_m, heading_deg = self.errand.start
+        words = ["--poses", str(self.folder / "robot.pose"), "--start"]
+        words += [f"{x_m},{y_m},{heading_deg}", "--seed", str(self.seed)]
+        arguments = (
+            module("handled_robot", *words)
+            if self.needs.handled
+            else clearway("robot", *words)
+        )
+        self.robot = self.process(Process("robot", arguments, self.folder))
+        port = self.robot.first_line(UP_WITHIN_S)
+        line = Line(self.folder / "port", port, np.random.default_rng(self.seed))
+        self.line = self._things.enter_context(line)
+        arena = load_arena(self.config)
+        poses = self.folder / "robot.pose"
+        self.truth = self._things.enter_context(
+            TruthWatch(poses, arena, self.config.robot.radius_m)
+        )
+        self.camera: Process | None = None
+        if self.needs.http_camera:
+            address = self.start_camera()
+            write_config(self.folder, self.errand, address, self.page_port)
+        self.start_daemon()
+
+    # The processes.
+
+    camera_port = 0
+
+    def start_camera(self) -> str:
+        """The network camera, at the same port where there was one; its address."""
+        words = [self.folder / "run.yaml", "--port", str(self.camera_port)]
+        words += ["--seed", str(self.seed)]
+        out = self.folder / "camera.out"
+        out.unlink(missing_ok=True)
+        self.camera = self.process(Process("camera", module("camera_server", *words), self.folder))
+        address = self.camera.first_line(UP_WITHIN_S)
+        self.camera_port = int(address.rsplit(":", 1)[1].partition("/")[0])
+        return address
+
+    def show(self, **faults: Any) -> None:
+        """Faults of the network camera; none: a good one."""
+        assert self.camera is not None
+        self.camera.say(json.dumps(faults))
+
+    @property
+    def daemon(self) -> Process:
+        return self.daemons[-1]
+
+    def start_daemon(self) -> None:
+        """`clearway run`, the first time or again."""
+        words = ["run", self.config_file, "--socket", self.socket]
+        if not self.needs.page:
+            words.append("--no-dashboard")
+        if self.needs.recorded:
+            words += ["--record", self.folder / "recordings"]
+        process = Process("daemon", clearway(*words), self.folder, self.needs.stdout)
+        self.daemons.append(self.process(process))
+
+    def start_another(self, config: Path) -> None:
+        """A second program beside the first."""
+        words = ["run", config, "--no-dashboard", "--socket", self.folder / "d.sock"]
+        self.process(Process("second", clearway(*words), self.folder))
+
+    def wait_for_answer(self) -> None:
+        """Until the program takes orders."""
+        up = wait_until(lambda: self.status() is not None or not self.daemon.runs, UP_WITHIN_S)
+        if not up or not self.daemon.runs:
+            raise ProcessError(f"the program did not come up: {self.daemon.last_words()}")
+
+    def drive(self, metres: float) -> None:
+        """Until the robot is so far from its start."""
+        self.wait_for_answer()
+        far = wait_until(
+            lambda: self.truth.travelled_m() >= metres or not self.daemon.runs, DRIVES_WITHIN_S
+        )
+        if not far or not self.daemon.runs:
+            raise ProcessError(f"the robot did not drive {metres:.2f} m: {self.status()}")
+
+    # What an attack does.
+
+    def order(self, **request: object) -> dict[str, Any] | None:
+        """An order to the program and its answer; None where there is none."""
+        with contextlib.suppress(ControlError):
+            return send_order(self.socket, request)
+        return None
+
+    def status(self) -> dict[str, Any] | None:
+        return self.order(order="status") if self.socket.exists() else None
+
+    def watch(self, seconds: float) -> bool:
+        """Look on for so long, or until a contact; whether there was none."""
+        return not self.truth.touched.wait(seconds)
+
+    def watch_mission(self, seconds: float) -> None:
+        """Look on for so long, or until a contact or the mission's end."""
+        end_s = time.monotonic() + seconds
+        while time.monotonic() < end_s and self.watch(0.5):
+            status = self.status()
+            if status is not None and status["state"] in OVER:
+                return
+
+    def note_end(self) -> None:
+        """Keep what the program says of itself now."""
+        status = self.status()
+        if status is not None:
+            self.end = status["state"], status["reason"]
+        elif not self.daemon.runs:
+            self.end = "", f"the program ended: {self.daemon.last_words()}"
+
+    def stop(self) -> None:
+        """Order a stop and take the time of its answer; only the first counts."""
+        if self.stop_ordered_s is not None:
+            return
+        self.stop_ordered_s = time.monotonic()
+        if self.order(order="stop", reason="the judge orders a stop") is not None:
+            self.stop_s = time.monotonic() - self.stop_ordered_s
+
+    def freeze(self, process: Process, seconds: float) -> None:
+        """SIGSTOP for so long."""
+        began_s = time.monotonic()
+        process.signal(signal.SIGSTOP)
+        self.watch(seconds)
+        process.signal(signal.SIGCONT)
+        if process is self.robot:
+            self.halted_s.append((began_s, time.monotonic()))
+
+    # The judgement.
+
+    def judged(self, outcome: Outcome) -> Outcome:
+        """Stop, look on while the robot comes to rest, and measure."""
+        if self.end is None:
+            self.note_end()
+        self.stop()
+        time.sleep(AFTER_STOP_S)  # whatever moves now is to be seen
+        rows = self.truth.rows()
+        assert self.stop_ordered_s is not None
+        outcome.stop_s = self.stop_s
+        outcome.state, outcome.sentence = self.end or ("", "no answer")
+        by_hand = self.truth.by_hand
+        outcome.least_gap_m = least_gap_m(
+            rows, self.truth.arena, self.truth.radius_m, by_hand
+        )
+        outcome.stood_s = stood_after_s(rows, self.stop_ordered_s)
+        moment = Moment(self.line.permits_s(), by_hand, self.halted_s)
+        outcome.drove_s = drove_without_permit_s(rows, moment)
+        judge(outcome)
+        return outcome
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,40 @@
+"""One attack, once: a folder, a rig, the attack, the judgement. Choices follow from the seed."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.adversary.attack import Attack
+from benchmarks.adversary.bars import Outcome
+from benchmarks.adversary.processes import ProcessError
+from benchmarks.adversary.rig import Rig
+from benchmarks.adversary.scene import ERRANDS
+
+
+def run_attack(attack: Attack, seed: int, keep: Path | None = None) -> Outcome:
+    """What came of it; ``keep``: where the run's folder is left."""
+    began_s = time.monotonic()
+    rng = np.random.default_rng([seed, zlib.crc32(attack.name.encode())])
+    errand = ERRANDS[int(rng.integers(len(ERRANDS)))]
+    onset_m = float(rng.uniform(*attack.onset_m))
+    outcome = Outcome(attack.name, seed)
+    folder = Path(tempfile.mkdtemp(prefix="clearway-judge-"))
+    try:
+        with Rig(folder, errand, attack.needs, int(rng.integers(1 << 31))) as rig:
+            rig.drive(onset_m)
+            attack.act(rig)
+            rig.judged(outcome)
+    except ProcessError as error:
+        outcome.failures.append(str(error))
+    finally:
+        if keep is not None:
+            shutil.copytree(folder, keep, dirs_exist_ok=True)
+        shutil.rmtree(folder, ignore_errors=True)
+    outcome.took_s = time.monotonic() - began_s
+    return outcome
