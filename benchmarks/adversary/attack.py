@@ -14,7 +14,8 @@ Act = Callable[[Rig], None]
 @dataclass(frozen=True, slots=True)
 class Attack:
     """``kind``: line, camera, process, flood or disk. ``onset_m``: between which distances from
-    its start the robot is when it begins; None: from before the program starts.
+    its start the robot is when ``act`` begins. With ``before``, done before the program starts,
+    the robot need not drive at all.
     """
 
     kind: str
@@ -22,3 +23,4 @@ class Attack:
     act: Act
     needs: Needs = Needs()
     onset_m: tuple[float, float] = (0.05, 0.5)
+    before: Act | None = None

@@ -14,6 +14,8 @@ from firmware_protocol.host import HostConnection
 from firmware_protocol.messages import MessageType
 
 WATCH_S = 7.0
+GROWS_S_S = 0.25
+"""Seconds of delay a second: a lease every 80 ms arrives every 100 ms."""
 STANDS_S = 3.2
 """The lease, braking and disarming."""
 
@@ -28,12 +30,36 @@ def _damage(spec: str) -> Act:
 
 
 def _delay(to_robot_s: float, to_host_s: float) -> Act:
+    """From one moment to the next; what is on its way stays on its way."""
+
     def act(rig: Rig) -> None:
         rig.line.to_robot.delay_s = to_robot_s
         rig.line.to_host.delay_s = to_host_s
         rig.watch_mission(WATCH_S)
 
     return act
+
+
+def _growing_delay(to_robot_s: float, to_host_s: float) -> Act:
+    """Slowly, so that leases never cease to arrive."""
+
+    def act(rig: Rig) -> None:
+        whole_s = max(to_robot_s, to_host_s) / GROWS_S_S
+        began_s = time.monotonic()
+        while (share := (time.monotonic() - began_s) / whole_s) < 1.0 and rig.watch(0.02):
+            rig.line.to_robot.delay_s = share * to_robot_s
+            rig.line.to_host.delay_s = share * to_host_s
+        rig.watch(1.0)
+
+    return act
+
+
+def _late_from_the_start(rig: Rig) -> None:
+    rig.line.to_robot.delay_s = 1.0
+
+
+def _watch(rig: Rig) -> None:
+    rig.watch_mission(WATCH_S)
 
 
 def _stall_and_burst(rig: Rig) -> None:
@@ -195,14 +221,16 @@ ATTACKS = (
     Attack("line", "bits flipped in 1 % of the bytes", _damage("flip=0.01")),
     Attack("line", "a third of the frames twice", _damage("dup=0.33")),
     Attack("line", "a third of the frames overtaken", _damage("swap=0.33")),
-    Attack("line", "0.1 s late to the robot", _delay(0.1, 0.0)),
-    Attack("line", "0.3 s late to the robot", _delay(0.3, 0.0)),
-    Attack("line", "0.6 s late to the robot", _delay(0.6, 0.0)),
-    Attack("line", "1 s late to the robot", _delay(1.0, 0.0)),
-    Attack("line", "2 s late to the robot", _delay(2.0, 0.0)),
-    Attack("line", "1 s late to the program", _delay(0.0, 1.0)),
-    Attack("line", "0.3 s late both ways", _delay(0.3, 0.3)),
-    Attack("line", "1 s late both ways", _delay(1.0, 1.0)),
+    Attack("line", "at once 0.1 s late to the robot", _delay(0.1, 0.0)),
+    Attack("line", "at once 0.3 s late both ways", _delay(0.3, 0.3)),
+    Attack("line", "at once 1 s late to the robot", _delay(1.0, 0.0)),
+    Attack("line", "growing to 0.3 s late to the robot", _growing_delay(0.3, 0.0)),
+    Attack("line", "growing to 0.6 s late to the robot", _growing_delay(0.6, 0.0)),
+    Attack("line", "growing to 1 s late to the robot", _growing_delay(1.0, 0.0)),
+    Attack("line", "growing to 2 s late to the robot", _growing_delay(2.0, 0.0)),
+    Attack("line", "growing to 1 s late to the program", _growing_delay(0.0, 1.0)),
+    Attack("line", "growing to 1 s late both ways", _growing_delay(1.0, 1.0)),
+    Attack("line", "1 s late to the robot from the start", _watch, before=_late_from_the_start),
     Attack("line", "stalls of 1 s, then all at once", _stall_and_burst),
     Attack("line", "leases held back over a pause", _late_burst),
     Attack("line", "the session replayed to a cut-off robot", _session_replayed(True)),

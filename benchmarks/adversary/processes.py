@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-END_WITHIN_S = 5.0
 
 
 class ProcessError(RuntimeError):
@@ -88,19 +87,14 @@ class Process:
         return "nothing"
 
     def end(self) -> None:
-        """Ask it to end, and kill it where it does not."""
+        """Kill it and what it has started: all there is to know of it is known."""
         if self.popen.stdin is not None:
             with contextlib.suppress(OSError):
                 self.popen.stdin.close()
-        if not self.runs:
-            return
-        self.signal(signal.SIGCONT)
-        self.signal(signal.SIGTERM)
-        try:
-            self.popen.wait(END_WITHIN_S)
-        except subprocess.TimeoutExpired:
-            self.popen.kill()
-            self.popen.wait()
+        if self.runs:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self.popen.pid, signal.SIGKILL)  # its session is its own
+        self.popen.wait()
 
 
 def clearway(*words: str | Path) -> list[str]:

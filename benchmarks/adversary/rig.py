@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import signal
 import socket
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,7 +37,12 @@ from tests.support.waiting import wait_until
 
 UP_WITHIN_S = 60.0
 DRIVES_WITHIN_S = 30.0
+MAY_DRIVE_WITHIN_S = 6.0
 AFTER_STOP_S = 1.6
+HAND_S = 0.05
+"""A hand's order takes so long at most to reach the robot."""
+STANDS_M, STANDS_LONG_S = 0.001, 4.0
+"""A robot that stays within so much for so long is not expected to drive any more."""
 OVER = ("done", "failed", "stopped")
 
 
@@ -112,7 +119,6 @@ class Rig:
         if self.needs.http_camera:
             address = self.start_camera()
             write_config(self.folder, self.errand, address, self.page_port)
-        self.start_daemon()
 
     # The processes.
 
@@ -159,13 +165,14 @@ class Rig:
         if not up or not self.daemon.runs:
             raise ProcessError(f"the program did not come up: {self.daemon.last_words()}")
 
-    def drive(self, metres: float) -> None:
-        """Until the robot is so far from its start."""
+    def drive(self, metres: float, may_stand: bool = False) -> None:
+        """Until the robot is so far from its start; ``may_stand``: or has not come so far."""
         self.wait_for_answer()
         far = wait_until(
-            lambda: self.truth.travelled_m() >= metres or not self.daemon.runs, DRIVES_WITHIN_S
+            lambda: self.truth.travelled_m() >= metres or not self.daemon.runs,
+            MAY_DRIVE_WITHIN_S if may_stand else DRIVES_WITHIN_S,
         )
-        if not far or not self.daemon.runs:
+        if not (far or may_stand) or not self.daemon.runs:
             raise ProcessError(f"the robot did not drive {metres:.2f} m: {self.status()}")
 
     # What an attack does.
@@ -184,11 +191,17 @@ class Rig:
         return not self.truth.touched.wait(seconds)
 
     def watch_mission(self, seconds: float) -> None:
-        """Look on for so long, or until a contact or the mission's end."""
+        """Look on for so long, or until a contact, the mission's end, or a long stand."""
         end_s = time.monotonic() + seconds
-        while time.monotonic() < end_s and self.watch(0.5):
+        place, since_s = self.truth.pose, time.monotonic()
+        while (now_s := time.monotonic()) < end_s and self.watch(0.5):
             status = self.status()
             if status is not None and status["state"] in OVER:
+                return
+            before, place = place, self.truth.pose
+            if before is None or place is None or math.dist(before, place) > STANDS_M:
+                since_s = now_s
+            elif now_s - since_s > STANDS_LONG_S:
                 return
 
     def note_end(self) -> None:
@@ -207,14 +220,29 @@ class Rig:
         if self.order(order="stop", reason="the judge orders a stop") is not None:
             self.stop_s = time.monotonic() - self.stop_ordered_s
 
-    def freeze(self, process: Process, seconds: float) -> None:
+    def freeze(
+        self, process: Process, seconds: float, meanwhile: Callable[[], object] | None = None
+    ) -> None:
         """SIGSTOP for so long."""
         began_s = time.monotonic()
         process.signal(signal.SIGSTOP)
-        self.watch(seconds)
+        if meanwhile is not None:
+            meanwhile()
+        self.watch(began_s + seconds - time.monotonic())
         process.signal(signal.SIGCONT)
         if process is self.robot:
             self.halted_s.append((began_s, time.monotonic()))
+
+    def carry(self, there: tuple[float, float, float], seconds: float) -> None:
+        """A hand lifts the robot and puts it down there."""
+        began_s = time.monotonic()
+        self.truth.by_hand.append((began_s, began_s + seconds + HAND_S))
+        self.robot.say(json.dumps({"carry": there, "seconds": seconds}))
+        self.watch(seconds + HAND_S)
+
+    def grip(self, share: float) -> None:
+        """How much of the wheels' travel the floor takes from now on."""
+        self.robot.say(json.dumps({"grip": share}))
 
     # The judgement.
 

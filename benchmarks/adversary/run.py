@@ -27,14 +27,18 @@ def run_attack(attack: Attack, seed: int, keep: Path | None = None) -> Outcome:
     folder = Path(tempfile.mkdtemp(prefix="clearway-judge-"))
     try:
         with Rig(folder, errand, attack.needs, int(rng.integers(1 << 31))) as rig:
-            rig.drive(onset_m)
+            if attack.before is not None:
+                attack.before(rig)
+            rig.start_daemon()
+            rig.drive(onset_m, may_stand=attack.before is not None)
             attack.act(rig)
             rig.judged(outcome)
     except ProcessError as error:
         outcome.failures.append(str(error))
     finally:
         if keep is not None:
-            shutil.copytree(folder, keep, dirs_exist_ok=True)
+            left_out = shutil.ignore_patterns("*.sock", "port")
+            shutil.copytree(folder, keep, ignore=left_out, dirs_exist_ok=True)
         shutil.rmtree(folder, ignore_errors=True)
     outcome.took_s = time.monotonic() - began_s
     return outcome

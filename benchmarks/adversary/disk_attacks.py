@@ -1,0 +1,50 @@
+"""Attacks on what the program writes: no room, nobody to read, a lock held by somebody else."""
+
+from __future__ import annotations
+
+import resource
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+from benchmarks.adversary.attack import Attack
+from benchmarks.adversary.rig import Needs, Rig
+
+FULL_BYTES = 4096
+"""No file grows beyond this any more; the journal and every log are larger."""
+
+
+def _no_room(rig: Rig) -> None:
+    """Every file is full from now on; a new plan has to be kept."""
+    pid = rig.daemon.popen.pid
+    hard = resource.prlimit(pid, resource.RLIMIT_FSIZE)[1]
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (FULL_BYTES, hard))
+    rig.watch(2.0)
+    rig.order(order="replan")
+    rig.watch_mission(4.0)
+
+
+def _nobody_reads(rig: Rig) -> None:
+    rig.watch_mission(6.0)
+
+
+def _locked(rig: Rig) -> None:
+    """Twice for 2 s, while a new plan has to be kept; the stop comes in the second."""
+    with closing(sqlite3.connect(rig.folder / "journal", isolation_level=None)) as other:
+        for number in range(2):
+            other.execute("BEGIN IMMEDIATE")
+            rig.order(order="replan")
+            rig.watch(0.7)
+            if number == 1:
+                rig.note_end()
+                rig.stop()
+            rig.watch(1.2)
+            other.execute("ROLLBACK")
+            rig.watch(2.0)
+
+
+ATTACKS = (
+    Attack("disk", "no room for any file", _no_room, Needs(recorded=True)),
+    Attack("disk", "standard output is full", _nobody_reads, Needs(stdout=Path("/dev/full"))),
+    Attack("disk", "the journal locked for 2 s", _locked),
+)
