@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil fuzz rtsp faults bench paper pictures browser
+.PHONY: firmware hil fuzz rtsp faults adversary bench paper pictures browser
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -65,6 +65,9 @@ rtsp: $(VENV)/.installed-dev ## a real RTSP server that stalls, freezes and dies
 faults: $(VENV)/.installed-dev ## the serial link's fault matrix, into benchmarks/results/faults.md
 	bash .ci/packages firmware
 	$(BIN)/python -m benchmarks.faults
+
+adversary: $(VENV)/.installed-dev ## attacks on the running system, into benchmarks/results/adversary.md
+	$(BIN)/python -m benchmarks.adversary
 
 paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
 	$(BIN)/python -m benchmarks.paper

@@ -8,6 +8,7 @@ One attack at a time, 15 to 25 seconds each. Ends with 1 where a bar was not hel
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 import time
 from pathlib import Path
@@ -29,15 +30,23 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="leave the folders of all runs there")
     parser.add_argument("--list", action="store_true", help="name the attacks and end")
     options = parser.parse_args()
-    attacks = [one for one in (QUICK if options.quick else ATTACKS) if options.only in f"{one.kind}: {one.name}"]
+    attacks = [
+        one
+        for one in (QUICK if options.quick else ATTACKS)
+        if options.only in f"{one.kind}: {one.name}"
+    ]
     if options.list or not attacks:
         print("\n".join(f"{one.kind}: {one.name}" for one in ATTACKS))
         return 0 if options.list else 2
+    for number in (signal.SIGTERM, signal.SIGHUP):  # a run's processes end with it
+        signal.signal(number, _end)
     began_s = time.monotonic()
     runs: list[tuple[str, Outcome]] = []
     for attack in attacks:
         for seed in range(options.seed, options.seed + options.runs):
-            keep = options.keep and options.keep / f"{attack.kind} {attack.name} {seed}".replace("/", "-")
+            keep = options.keep and options.keep / f"{attack.kind} {attack.name} {seed}".replace(
+                "/", "-"
+            )
             outcome = run_attack(attack, seed, keep)
             runs.append((attack.kind, outcome))
             _tell(attack.kind, outcome)
@@ -47,6 +56,10 @@ def main() -> int:
         RESULT.write_text(text)
     print(text)
     return int(any(outcome.failures for _, outcome in runs))
+
+
+def _end(number: int, _frame: object) -> None:
+    raise SystemExit(128 + number)
 
 
 def _tell(kind: str, outcome: Outcome) -> None:

@@ -24,8 +24,8 @@ STAND_LIMIT_S = 1.4
 STANDS_M_S = 0.01
 BRAKING_M_S2 = 0.4
 """Four fifths of the robot's own 0.5: its motors lag."""
-LAG_S = 0.1
-"""Two time constants of the motors."""
+LAG_S = 0.05
+"""The motors' time constant: so long a wheel keeps its speed after it was told to brake."""
 TRACK_M = 0.12
 STEP_S = 0.01
 WINDOW = 3
@@ -116,9 +116,7 @@ def drove_without_permit_s(rows: FloatArray, moment: Moment) -> float:
         if not moving.any():
             continue
         age = times[moving] - start_s
-        braked_s = np.where(
-            speed[moving] < fastest, (fastest - speed[moving]) / BRAKING_M_S2 + LAG_S, 0.0
-        )
+        braked_s = LAG_S + np.maximum(0.0, fastest - speed[moving]) / BRAKING_M_S2
         worst = max(worst, float((age - braked_s).max()))
     return worst
 

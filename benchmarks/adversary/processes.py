@@ -103,5 +103,5 @@ def clearway(*words: str | Path) -> list[str]:
 
 
 def module(name: str, *words: str | Path) -> list[str]:
-    """The command line of a module of this folder."""
-    return [sys.executable, "-m", f"benchmarks.adversary.{name}", *map(str, words)]
+    """The command line of one of the programs of `stage`."""
+    return [sys.executable, "-m", f"benchmarks.adversary.stage.{name}", *map(str, words)]

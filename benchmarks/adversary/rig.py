@@ -27,9 +27,9 @@ from benchmarks.adversary.bars import (
     least_gap_m,
     stood_after_s,
 )
-from benchmarks.adversary.line import Line
 from benchmarks.adversary.processes import Process, ProcessError, clearway, module
 from benchmarks.adversary.scene import Errand, read_config, write_config
+from benchmarks.adversary.stage.line import Line
 from benchmarks.adversary.truth import TruthWatch
 from navigation.control import ControlError, send_order
 from navigation.simulator.arena import load_arena
@@ -99,12 +99,10 @@ class Rig:
         self.config_file = write_config(self.folder, self.errand, page_port=self.page_port)
         self.config = read_config(self.config_file)
         x_m, y_m, heading_deg = self.errand.start
-        words = ["--poses", str(self.folder / "robot.pose"), "--start"]
+        words: list[str | Path] = ["--poses", str(self.folder / "robot.pose"), "--start"]
         words += [f"{x_m},{y_m},{heading_deg}", "--seed", str(self.seed)]
         arguments = (
-            module("handled_robot", *words)
-            if self.needs.handled
-            else clearway("robot", *words)
+            module("handled_robot", *words) if self.needs.handled else clearway("robot", *words)
         )
         self.robot = self.process(Process("robot", arguments, self.folder))
         port = self.robot.first_line(UP_WITHIN_S)
@@ -126,7 +124,7 @@ class Rig:
 
     def start_camera(self) -> str:
         """The network camera, at the same port where there was one; its address."""
-        words = [self.folder / "run.yaml", "--port", str(self.camera_port)]
+        words: list[str | Path] = [self.folder / "run.yaml", "--port", str(self.camera_port)]
         words += ["--seed", str(self.seed)]
         out = self.folder / "camera.out"
         out.unlink(missing_ok=True)
@@ -146,7 +144,7 @@ class Rig:
 
     def start_daemon(self) -> None:
         """`clearway run`, the first time or again."""
-        words = ["run", self.config_file, "--socket", self.socket]
+        words: list[str | Path] = ["run", self.config_file, "--socket", self.socket]
         if not self.needs.page:
             words.append("--no-dashboard")
         if self.needs.recorded:
@@ -156,7 +154,13 @@ class Rig:
 
     def start_another(self, config: Path) -> None:
         """A second program beside the first."""
-        words = ["run", config, "--no-dashboard", "--socket", self.folder / "d.sock"]
+        words: list[str | Path] = [
+            "run",
+            config,
+            "--no-dashboard",
+            "--socket",
+            self.folder / "d.sock",
+        ]
         self.process(Process("second", clearway(*words), self.folder))
 
     def wait_for_answer(self) -> None:
@@ -253,13 +257,12 @@ class Rig:
         self.stop()
         time.sleep(AFTER_STOP_S)  # whatever moves now is to be seen
         rows = self.truth.rows()
+        np.savez(self.folder / "truth.npz", rows=rows, permits_s=self.line.permits_s())
         assert self.stop_ordered_s is not None
         outcome.stop_s = self.stop_s
         outcome.state, outcome.sentence = self.end or ("", "no answer")
         by_hand = self.truth.by_hand
-        outcome.least_gap_m = least_gap_m(
-            rows, self.truth.arena, self.truth.radius_m, by_hand
-        )
+        outcome.least_gap_m = least_gap_m(rows, self.truth.arena, self.truth.radius_m, by_hand)
         outcome.stood_s = stood_after_s(rows, self.stop_ordered_s)
         moment = Moment(self.line.permits_s(), by_hand, self.halted_s)
         outcome.drove_s = drove_without_permit_s(rows, moment)

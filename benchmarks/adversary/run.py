@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.adversary.attack import Attack
+from benchmarks.adversary.attacks.attack import Attack
 from benchmarks.adversary.bars import Outcome
 from benchmarks.adversary.processes import ProcessError
 from benchmarks.adversary.rig import Rig

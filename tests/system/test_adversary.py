@@ -42,7 +42,7 @@ def driven(braking_from_s: float, until_s: float = 12.0) -> np.ndarray:
 @pytest.mark.parametrize("late_s", [0.2, 0.5, 0.8, 2.0])
 def test_driving_on_after_the_last_permit_is_measured_without_the_braking(late_s: float) -> None:
     found = drove_without_permit_s(driven(5.0 + late_s), Moment(PERMITS_S))
-    assert found == pytest.approx(late_s, abs=0.06)
+    assert found == pytest.approx(late_s, abs=0.08)
 
 
 def test_a_robot_that_sets_off_without_a_permit_is_found() -> None:
@@ -67,20 +67,22 @@ def test_what_a_hand_does_is_no_fault_of_the_program() -> None:
     by_hand = [(7.9, 8.1)]
     assert drove_without_permit_s(track, Moment(PERMITS_S, by_hand)) < 0.55
     arena = SimulatedArena(
-        read_scene_text("#@ clearway.scene/1\n#@ units m\n#@ bounds given -9 -9 9 9\nC (1.2,0.5) 0.1", "t")
+        read_scene_text(
+            "#@ clearway.scene/1\n#@ units m\n#@ bounds given -9 -9 9 9\nC (1.2,0.5) 0.1", "t"
+        )
     )
     assert least_gap_m(track, arena, 0.09, []) < 0.0
     assert least_gap_m(track, arena, 0.09, [(7.9, 12.0)]) > 0.0
 
 
 def test_a_frozen_robot_may_brake_when_it_is_back() -> None:
-    times = np.array([0.0, 5.0, 7.0, 7.1, 9.0])
-    x = np.array([0.0, 1.5, 1.5, 1.5, 1.5])
-    brakes = driven(5.6)
-    frozen = np.interp(brakes[:, 0], times, [0.0, 5.0, 5.0, 5.1, 7.0])
-    brakes[:, 1] = np.interp(frozen, driven(5.1)[:, 0], driven(5.1)[:, 1])
-    assert x[-1] > 0.0
-    assert drove_without_permit_s(brakes, Moment(PERMITS_S, halted_s=[(5.0, 7.0)])) < 0.65
+    back_s, slept_s = 7.0, 2.0
+    track = driven(5.1)
+    own_s = np.interp(track[:, 0], [0.0, back_s - slept_s, back_s, 99.0], [0.0, 5.0, 5.0, 97.0])
+    track[:, 1] = np.interp(own_s, driven(5.1)[:, 0], driven(5.1)[:, 1])
+    asleep = [(back_s - slept_s, back_s)]
+    assert drove_without_permit_s(track, Moment(PERMITS_S)) > 1.5
+    assert drove_without_permit_s(track, Moment(PERMITS_S, halted_s=asleep)) < 0.65
 
 
 def test_the_time_to_a_stand_counts_from_the_stop_order() -> None:

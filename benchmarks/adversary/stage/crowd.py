@@ -1,10 +1,10 @@
 """A crowd at the program's doors, in a process of its own; bounded in number and time.
 
-    python -m benchmarks.adversary.crowd half_open PORT COUNT SECONDS
-    python -m benchmarks.adversary.crowd viewers PORT COUNT SECONDS
-    python -m benchmarks.adversary.crowd drip SOCKET COUNT SECONDS
-    python -m benchmarks.adversary.crowd silent SOCKET COUNT SECONDS
-    python -m benchmarks.adversary.crowd nonsense SOCKET COUNT SECONDS
+    python -m benchmarks.adversary.stage.crowd half_open PORT COUNT SECONDS
+    python -m benchmarks.adversary.stage.crowd viewers PORT COUNT SECONDS
+    python -m benchmarks.adversary.stage.crowd drip SOCKET COUNT SECONDS
+    python -m benchmarks.adversary.stage.crowd silent SOCKET COUNT SECONDS
+    python -m benchmarks.adversary.stage.crowd nonsense SOCKET COUNT SECONDS
 
 Says a line when everybody is there. Loopback and Unix sockets only.
 """
@@ -111,9 +111,11 @@ def drip(path: str, count: int, end_s: float) -> None:
 
 def silent(path: str, count: int, end_s: float) -> None:
     """Clients that say nothing at all."""
-    _clients(path, count)
+    clients = _clients(path, count)
     print("there", flush=True)
     time.sleep(max(0.0, end_s - time.monotonic()))
+    for client in clients:
+        client.close()
 
 
 def nonsense(path: str, count: int, end_s: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from benchmarks.adversary.attack import Act, Attack
+from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.rig import Needs, Rig
 
 WATCH_S = 9.0

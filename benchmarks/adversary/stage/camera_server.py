@@ -1,6 +1,6 @@
 """A network camera above the simulated arena: Motion JPEG over HTTP, with faults on order.
 
-    python -m benchmarks.adversary.camera_server RUN.yaml [--port N] [--seed N]
+    python -m benchmarks.adversary.stage.camera_server RUN.yaml [--port N] [--seed N]
 
 Each picture shows the robot where its pose file has it at the moment of the exposure. The first
 line on standard output is the address; faults come on standard input, a JSON object each, whose
@@ -23,8 +23,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from benchmarks.adversary.film import Faults, Film
 from benchmarks.adversary.scene import read_config
+from benchmarks.adversary.stage.film import Faults, Film
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
 
 KEPT_S = 4.0
@@ -101,7 +101,8 @@ class Stream:
         try:
             while not self.over.is_set() and not self._faults.dead:
                 with self._news:
-                    self._news.wait_for(lambda seen=seen: self._number != seen, 0.2)
+                    if self._number == seen:
+                        self._news.wait(0.2)
                     data, number = self._data, self._number
                 if number == seen:
                     continue
@@ -133,8 +134,9 @@ def make_server(stream: Stream, port: int) -> ThreadingHTTPServer:
 
 def read_faults(line: str) -> Faults:
     """The faults of a line; unknown keys are a mistake of the judge's."""
-    found: dict[str, Any] = json.loads(line)
-    return Faults(**{k: tuple(v) if isinstance(v, list) else v for k, v in found.items()})
+    said: dict[str, Any] = json.loads(line)
+    found: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in said.items()}
+    return Faults(**found)
 
 
 def main() -> int:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import resource
 import sqlite3
+import time
 from contextlib import closing
 from pathlib import Path
 
-from benchmarks.adversary.attack import Attack
+from benchmarks.adversary.attacks.attack import Attack
 from benchmarks.adversary.rig import Needs, Rig
 
+LOCKED_S = 2.0
 FULL_BYTES = 4096
 """No file grows beyond this any more; the journal and every log are larger."""
 
@@ -33,12 +35,12 @@ def _locked(rig: Rig) -> None:
     with closing(sqlite3.connect(rig.folder / "journal", isolation_level=None)) as other:
         for number in range(2):
             other.execute("BEGIN IMMEDIATE")
+            until_s = time.monotonic() + LOCKED_S
             rig.order(order="replan")
-            rig.watch(0.7)
+            rig.watch(0.5)
             if number == 1:
-                rig.note_end()
                 rig.stop()
-            rig.watch(1.2)
+            rig.watch(until_s - time.monotonic())
             other.execute("ROLLBACK")
             rig.watch(2.0)
 

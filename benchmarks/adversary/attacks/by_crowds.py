@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import resource
 
-from benchmarks.adversary.attack import Act, Attack
+from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.processes import Process, module
 from benchmarks.adversary.rig import Needs, Rig
 

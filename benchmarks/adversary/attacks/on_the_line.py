@@ -6,9 +6,9 @@ import random
 import time
 from collections.abc import Callable
 
-from benchmarks.adversary.attack import Act, Attack
-from benchmarks.adversary.line import Frames
+from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.rig import Rig
+from benchmarks.adversary.stage.line import Frames, is_permit
 from firmware_protocol.framing import Frame, Sender
 from firmware_protocol.host import HostConnection
 from firmware_protocol.messages import MessageType
@@ -114,6 +114,31 @@ def _replayed_over_the_live_one(rig: Rig) -> None:
     for _ in range(3):
         _replay(rig, record, with_hello=False)
         rig.watch(1.5)
+
+
+def _kept_alive(rig: Rig) -> None:
+    """The program is cut off; its last second is heard again and again."""
+    rig.watch(1.0)
+    now_s = time.monotonic()
+    record = [one for one in rig.line.to_robot.record if one[0] > now_s - 1.0]
+    rig.line.to_robot.cut = True
+    for _ in range(6):
+        _replay(rig, record, with_hello=False)
+        rig.watch(1.0)
+
+
+def _old_permit(rig: Rig) -> None:
+    """Poses pass; leases and halts do not, and the last permit comes ten times a second."""
+    rig.watch(0.5)
+    frames = Frames(Sender.HOST)
+    found = [pair for _, data in rig.line.to_robot.record for pair in frames.feed(data)]
+    permit = next(raw for raw, frame in reversed(found) if is_permit(frame))
+    halts = (MessageType.LEASE, MessageType.PAUSE, MessageType.CLEAR)
+    rig.line.to_robot.keep = lambda frame: frame.kind not in halts
+    rig.order(order="pause")
+    for _ in range(40):
+        rig.line.inject(permit)
+        rig.watch(0.1)
 
 
 def _fresh_hello(seed: int) -> bytes:
@@ -236,6 +261,8 @@ ATTACKS = (
     Attack("line", "the session replayed to a cut-off robot", _session_replayed(True)),
     Attack("line", "its end replayed to a cut-off robot", _session_replayed(False)),
     Attack("line", "the last 1.5 s replayed over a pause", _replayed_over_the_live_one),
+    Attack("line", "the last second replayed to a cut-off robot", _kept_alive),
+    Attack("line", "an old permit in place of its withdrawal", _old_permit),
     Attack("line", "a stray HELLO, fresh", _stray_hello),
     Attack("line", "a stray HELLO, recorded", _recorded_hello),
     Attack("line", "a second host that gives leave", _second_host),

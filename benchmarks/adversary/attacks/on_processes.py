@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from benchmarks.adversary.attack import Act, Attack
+from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.processes import Process
 from benchmarks.adversary.rig import Needs, Rig
 

@@ -11,6 +11,9 @@ Act = Callable[[Rig], None]
 """Does it, while the robot drives; returns when there is no more to see but the stop."""
 
 
+PLAIN = Needs()
+
+
 @dataclass(frozen=True, slots=True)
 class Attack:
     """``kind``: line, camera, process, flood or disk. ``onset_m``: between which distances from
@@ -21,6 +24,6 @@ class Attack:
     kind: str
     name: str
     act: Act
-    needs: Needs = Needs()
+    needs: Needs = PLAIN
     onset_m: tuple[float, float] = (0.05, 0.5)
     before: Act | None = None
