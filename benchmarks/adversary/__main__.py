@@ -68,7 +68,8 @@ def _tell(kind: str, outcome: Outcome) -> None:
     print(
         f"{kind}: {outcome.attack}, seed {outcome.seed}, {outcome.took_s:.0f} s: gap "
         f"{outcome.least_gap_m * 1e3:.0f} mm, stop {stop} s, stood {outcome.stood_s:.2f} s, drove "
-        f"{outcome.drove_s:.2f} s; {outcome.state}: {outcome.sentence}: {held}",
+        f"{outcome.drove_s:.2f} s, blind {outcome.blind_m:.2f} m; "
+        f"{outcome.state}: {outcome.sentence}: {held}",
         flush=True,
     )
 

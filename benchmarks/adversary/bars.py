@@ -26,6 +26,8 @@ BRAKING_M_S2 = 0.4
 """Four fifths of the robot's own 0.5: its motors lag."""
 LAG_S = 0.05
 """The motors' time constant: so long a wheel keeps its speed after it was told to brake."""
+ELSEWHERE_M = 0.1
+"""A pose that is so far from the truth leads astray; the eye is right to a few millimetres."""
 TRACK_M = 0.12
 STEP_S = 0.01
 WINDOW = 3
@@ -56,6 +58,8 @@ class Outcome:
     """From the stop order until the robot stood."""
     drove_s: float = 0.0
     """How long after its last valid permit it drove without braking."""
+    blind_m: float = 0.0
+    """How far it went while the program took it for elsewhere: no bar, but a warning."""
     state: str = ""
     sentence: str = ""
     failures: list[str] = field(default_factory=list)
@@ -119,6 +123,21 @@ def drove_without_permit_s(rows: FloatArray, moment: Moment) -> float:
         braked_s = LAG_S + np.maximum(0.0, fastest - speed[moving]) / BRAKING_M_S2
         worst = max(worst, float((age - braked_s).max()))
     return worst
+
+
+def blind_m(rows: FloatArray, fixes: Sequence[tuple[float, float, float, float]]) -> float:
+    """How far the robot went, in metres, while the program took it for elsewhere.
+
+    ``fixes``: each pose that the program told: when, of when, x_m, y_m.
+    """
+    if not fixes or len(rows) < 2:
+        return 0.0
+    told = np.array(fixes)
+    x, y = (np.interp(told[:, 1], rows[:, 0], rows[:, i]) for i in (1, 2))
+    wrong = np.hypot(told[:, 2] - x, told[:, 3] - y) > ELSEWHERE_M
+    last = np.searchsorted(told[:, 0], rows[:-1, 0], side="right") - 1
+    ways = np.hypot(*np.diff(rows[:, 1:3], axis=0).T)
+    return float(ways[(last >= 0) & wrong[np.maximum(last, 0)]].sum())
 
 
 def stood_after_s(rows: FloatArray, moment_s: float) -> float:

@@ -30,6 +30,7 @@ def _row(kind: str, name: str, outcomes: Sequence[Outcome]) -> str:
         _mm(min(outcome.least_gap_m for outcome in outcomes)),
         _stop(outcomes),
         f"{max(outcome.drove_s for outcome in outcomes):.2f}",
+        f"{max(outcome.blind_m for outcome in outcomes):.2f}",
         end,
     ]
     return f"| {' | '.join(cells)} |"
@@ -52,11 +53,13 @@ def table(runs: Sequence[tuple[str, Outcome]], took_s: float, command: str) -> s
         f"later than {PERMIT_LIMIT_S:g} s after the last valid permit, braking left out (drove);",
         f"`stop` is answered within {STOP_LIMIT_S:g} s while the fault lasts (stop); the end is",
         "said in a sentence. A permit is valid from when the program sent it, if it came through.",
+        "Blind is no bar: the way that the robot went while the program took it for elsewhere, by",
+        "more than 0.1 m.",
         "",
         f"`{command}` makes this table again.",
         "",
-        "| kind | fault | held | gap, mm | stop, s | drove, s | how it ended |",
-        "|---|---|---|---|---|---|---|",
+        "| kind | fault | held | gap, mm | stop, s | drove, s | blind, m | how it ended |",
+        "|---|---|---|---|---|---|---|---|",
         *[_row(kind, name, outcomes) for (kind, name), outcomes in rows.items()],
     ]
     if failed:

@@ -22,6 +22,7 @@ import numpy as np
 from benchmarks.adversary.bars import (
     Moment,
     Outcome,
+    blind_m,
     drove_without_permit_s,
     judge,
     least_gap_m,
@@ -265,6 +266,8 @@ class Rig:
         outcome.least_gap_m = least_gap_m(rows, self.truth.arena, self.truth.radius_m, by_hand)
         outcome.stood_s = stood_after_s(rows, self.stop_ordered_s)
         moment = Moment(self.line.permits_s(), by_hand, self.halted_s)
+        if not by_hand:  # a hand's way is not the program's
+            outcome.blind_m = blind_m(rows, self.line.fixes)
         outcome.drove_s = drove_without_permit_s(rows, moment)
         judge(outcome)
         return outcome

@@ -14,6 +14,7 @@ from benchmarks.adversary.attacks import ATTACKS, QUICK
 from benchmarks.adversary.bars import (
     Moment,
     Outcome,
+    blind_m,
     drove_without_permit_s,
     judge,
     least_gap_m,
@@ -85,15 +86,23 @@ def test_a_frozen_robot_may_brake_when_it_is_back() -> None:
     assert drove_without_permit_s(track, Moment(PERMITS_S, halted_s=asleep)) < 0.65
 
 
+def test_the_way_that_the_program_does_not_see_is_measured() -> None:
+    track = driven(8.0)
+    seen = [(0.1 * n, 0.1 * n - 0.02, float(SPEED_M_S * (0.1 * n - 0.02)), 0.0) for n in range(80)]
+    frozen = [(when, of, min(x, 1.2), y) for when, of, x, y in seen]
+    assert blind_m(track, seen) == 0.0
+    assert blind_m(track, frozen) == pytest.approx(1.2 - 0.1 + 0.09, abs=0.05)
+
+
 def test_the_time_to_a_stand_counts_from_the_stop_order() -> None:
     assert stood_after_s(driven(5.0), 5.0) == pytest.approx(0.6, abs=0.05)
     assert stood_after_s(driven(5.0), 6.0) == 0.0
 
 
 def test_every_bar_that_is_not_held_is_said() -> None:
-    good = Outcome("x", 1, 0.05, 0.1, 0.2, 0.3, "holding", "no picture from the camera")
-    bad = Outcome("x", 1, -0.05, None, 2.0, 0.9, "", "")
-    slow = Outcome("x", 1, 0.05, 0.4, 0.2, 0.3, "holding", "no picture from the camera")
+    good = Outcome("x", 1, 0.05, 0.1, 0.2, 0.3, 0.0, "holding", "no picture from the camera")
+    bad = Outcome("x", 1, -0.05, None, 2.0, 0.9, 0.0, "", "")
+    slow = Outcome("x", 1, 0.05, 0.4, 0.2, 0.3, 0.0, "holding", "no picture from the camera")
     for outcome in (good, bad, slow):
         judge(outcome)
     assert good.failures == []

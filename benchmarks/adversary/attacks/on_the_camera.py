@@ -38,12 +38,18 @@ def _place(rig: Rig, least_m: float, most_m: float) -> tuple[float, float, float
             return (*place, float(rig.rng.uniform(-math.pi, math.pi)))
 
 
-def _aside(rig: Rig, metres: float) -> tuple[float, float]:
-    """So far to the robot's left or right: (x, y)."""
+def _off(rig: Rig, metres: float) -> tuple[float, float]:
+    """So far (x, y) from the robot, in a direction in which it would stand free."""
     assert rig.truth.pose is not None
-    side = math.copysign(math.pi / 2, float(rig.rng.uniform(-1.0, 1.0)))
-    turned = rig.truth.pose[2] + side
-    return metres * math.cos(turned), metres * math.sin(turned)
+    x, y, _ = rig.truth.pose
+    free: list[tuple[float, tuple[float, float]]] = []
+    for turn_rad in rig.rng.uniform(-math.pi, math.pi, 60):
+        off = (metres * math.cos(turn_rad), metres * math.sin(turn_rad))
+        clearance = float(rig.truth.arena.clearances([(x + off[0], y + off[1])])[0])
+        if clearance > rig.truth.radius_m + ROOM_M / 2:
+            return off
+        free.append((clearance, off))
+    return max(free)[1]
 
 
 def _covered_with_a_double(rig: Rig) -> None:
@@ -67,18 +73,18 @@ def _swapped_now_and_then(rig: Rig) -> None:
 
 
 def _jump(rig: Rig) -> None:
-    rig.show(lie_m=_aside(rig, 0.5))
+    rig.show(lie_m=_off(rig, 0.5))
     rig.watch_mission(WATCH_S)
 
 
 def _small_jump(rig: Rig) -> None:
-    rig.show(lie_m=_aside(rig, 0.08))
+    rig.show(lie_m=_off(rig, 0.08))
     rig.watch_mission(WATCH_S)
 
 
 def _drift(metres_s: float) -> Act:
     def act(rig: Rig) -> None:
-        rig.show(lie_m=_aside(rig, 0.3), lie_m_s=metres_s)
+        rig.show(lie_m=_off(rig, 0.3), lie_m_s=metres_s)
         rig.watch_mission(12.0)
 
     return act

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import resource
 import sqlite3
 import time
@@ -32,16 +33,20 @@ def _nobody_reads(rig: Rig) -> None:
 
 def _locked(rig: Rig) -> None:
     """Twice for 2 s, while a new plan has to be kept; the stop comes in the second."""
-    with closing(sqlite3.connect(rig.folder / "journal", isolation_level=None)) as other:
+    with closing(
+        sqlite3.connect(rig.folder / "journal", isolation_level=None, timeout=0.2)
+    ) as other:
         for number in range(2):
-            other.execute("BEGIN IMMEDIATE")
+            with contextlib.suppress(sqlite3.OperationalError):  # the program keeps others out
+                other.execute("BEGIN IMMEDIATE")
             until_s = time.monotonic() + LOCKED_S
             rig.order(order="replan")
             rig.watch(0.5)
             if number == 1:
                 rig.stop()
             rig.watch(until_s - time.monotonic())
-            other.execute("ROLLBACK")
+            if other.in_transaction:
+                other.execute("ROLLBACK")
             rig.watch(2.0)
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from firmware_protocol.errors import RemoteError
 from firmware_protocol.framing import Frame, FrameParser, Sender
-from firmware_protocol.messages import Lease, LeaseFlag, read_message
+from firmware_protocol.messages import Lease, LeaseFlag, Message, PoseFix, read_message
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 
 TURN_S = 0.002
@@ -49,14 +49,19 @@ class Frames:
         return found
 
 
+def message_of(frame: Frame | None) -> Message | None:
+    """What a frame says; None where it is none or says nothing that is known."""
+    if frame is None:
+        return None
+    try:
+        return read_message(frame)
+    except RemoteError:
+        return None
+
+
 def is_permit(frame: Frame | None) -> bool:
     """Whether a frame of the host's lets the robot drive."""
-    if frame is None or frame.kind != Lease.TYPE:
-        return False
-    try:
-        message = read_message(frame)
-    except RemoteError:
-        return False
+    message = message_of(frame)
     return isinstance(message, Lease) and bool(message.flags & LeaseFlag.PERMIT)
 
 
@@ -116,6 +121,8 @@ class Line:
         self.echo = False
         self.guest: Callable[[bytes, float], bytes] | None = None
         """Somebody else on the robot's end: hears its bytes, and what it says goes to it."""
+        self.fixes: list[tuple[float, float, float, float]] = []
+        """Each pose that the program told the robot: when, of when, and x_m, y_m."""
         self._sent: list[tuple[float, bytes]] = []
         """Each permit: when the program sent it."""
         self._next_sent = 0
@@ -185,8 +192,7 @@ class Line:
         from_host, from_robot = _read(self._master), _read(self._robot)
         if from_host:
             self.to_robot.put(from_host, now_s)
-            permits = [raw for raw, frame in self._entering.feed(from_host) if is_permit(frame)]
-            self._sent += [(now_s, raw) for raw in permits]
+            self._note_sent(from_host, now_s)
         if from_robot:
             self.to_host.put(from_robot, now_s)
         arrived = self.to_robot.take(now_s)
@@ -201,6 +207,14 @@ class Line:
             arrived += self._injected.popleft()[1]
         _write(self._robot, arrived)
         _write(self._master, back)
+
+    def _note_sent(self, data: bytes, now_s: float) -> None:
+        for raw, frame in self._entering.feed(data):
+            if is_permit(frame):
+                self._sent.append((now_s, raw))
+            fix = message_of(frame)
+            if isinstance(fix, PoseFix):
+                self.fixes.append((now_s, now_s - fix.age_s, fix.x_m, fix.y_m))
 
     def _note_passed(self, data: bytes) -> None:
         """Match the permits that leave with those that came in, in order."""
