@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,6 +22,8 @@ PERMIT_LIMIT_S = 0.55
 STOP_LIMIT_S = 0.3
 STAND_LIMIT_S = 1.4
 """From a stop order to rest where the emergency stop is lost: the lease, and 0.6 s of braking."""
+SAID_LIMIT_S = 3.0
+"""A robot that stands for longer is not said to be driving."""
 STANDS_M_S = 0.01
 BRAKING_M_S2 = 0.4
 """Four fifths of the robot's own 0.5: its motors lag."""
@@ -60,6 +63,8 @@ class Outcome:
     """How long after its last valid permit it drove without braking."""
     blind_m: float = 0.0
     """How far it went while the program took it for elsewhere: no bar, but a warning."""
+    said_s: float = 0.0
+    """How long it stood while it was said to be driving."""
     state: str = ""
     sentence: str = ""
     failures: list[str] = field(default_factory=list)
@@ -125,19 +130,37 @@ def drove_without_permit_s(rows: FloatArray, moment: Moment) -> float:
     return worst
 
 
-def blind_m(rows: FloatArray, fixes: Sequence[tuple[float, float, float, float]]) -> float:
+def blind_m(rows: FloatArray, fixes: Sequence[tuple[float, float, float]]) -> float:
     """How far the robot went, in metres, while the program took it for elsewhere.
 
-    ``fixes``: each pose that the program told: when, of when, x_m, y_m.
+    ``fixes``: each pose that the program told: when, x_m, y_m. What the eye needs to see, some
+    centiseconds, is no error of ``ELSEWHERE_M``.
     """
     if not fixes or len(rows) < 2:
         return 0.0
     told = np.array(fixes)
-    x, y = (np.interp(told[:, 1], rows[:, 0], rows[:, i]) for i in (1, 2))
-    wrong = np.hypot(told[:, 2] - x, told[:, 3] - y) > ELSEWHERE_M
+    x, y = (np.interp(told[:, 0], rows[:, 0], rows[:, i]) for i in (1, 2))
+    wrong = np.hypot(told[:, 1] - x, told[:, 2] - y) > ELSEWHERE_M
     last = np.searchsorted(told[:, 0], rows[:-1, 0], side="right") - 1
     ways = np.hypot(*np.diff(rows[:, 1:3], axis=0).T)
     return float(ways[(last >= 0) & wrong[np.maximum(last, 0)]].sum())
+
+
+def said_to_drive_s(rows: FloatArray, said: Sequence[tuple[float, str]]) -> float:
+    """The longest that the robot stood while every state that was ``said`` was 'driving'."""
+    times, speed = speeds(rows)
+    longest = 0.0
+    since_s: float | None = None
+    for (before_s, before), (now_s, now) in pairwise(said):
+        if before != "driving" or now != "driving":
+            since_s = None
+            continue
+        since_s = before_s if since_s is None else since_s
+        moving = times[(times >= since_s) & (times <= now_s) & (speed > STANDS_M_S)]
+        if len(moving):
+            since_s = float(moving.max())
+        longest = max(longest, now_s - since_s)
+    return longest
 
 
 def stood_after_s(rows: FloatArray, moment_s: float) -> float:
@@ -160,5 +183,7 @@ def judge(outcome: Outcome) -> None:
         found.append(f"stop was answered after {outcome.stop_s:.2f} s")
     if outcome.stood_s > STAND_LIMIT_S:
         found.append(f"still moved {outcome.stood_s:.2f} s after the stop order")
+    if outcome.said_s > SAID_LIMIT_S:
+        found.append(f"was said to drive while it stood for {outcome.said_s:.1f} s")
     if not outcome.state or len(outcome.sentence) < 10:
         found.append("the end was not said in a sentence")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from benchmarks.adversary.bars import PERMIT_LIMIT_S, STOP_LIMIT_S, Outcome
+from benchmarks.adversary.bars import PERMIT_LIMIT_S, SAID_LIMIT_S, STOP_LIMIT_S, Outcome
 
 
 def _mm(least_gap_m: float) -> str:
@@ -52,7 +52,8 @@ def table(runs: Sequence[tuple[str, Outcome]], took_s: float, command: str) -> s
         "The bars: the true clearance of the robot's disc is never below 0 (gap); no driving",
         f"later than {PERMIT_LIMIT_S:g} s after the last valid permit, braking left out (drove);",
         f"`stop` is answered within {STOP_LIMIT_S:g} s while the fault lasts (stop); the end is",
-        "said in a sentence. A permit is valid from when the program sent it, if it came through.",
+        f"said in a sentence, and no robot that stands for {SAID_LIMIT_S:g} s is said to drive. A",
+        "permit is valid from when the program sent it, if it came through.",
         "Blind is no bar: the way that the robot went while the program took it for elsewhere, by",
         "more than 0.1 m.",
         "",

@@ -26,6 +26,7 @@ from benchmarks.adversary.bars import (
     drove_without_permit_s,
     judge,
     least_gap_m,
+    said_to_drive_s,
     stood_after_s,
 )
 from benchmarks.adversary.processes import Process, ProcessError, clearway, module
@@ -73,6 +74,8 @@ class Rig:
         self.page_port = _free_port() if needs.page else None
         self.halted_s: list[tuple[float, float]] = []
         """From when to when the robot's own process was stopped."""
+        self.said: list[tuple[float, str]] = []
+        """Each state of the mission that was asked for, and when; empty: no answer."""
         self.stop_s: float | None = None
         self.stop_ordered_s: float | None = None
         self.end: tuple[str, str] | None = None
@@ -189,14 +192,19 @@ class Rig:
         return None
 
     def status(self) -> dict[str, Any] | None:
-        return self.order(order="status") if self.socket.exists() else None
+        status = self.order(order="status") if self.socket.exists() else None
+        self.said.append((time.monotonic(), status["state"] if status else ""))
+        return status
 
     def watch(self, seconds: float) -> bool:
         """Look on for so long, or until a contact; whether there was none."""
         return not self.truth.touched.wait(seconds)
 
-    def watch_mission(self, seconds: float) -> None:
-        """Look on for so long, or until a contact, the mission's end, or a long stand."""
+    def watch_mission(self, seconds: float, however_long: bool = False) -> None:
+        """Look on for so long, or until a contact, the mission's end, or a long stand.
+
+        ``however_long``: not until a stand.
+        """
         end_s = time.monotonic() + seconds
         place, since_s = self.truth.pose, time.monotonic()
         while (now_s := time.monotonic()) < end_s and self.watch(0.5):
@@ -206,7 +214,7 @@ class Rig:
             before, place = place, self.truth.pose
             if before is None or place is None or math.dist(before, place) > STANDS_M:
                 since_s = now_s
-            elif now_s - since_s > STANDS_LONG_S:
+            elif now_s - since_s > STANDS_LONG_S and not however_long:
                 return
 
     def note_end(self) -> None:
@@ -264,6 +272,7 @@ class Rig:
         outcome.state, outcome.sentence = self.end or ("", "no answer")
         by_hand = self.truth.by_hand
         outcome.least_gap_m = least_gap_m(rows, self.truth.arena, self.truth.radius_m, by_hand)
+        outcome.said_s = said_to_drive_s(rows, self.said)
         outcome.stood_s = stood_after_s(rows, self.stop_ordered_s)
         moment = Moment(self.line.permits_s(), by_hand, self.halted_s)
         if not by_hand:  # a hand's way is not the program's

@@ -18,6 +18,7 @@ from benchmarks.adversary.bars import (
     drove_without_permit_s,
     judge,
     least_gap_m,
+    said_to_drive_s,
     stood_after_s,
 )
 from benchmarks.adversary.run import run_attack
@@ -88,10 +89,18 @@ def test_a_frozen_robot_may_brake_when_it_is_back() -> None:
 
 def test_the_way_that_the_program_does_not_see_is_measured() -> None:
     track = driven(8.0)
-    seen = [(0.1 * n, 0.1 * n - 0.02, float(SPEED_M_S * (0.1 * n - 0.02)), 0.0) for n in range(80)]
-    frozen = [(when, of, min(x, 1.2), y) for when, of, x, y in seen]
+    seen = [(0.1 * n, SPEED_M_S * (0.1 * n - 0.02), 0.0) for n in range(80)]
+    frozen = [(when_s, min(x, 1.2), y) for when_s, x, y in seen]
     assert blind_m(track, seen) == 0.0
     assert blind_m(track, frozen) == pytest.approx(1.2 - 0.1 + 0.09, abs=0.05)
+
+
+def test_a_robot_that_stands_must_not_be_said_to_drive() -> None:
+    track = driven(5.0)
+    driving = [(0.5 * n, "driving") for n in range(22)]
+    held = [(at_s, said if at_s < 7.0 else "holding") for at_s, said in driving]
+    assert said_to_drive_s(track, driving) == pytest.approx(10.5 - 5.6, abs=0.1)
+    assert said_to_drive_s(track, held) == pytest.approx(6.5 - 5.6, abs=0.1)
 
 
 def test_the_time_to_a_stand_counts_from_the_stop_order() -> None:
@@ -100,13 +109,13 @@ def test_the_time_to_a_stand_counts_from_the_stop_order() -> None:
 
 
 def test_every_bar_that_is_not_held_is_said() -> None:
-    good = Outcome("x", 1, 0.05, 0.1, 0.2, 0.3, 0.0, "holding", "no picture from the camera")
-    bad = Outcome("x", 1, -0.05, None, 2.0, 0.9, 0.0, "", "")
-    slow = Outcome("x", 1, 0.05, 0.4, 0.2, 0.3, 0.0, "holding", "no picture from the camera")
+    good = Outcome("x", 1, 0.05, 0.1, 0.2, 0.3, 0.0, 0.5, "holding", "no picture from the camera")
+    bad = Outcome("x", 1, -0.05, None, 2.0, 0.9, 0.0, 4.0, "", "")
+    slow = Outcome("x", 1, 0.05, 0.4, 0.2, 0.3, 0.0, 0.5, "holding", "no picture from the camera")
     for outcome in (good, bad, slow):
         judge(outcome)
     assert good.failures == []
-    assert len(bad.failures) == 5
+    assert len(bad.failures) == 6
     assert slow.failures == ["stop was answered after 0.40 s"]
 
 

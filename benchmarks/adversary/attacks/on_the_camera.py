@@ -134,7 +134,7 @@ def _turned_by_hand(rig: Rig) -> None:
 def _stuck(grip: float, seconds: float) -> Act:
     def act(rig: Rig) -> None:
         rig.grip(grip)
-        rig.watch(seconds)
+        rig.watch_mission(seconds, however_long=True)
         rig.note_end()
         rig.grip(1.0)
         rig.watch_mission(4.0)
@@ -177,7 +177,7 @@ ATTACKS = (
     Attack("camera", "carried by hand", _carried, HANDLED),
     Attack("camera", "carried while the stream stalls", _carried_unseen, HANDLED),
     Attack("camera", "turned round by hand", _turned_by_hand, HANDLED),
-    Attack("camera", "stuck: the wheels spin", _stuck(0.0, 5.0), HANDLED),
-    Attack("camera", "half the wheels' travel is slip", _stuck(0.5, 5.0), HANDLED),
+    Attack("camera", "stuck: the wheels spin", _stuck(0.0, 6.0), HANDLED),
+    Attack("camera", "half the wheels' travel is slip", _stuck(0.5, 6.0), HANDLED),
     Attack("camera", "the camera pushed by 3 cm", _pushed_camera, HTTP),
 )

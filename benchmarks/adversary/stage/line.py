@@ -121,8 +121,8 @@ class Line:
         self.echo = False
         self.guest: Callable[[bytes, float], bytes] | None = None
         """Somebody else on the robot's end: hears its bytes, and what it says goes to it."""
-        self.fixes: list[tuple[float, float, float, float]] = []
-        """Each pose that the program told the robot: when, of when, and x_m, y_m."""
+        self.fixes: list[tuple[float, float, float]] = []
+        """Each pose that the program told the robot: when, and x_m, y_m."""
         self._sent: list[tuple[float, bytes]] = []
         """Each permit: when the program sent it."""
         self._next_sent = 0
@@ -174,6 +174,8 @@ class Line:
 
     def permits_s(self) -> list[float]:
         """When the program sent each permit that was let through."""
+        if not self._thread.is_alive():
+            raise RuntimeError("the man in the middle has died: nothing passed since")
         return list(self._passed)
 
     # The thread.
@@ -214,7 +216,7 @@ class Line:
                 self._sent.append((now_s, raw))
             fix = message_of(frame)
             if isinstance(fix, PoseFix):
-                self.fixes.append((now_s, now_s - fix.age_s, fix.x_m, fix.y_m))
+                self.fixes.append((now_s, fix.x_m, fix.y_m))
 
     def _note_passed(self, data: bytes) -> None:
         """Match the permits that leave with those that came in, in order."""
