@@ -72,6 +72,7 @@ class Rig:
         self.rng = np.random.default_rng(seed)
         self.socket = folder / "c.sock"
         self.page_port = _free_port() if needs.page else None
+        self.camera_port = _free_port()
         self.halted_s: list[tuple[float, float]] = []
         """From when to when the robot's own process was stopped."""
         self.said: list[tuple[float, str]] = []
@@ -100,42 +101,35 @@ class Rig:
         return process
 
     def _start(self) -> None:
-        self.config_file = write_config(self.folder, self.errand, page_port=self.page_port)
+        """Everything but the program, which takes longest: it need not wait for them."""
+        address = f"http://127.0.0.1:{self.camera_port}/stream.mjpg"
+        source = address if self.needs.http_camera else "simulated"
+        self.config_file = write_config(self.folder, self.errand, source, self.page_port)
         self.config = read_config(self.config_file)
-        x_m, y_m, heading_deg = self.errand.start
-        words: list[str | Path] = ["--poses", str(self.folder / "robot.pose"), "--start"]
-        words += [f"{x_m},{y_m},{heading_deg}", "--seed", str(self.seed)]
-        arguments = (
-            module("handled_robot", *words) if self.needs.handled else clearway("robot", *words)
-        )
-        self.robot = self.process(Process("robot", arguments, self.folder))
-        port = self.robot.first_line(UP_WITHIN_S)
-        line = Line(self.folder / "port", port, np.random.default_rng(self.seed))
-        self.line = self._things.enter_context(line)
-        arena = load_arena(self.config)
         poses = self.folder / "robot.pose"
-        self.truth = self._things.enter_context(
-            TruthWatch(poses, arena, self.config.robot.radius_m)
-        )
+        poses.touch()
+        x_m, y_m, heading_deg = self.errand.start
+        words: list[str | Path] = ["--poses", poses, "--start"]
+        words += [f"{x_m},{y_m},{heading_deg}", "--seed", str(self.seed)]
+        handled = self.needs.handled
+        arguments = module("handled_robot", *words) if handled else clearway("robot", *words)
+        self.robot = self.process(Process("robot", arguments, self.folder))
         self.camera: Process | None = None
         if self.needs.http_camera:
-            address = self.start_camera()
-            write_config(self.folder, self.errand, address, self.page_port)
+            self.start_camera()
+        line = Line(self.folder / "port", np.random.default_rng(self.seed))
+        self.line = self._things.enter_context(line)
+        arena = load_arena(self.config)
+        watch = TruthWatch(poses, arena, self.config.robot.radius_m)
+        self.truth = self._things.enter_context(watch)
 
     # The processes.
 
-    camera_port = 0
-
-    def start_camera(self) -> str:
-        """The network camera, at the same port where there was one; its address."""
-        words: list[str | Path] = [self.folder / "run.yaml", "--port", str(self.camera_port)]
+    def start_camera(self) -> None:
+        """The network camera, the first time or again."""
+        words: list[str | Path] = [self.config_file, "--port", str(self.camera_port)]
         words += ["--seed", str(self.seed)]
-        out = self.folder / "camera.out"
-        out.unlink(missing_ok=True)
         self.camera = self.process(Process("camera", module("camera_server", *words), self.folder))
-        address = self.camera.first_line(UP_WITHIN_S)
-        self.camera_port = int(address.rsplit(":", 1)[1].partition("/")[0])
-        return address
 
     def show(self, **faults: Any) -> None:
         """Faults of the network camera; none: a good one."""
@@ -168,7 +162,9 @@ class Rig:
         self.process(Process("second", clearway(*words), self.folder))
 
     def wait_for_answer(self) -> None:
-        """Until the program takes orders."""
+        """Until robot and program are there, and it takes orders."""
+        if not self.line.is_attached:
+            self.line.attach(self.robot.first_line(UP_WITHIN_S))
         up = wait_until(lambda: self.status() is not None or not self.daemon.runs, UP_WITHIN_S)
         if not up or not self.daemon.runs:
             raise ProcessError(f"the program did not come up: {self.daemon.last_words()}")

@@ -13,7 +13,7 @@ from firmware_protocol.framing import Frame, Sender
 from firmware_protocol.host import HostConnection
 from firmware_protocol.messages import MessageType
 
-WATCH_S = 7.0
+WATCH_S = 6.0
 GROWS_S_S = 0.25
 """Seconds of delay a second: a lease every 80 ms arrives every 100 ms."""
 STANDS_S = 3.2

@@ -112,9 +112,9 @@ class Direction:
 
 
 class Line:
-    """The thread; a context manager. ``robot_port`` is the robot's pseudo-terminal."""
+    """The thread; a context manager."""
 
-    def __init__(self, link: Path, robot_port: str, rng: np.random.Generator) -> None:
+    def __init__(self, link: Path, rng: np.random.Generator) -> None:
         self.link = link
         self.to_robot = Direction(Sender.HOST, rng)
         self.to_host = Direction(Sender.ROBOT, rng)
@@ -129,7 +129,7 @@ class Line:
         self._passed: list[float] = []
         self._entering, self._leaving = Frames(Sender.HOST), Frames(Sender.HOST)
         self._injected: deque[tuple[float, bytes]] = deque()
-        self._robot = os.open(robot_port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        self._robot = -1
         self._lock = threading.Lock()
         self._master = self._slave = -1
         self._over = threading.Event()
@@ -144,9 +144,21 @@ class Line:
         self._over.set()
         self._thread.join()
         self.unplug()
-        os.close(self._robot)
+        if self._robot >= 0:
+            os.close(self._robot)
 
     # The cable.
+
+    @property
+    def is_attached(self) -> bool:
+        """Whether the robot's end is there."""
+        return self._robot >= 0
+
+    def attach(self, robot_port: str) -> None:
+        """The robot's end: its pseudo-terminal."""
+        end = os.open(robot_port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        with self._lock:
+            self._robot = end
 
     def plug(self) -> None:
         """A new pseudo-terminal under the link's name."""
