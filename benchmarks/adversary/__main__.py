@@ -16,7 +16,7 @@ from pathlib import Path
 from benchmarks.adversary.attacks import ATTACKS, QUICK
 from benchmarks.adversary.bars import Outcome
 from benchmarks.adversary.report import table
-from benchmarks.adversary.run import run_attack
+from benchmarks.adversary.run import prepare, run_attack
 
 RESULT = Path(__file__).parents[1] / "results" / "adversary.md"
 
@@ -40,6 +40,7 @@ def main() -> int:
         return 0 if options.list else 2
     for number in (signal.SIGTERM, signal.SIGHUP):  # a run's processes end with it
         signal.signal(number, _end)
+    prepare()
     began_s = time.monotonic()
     runs: list[tuple[str, Outcome]] = []
     for attack in attacks:

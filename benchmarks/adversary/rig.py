@@ -43,7 +43,7 @@ MAY_DRIVE_WITHIN_S = 6.0
 AFTER_STOP_S = 1.6
 HAND_S = 0.05
 """A hand's order takes so long at most to reach the robot."""
-STANDS_M, STANDS_LONG_S = 0.001, 4.0
+STANDS_M, STANDS_LONG_S = 0.001, 3.5
 """A robot that stays within so much for so long is not expected to drive any more."""
 OVER = ("done", "failed", "stopped")
 

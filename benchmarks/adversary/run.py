@@ -14,7 +14,14 @@ from benchmarks.adversary.attacks.attack import Attack
 from benchmarks.adversary.bars import Outcome
 from benchmarks.adversary.processes import ProcessError
 from benchmarks.adversary.rig import Rig
-from benchmarks.adversary.scene import ERRANDS
+from benchmarks.adversary.scene import ERRANDS, read_config, write_config
+from navigation.run.warm_up import warm_up
+
+
+def prepare() -> None:
+    """Compile the kernels where that has not been done: no run shall wait for it."""
+    with tempfile.TemporaryDirectory(prefix="clearway-judge-") as folder:
+        warm_up(read_config(write_config(Path(folder), ERRANDS[0])), print)
 
 
 def run_attack(attack: Attack, seed: int, keep: Path | None = None) -> Outcome:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks.adversary.attacks import ATTACKS, QUICK
+from benchmarks.adversary.attacks.attack import Attack
 from benchmarks.adversary.bars import (
     Moment,
     Outcome,
@@ -21,7 +22,7 @@ from benchmarks.adversary.bars import (
     said_to_drive_s,
     stood_after_s,
 )
-from benchmarks.adversary.run import run_attack
+from benchmarks.adversary.run import prepare, run_attack
 from navigation.simulator.arena import SimulatedArena
 from planner.scene_io import read_scene_text
 
@@ -128,7 +129,13 @@ def test_no_two_attacks_have_one_name() -> None:
 # The program holds.
 
 
+@pytest.fixture(scope="module")
+def compiled() -> None:
+    prepare()
+
+
+@pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("attack", QUICK, ids=lambda one: f"{one.kind}: {one.name}")
-def test_the_program_holds_every_bar(attack) -> None:  # type: ignore[no-untyped-def]
+def test_the_program_holds_every_bar(attack: Attack) -> None:
     outcome = run_attack(attack, seed=1)
     assert outcome.failures == [], outcome

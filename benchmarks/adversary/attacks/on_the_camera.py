@@ -8,7 +8,7 @@ from typing import Any
 from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.rig import Needs, Rig
 
-WATCH_S = 8.0
+WATCH_S = 7.5
 ROOM_M = 0.09
 """What braking from full speed takes."""
 HTTP = Needs(http_camera=True)

@@ -241,7 +241,7 @@ def _unplugged(rig: Rig) -> None:
 
 
 ATTACKS = (
-    Attack("line", "nothing is wrong", lambda rig: rig.watch_mission(10.0)),
+    Attack("line", "nothing is wrong", lambda rig: rig.watch_mission(WATCH_S)),
     Attack("line", "1 % of the bytes lost", _damage("drop=0.01")),
     Attack("line", "bits flipped in 1 % of the bytes", _damage("flip=0.01")),
     Attack("line", "a third of the frames twice", _damage("dup=0.33")),
@@ -249,7 +249,6 @@ ATTACKS = (
     Attack("line", "at once 0.1 s late to the robot", _delay(0.1, 0.0)),
     Attack("line", "at once 0.3 s late both ways", _delay(0.3, 0.3)),
     Attack("line", "at once 1 s late to the robot", _delay(1.0, 0.0)),
-    Attack("line", "growing to 0.3 s late to the robot", _growing_delay(0.3, 0.0)),
     Attack("line", "growing to 0.6 s late to the robot", _growing_delay(0.6, 0.0)),
     Attack("line", "growing to 1 s late to the robot", _growing_delay(1.0, 0.0)),
     Attack("line", "growing to 2 s late to the robot", _growing_delay(2.0, 0.0)),
