@@ -23,7 +23,7 @@ from navigation.traffic import Disc
 from planner.path import Limits, NoPath, Path
 from planner.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
-from planner.smooth import smooth_path
+from planner.smooth import SmoothError, smooth_path
 from planner.trajectory import TrajectoryError
 
 LONGEST_WAIT_S = 0.25
@@ -79,8 +79,19 @@ class ArenaPlanner:
         """Plan from the request's start through its stations; `NoPath` says why not.
 
         Of ways that are as good within noise it is the one that the last answer took through
-        these stations; a ``preview`` is no answer for the next one to stay with.
+        these stations; a ``preview`` is no answer for the next one to stay with. A request that
+        the planner fails on has no path: it is one answer's failure, not the program's.
         """
+        try:
+            return self._answer(request, preview=preview)
+        except (SmoothError, TrajectoryError) as error:  # no way for this robot and its limits
+            return PlanAnswer(request.id, self.revision, NoPath(str(error)))
+        except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
+            reason = f"the planner failed on this request ({in_words(error)})"
+            return PlanAnswer(request.id, self.revision, NoPath(reason))
+
+    def _answer(self, request: PlanRequest, *, preview: bool) -> PlanAnswer:
+        """:meth:`answer`; raises where a path cannot be smoothed or timed."""
         roadmap, scene = self.roadmap, self._scene
         if roadmap is None or scene is None:
             return PlanAnswer(request.id, 0, NoPath("no scene was seen yet"))
@@ -103,15 +114,12 @@ class ArenaPlanner:
             keep=keep_m,
             turning_radius=limits.turning_radius,
         )
-        try:
-            trajectory = planner.time_path(
-                path if limits.turns_on_spot else begin_as_it_stands(path),
-                limits,
-                clearance=roadmap.clearance,
-                dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
-            )
-        except TrajectoryError as error:  # no way for a robot that cannot turn on the spot
-            return PlanAnswer(request.id, self.revision, NoPath(str(error)))
+        trajectory = planner.time_path(
+            path if limits.turns_on_spot else begin_as_it_stands(path),
+            limits,
+            clearance=roadmap.clearance,
+            dwell_s=[0.0, *(s.dwell_s for s in visits), goal.dwell_s],
+        )
         return PlanAnswer(request.id, self.revision, path, trajectory, targets_of(path, trajectory))
 
     def _around_robots(
@@ -201,8 +209,8 @@ RESTART_PATIENCE_S = 1.0
 class PlannerThread:
     """An `ArenaPlanner` in a thread of its own; the newest scene and request win.
 
-    ``on_scene`` and ``on_answer`` are called in the thread; an error ends the thread, `failure`
-    says which, and `restart` starts a new one.
+    ``on_scene`` and ``on_answer`` are called in the thread. An error in a request is its answer;
+    one in a scene ends the thread, `failure` says which, and `restart` starts a new one.
     """
 
     def __init__(

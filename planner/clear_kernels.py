@@ -58,7 +58,7 @@ def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
         return guess
     x0, x1 = min(ax, bx) - keep, max(ax, bx) + keep
     y0, y1 = min(ay, by) - keep, max(ay, by) + keep
-    length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    length = math.hypot(bx - ax, by - ay)
     nx, ny = 0.0, 0.0
     if length > 0.0:
         nx, ny = (ay - by) / length, (bx - ax) / length

@@ -28,6 +28,10 @@ LEAF = 4
 LARGE = 0.25
 """A primitive longer than this share of the scene's extent is kept out of the tree."""
 TAU = 2.0 * math.pi
+SURE_COSINE = 1e-14
+"""Cosines of unit vectors are equal within this: some 40 roundings of 2^-53."""
+TURN_SLACK = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
+"""Error bound of a turn's determinant over its two products (Shewchuk 1997, ccwerrboundA)."""
 RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
@@ -36,7 +40,20 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 def on_sweep(data, i, x, y):
     """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
     dx, dy = x - data[i, 0], y - data[i, 1]
-    return dx * data[i, 6] + dy * data[i, 7] >= data[i, 8] * math.sqrt(dx * dx + dy * dy)
+    along, d = dx * data[i, 6] + dy * data[i, 7], math.sqrt(dx * dx + dy * dy)
+    past = along - data[i, 8] * d
+    if abs(past) > SURE_COSINE * d:
+        return past > 0.0
+    return _on_sweep_by_angle(data, i, dx, dy, along)
+
+
+@njit(**BORROWING, error_model="numpy")
+def _on_sweep_by_angle(data, i, dx, dy, along):
+    """:func:`on_sweep` where cosines are too flat to say: near either end, and of thin arcs."""
+    if data[i, 8] < -1.0:
+        return True
+    across = dy * data[i, 6] - dx * data[i, 7]
+    return abs(math.atan2(across, along)) <= 0.5 * data[i, 4]
 
 
 @njit(cache=True, nogil=True)
@@ -57,20 +74,29 @@ def with_middles(kind, data):
 
 
 @njit(**BORROWING, error_model="numpy", forceinline=True)
+def foot_on_segment(px, py, ax, ay, bx, by):
+    """The point of the segment a b nearest to p, and how far along (0 to 1) it lies."""
+    dx, dy = bx - ax, by - ay
+    ahead = (px - ax) * dx + (py - ay) * dy
+    # also where a and b are one place, or so near that their squares vanish
+    if not ahead > 0.0:
+        return ax, ay, 0.0
+    dd = dx * dx + dy * dy
+    if ahead >= dd:
+        return bx, by, 1.0
+    t = ahead / dd
+    return ax + t * dx, ay + t * dy, t
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def foot(kind, data, i, x, y):
     """The point of primitive i that is nearest to (x, y)."""
     k = kind[i]
     if k == POINT:
         return data[i, 0], data[i, 1]
     if k == SEGMENT:
-        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
-        dx, dy = bx - ax, by - ay
-        t = ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)
-        if t <= 0.0:
-            return ax, ay
-        if t >= 1.0:
-            return bx, by
-        return ax + t * dx, ay + t * dy
+        fx, fy, _ = foot_on_segment(x, y, data[i, 0], data[i, 1], data[i, 2], data[i, 3])
+        return fx, fy
     return _round_foot(kind, data, i, x, y)
 
 
@@ -108,36 +134,58 @@ def distance(kind, data, i, x, y):
 @njit(**BORROWING)
 def point_to_segment(px, py, ax, ay, bx, by):
     """Distance from p to the segment a b, and how far along (0 to 1) its foot lies."""
-    dx, dy = bx - ax, by - ay
-    dd = dx * dx + dy * dy
-    t = 0.0
-    if dd > 0.0:
-        t = min(1.0, max(0.0, ((px - ax) * dx + (py - ay) * dy) / dd))
-    return math.sqrt((px - ax - t * dx) ** 2 + (py - ay - t * dy) ** 2), t
+    fx, fy, t = foot_on_segment(px, py, ax, ay, bx, by)
+    return math.sqrt((px - fx) ** 2 + (py - fy) ** 2), t
 
 
-@njit(**BORROWING)
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _turn(ux, uy, vx, vy):
+    """The determinant of u and v, differences to one point, or 0 where its sign is not sure."""
+    left, right = ux * vy, uy * vx
+    det = left - right
+    if abs(det) <= TURN_SLACK * (abs(left) + abs(right)):
+        return 0.0
+    return det
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _nearer_end(px, py, turn, ax, ay, bx, by, best):
+    """The square of the distance from p to a segment, if less than ``best``; where; whether.
+
+    ``turn`` is the segment's turn to p: where that is not sure and p lies beside the segment, p
+    lies on it, to the rounding of its length.
+    """
+    fx, fy, t = foot_on_segment(px, py, ax, ay, bx, by)
+    d = (px - fx) ** 2 + (py - fy) ** 2
+    if turn == 0.0 and 0.0 < t < 1.0:
+        d = 0.0
+    return d, t, d < best
+
+
+@njit(**BORROWING, error_model="numpy")
 def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
-    """Distance between segments a b and c d, and where along a b it is taken."""
+    """Distance between segments a b and c d, and where along a b it is taken.
+
+    They cross where each one's ends lie on sides of the other that are sure; else an end is
+    nearest. Of segments on one line but for rounding no end's side is sure: nothing is divided
+    by such a turn.
+    """
     ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
-    wx, wy = cx - ax, cy - ay
-    den = ux * vy - uy * vx
-    if den != 0.0:
-        s = (wx * vy - wy * vx) / den
-        t = (wx * uy - wy * ux) / den
-        if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
-            return 0.0, s
-    best, at = point_to_segment(cx, cy, ax, ay, bx, by)
-    d, t = point_to_segment(dx, dy, ax, ay, bx, by)
-    if d < best:
+    to_c, to_d = _turn(ux, uy, cx - ax, cy - ay), _turn(ux, uy, dx - ax, dy - ay)
+    to_a, to_b = _turn(vx, vy, ax - cx, ay - cy), _turn(vx, vy, bx - cx, by - cy)
+    if (to_c < 0.0 < to_d or to_d < 0.0 < to_c) and (to_a < 0.0 < to_b or to_b < 0.0 < to_a):
+        return 0.0, to_a / (to_a - to_b)
+    best, at, _ = _nearer_end(cx, cy, to_c, ax, ay, bx, by, np.inf)
+    d, t, nearer = _nearer_end(dx, dy, to_d, ax, ay, bx, by, best)
+    if nearer:
         best, at = d, t
-    d, t = point_to_segment(ax, ay, cx, cy, dx, dy)
-    if d < best:
+    d, _, nearer = _nearer_end(ax, ay, to_a, cx, cy, dx, dy, best)
+    if nearer:
         best, at = d, 0.0
-    d, t = point_to_segment(bx, by, cx, cy, dx, dy)
-    if d < best:
+    d, _, nearer = _nearer_end(bx, by, to_b, cx, cy, dx, dy, best)
+    if nearer:
         best, at = d, 1.0
-    return best, at
+    return math.sqrt(best), at
 
 
 @njit(**BORROWING)
@@ -147,21 +195,26 @@ def segment_distance(kind, data, i, ax, ay, bx, by):
     The least distance to an arc is taken at an end of either, at the segment's foot of the
     arc's centre, or where the two cross.
     """
-    k = kind[i]
-    if k == POINT:
+    if kind[i] == POINT:
         return point_to_segment(data[i, 0], data[i, 1], ax, ay, bx, by)
-    if k == SEGMENT:
+    if kind[i] == SEGMENT:
         return _segments_distance(ax, ay, bx, by, data[i, 0], data[i, 1], data[i, 2], data[i, 3])
+    return _round_to_segment(kind, data, i, ax, ay, bx, by)
+
+
+@njit(**BORROWING)
+def _round_to_segment(kind, data, i, ax, ay, bx, by):
+    """:func:`segment_distance` to a circle or an arc."""
     cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
     best, at = distance(kind, data, i, ax, ay), 0.0
     d = distance(kind, data, i, bx, by)
     if d < best:
         best, at = d, 1.0
-    _, t = point_to_segment(cx, cy, ax, ay, bx, by)
-    dx, dy = bx - ax, by - ay
-    d = distance(kind, data, i, ax + t * dx, ay + t * dy)
+    fx, fy, t = foot_on_segment(cx, cy, ax, ay, bx, by)
+    d = distance(kind, data, i, fx, fy)
     if d < best:
         best, at = d, t
+    dx, dy = bx - ax, by - ay
     dd = dx * dx + dy * dy
     if dd > 0.0:
         m = ((cx - ax) * dx + (cy - ay) * dy) / dd
@@ -169,9 +222,11 @@ def segment_distance(kind, data, i, ax, ay, bx, by):
         if h2 <= r * r:
             half = math.sqrt((r * r - h2) / dd)
             for t in (m - half, m + half):
-                if 0.0 <= t <= 1.0 and (k == CIRCLE or on_sweep(data, i, ax + t * dx, ay + t * dy)):
+                if 0.0 <= t <= 1.0 and (
+                    kind[i] == CIRCLE or on_sweep(data, i, ax + t * dx, ay + t * dy)
+                ):
                     return 0.0, t
-    if k == ARC and data[i, 4] < TAU:
+    if kind[i] == ARC and data[i, 4] < TAU:
         for end in range(2):
             a = data[i, 3] + end * data[i, 4]
             d, t = point_to_segment(cx + r * math.cos(a), cy + r * math.sin(a), ax, ay, bx, by)
@@ -325,7 +380,7 @@ def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
         d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
         if d < best:
             best, at, which = d, t, order[j]
-    length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    length = math.hypot(bx - ax, by - ay)
     nx, ny = 0.0, 0.0
     if length > 0.0:
         nx, ny = (ay - by) / length, (bx - ax) / length

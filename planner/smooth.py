@@ -85,13 +85,15 @@ def smooth_path(
 ) -> Path:
     """The path with its corners rounded; stations stay where they are.
 
-    ``keep`` is the clearance that every changed piece must have: the path's own least
-    clearance where None, and never less than the robot's radius. The answer's clearances are
-    computed anew. Alternatives are smoothed too. Raises :class:`SmoothError` where ``keep`` is
-    below the radius or not finite.
+    ``keep`` is the clearance that every changed piece must have, or what the piece that it replaces
+    had where that is less: the path's own least clearance where None. It is never less than the
+    robot's radius, but for a path that is nearer by rounding. The answer's clearances are computed
+    again. Alternatives are smoothed too. Raises :class:`SmoothError` where ``keep`` is below the
+    radius or not finite.
     """
     floor = path.min_clearance if keep is None else keep
-    if not (math.isfinite(floor) and floor >= path.robot_radius * (1.0 - 1e-9)):
+    radius = min(path.robot_radius, path.min_clearance)
+    if not (math.isfinite(floor) and floor >= radius * (1.0 - 1e-9)):
         raise SmoothError(
             f"keep = {floor:g}: must be finite and >= the robot's radius {path.robot_radius:g}"
         )
@@ -108,7 +110,7 @@ def smooth_path(
     points = np.concatenate(pieces)
     least = path_clearance(points)
     rounding = ROUNDING * float(np.abs(points).max())
-    lowest = max(min(floor, path.min_clearance) - rounding, path.robot_radius)
+    lowest = max(min(floor, path.min_clearance) - rounding, radius)
     if least.distance < lowest:
         return path
     clearances = np.array(clearance(points), dtype=np.float64)

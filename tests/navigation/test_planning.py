@@ -14,7 +14,8 @@ from navigation.pilot import distance_to_polyline
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.traffic import Disc
 from planner.path import NoPath, Path
-from planner.scene import Bounds, CircleRecord, Scene, SceneObject
+from planner.scene import Bounds, CircleRecord, Scene, SceneObject, SegmentRecord
+from planner.smooth import SmoothError
 from planner.trajectory import default_limits
 from tests.support.bends import bends_of
 from tests.support.waiting import wait_until
@@ -145,6 +146,52 @@ def test_an_error_in_the_thread_reaches_the_control_loop() -> None:
     thread.start()
     thread.stop(30.0)
     assert (thread.failure() or "").startswith("ValueError: ")
+
+
+@pytest.mark.parametrize("error", [SmoothError("keep = 0: too little"), ZeroDivisionError("x / 0")])
+def test_a_request_that_fails_is_answered_and_the_thread_plans_on(
+    error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers: list[PlanAnswer] = []
+    answered = threading.Event()
+
+    def on_answer(answer: PlanAnswer) -> None:
+        answers.append(answer)
+        answered.set()
+
+    def fail(*_: Any, **__: Any) -> Path:
+        raise error
+
+    thread = PlannerThread(ArenaPlanner(SETTINGS), lambda _: None, on_answer)
+    thread.see(scene_of((1.0, 0.4, 0.15)), 3, None)
+    thread.start()
+    with monkeypatch.context() as patch:
+        patch.setattr("navigation.planning.smooth_path", fail)
+        thread.ask(ACROSS)
+        assert answered.wait(30.0)
+    answered.clear()
+    thread.ask(replace(ACROSS, id=2))
+    assert answered.wait(30.0)
+    thread.stop()
+    assert thread.failure() is None
+    refused, planned = answers
+    assert isinstance(refused.path, NoPath)
+    assert str(error) in refused.path.reason
+    assert (refused.id, refused.scene_revision) == (1, 3)
+    assert isinstance(planned.path, Path)
+
+
+def test_a_path_beside_the_extension_of_a_wall_is_planned_and_smoothed() -> None:
+    """Its clearance came out as 0, and smoothing it ended the planner's thread."""
+    wall = SegmentRecord((3.7, 3.7), (0.7, 0.7))
+    arena_planner = ArenaPlanner(replace(SETTINGS, radius_m=0.1, margin_m=0.0))
+    arena_planner.see(Scene("m", Bounds(0.0, 0.0, 8.0, 8.0), (SceneObject(0, (wall,)),)), 1)
+    for start in np.linspace(3.8, 4.5, 8):
+        request = PlanRequest(1, (start, start, 0.0), (Station(start + 1.4, start + 1.4),), 1)
+        answer = arena_planner.answer(request)
+        assert isinstance(answer.path, Path)
+        want = math.sqrt(2.0) * (start - 3.7)
+        assert answer.path.min_clearance == pytest.approx(want, abs=1e-9)
 
 
 def test_after_an_error_a_new_thread_plans_again() -> None:
