@@ -135,8 +135,7 @@ def omit_invalid(sites: DiagramArrays, generators: Generators, mode: Mode) -> Ag
         borders.solid,
         borders.before,
         borders.after,
-        borders.object_boxes,
-        borders.span,
+        borders.closed,
         borders.box,
         generators.spacing,
         SAME_PLACE * borders.extent,
@@ -260,5 +259,5 @@ def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:
         return alone
     # none where another object lies around
     around = np.c_[alone, borders.distances(alone)[0]].tolist()
-    free = [not borders.owners_around(x, y, r).any() for x, y, r in around]
+    free = [not borders.is_solid(x, y, r) for x, y, r in around]
     return alone[np.array(free, np.bool_)]

@@ -25,10 +25,10 @@ from planner.distance_kernels import (
     POINT,
     SEGMENT,
     distance,
-    in_object,
     nearest,
     segment_clearance,
 )
+from planner.inside_kernels import in_object
 
 
 @njit(cache=True, nogil=True)
@@ -41,9 +41,7 @@ def _root(parent, i):
 
 
 @njit(cache=True, nogil=True)
-def free_vertices(
-    edges, vertices, sites, kind, data, owner, solid, object_boxes, span, box, spacing
-):  # fmt: skip
+def free_vertices(edges, vertices, sites, kind, data, closed, box, spacing):
     """Which vertices lie in free space: inside the bounds, and in no object by even-odd.
 
     A Voronoi edge that stays further than half the spacing from its generators crosses no
@@ -88,9 +86,8 @@ def free_vertices(
         w = widest[r]
         if w >= 0:
             free[r] = not in_object(
-                kind, data, owner, solid, object_boxes, span,
-                vertices[w, 0], vertices[w, 1], math.sqrt(room[w])
-            )  # fmt: skip
+                kind, data, closed, vertices[w, 0], vertices[w, 1], math.sqrt(room[w])
+            )
     out = np.zeros(v, np.bool_)
     for w in range(v):
         x, y = vertices[w, 0], vertices[w, 1]
@@ -137,15 +134,13 @@ def is_end(kind, data, p, q, k, before, after, tolerance):
 
 @njit(cache=True, nogil=True)
 def valid_edges(
-    edges, vertices, sites, label, kind, data, owner, solid, before, after, object_boxes, span,
-    box, spacing, tolerance, paper
+    edges, vertices, sites, label, kind, data, owner, solid, before, after, closed, box, spacing,
+    tolerance, paper
 ):  # fmt: skip
     """The valid edges between two free vertices: ``keep`` (m,) bool."""
     m, k = len(edges), len(solid)
     keep = np.zeros(m, np.bool_)
-    free = free_vertices(
-        edges, vertices, sites, kind, data, owner, solid, object_boxes, span, box, spacing
-    )
+    free = free_vertices(edges, vertices, sites, kind, data, closed, box, spacing)
     for e in range(m):
         u, w = edges[e, 2], edges[e, 3]
         if u >= 0 and w >= 0 and free[u] and free[w]:

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 
 from planner.borrowing_kernels import BORROWING
-from planner.route_kernels import between, gates_of, lay, left_to, put_behind, search
+from planner.route_kernels import CLEARED, between, gates_of, lay, left_to, put_behind, search
 
 COST, ENTRY, EXIT, BEGIN, END, TAKEN = 0, 1, 2, 3, 4, 5
 """Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told."""
@@ -96,12 +96,13 @@ def _passes(way, chain):
 @njit(cache=True, nogil=True)
 def cheapest_routes(
     around, leaving, ends, total, cost, clearance, points, first, pieces, proved, rho, gap,
-    floor, s_where, s_access, s_price, g_where, g_access, g_price, wanted, rounding,
+    floor, s_where, s_access, s_price, g_where, g_access, g_price, wanted, rounding, budget,
 ):  # fmt: skip
     """The ``wanted`` cheapest routes, the cheapest first: fewer where there are no more.
 
-    Entries nearer to one another than ``rounding`` are one.
-    Returns what :func:`planner.route_kernels.routes` does.
+    Entries nearer to one another than ``rounding`` are one. The search ends, too, where it has
+    done the work of looking at ``budget`` steps over chains. Returns what
+    :func:`planner.route_kernels.routes` does, and the work.
     """
     line = np.empty((64, 2))
     pair = np.empty((64, 2), np.int32)
@@ -120,11 +121,11 @@ def cheapest_routes(
     steps = np.empty(64, np.int32)
     count = 0
     if len(s_where) == 0 or len(g_where) == 0:
-        return line[:0], pair[:0], begin[:1].copy()
+        return line[:0], pair[:0], begin[:1].copy(), 0
     ahead = left_to(
         around, leaving, ends, total, clearance, floor, s_where, s_price, g_where, g_price
     )
-    best, entry, out, way = search(
+    best, entry, out, way, work = search(
         around, leaving, ends, total, clearance, same, ahead, floor, s_node, s_cost,
         g_node, g_cost, shut, own,
     )  # fmt: skip
@@ -143,7 +144,8 @@ def cheapest_routes(
                     )  # fmt: skip
     taken = np.empty(wanted * 4 + 8, np.int32)
     told, laid = 0, 0
-    while laid < wanted and told < len(taken):
+    while laid < wanted and told < len(taken) and work <= budget:
+        work += count
         pick, least = -1, np.inf
         for k in range(count):
             if routes[k, TAKEN] == 0.0 and routes[k, COST] < least:
@@ -195,13 +197,16 @@ def cheapest_routes(
                         to_cost[int(routes[k, EXIT])] = np.inf
                 from_node, from_cost = np.full(1, u, np.int32), np.full(1, gone)
                 shut[u] = True
-            found, way_in, way_out, rest = search(
+            found, way_in, way_out, rest, steps_looked_at = search(
                 around, leaving, ends, total, clearance, same, ahead, floor, from_node, from_cost,
                 g_node, to_cost, shut, barred,
             )  # fmt: skip
+            work += steps_looked_at + len(own) // CLEARED + told * (at + 2) + count
             if found < np.inf:
                 routes, steps, count = _noted(
                     routes, steps, count, found, way_in if at < 0 else entry, way_out,
                     way[: max(at, 0)], rest,
                 )  # fmt: skip
-    return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy()
+            if work > budget:
+                break
+    return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy(), work

@@ -18,6 +18,7 @@ from numba import njit
 from planner.borrowing_kernels import BORROWING
 from planner.distance_kernels import POINT, build_tree, object_spans, with_middles
 from planner.generator_kernels import count_generators, place_generators
+from planner.inside_kernels import index_closed
 from planner.joint_kernels import corner_points, link_borders, without_repeats
 
 
@@ -75,11 +76,14 @@ def walls_box(data, owner):
 
 @njit(cache=True, nogil=True)
 def find_pieces(pieces):
-    """What finds pieces: a box tree's order, large and boxes; the objects' boxes and spans."""
-    kind, data, owner, k = pieces[0], pieces[1], pieces[2], len(pieces[3])
+    """What finds pieces: a box tree's order, large and boxes; the objects' boxes and spans; and
+    the index of the closed ones."""
+    kind, data, owner, backwards, following, preceding, solid, _, _ = pieces
+    k = len(solid)
     order, large, boxes = build_tree(kind[:k], data[:k])
     object_boxes, span = object_spans(kind, data, owner, k)
-    return order, large, boxes, object_boxes, span
+    closed = index_closed(kind, data, owner, backwards, following, preceding, solid)
+    return order, large, boxes, object_boxes, span, closed
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

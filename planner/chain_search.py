@@ -96,6 +96,15 @@ class Lines:
     def __len__(self) -> int:
         return len(self.begin) - 1
 
+    def after(self, first: int, most_points: int) -> Lines:
+        """The routes from number ``first`` on, as many as have ``most_points`` together."""
+        here = int(self.begin[min(first, len(self))])
+        last = int(np.searchsorted(self.begin, here + most_points, side="right"))
+        begin = self.begin[first:last]
+        end = int(begin[-1]) if len(begin) else here
+        begin = begin - here if len(begin) else np.zeros(1, np.int32)
+        return Lines(self.points[here:end], self.pairs[here:end], begin)
+
 
 def attach(
     borders: Borders, network: Network, place: Vec, floor: float, anywhere: bool = False
@@ -140,17 +149,24 @@ def routes(
 
 
 def cheapest_routes(
-    borders: Borders, network: Network, start: Gates, goal: Gates, floor: float, wanted: int
-) -> Lines:
+    borders: Borders,
+    network: Network,
+    start: Gates,
+    goal: Gates,
+    floor: float,
+    wanted: int,
+    budget: int,
+) -> tuple[Lines, int]:
     """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
 
-    Fewer only where there are no more.
+    Fewer only where there are no more, or where the ``budget`` is spent: so many steps over
+    chains. The second value is what was spent, more than the budget in that case only.
     """
-    found = alternative_kernels.cheapest_routes(
+    *found, work = alternative_kernels.cheapest_routes(
         *_graph(network), floor, start.where, start.access, start.price,
-        goal.where, goal.access, goal.price, wanted, ROUNDING * borders.extent,
+        goal.where, goal.access, goal.price, wanted, ROUNDING * borders.extent, budget,
     )  # fmt: skip
-    return Lines(*found)
+    return Lines(*found), int(work)
 
 
 def _graph(network: Network) -> Graph:

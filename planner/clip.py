@@ -43,7 +43,7 @@ def clip_chains(borders: Borders, chains: Chains, radius: float) -> Clipped:
     rounding = ROUNDING * borders.extent
     # in the paper's mode no chain is on its bisectors
     astray = ASTRAY * borders.equal if chains.proved.any() else math.inf
-    solids = borders.owner, borders.solid, borders.object_boxes, borders.span, borders.box
+    solids = borders.closed, borders.box
     where, places, wide = clip_kernels.wide_parts(
         *borders.tree, solids, chains.points, chains.first, chains.pieces, chains.proved,
         chains.rho, chains.gap, chains.clearance, chains.ends, len(chains.node_xy), radius,

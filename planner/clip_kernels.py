@@ -22,7 +22,8 @@ import numpy as np
 from numba import njit
 
 from planner.bisector_kernels import slide_between
-from planner.distance_kernels import distance, in_object, nearest, segment_clearance
+from planner.distance_kernels import distance, nearest, segment_clearance
+from planner.inside_kernels import in_object
 
 HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""
@@ -77,14 +78,14 @@ def _is_longer(points, where, ends, least):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _is_astray(kind, data, solids, points, pieces, rho, i, link, tolerance):
     """Whether a chain's end, point i, is off the bisector of its link, or behind a border."""
-    owner, solid, object_boxes, span, box = solids
+    closed, box = solids
     x, y, r = points[i, 0], points[i, 1], rho[i]
     for side in range(2):
         if abs(distance(kind, data, pieces[link, side], x, y) - r) > tolerance:
             return True
     if not (box[0] < x < box[2] and box[1] < y < box[3]):
         return True
-    return in_object(kind, data, owner, solid, object_boxes, span, x, y, r)
+    return in_object(kind, data, closed, x, y, r)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -118,8 +119,9 @@ def wide_parts(
     Returns ``where`` (m, 3) int32, the chain and the links that the part begins and ends in, and
     ``places`` (m, 2, 3), x, y and clearance of both ends. Parts no longer than ``least`` are left
     out. Chains that keep ``floor`` throughout have none, nor those that keep the radius nowhere:
-    ``whole`` (c,) says which are the former. ``solids`` are the borders' owner, solid,
-    object_boxes, span and box; dead ends may be ``astray`` off their bisectors.
+    ``whole`` (c,) says which are the former. ``solids`` are the index of
+    :mod:`planner.inside_kernels` and the box of the bounds; dead ends may be ``astray`` off
+    their bisectors.
     """
     where, places = np.empty((64, 3), np.int32), np.empty((64, 2, 3))
     whole = np.zeros(len(first) - 1, np.bool_)

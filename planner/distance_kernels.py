@@ -32,8 +32,6 @@ SURE_COSINE = 1e-14
 """Cosines of unit vectors are equal within this: some 40 roundings of 2^-53."""
 TURN_SLACK = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
 """Error bound of a turn's determinant over its two products (Shewchuk 1997, ccwerrboundA)."""
-RAYS = (0.0, 0.31830988618, -0.43429448190)
-"""Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
 
 @njit(**BORROWING, error_model="numpy", forceinline=True)
@@ -257,6 +255,27 @@ def _spread(v):
 
 
 @njit(cache=True, nogil=True)
+def morton_codes(boxes):
+    """Numbers (n,) that grow along a curve past the middles of boxes (n, 4), and their extent.
+
+    An empty box, (inf, inf, -inf, -inf), has the number 0.
+    """
+    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(len(boxes)):
+        x0, y0 = min(x0, boxes[i, 0]), min(y0, boxes[i, 1])
+        x1, y1 = max(x1, boxes[i, 2]), max(y1, boxes[i, 3])
+    extent = max(x1 - x0, y1 - y0)
+    scale = 65535.0 / extent if extent > 0.0 else 0.0
+    code = np.zeros(len(boxes), np.int64)
+    for i in range(len(boxes)):
+        if boxes[i, 0] <= boxes[i, 2]:
+            mx = int((0.5 * (boxes[i, 0] + boxes[i, 2]) - x0) * scale)
+            my = int((0.5 * (boxes[i, 1] + boxes[i, 3]) - y0) * scale)
+            code[i] = _spread(mx) | (_spread(my) << 1)
+    return code, extent
+
+
+@njit(cache=True, nogil=True)
 def build_tree(kind, data):
     """The box tree of all primitives.
 
@@ -265,23 +284,14 @@ def build_tree(kind, data):
     """
     n = len(kind)
     own = np.empty((n, 4), np.float64)
-    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
     for i in range(n):
         box_of(kind, data, i, own[i])
-        x0, y0 = min(x0, own[i, 0]), min(y0, own[i, 1])
-        x1, y1 = max(x1, own[i, 2]), max(y1, own[i, 3])
-    extent = max(x1 - x0, y1 - y0)
-    scale = 65535.0 / extent if extent > 0.0 else 0.0
-    code = np.empty(n, np.int64)
+    code, extent = morton_codes(own)
     large = 0
     for i in range(n):
         if max(own[i, 2] - own[i, 0], own[i, 3] - own[i, 1]) > LARGE * extent:
             code[i] = -1
             large += 1
-        else:
-            mx = int((0.5 * (own[i, 0] + own[i, 2]) - x0) * scale)
-            my = int((0.5 * (own[i, 1] + own[i, 3]) - y0) * scale)
-            code[i] = _spread(mx) | (_spread(my) << 1)
     order = np.argsort(code).astype(np.int32)
     leaves = 1
     while leaves * LEAF < n - large:
@@ -426,60 +436,6 @@ def polyline_clearance(kind, data, order, large, boxes, points):
     return best, px, py, piece, where
 
 
-@njit(**BORROWING)
-def _crosses(kind, data, i, x, y):
-    """Whether a rightward ray from (x, y) crosses primitive i an odd number of times.
-
-    A ray through a shared end counts once because a piece holds its lower end only (half-open
-    in y). Arcs are cut where their tangent is level, so that each part is monotone in y.
-    """
-    k = kind[i]
-    if k == SEGMENT:
-        y0, y1 = data[i, 1], data[i, 3]
-        if (y0 <= y) == (y1 <= y):
-            return False
-        side = (data[i, 2] - data[i, 0]) * (y - y0) - (x - data[i, 0]) * (y1 - y0)
-        return (side > 0.0) == (y1 > y0)
-    if k == CIRCLE:
-        return (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2
-    return k == ARC and _arc_crossings(data, i, x, y) % 2 == 1
-
-
-@njit(**BORROWING)
-def crossings(kind, data, owner, solid, x, y, inside):
-    """Toggle ``inside[owner]`` once for every crossing of a rightward ray from (x, y).
-
-    Even-odd over the closed borders, those with a ``solid`` side.
-    """
-    for i in range(len(solid)):
-        o = owner[i]
-        if o >= 0 and solid[i] != 0 and _crosses(kind, data, i, x, y):
-            inside[o] = not inside[o]
-
-
-@njit(**BORROWING)
-def _arc_crossings(data, i, x, y):
-    """How often a rightward ray from (x, y) crosses the arc."""
-    cx, cy, r, a0 = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
-    a1 = a0 + data[i, 4]
-    count = 0
-    cut = (math.floor(a0 / math.pi - 0.5) + 1.0) * math.pi + 0.5 * math.pi
-    lo = a0
-    y_lo = cy + r * math.sin(a0)
-    while lo < a1:
-        hi = min(cut, a1)
-        y_hi = cy + r * math.sin(hi)
-        if (y_lo <= y) != (y_hi <= y):
-            dx = math.sqrt(max(r * r - (y - cy) ** 2, 0.0))
-            if math.cos(0.5 * (lo + hi)) < 0.0:
-                dx = -dx
-            if cx + dx > x:
-                count += 1
-        lo, y_lo = hi, y_hi
-        cut += math.pi
-    return count
-
-
 @njit(cache=True, nogil=True)
 def object_spans(kind, data, owner, count):
     """The objects' boxes (o, 4) and their primitives' range (o, 2), first and last + 1."""
@@ -502,34 +458,3 @@ def object_spans(kind, data, owner, count):
             boxes[o, c] = min(boxes[o, c], own[c])
             boxes[o, c + 2] = max(boxes[o, c + 2], own[c + 2])
     return boxes, span
-
-
-@njit(**BORROWING)
-def _ray_is_inside(kind, data, owner, solid, boxes, span, x, y):
-    """Whether (x, y) lies in any object, by one ray."""
-    for o in range(len(boxes)):
-        if not (boxes[o, 0] <= x <= boxes[o, 2] and boxes[o, 1] <= y <= boxes[o, 3]):
-            continue
-        odd = False
-        for i in range(span[o, 0], span[o, 1]):
-            if owner[i] == o and solid[i] != 0 and _crosses(kind, data, i, x, y):
-                odd = not odd
-        if odd:
-            return True
-    return False
-
-
-@njit(**BORROWING)
-def in_object(kind, data, owner, solid, boxes, span, x, y, reach):
-    """Whether (x, y), ``reach`` away from every border, lies in an object, by even-odd.
-
-    ``boxes`` and ``span`` as from :func:`object_spans`. Asked at three heights within reach,
-    so that a ray that grazes a joint is outvoted.
-    """
-    votes = 0
-    for j in range(3):
-        if _ray_is_inside(kind, data, owner, solid, boxes, span, x, y + RAYS[j] * reach):
-            votes += 1
-        if votes == 2 or (j == 1 and votes == 0):
-            break
-    return votes >= 2

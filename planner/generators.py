@@ -15,7 +15,8 @@ from typing import Any, Literal, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import border_kernels, distance_kernels, generator_kernels
+from planner import border_kernels, distance_kernels, generator_kernels, inside_kernels
+from planner.inside_kernels import ClosedBorders
 from planner.request import as_float
 from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
 
@@ -56,8 +57,8 @@ class Borders:
     a border or -1; ``solid`` (k,) is +1 where the solid lies to the left of travel, -1 to the
     right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
     meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
-    and range of primitives. ``box`` is x_min, y_min, x_max, y_max of the free space, and
-    ``extent`` its larger side.
+    and range of primitives; ``closed`` says which of them hold a place. ``box`` is x_min,
+    y_min, x_max, y_max of the free space, and ``extent`` its larger side.
     """
 
     kind: NDArray[np.int8]
@@ -74,6 +75,7 @@ class Borders:
     boxes: FloatArray
     object_boxes: FloatArray
     span: IntArray
+    closed: ClosedBorders
     box: FloatArray
     extent: float
     equal: float
@@ -100,21 +102,21 @@ class Borders:
         """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
         return distance_kernels.nearest_many(*self.tree, points)  # type: ignore[no-any-return]
 
-    def owners_around(self, x: float, y: float, reach: float) -> NDArray[np.bool_]:
-        """Which objects hold (x, y) inside, by even-odd; ``reach`` is its clearance.
+    def signed_distances(self, points: FloatArray) -> FloatArray:
+        """As :meth:`distances`, negative in an obstacle and out of the bounds."""
+        return inside_kernels.signed_distances(  # type: ignore[no-any-return]
+            *self.tree, self.closed, self.box, points
+        )
 
-        Asked at three places within the clearance, where the answer is the same but for rays
-        that graze a joint; the majority counts.
-        """
+    def is_solid(self, x: float, y: float, reach: float) -> bool:
+        """Whether (x, y), ``reach`` away from every border, lies in an object."""
+        return bool(inside_kernels.in_object(self.kind, self.data, self.closed, x, y, reach))
+
+    def owners_around(self, x: float, y: float, reach: float) -> NDArray[np.bool_]:
+        """Which objects hold (x, y) inside, by even-odd; ``reach`` is its clearance."""
         count = int(self.owner.max(initial=-1)) + 1
-        votes = np.zeros(count, dtype=np.int64)
-        for part in distance_kernels.RAYS:
-            inside = np.zeros(count, dtype=np.bool_)
-            distance_kernels.crossings(
-                self.kind, self.data, self.owner, self.solid, x, y + part * reach, inside
-            )
-            votes += inside
-        return votes >= 2
+        votes = inside_kernels.vote(self.kind, self.data, self.closed, x, y, reach, count)
+        return votes >= inside_kernels.MOST  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +169,7 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
 def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray) -> Borders:
     """Joined pieces and what finds them, see :mod:`planner.border_kernels`."""
     kind, data, owner, backwards, following, preceding, solid, before, after = pieces
-    order, large, boxes, object_boxes, span = found
+    order, large, boxes, object_boxes, span, closed = found
     return Borders(
         kind=kind,
         data=data,
@@ -183,6 +185,7 @@ def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray)
         boxes=boxes,
         object_boxes=object_boxes,
         span=span,
+        closed=ClosedBorders(*closed),
         box=box,
         extent=extent_of(box),
         equal=_equal(box),
@@ -218,6 +221,13 @@ def _free_box(flat: Primitives) -> FloatArray:
     return np.concatenate([low.min(axis=0) - grow, high.max(axis=0) + grow])
 
 
+def count_generators(borders: Borders, spacing: float) -> float:
+    """An upper bound of the generators that :func:`place_generators` makes; perhaps infinite."""
+    k = borders.primitive_count
+    most = generator_kernels.count_generators(borders.kind[:k], borders.data[:k], spacing)
+    return float(most)
+
+
 def place_generators(borders: Borders, spacing: float) -> Generators:
     """Generators at most ``spacing`` apart on every border.
 
@@ -225,7 +235,7 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
     """
     k = borders.primitive_count
     kind, data = borders.kind[:k], borders.data[:k]
-    room = generator_kernels.count_generators(kind, data, spacing)
+    room = count_generators(borders, spacing)
     if room > MAX_GENERATORS:
         raise ValueError(
             f"spacing = {spacing:g}: the borders would take {room:.3g} generators, "

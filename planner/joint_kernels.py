@@ -140,8 +140,9 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
             following[last], preceding[first] = first, last
             area = _signed_area(kind, data, backwards, first, last)
             side = 1 if (area > 0.0) != is_hole[first] else -1
-            solid[first : last + 1] = 0 if area == 0.0 else side
             crossed[first : last + 1] = _crosses_itself(kind, data, first, last)
+            # two lobes of one size make no area, and are solid; there and back is a wall
+            solid[first : last + 1] = 0 if area == 0.0 and not crossed[first] else side
         first = last + 1
     return following, preceding, solid, crossed
 

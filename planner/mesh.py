@@ -224,9 +224,8 @@ def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
     )  # fmt: skip
     mesh.stale[changed] = True
     mesh_kernels.mark_sides(
-        mesh.xy, mesh.up, mesh.tri, mesh.at, changed, borders.kind, borders.data,
-        borders.owner, borders.solid, borders.object_boxes, borders.span, borders.box, spacing,
-        mesh.side,
+        mesh.xy, mesh.up, mesh.tri, mesh.at, changed, borders.kind, borders.data, borders.closed,
+        borders.box, spacing, mesh.side,
     )  # fmt: skip
     vertex_kernels.mark_valid(
         mesh.tri, mesh.label, mesh.side, changed, borders.kind, borders.data, borders.before,

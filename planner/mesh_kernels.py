@@ -22,8 +22,9 @@ from numba import njit
 
 from planner.borrowing_kernels import BORROWING
 from planner.diagram_kernels import finite_vertices, list_edges
-from planner.distance_kernels import ARC, CIRCLE, distance, in_object
+from planner.distance_kernels import ARC, CIRCLE, distance
 from planner.insertion_kernels import DEAD
+from planner.inside_kernels import in_object
 from planner.predicate_kernels import SCRATCH, circumcentre
 
 FREE, BLOCKED, PENDING = 1, 2, 3
@@ -106,10 +107,7 @@ def _is_joined(xy, up, tri, at, i, k, j, limit):
 
 
 @njit(**BORROWING, error_model="numpy")
-def _mark_sides(
-    xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side,
-    queue
-):  # fmt: skip
+def _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side, queue):
     """:func:`mark_sides` with a ``queue`` (2 ghost,) to work in."""
     limit = (0.5 * spacing) ** 2 * (1.0 + 1e-9)
     for first in changed:
@@ -148,28 +146,23 @@ def _mark_sides(
         if known == 0:
             x, y = at[widest, 0], at[widest, 1]
             known = FREE
-            if in_object(kind, data, owner, solid, object_boxes, span, x, y, math.sqrt(room)):
+            if in_object(kind, data, closed, x, y, math.sqrt(room)):
                 known = BLOCKED
         for m in range(tail):
             side[queue[m]] = known
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def mark_sides(
-    xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side
-):  # fmt: skip
+def mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side):
     """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
 
-    ``object_boxes`` and ``span`` as from :func:`planner.distance_kernels.object_spans`. A
-    Voronoi edge that stays further than half the spacing from its generators crosses no
-    border, so that all vertices joined by such edges lie on one side. One is asked for all,
-    the one with the most room, where none is marked yet.
+    ``closed`` is the index of :mod:`planner.inside_kernels`. A Voronoi edge that stays further
+    than half the spacing from its generators crosses no border, so that all vertices joined by
+    such edges lie on one side. One is asked for all, the one with the most room, where none is
+    marked yet.
     """
     queue = np.empty(len(at), np.int32)
-    _mark_sides(
-        xy, up, tri, at, changed, kind, data, owner, solid, object_boxes, span, box, spacing, side,
-        queue,
-    )  # fmt: skip
+    _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side, queue)
 
 
 @njit(**BORROWING, error_model="numpy")

@@ -28,7 +28,8 @@ class Blocked:
     """No way for a disc of radius ``need`` leads from ``start`` to ``goal``.
 
     ``stations`` are all that were asked for, in order. ``reason`` is what keeps it from standing
-    at one of them, None where the way is at fault. ``names`` are those of the two ends.
+    at one of them, None where the way is at fault. ``names`` are those of the two ends, and
+    ``remarks`` what the search could not make certain.
     """
 
     start: Vec
@@ -37,6 +38,7 @@ class Blocked:
     stations: tuple[Vec, ...]
     reason: str | None = None
     names: tuple[str, str] = ("the start", "the goal")
+    remarks: tuple[str, ...] = ()
 
 
 def explain(
@@ -52,15 +54,15 @@ def explain(
     if reason is None:
         reason = f"{_no_way(blocked, units)}: the widest is {_sized(2.0 * wide, units)} wide at "
         reason += f"({x:.6g}, {y:.6g})"
-    return NoPath(reason, Bottleneck(x, y, 2.0 * wide), fits)
+    return NoPath(reason, Bottleneck(x, y, 2.0 * wide), fits, blocked.remarks)
 
 
 def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
     """No robot fits between generators ``spacing`` apart: borders lie between the stations."""
     if blocked.reason is not None:
-        return NoPath(blocked.reason)
+        return NoPath(blocked.reason, remarks=blocked.remarks)
     gaps = f"borders lie between them, with no gap wider than {_sized(spacing, units)}"
-    return NoPath(f"{_no_way(blocked, units)}: {gaps}")
+    return NoPath(f"{_no_way(blocked, units)}: {gaps}", remarks=blocked.remarks)
 
 
 def _no_way(blocked: Blocked, units: str) -> str:
@@ -102,26 +104,28 @@ def widest_way(
     return narrowest
 
 
-def why_not(borders: Borders, name: str, place: Vec, need: float, units: str = "") -> str | None:
-    """Why a disc of radius ``need`` cannot stand there, or None where it can."""
+def why_not(
+    borders: Borders, name: str, place: Vec, need: float, units: str = "", what: str = "the radius"
+) -> str | None:
+    """Why a disc of radius ``need`` cannot stand there, or None where it can.
+
+    ``what`` says what is needed.
+    """
     x, y = place
     box = borders.box
     if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
         return f"{name} {_at(place)} lies outside the bounds"
     distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
-    if distance_kernels.in_object(
-        borders.kind, borders.data, borders.owner, borders.solid, borders.object_boxes,
-        borders.span, x, y, distance,
-    ):  # fmt: skip
+    if borders.is_solid(x, y, distance):
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
         if len(inside):
             return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
     if distance < need - ROUNDING * borders.extent:
         owner = borders.owner[which]
-        what = "the bounds" if owner < 0 else f"obstacle {owner}"
+        border = "the bounds" if owner < 0 else f"obstacle {owner}"
         return (
-            f"{name} {_at(place)} is {_sized(distance, units)} from {what}, "
-            f"nearer than the radius and margin of {_sized(need, units)}"
+            f"{name} {_at(place)} is {_sized(distance, units)} from {border}, "
+            f"nearer than {what} of {_sized(need, units)}"
         )
     return None
 

@@ -21,10 +21,10 @@ from planner.distance_kernels import (
     SEGMENT,
     box_of,
     distance,
-    in_object,
     on_sweep,
     segment_distance,
 )
+from planner.inside_kernels import in_object
 
 MEET, WITHIN = 1, 2
 """How two objects are related: their borders meet, or the first lies inside the second."""
@@ -71,7 +71,7 @@ def _meet(kind, data, i, j, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def _related(kind, data, owner, solid, boxes, span, a, b, tolerance):
+def _related(kind, data, closed, boxes, span, a, b, tolerance):
     """MEET, WITHIN (a inside b), or 0."""
     own = np.empty(4)
     for i in range(span[a, 0], span[a, 1]):
@@ -84,15 +84,14 @@ def _related(kind, data, owner, solid, boxes, span, a, b, tolerance):
             if _meet(kind, data, i, j, tolerance):
                 return MEET
     x, y = _start(kind, data, span[a, 0])
-    one_box, one_span = boxes[b : b + 1], span[b : b + 1]
-    # the borders do not meet here: in_object asks for owner 0, so the owners are counted from b
-    if in_object(kind, data, owner - b, solid, one_box, one_span, x, y, tolerance):
+    # the borders do not meet here
+    if in_object(kind, data, closed, x, y, tolerance, b):
         return WITHIN
     return 0
 
 
 @njit(cache=True, nogil=True)
-def related_objects(kind, data, owner, solid, boxes, span, tolerance):
+def related_objects(kind, data, closed, boxes, span, tolerance):
     """Pairs of objects that meet, and of one within another: rows (n, 3) a, b, how; a within b.
 
     O(o log o) for o objects whose boxes overlap few others', and the product of two objects'
@@ -111,9 +110,9 @@ def related_objects(kind, data, owner, solid, boxes, span, tolerance):
             if boxes[b, 1] > boxes[a, 3] + tolerance or boxes[a, 1] > boxes[b, 3] + tolerance:
                 continue
             first, second = a, b
-            how = _related(kind, data, owner, solid, boxes, span, a, b, tolerance)
+            how = _related(kind, data, closed, boxes, span, a, b, tolerance)
             if how == 0:
-                how = _related(kind, data, owner, solid, boxes, span, b, a, tolerance)
+                how = _related(kind, data, closed, boxes, span, b, a, tolerance)
                 first, second = b, a
             if how == 0:
                 continue

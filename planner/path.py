@@ -50,12 +50,14 @@ class NoPath:
     """There is no path for this robot: an expected answer, not a failure.
 
     ``widest_radius`` is the largest radius that could make the journey, None where no robot
-    could (start or goal inside an obstacle, outside the bounds, or walled in).
+    could (start or goal inside an obstacle, outside the bounds, or walled in). ``remarks`` are
+    plain sentences on what the search could not make certain.
     """
 
     reason: str
     bottleneck: Bottleneck | None = None
     widest_radius: float | None = None
+    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,8 +46,7 @@ def _relations(borders: Borders) -> list[str]:
     pairs = overlap_kernels.related_objects(
         borders.kind,
         borders.data,
-        borders.owner,
-        borders.solid,
+        borders.closed,
         borders.object_boxes,
         borders.span,
         SAME_PLACE * borders.extent,

@@ -17,7 +17,10 @@ MOST_ALTERNATIVES = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What is asked for: ``stations`` are start, every via, goal, with a heading or None."""
+    """What is asked for: ``stations`` are start, every via, goal, with a heading or None.
+
+    ``relaxed``: the margin is given up around stations that lie within it.
+    """
 
     stations: tuple[Vec, ...]
     headings_rad: tuple[float | None, ...]
@@ -25,6 +28,7 @@ class Request:
     best_order: bool
     alternatives: int
     margin: float
+    relaxed: bool = False
 
     def in_order(self, order: Sequence[int]) -> Request:
         """The same request with its vias in another order."""
@@ -45,6 +49,8 @@ class Request:
         order: str,
         alternatives: int,
         margin: float,
+        *,
+        relaxed: bool = False,
     ) -> Request:
         """Parse the arguments of ``Roadmap.plan``; ``ValueError`` says what is wrong."""
         named = [("start", start), *((f"via[{i}]", v) for i, v in enumerate(via)), ("goal", goal)]
@@ -61,6 +67,7 @@ class Request:
             order == "best",
             _count(alternatives),
             spare,
+            relaxed,
         )
 
 

@@ -12,7 +12,7 @@ Rules and units
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ from planner.generators import (
     Mode,
     check_radius,
     choose_spacing,
+    count_generators,
     gather_borders,
     place_generators,
 )
@@ -43,6 +44,9 @@ if TYPE_CHECKING:
 
 FINER = 4.0
 """How much denser the generators are when the widest way is narrower than their spacing."""
+FINER_MOST = 200_000
+"""No denser than so many generators, which take about 0.2 s: a refusal is an answer, too."""
+NOT_FINER = "ways narrower than the generators' spacing were not looked for: the limit was reached"
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,14 +140,7 @@ class Roadmap:
 
         ``ValueError`` where a point is not finite.
         """
-        xy = _places("points", points)
-        distance, _ = self.borders.distances(xy)
-        box = self.borders.box
-        for i, (x, y) in enumerate(xy):
-            outside = not (box[0] <= x <= box[2] and box[1] <= y <= box[3])
-            if outside or self.borders.owners_around(x, y, distance[i]).any():
-                distance[i] = -distance[i]
-        return distance
+        return self.borders.signed_distances(_places("points", points))
 
     def path_clearance(self, polyline: ArrayLike) -> Clearance:
         """The least distance of a polyline (n, 2) to any border: exact, nothing is sampled."""
@@ -163,6 +160,7 @@ class Roadmap:
         order: Literal["fixed", "best"] = "fixed",
         alternatives: int = 0,
         margin: float = 0.0,
+        relaxed: bool = False,
         near: Path | NoPath | None = None,
     ) -> Path | NoPath:
         """A path from start to goal for this roadmap's robot, or why there is none.
@@ -173,14 +171,16 @@ class Roadmap:
         (clearance). ``order`` "best" visits the stations so that the whole path is shortest, of
         legs planned as preferred; the goal stays the last. A leg is the same there and back.
         ``margin`` is kept on top of the radius. No path ever comes nearer to a border than the
-        radius and the margin. ``alternatives`` are so many other paths, where there are, none a
+        radius and the margin; with ``relaxed``, a station that lies within the margin is left
+        and come to on a short straight line out of it, which a remark says, and which keeps the
+        radius. ``alternatives`` are so many other paths, where there are, none a
         shift of another: the best, once taut, of the cheapest routes without a loop, at least twice
         as many. ``near`` is the last path, on which the robot is: while it is clear, and within
         2 % as good as the best, the answer is that path from here on, so that noise does not make
         plans jump; a refusal is no path to stay on. Raises ``ValueError`` on options that make no
         sense.
         """
-        request = Request.of(start, goal, prefer, via, order, alternatives, margin)
+        request = Request.of(start, goal, prefer, via, order, alternatives, margin, relaxed=relaxed)
         units = str(getattr(self.scene, "units", ""))
         answer = plan_request(
             self.borders,
@@ -210,10 +210,10 @@ class Roadmap:
         told = explain(self.borders, self.chains, blocked, self.radius, units)
         if told and told.bottleneck and told.bottleneck.width >= self.spacing:
             return told
-        try:
-            finer = self._finer()
-        except ValueError:  # more generators than there may be
-            return told or walled_in(blocked, self.spacing, units)
+        if count_generators(self.borders, self.spacing / FINER) > FINER_MOST:
+            told = told or walled_in(blocked, self.spacing, units)
+            return replace(told, remarks=(*told.remarks, NOT_FINER))
+        finer = self._finer()
         told = explain(finer.borders, finer.chains, blocked, self.radius, units)
         return told or walled_in(blocked, finer.spacing, units)
 

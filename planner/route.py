@@ -31,6 +31,7 @@ from planner.finish import as_wide, best_cut, finish, is_clear, judge
 from planner.generators import Borders
 from planner.homotopy import Word, anchors, word
 from planner.hysteresis import continued, is_kept, last_legs, preferred
+from planner.margin import REACH, lies_within, way_out
 from planner.no_way import Blocked, why_not
 from planner.path import NoPath, Path
 from planner.request import Request
@@ -44,6 +45,10 @@ SPARE_ROUTES = 2
 """Routes made taut for every alternative wanted, so that the best of them are told."""
 MOST_ROUTES = 512
 """No more routes are compared than so many, or what the alternatives wanted take."""
+OTHERS_WORK = 4_000_000
+"""Steps over chains that the search for a leg's alternatives takes at most: about 0.2 s."""
+POINT_WORK = 40
+"""What it takes to make a point of a route taut, in such steps."""
 AS_WIDE = 1e-9
 """Routes whose clearances differ by so small a part of them are equally wide."""
 OTHERS = 3
@@ -51,6 +56,8 @@ OTHERS = 3
 SECOND_OPINION = 4_000_000
 """Tangents tried before it is believed that there is no way: about 0.2 s."""
 GAVE_UP = "the search for the shortest path reached its limit: there may be a shorter one"
+FEWER = "the search for other paths reached its limit: there may be more, or better ones"
+UNSURE = "the search for a path by tangents reached its limit: there may be one"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,20 +96,17 @@ def plan_request(
     last answer, which is stayed with as ``hysteresis.py`` says.
     """
     need = radius + request.margin
+    asked = request
     vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
     names = ["the start", *vias, "the goal"]
-    for least in (0.0, need):
-        for name, place in zip(names, request.stations, strict=True):
-            if reason := why_not(borders, name, place, least, units):
-                if least == 0.0:
-                    return NoPath(reason)
-                ends = request.stations[0], request.stations[-1]
-                return Blocked(*ends, need, request.stations, reason)
+    request, ways_out, refused = _stand(borders, radius, request, names, units)
+    if refused is not None:
+        return refused
     network = Network.of(chains, need, request.preference)
     order = tuple(range(len(request.stations) - 2))
     if request.best_order and len(order) > 1:
         order = _best_order(borders, network, request, need, chains_only=chains_only)
-    request = request.in_order(order)
+    request, asked = request.in_order(order), asked.in_order(order)
     legs: list[Ways] = []
     lasts = last_legs(near, len(request.stations) - 1)
     visited = [names[0], *(names[1 + i] for i in order), names[-1]]
@@ -110,16 +114,66 @@ def plan_request(
         leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
         found = plan_leg(leg, request.alternatives, chains_only=chains_only)
         if not found.lines:
-            return Blocked(a, b, need, request.stations, names=(visited[k], visited[k + 1]))
+            ends = visited[k], visited[k + 1]
+            return Blocked(a, b, need, request.stations, names=ends, remarks=found.remarks)
         if last is not None and a != b:
             found = _staying(leg, last, found, request.alternatives)
         legs.append(found)
+    legs = [replace(leg, lines=_from_stations(asked, k, leg.lines)) for k, leg in enumerate(legs)]
     best = _as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
-    best = replace(best, remarks=tuple(dict.fromkeys(r for leg in legs for r in leg.remarks)))
+    said = [*ways_out, *(r for leg in legs for r in leg.remarks)]
+    best = replace(best, remarks=tuple(dict.fromkeys(said)))
     if not request.alternatives:
         return best
     others = (_as_path(borders, choice, radius, request, order) for choice in _others(legs))
     return replace(best, alternatives=tuple(islice(others, request.alternatives)))
+
+
+def _stand(
+    borders: Borders, radius: float, request: Request, names: list[str], units: str
+) -> tuple[Request, list[str], NoPath | Blocked | None]:
+    """The request from places that keep the margin, what is said of that, or why there is none.
+
+    Only a ``relaxed`` request's stations may lie within the margin, see :mod:`planner.margin`.
+    """
+    need = radius + request.margin
+    what = "the radius and margin" if request.margin > 0.0 else "the radius"
+    least = [(0.0, ""), (radius, "the radius")] if request.relaxed else [(0.0, ""), (need, what)]
+    ends = request.stations[0], request.stations[-1]
+    for keep, of_what in least:
+        for name, place in zip(names, request.stations, strict=True):
+            if reason := why_not(borders, name, place, keep, units, of_what):
+                if keep == 0.0:
+                    return request, [], NoPath(reason)
+                return request, [], Blocked(*ends, keep, request.stations, reason)
+    stations, said = list(request.stations), []
+    for i, (name, place) in enumerate(zip(names, request.stations, strict=True)):
+        if not request.relaxed or not lies_within(borders, place, need):
+            continue
+        out = way_out(borders, name, place, radius, request.margin, units)
+        if out is None:
+            reason = why_not(borders, name, place, need, units, what)
+            reason = f"{reason}, and no straight way of {REACH:g} times that leads out of it"
+            return request, [], Blocked(*ends, need, request.stations, reason)
+        stations[i] = out.place
+        said.append(out.remark)
+    return replace(request, stations=tuple(stations)), said, None
+
+
+def _from_stations(
+    asked: Request, leg: int, lines: tuple[FloatArray, ...]
+) -> tuple[FloatArray, ...]:
+    """The leg's lines from and to the very stations, where they lie within the margin."""
+    begin, end = (np.array([place]) for place in asked.stations[leg : leg + 2])
+    out = []
+    for line in lines:
+        parts = [line]
+        if not np.array_equal(line[0], begin[0]):
+            parts.insert(0, begin)
+        if not np.array_equal(line[-1], end[0]):
+            parts.append(end)
+        out.append(np.concatenate(parts))
+    return tuple(out)
 
 
 def _kept(borders: Borders, start: Vec, goal: Vec, need: float) -> float:
@@ -167,11 +221,22 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
     apart = room[0] - room[1]
     even = abs(apart) <= ROUNDING * leg.borders.extent
     if apart > 0.0 if not even else leg.start <= leg.goal:
-        return _plan_leg(leg, alternatives, chains_only=chains_only)
+        return _certified(leg, _plan_leg(leg, alternatives, chains_only=chains_only))
     back = replace(leg, start=leg.goal, goal=leg.start)
     found = _plan_leg(back, alternatives, chains_only=chains_only)
     lines = tuple(np.ascontiguousarray(line[::-1]) for line in found.lines)
-    return replace(found, lines=lines)
+    return _certified(leg, replace(found, lines=lines))
+
+
+def _certified(leg: Leg, found: Ways) -> Ways:
+    """Those of the ways whose exact clearance, as a whole, is what is needed."""
+    least = leg.need - ROUNDING * leg.borders.extent
+    proved = tuple(
+        line
+        for line in found.lines
+        if distance_kernels.polyline_clearance(*leg.borders.tree, line)[0] >= least
+    )
+    return replace(found, lines=proved)
 
 
 def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
@@ -188,7 +253,8 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     clear = is_clear(borders, start, goal, need, leg.preference)
     if clear and not alternatives:
         return Ways((np.array([start, goal]),))
-    found = _routes(leg, alternatives)
+    routed = _routes(leg, alternatives)
+    found = list(routed.lines)
     if clear:
         found.insert(0, np.array([start, goal]))
     if not found and chains_only:
@@ -196,16 +262,19 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     if not found:
         # the chains tell ways of this width: a second opinion of another method, and its bound
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
-        return Ways(() if exact.way is None else (exact.way,))
+        if exact.way is None:
+            return Ways((), () if exact.certain else (UNSURE,))
+        return Ways((exact.way,))
     if leg.preference > 0.0 or clear:
-        return Ways(_distinct(borders, found, alternatives))
+        return Ways(_distinct(borders, found, alternatives), routed.remarks)
     exact = shortest_way(borders, start, goal, need, _length(found[0]))
     if exact.way is not None:
         found.insert(0, exact.way)
-    return Ways(_distinct(borders, found, alternatives), () if exact.certain else (GAVE_UP,))
+    unsure = () if exact.certain else (GAVE_UP,)
+    return Ways(_distinct(borders, found, alternatives), (*routed.remarks, *unsure))
 
 
-def _routes(leg: Leg, alternatives: int) -> list[FloatArray]:
+def _routes(leg: Leg, alternatives: int) -> Ways:
     """Ways over different chains, the preferred one first; some may be the same but for a shift.
 
     The first may be cut short across to another side of an obstacle. For alternatives the
@@ -230,29 +299,39 @@ def _routes(leg: Leg, alternatives: int) -> list[FloatArray]:
         if best is None:
             continue
         if not alternatives:
-            return [best]
-        return [best, *_others_than(leg, best, entries, exits, alternatives)]
-    return []
+            return Ways((best,))
+        others = _others_than(leg, best, entries, exits, alternatives)
+        return replace(others, lines=(best, *others.lines))
+    return Ways(())
 
 
 def _others_than(
     leg: Leg, best: FloatArray, entries: Gates, exits: Gates, alternatives: int
-) -> list[FloatArray]:
+) -> Ways:
     """The cheapest routes made taut, the best first: enough for so many that are distinct.
 
     Routes that begin or end on different chains may be shifts of one another, though they are
-    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``.
+    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``, or the
+    work has taken ``OTHERS_WORK``, which is said.
     """
     borders, need, preference = leg.borders, leg.need, leg.preference
+    floor = need - ROUNDING * borders.extent
     wanted = ROUTES + SPARE_ROUTES * alternatives
+    found: list[FloatArray] = []
+    done, left = 0, OTHERS_WORK
     while True:
-        floor = need - ROUNDING * borders.extent
-        lines = cheapest_routes(borders, leg.network, entries, exits, floor, wanted)
-        ways, first = finish(borders, lines, need, preference)
-        found = [ways[a:b] for a, b in pairwise(first.tolist())]
+        lines, work = cheapest_routes(borders, leg.network, entries, exits, floor, wanted, left)
+        left -= work
+        fresh = lines.after(done, max(left // POINT_WORK, 0))
+        left -= POINT_WORK * len(fresh.points)
+        ways, first = finish(borders, fresh, need, preference)
+        found += [ways[a:b] for a, b in pairwise(first.tolist())]
+        bounded = left <= 0 or done + len(fresh) < len(lines)
         enough = len(_distinct(borders, [best, *found], alternatives)) > alternatives
-        if enough or len(lines) < wanted or wanted >= MOST_ROUTES:
-            return sorted(found, key=lambda way: judge(borders, way, need, preference))
+        if enough or bounded or len(lines) < wanted or wanted >= MOST_ROUTES:
+            found.sort(key=lambda way: judge(borders, way, need, preference))
+            return Ways(tuple(found), (FEWER,) if bounded and not enough else ())
+        done = len(lines)
         wanted *= 2
 
 

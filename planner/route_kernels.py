@@ -20,6 +20,9 @@ from numba import njit
 from planner.borrowing_kernels import BORROWING
 from planner.search_kernels import costs_from, pop, push, pushed
 
+CLEARED = 8
+"""So many nodes are made ready for a search in the time of one step of it."""
+
 
 @njit(cache=True, nogil=True)
 def gates_of(where, price, ends, floor, dearer):
@@ -71,7 +74,8 @@ def search(
     A* over the chains not below ``floor``, each ``dearer`` (>= 1) times its cost; ``ahead`` (n,)
     is what is left at least from each node, as :func:`costs_from` says of the goal. No step is
     walked that is ``barred`` (2 chains,). Returns the cost, infinity where there is none, the
-    start's and the goal's gate, and the chains in order as chain * 2 + end walked from.
+    start's and the goal's gate, the chains in order as chain * 2 + end walked from, and the work:
+    steps looked at, and what clearing the nodes costs in them.
     """
     n = len(around) - 1
     far = np.full(n, np.inf)
@@ -79,7 +83,7 @@ def search(
     gate = np.full(n, -1, np.int32)
     keys = np.empty(64)
     items = np.empty(64, np.int32)
-    size = 0
+    size, work = 0, n // CLEARED
     best, out, exit_node = np.inf, -1, -1
     for i in range(len(s_node)):
         u = s_node[i]
@@ -95,6 +99,7 @@ def search(
             continue
         if key >= best:
             break
+        work += 1 + around[u + 1] - around[u]
         for i in range(len(g_node)):
             if g_node[i] == u and d + g_cost[i] < best:
                 best, out, exit_node = d + g_cost[i], i, u
@@ -117,7 +122,7 @@ def search(
         count += 1
         u = ends[came[u] // 2, came[u] % 2]
     entry = gate[u] if u >= 0 else -1
-    return best, entry, out, steps[:count][::-1].copy()
+    return best, entry, out, steps[:count][::-1].copy(), work
 
 
 @njit(cache=True, nogil=True)
@@ -240,7 +245,7 @@ def one_route(
     steps = np.empty(0, np.int32)
     if len(s_where) == 0 or len(g_where) == 0:
         return best, entry, out, steps
-    best, entry, out, steps = search(
+    best, entry, out, steps, _ = search(
         around, leaving, ends, total, clearance, dearer, ahead, floor,
         s_node, s_cost, g_node, g_cost,
         np.zeros(len(around) - 1, np.bool_), np.zeros(2 * len(ends), np.bool_),

@@ -11,6 +11,7 @@ import pytest
 import planner
 from planner.chain_search import Gates, Network, attach, cheapest_routes, routes, widest_gap
 from planner.roadmap import Roadmap
+from planner.route import OTHERS_WORK
 from planner.scene import FloatArray
 from tests.support.planner_scenes import box, hand_made, random_scene, scene_of
 
@@ -120,7 +121,11 @@ def test_the_k_cheapest_routes_are_those_of_a_search_of_all(seed: int) -> None:
             for way in nx.all_simple_edge_paths(graph, "s", "g")
         )
         for wanted in (1, 3, 8):
-            found = cheapest_routes(roadmap.borders, network, start, goal, 2.0, wanted)
+            found, work = cheapest_routes(
+                roadmap.borders, network, start, goal, 2.0, wanted, OTHERS_WORK
+            )
+            assert work <= OTHERS_WORK
+            assert len(found.after(1, 10**9)) == len(found) - 1
             lengths = [_length(found.points[i:j]) for i, j in itertools.pairwise(found.begin)]
             assert len(lengths) == min(wanted, len(costs))
             assert lengths == pytest.approx(costs[: len(lengths)], rel=0.01)

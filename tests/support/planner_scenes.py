@@ -224,11 +224,11 @@ def slow_distance(scene: Scene, points: FloatArray) -> FloatArray:
             best = np.minimum(best, np.hypot(*(points - item).T))
             continue
         for edge in item:
-            best = np.minimum(best, _edge_distance(edge, points, scene.y_down))
+            best = np.minimum(best, edge_distance(edge, points, scene.y_down))
     return best
 
 
-def _edge_distance(edge: Edge, points: FloatArray, y_down: bool) -> FloatArray:
+def edge_distance(edge: Edge, points: FloatArray, y_down: bool) -> FloatArray:
     ends = np.minimum(np.hypot(*(points - edge.start).T), np.hypot(*(points - edge.end).T))
     if isinstance(edge, Segment):
         a = np.array(edge.start)
