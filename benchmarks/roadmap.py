@@ -7,7 +7,8 @@ bounds. Between two places a path must be found where a grid of distances (scipy
 them at the radius + 1 px, and none where it does not at the radius - 1 px; every path's distance
 to the borders is measured on points of its own. Exactness: how far vertices and places on edges
 are from being equally far from both of their pieces, and their clearance from the distance that
-numpy alone computes, in parts of the scene's size. Change: 60 objects, one of them moved, taken
+numpy alone computes, in parts of the scene's size. Size: one plate with ever more holes in it, and
+every cell of a grid an obstacle as a coin falls. Change: 60 objects, one of them moved, taken
 out or put in, against building anew, in turn; processor time, medians of the paired ratios.
 """
 
@@ -29,8 +30,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import planner
 from planner import distance_kernels
+from planner.grid_maps import grid_scene
 from planner.path import Path as PlannedPath
 from planner.scene import Bounds, FloatArray, Scene, SceneObject
+from tests.support.mazes import noise, plate
 from tests.support.planner_scenes import (
     hand_made,
     polygon,
@@ -173,6 +176,26 @@ def change(rounds: int) -> dict[str, tuple[float, float, float]]:
     return out
 
 
+def sizes() -> list[str]:
+    """Seconds of building the roadmap, and with which power of the primitives they grow."""
+    rows = ["| obstacles | primitives | roadmap, s | power |", "|---|---|---|---|"]
+    before: tuple[int, float] | None = None
+    grids = [(f"plate, {n} x {n} holes", plate(n)) for n in (40, 70, 100, 140)]
+    grids += [(f"coins, {n} x {n}", noise(n, np.random.default_rng(n))) for n in (250, 500)]
+    for name, grid in grids:
+        scene = grid_scene(grid)
+        count = len(scene.primitives().kind)
+        begun = time.thread_time()
+        planner.build_roadmap(scene, 0.4)
+        took = time.thread_time() - begun
+        power = "-"
+        if before is not None and before[0] < count:
+            power = f"{np.log(took / before[1]) / np.log(count / before[0]):.2f}"
+        rows.append(f"| {name} | {count} | {took:.3f} | {power} |")
+        before = count, took
+    return rows
+
+
 def report(scenes: int, rounds: int) -> str:
     lines = [
         "# The roadmap judged",
@@ -187,6 +210,7 @@ def report(scenes: int, rounds: int) -> str:
     ]
     for name, (anew, updated, ratio) in change(rounds).items():
         lines.append(f"| {name} | {anew:.2f} | {updated:.2f} | {ratio:.1f} |")
+    lines += ["", "## Size", "", *sizes()]
     lines += ["", "## Exactness, in parts of the scene's size", ""]
     lines.append(
         "| spacing, radii | bisectors, worst | clearances, worst | wide links proved "

@@ -7,6 +7,7 @@
   would write today: scikit-image's least-cost path over the pixels the disc can stand on.
 - Time: one plan at every preference, by the number of obstacles, the roadmap being built.
 - Work: what the search for the shortest path tried of its budget, and what the whole budget takes.
+- Mazes: a path, its smoothing and its timing by its length, which is in cells.
 - Tours: the exact order of 15 stations; the heuristic against it, and above 15 against the bound
   of Held and Karp (1970) by minimum 1-trees.
 - Refusals: the widest robot against bisection over the oracle, and the time that it takes.
@@ -32,8 +33,12 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import planner
 from planner import shortest, tangent_kernels, tour
 from planner.generators import JOINT
+from planner.grid_maps import grid_scene
 from planner.scene import Bounds, CircleRecord, FloatArray, Record, Scene
 from planner.shortest import shortest_way
+from planner.smooth import smooth_path
+from planner.trajectory import default_limits, time_path
+from tests.support.mazes import maze
 from tests.support.planner_scenes import polygon, random_scene, scene_of, slow_distance, slow_inside
 from tests.support.visibility_oracle import shortest_length
 
@@ -188,6 +193,33 @@ def whole_budget() -> Table:
     ]  # fmt: skip
 
 
+def mazes(sides: tuple[int, ...] = (101, 201, 301)) -> Table:
+    """Seconds of each step, and with which power of the length smoothing and timing grow."""
+    rows = [["maze", "length", "plan s", "smooth s", "time s", "all s", "power"]]
+    before: tuple[float, float] | None = None
+    for side in sides:
+        roadmap = planner.build_roadmap(grid_scene(maze(side, np.random.default_rng(1))), 0.3)
+        ends = (1.0, 1.0), (side - 2.0, side - 2.0)
+        path = roadmap.plan(*ends)
+        assert isinstance(path, planner.Path)
+        look = roadmap.path_clearance, roadmap.clearance
+        smooth = smooth_path(path, *look, keep=0.3)
+        steps: list[Callable[[], Any]] = [
+            lambda r=roadmap, e=ends: r.plan(*e),
+            lambda p=path, k=look: smooth_path(p, *k, keep=0.3),
+            lambda p=smooth, k=look: time_path(p, default_limits(0.3), clearance=k[1]),
+        ]
+        took = [least_ms(step, 3) / 1e3 for step in steps]
+        last = took[1] + took[2]
+        power = "-"
+        if before is not None:
+            power = f"{math.log(last / before[1]) / math.log(path.length / before[0]):.2f}"
+        before = path.length, last
+        cells = [f"{t:.3f}" for t in (*took, sum(took))]
+        rows.append([f"{side}x{side}", f"{path.length:.0f}", *cells, power])
+    return rows
+
+
 def one_tree_bound(distance: FloatArray, rounds: int = 400) -> float:
     """Held and Karp's lower bound of a closed tour: minimum 1-trees under node prices."""
     n = len(distance)
@@ -305,6 +337,7 @@ def main() -> None:
         ("Length over the shortest", lengths(chosen.scenes)),
         ("One plan, median (most)", plan_times()),
         ("The whole budget of the search for the shortest", whole_budget()),
+        ("Mazes", mazes()),
         ("Tours", tours()),
         ("Refusals", refusals(chosen.scenes)),
     ]

@@ -29,6 +29,8 @@ RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
 
 
+SAME_SIDE = 1.0 - 1e-9
+"""So much of a place's clearance is surely free of borders."""
 MOST = 2
 """Of the three rays so many decide: one that grazes a joint is outvoted."""
 
@@ -261,13 +263,18 @@ def vote(kind, data, closed, x, y, reach, objects):
 
 @njit(cache=True, nogil=True)
 def signed_distances(kind, data, order, large, boxes, closed, box, points):
-    """The distance of every point (n, 2), negative in an object and out of the ``box``."""
+    """The distance of every point (n, 2), negative in an object and out of the ``box``.
+
+    A point within the clearance of the one before lies on the same side of every border.
+    """
     out = np.empty(len(points))
+    last_x, last_y, near, solid = 0.0, 0.0, -1.0, False
     for i in range(len(points)):
         x, y = points[i, 0], points[i, 1]
         d, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
+        if not (x - last_x) ** 2 + (y - last_y) ** 2 < near * abs(near):
+            solid = in_object(kind, data, closed, x, y, d)
+            last_x, last_y, near = x, y, d * SAME_SIDE
         outside = not (box[0] <= x <= box[2] and box[1] <= y <= box[3])
-        if outside or in_object(kind, data, closed, x, y, d):
-            d = -d
-        out[i] = d
+        out[i] = -d if outside or solid else d
     return out

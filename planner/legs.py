@@ -302,11 +302,10 @@ class Track:
         marks = np.concatenate([leg.lengths, leg.forced])
         fine = np.unique(marks)
         parts = np.ceil(np.diff(fine) / spacing).astype(int)
-        pieces = [
-            np.linspace(a, b, n, endpoint=False)
-            for a, b, n in zip(fine[:-1], fine[1:], np.maximum(parts, 1), strict=True)
-        ]
-        at = np.append(np.concatenate(pieces), fine[-1])
+        parts = np.maximum(parts, 1)
+        number = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
+        at = np.repeat(fine[:-1], parts) + number * np.repeat(np.diff(fine) / parts, parts)
+        at = np.append(at, fine[-1])
         points = points_at(leg.points, leg.lengths, at)
         cuts = np.searchsorted(at, np.concatenate([[0.0], leg.forced, leg.lengths[-1:]]))
         chosen = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner import polyline_kernels as kernels
 from planner.scene import FloatArray, IntArray
 
 
@@ -14,20 +15,16 @@ def arc_lengths(points: FloatArray) -> FloatArray:
 
 
 def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatArray:
-    """(m, 2) points of the polyline at the lengths ``at`` (m,) along it."""
-    return np.stack(
-        [np.interp(at, lengths, points[:, 0]), np.interp(at, lengths, points[:, 1])], axis=1
-    )
-
-
-def distances_to_chord(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
-    """(n,) distances from the points to the segment from ``start`` to ``end``."""
-    chord = end - start
-    squared = float(chord @ chord)
-    offset = points - start
-    t = np.clip(offset @ chord / squared, 0.0, 1.0) if squared > 0.0 else np.zeros(len(points))
-    distances: FloatArray = np.hypot(*(offset - t[:, None] * chord).T)
-    return distances
+    """(m, 2) points of the polyline at the lengths ``at`` (m,) along it. O(m log n)."""
+    if len(points) == 1:
+        return np.repeat(points, len(at), axis=0)
+    i = np.clip(np.searchsorted(lengths, at, side="right") - 1, 0, len(points) - 2)
+    step = lengths[i + 1] - lengths[i]
+    slope = (points[i + 1] - points[i]) / np.where(step > 0.0, step, 1.0)[:, None]
+    found = slope * (at - lengths[i])[:, None] + points[i]
+    found[at >= lengths[-1]] = points[-1]
+    found[at <= lengths[0]] = points[0]
+    return found
 
 
 def fewer_vertices(
@@ -40,32 +37,6 @@ def fewer_vertices(
     the reach of each chord: O(n log n) for chords that skip many vertices.
     """
     along = arc_lengths(points) if lengths is None else lengths
-    last = len(points) - 1
-    kept = [0]
-    while kept[-1] < last:
-        here = kept[-1]
-        limit = int(np.searchsorted(along, along[here] + spacing, side="right")) - 1
-        limit = min(max(limit, here + 1), last)
-        kept.append(_reach(points, here, limit, tolerance))
-    return np.array(kept, dtype=np.int32)
-
-
-def _reach(points: FloatArray, here: int, limit: int, tolerance: float) -> int:
-    """How far a chord from vertex ``here`` may go; at least to the next vertex."""
-
-    def fits(there: int) -> bool:
-        between = points[here + 1 : there]
-        return bool(np.all(distances_to_chord(between, points[here], points[there]) <= tolerance))
-
-    good, step = here + 1, 1
-    while good < limit:
-        there = min(good + step, limit)
-        if not fits(there):
-            break
-        good, step = there, 2 * step
-    while step > 1:
-        step //= 2
-        there = good + step
-        if there <= limit and fits(there):
-            good = there
-    return good
+    return kernels.fewer_vertices(  # type: ignore[no-any-return]
+        np.ascontiguousarray(points, dtype=np.float64), along, float(tolerance), float(spacing)
+    )

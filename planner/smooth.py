@@ -15,6 +15,7 @@ Units are the scene's.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -25,6 +26,7 @@ import numpy as np
 from planner.path import Path
 from planner.polyline import arc_lengths, fewer_vertices, points_at
 from planner.scene import FloatArray, Vec
+from planner.smooth_kernels import bend, parabola
 
 CORNER_RAD = math.radians(3.0)
 """A smaller turn is no corner: the samples of a smooth bisector turn less."""
@@ -32,8 +34,6 @@ LONGEST_CUT = 4.0
 """Robot radii before and after a corner: what lies further does not feel the corner."""
 LONGEST_BEND = 2.0
 """The same in turning radii, where that is more: right angles take one."""
-BEND_SPARE = 0.05
-"""An arc is so much wider than the tightest that is asked for."""
 HALVINGS = 7
 SIMPLIFY = 0.01
 """Corners are sought on the path simplified within this part of the robot's radius."""
@@ -75,6 +75,17 @@ class _Cut:
     points: FloatArray
 
 
+@dataclass(frozen=True, slots=True)
+class _Rules:
+    """What every cut must keep: ``floor``, but for a path that is ``nearer`` than it already."""
+
+    radius: float
+    floor: float
+    nearer: bool
+    path_clearance: PathClearance
+    turning_radius: float
+
+
 def smooth_path(
     path: Path,
     path_clearance: PathClearance,
@@ -99,12 +110,13 @@ def smooth_path(
         )
     if not (math.isfinite(turning_radius) and turning_radius >= 0.0):
         raise SmoothError(f"turning_radius = {turning_radius:g}: must be >= 0 and finite")
+    rules = _Rules(
+        path.robot_radius, floor, floor > path.min_clearance, path_clearance, turning_radius
+    )
     pieces = [path.points[:1]]
     stations = [0]
     for a, b in pairwise(path.stations):
-        leg = _smooth_leg(
-            path.points[a : b + 1], path.robot_radius, floor, path_clearance, turning_radius
-        )
+        leg = _smooth_leg(path.points[a : b + 1], rules)
         pieces.append(leg[1:])
         stations.append(stations[-1] + len(leg) - 1)
     points = np.concatenate(pieces)
@@ -131,160 +143,92 @@ def smooth_path(
     )
 
 
-def _smooth_leg(
-    points: FloatArray,
-    radius: float,
-    floor: float,
-    path_clearance: PathClearance,
-    turning_radius: float,
-) -> FloatArray:
-    """One stretch between stations, corner after corner."""
+def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
+    """One stretch between stations, corner after corner. O(n log n)."""
     if len(points) < 3:
         return points
+    points = np.ascontiguousarray(points, dtype=np.float64)
     lengths = arc_lengths(points)
-    kept = fewer_vertices(points, SIMPLIFY * radius)
+    kept = fewer_vertices(points, SIMPLIFY * rules.radius)
     steps = np.diff(points[kept], axis=0)
     direction = np.arctan2(steps[:, 1], steps[:, 0])
     turns = np.abs(math.pi - np.mod(math.pi - np.diff(direction), math.tau))
     sharpest = np.argsort(-turns, kind="stable")
+    longest = max(LONGEST_CUT * rules.radius, LONGEST_BEND * rules.turning_radius)
+    begins: list[float] = []
     cuts: list[_Cut] = []
     for k in sharpest[turns[sharpest] > CORNER_RAD]:
         corner = float(lengths[kept[k + 1]])
-        longest = max(LONGEST_CUT * radius, LONGEST_BEND * turning_radius)
-        reach = min(_room(corner, cuts, float(lengths[-1])), longest)
-        cut = _round_corner(
-            points, lengths, corner, reach, radius, floor, path_clearance, turning_radius
-        )
+        after = bisect_right(begins, corner)
+        reach = min(_room(corner, cuts, after, float(lengths[-1])), longest)
+        cut = _round_corner(points, lengths, corner, reach, rules)
         if cut is not None:
-            cuts.append(cut)
-    return _with_cuts(points, lengths, sorted(cuts, key=lambda cut: cut.begin))
+            begins.insert(after, cut.begin)
+            cuts.insert(after, cut)
+    return _with_cuts(points, lengths, cuts)
 
 
-def _room(corner: float, cuts: list[_Cut], length: float) -> float:
-    """How far a cut may reach to either side before it meets another one or the leg's end."""
+def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
+    """How far a cut may reach to either side before it meets another one or the leg's end.
+
+    The ``cuts`` are in order, and the first that begins beyond the corner is number ``after``.
+    """
     room = min(corner, length - corner)
-    for cut in cuts:
-        if cut.begin <= corner <= cut.end:
-            return 0.0
-        room = min(room, abs(corner - cut.begin), abs(corner - cut.end))
+    if after > 0:
+        room = min(room, max(corner - cuts[after - 1].end, 0.0))
+    if after < len(cuts):
+        room = min(room, cuts[after].begin - corner)
     return room
 
 
 def _round_corner(
-    points: FloatArray,
-    lengths: FloatArray,
-    corner: float,
-    reach: float,
-    radius: float,
-    floor: float,
-    path_clearance: PathClearance,
-    turning_radius: float,
+    points: FloatArray, lengths: FloatArray, corner: float, reach: float, rules: _Rules
 ) -> _Cut | None:
     """The longest cut whose clearance is proved, None where there is none."""
-    tolerance = CURVE_TOLERANCE * radius
+    tolerance = CURVE_TOLERANCE * rules.radius
     for _ in range(HALVINGS):
         if reach <= tolerance:
             return None
-        if turning_radius > 0.0:
-            curve = _bend(points, lengths, corner, reach, tolerance, turning_radius)
+        if rules.turning_radius > 0.0:
+            curve = bend(points, lengths, corner, reach, tolerance, rules.turning_radius)
         else:
-            curve = _parabola(points, lengths, corner, reach, tolerance)
-        if curve is not None and path_clearance(curve).distance >= floor:
+            curve = parabola(points, lengths, corner, reach, tolerance)
+        if len(curve) and _is_wide(curve, points, lengths, corner, reach, rules):
             return _Cut(corner - reach, corner + reach, curve)
         reach *= 0.5
     return None
 
 
-def _tangents(
-    points: FloatArray, lengths: FloatArray, corner: float, reach: float
-) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """The place ``reach`` before the corner, the one after it, and where their tangents meet.
-
-    None where the tangents do not meet ahead of the first and behind the other.
-    """
-    begin, end = corner - reach, corner + reach
-    a, b = points_at(points, lengths, np.array([begin, end]))
-    first = min(int(np.searchsorted(lengths, begin, side="right")), len(points) - 1)
-    last = max(int(np.searchsorted(lengths, end, side="left")), 1)
-    leave, join = points[first] - points[first - 1], points[last] - points[last - 1]
-    cross = float(leave[0] * join[1] - leave[1] * join[0])
-    scale = float(np.hypot(*leave) * np.hypot(*join))
-    if scale == 0.0 or abs(cross) <= 1e-9 * scale:
-        return None
-    gap = b - a
-    ahead = float(gap[0] * join[1] - gap[1] * join[0]) / cross
-    back = float(leave[0] * gap[1] - leave[1] * gap[0]) / cross
-    if ahead <= 0.0 or back <= 0.0:
-        return None
-    return a, b, a + ahead * leave
-
-
-def _parabola(
-    points: FloatArray, lengths: FloatArray, corner: float, reach: float, tolerance: float
-) -> FloatArray | None:
-    """From ``reach`` before the corner to ``reach`` after it, tangent to the path at both.
-
-    None where the tangents do not meet ahead of both ends, or where the curve is longer than
-    what it replaces.
-    """
-    met = _tangents(points, lengths, corner, reach)
-    if met is None:
-        return None
-    a, b, control = met
-    # the chords of a parabola in n equal steps leave it by |a - 2 c + b| / (4 n^2)
-    bend = float(np.hypot(*(a - 2.0 * control + b)))
-    count = max(2, math.ceil(math.sqrt(bend / (4.0 * tolerance))))
-    t = np.linspace(0.0, 1.0, min(count, 256) + 1)[:, None]
-    curve: FloatArray = (1 - t) ** 2 * a + 2 * t * (1 - t) * control + t**2 * b
-    return curve if arc_lengths(curve)[-1] <= 2.0 * reach else None
-
-
-def _bend(
+def _is_wide(
+    curve: FloatArray,
     points: FloatArray,
     lengths: FloatArray,
     corner: float,
     reach: float,
-    tolerance: float,
-    least_radius: float,
-) -> FloatArray | None:
-    """An arc of at least ``least_radius`` that joins both tangents, and what is left of them.
-
-    From ``reach`` before the corner to ``reach`` after it; None where the tangents have no room
-    for the arc, or where that would be longer than what it replaces.
-    """
-    met = _tangents(points, lengths, corner, reach)
-    if met is None:
-        return None
-    a, b, control = met
-    before, after = control - a, b - control
-    room = min(float(np.hypot(*before)), float(np.hypot(*after)))
-    leave, join = before / np.hypot(*before), after / np.hypot(*after)
-    turn = math.atan2(leave[0] * join[1] - leave[1] * join[0], float(leave @ join))
-    radius = room / math.tan(0.5 * abs(turn))
-    # driven in chords, an arc is bent a little more than it is
-    if radius < least_radius * (1.0 + BEND_SPARE):
-        return None
-    count = max(2, math.ceil(abs(turn) / math.sqrt(8.0 * tolerance / radius)))
-    begin = control - room * leave
-    side = np.array([-leave[1], leave[0]]) * math.copysign(1.0, turn)
-    angle = np.linspace(0.0, abs(turn), min(count, 256) + 1)[:, None]
-    arc = begin + radius * (np.sin(angle) * leave + (1.0 - np.cos(angle)) * side)
-    curve = np.concatenate([a[None], arc, b[None]])
-    curve = curve[np.concatenate([[True], np.hypot(*np.diff(curve, axis=0).T) > 1e-9 * radius])]
-    return curve if arc_lengths(curve)[-1] <= 2.0 * reach else None
+    rules: _Rules,
+) -> bool:
+    """Whether the curve has the clearance asked for, or what it replaces where that has less."""
+    gap = rules.path_clearance(curve).distance
+    if gap >= rules.floor or not rules.nearer:
+        return gap >= rules.floor
+    begin, end = corner - reach, corner + reach
+    inner = slice(*np.searchsorted(lengths, [begin, end], side="right").tolist())
+    a, b = points_at(points, lengths, np.array([begin, end]))
+    return gap >= rules.path_clearance(np.concatenate([a[None], points[inner], b[None]])).distance
 
 
 def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> FloatArray:
+    """The points with the cuts put in, which are in order."""
     pieces = []
-    done = -1.0
+    done = 0
     for cut in cuts:
-        pieces.append(points[(lengths > done) & (lengths < cut.begin)])
+        pieces.append(points[done : np.searchsorted(lengths, cut.begin, side="left")])
         pieces.append(cut.points)
-        done = cut.end
-    pieces.append(points[lengths > done])
+        done = int(np.searchsorted(lengths, cut.end, side="right"))
+    pieces.append(points[done:])
+    if done == len(points):
+        pieces.append(points[-1:])
     joined = np.concatenate(pieces)
-    if lengths[-1] - done <= 0.0:
-        joined = np.concatenate([joined, points[-1:]])
     moved = np.concatenate([[True], np.any(np.diff(joined, axis=0) != 0.0, axis=1)])
     result: FloatArray = joined[moved]
     return result

@@ -23,6 +23,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from planner import polyline_kernels
 from planner.scene import FloatArray
 
 IndexArray: TypeAlias = NDArray[np.intp]
@@ -154,11 +155,6 @@ def _with_middle(
 
 def _reach_out(lengths: FloatArray, limits: FloatArray, reach: FloatArray) -> FloatArray:
     """Each cell's limit, lowered to that of every cell that is lower within its own ``reach``."""
-    lowered = limits.copy()
     first = np.searchsorted(lengths, lengths[:-1] - reach, side="right") - 1
     last = np.searchsorted(lengths, lengths[1:] + reach, side="left")
-    top = limits.max()
-    for cell in np.flatnonzero(limits < top).tolist():
-        span = slice(max(int(first[cell]), 0), int(last[cell]))
-        np.minimum(lowered[span], limits[cell], out=lowered[span])
-    return lowered
+    return polyline_kernels.reach_out(limits, first, last)  # type: ignore[no-any-return]
