@@ -391,6 +391,7 @@ class Pilot:
         return (
             f"driving {path.length:.2f} m to {left} station{'s' * (left != 1)}, "
             f"clearance at least {path.min_clearance:.3f} m"
+            + "".join(f"; {remark}" for remark in path.remarks)
         )
 
     def _give_up(self, now_s: float, sight: Sight) -> None:

@@ -11,6 +11,7 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -43,6 +44,8 @@ class PlanSettings:
     spacing_m: float | None
     prefer: str | float
     limits: Limits
+    margin: Literal["relaxed", "strict"] = "relaxed"
+    """Whether a start or goal within the margin is planned from and to, or refused."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,14 +107,13 @@ class ArenaPlanner:
             if request.any_order:
                 self._stations = (*(vias[i] for i in path.order), goal)
         visits = [vias[i] for i in path.order] if request.any_order else vias
-        keep_m = min(path.min_clearance, self.settings.radius_m + self.settings.margin_m)
         limits = self.settings.limits
         limits = replace(limits, speed=min(limits.speed, request.speed_m_s))
         path = smooth_path(
             path,
             roadmap.path_clearance,
             roadmap.clearance,
-            keep=keep_m,
+            keep=self.settings.radius_m + self.settings.margin_m,
             turning_radius=limits.turning_radius,
         )
         trajectory = planner.time_path(
@@ -153,22 +155,16 @@ class ArenaPlanner:
             for s in request.stations
         ]
 
-        def plan(margin_m: float) -> Path | NoPath:
-            return roadmap.plan(
-                request.start,
-                goal,
-                via=vias,
-                order="best" if request.any_order else "fixed",
-                prefer=self.settings.prefer,
-                margin=margin_m,
-                near=self._last_way(request),
-            )
-
-        path = plan(self.settings.margin_m)
-        if isinstance(path, NoPath) and self.settings.margin_m > 0.0:
-            # the margin is a wish: where the robot stands or must go nearer, the radius decides
-            path = plan(0.0)
-        return path
+        return roadmap.plan(
+            request.start,
+            goal,
+            via=vias,
+            order="best" if request.any_order else "fixed",
+            prefer=self.settings.prefer,
+            margin=self.settings.margin_m,
+            relaxed=self.settings.margin == "relaxed",
+            near=self._last_way(request),
+        )
 
     def _last_way(self, request: PlanRequest) -> Path | None:
         """The last way, where the request is for the rest of the same stations in their order."""

@@ -80,6 +80,7 @@ def plan_settings(config: Config) -> PlanSettings:
     return PlanSettings(
         radius_m=config.robot.radius_m,
         margin_m=config.planning.margin_m,
+        margin=config.planning.margin,
         spacing_m=config.planning.spacing_m,
         prefer=config.planning.prefer,
         limits=limits_of(config),

@@ -193,8 +193,7 @@ def _answer(
         **roadmap.counts,
     }
     timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
-    found = () if isinstance(path, NoPath) else path.remarks
-    remarks = (*scene.remarks, *roadmap.remarks, *found)
+    remarks = (*scene.remarks, *roadmap.remarks, *path.remarks)
     return PlanAnswer(scene, roadmap.radius, path, trajectory, counts, timings_ms, remarks)
 
 

@@ -172,6 +172,11 @@ class PlanningSection(Section):
     margin_m: Annotated[NotNegative, Field(le=100)] = Field(
         default=0.01, description="kept free around the robot's radius in every plan"
     )
+    margin: Literal["relaxed", "strict"] = Field(
+        default="relaxed",
+        description="a start or goal within the margin is left or reached on a short straight line "
+        "that keeps the radius, which is said; 'strict': it is refused",
+    )
     spacing_m: Length | None = Field(
         default=None,
         description="distance of the diagram's generators; empty: chosen from the radius",

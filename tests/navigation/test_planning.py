@@ -14,7 +14,8 @@ from navigation.pilot import distance_to_polyline
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.traffic import Disc
 from planner.path import NoPath, Path
-from planner.scene import Bounds, CircleRecord, Scene, SceneObject, SegmentRecord
+from planner.polyline import arc_lengths, points_at
+from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject, SegmentRecord
 from planner.smooth import SmoothError
 from planner.trajectory import default_limits
 from tests.support.bends import bends_of
@@ -23,6 +24,10 @@ from tests.support.waiting import wait_until
 RADIUS_M, MARGIN_M = 0.09, 0.02
 SETTINGS = PlanSettings(RADIUS_M, MARGIN_M, None, "balanced", default_limits(RADIUS_M))
 BOUNDS = Bounds(0.0, 0.0, 2.0, 1.0)
+
+
+def limited(**changes: Any) -> PlanSettings:
+    return replace(SETTINGS, limits=replace(SETTINGS.limits, **changes))
 
 
 def scene_of(*discs: tuple[float, float, float]) -> Scene:
@@ -95,16 +100,72 @@ def test_a_wall_of_discs_is_no_path_with_its_bottleneck() -> None:
     answer = planner_with(*wall).answer(request)
     assert isinstance(answer.path, NoPath)
     assert answer.path.bottleneck is not None
-    assert answer.path.widest_radius == pytest.approx(0.015, abs=1e-3)
+    assert answer.path.bottleneck.width == pytest.approx(0.03, abs=2e-3)
+    assert answer.path.widest_radius == 0.0  # the margin alone is wider
 
 
-def test_the_margin_gives_way_where_the_radius_still_fits() -> None:
+def test_the_margin_is_kept_where_no_station_lies_within_it() -> None:
     # the gap is 0.2 m wide: room for the radius 0.09, not for 0.09 + 0.02
     arena_planner = planner_with((1.0, 0.15, 0.15), (1.0, 0.75, 0.25))
     request = PlanRequest(1, (0.2, 0.4, 0.0), (Station(1.8, 0.4),), 1)
     answer = arena_planner.answer(request)
+    assert isinstance(answer.path, NoPath)
+    assert "0.22 m wide" in answer.path.reason
+
+
+def nearer_than(points: FloatArray, arena_planner: ArenaPlanner, need_m: float) -> FloatArray:
+    """Places along a polyline, a millimetre apart, that are nearer to a border than that."""
+    lengths = arc_lengths(points)
+    dense = points_at(points, lengths, np.arange(0.0, float(lengths[-1]), 1e-3))
+    assert arena_planner.roadmap is not None
+    return dense[arena_planner.roadmap.clearance(dense) < need_m - 1e-6]
+
+
+@pytest.mark.parametrize("turning_radius_m", [0.0, 0.2])
+@pytest.mark.parametrize("goal", [(1.8, 0.098), (1.902, 0.902), (1.0, 0.348)])
+def test_the_margin_is_given_up_around_a_station_within_it_and_nowhere_else(
+    goal: tuple[float, float], turning_radius_m: float
+) -> None:
+    arena_planner = ArenaPlanner(limited(turning_radius=turning_radius_m))
+    arena_planner.see(scene_of((1.0, 0.15, 0.1), (0.5, 0.7, 0.2)), 1)
+    request = PlanRequest(1, (0.2, 0.1, 0.0), (Station(*goal),), 1)
+    answer = arena_planner.answer(request)
     assert isinstance(answer.path, Path)
     assert RADIUS_M <= answer.path.min_clearance < RADIUS_M + MARGIN_M
+    near = nearer_than(answer.path.points, arena_planner, RADIUS_M + MARGIN_M)
+    assert len(near)
+    away = np.minimum(*(np.hypot(*(near - end).T) for end in ((0.2, 0.1), goal)))
+    assert away.max() < 0.03
+    said = [r for r in answer.path.remarks if "the margin of 0.02 m is given up" in r]
+    assert len(said) == 2
+    assert "the goal" in said[1]
+    assert "the start (0.2, 0.1): 0.1 m from the nearest border" in said[0]
+
+
+def test_a_station_within_the_margin_is_refused_where_that_is_strict() -> None:
+    arena_planner = ArenaPlanner(replace(SETTINGS, margin="strict"))
+    arena_planner.see(scene_of(), 1)
+    request = PlanRequest(1, (0.2, 0.5, 0.0), (Station(1.8, 0.098),), 1)
+    answer = arena_planner.answer(request)
+    assert isinstance(answer.path, NoPath)
+    assert "nearer than the radius and margin of 0.11 m" in answer.path.reason
+    nearer = ArenaPlanner(SETTINGS)
+    nearer.see(scene_of(), 1)
+    answer = nearer.answer(replace(request, stations=(Station(1.8, 0.08),)))
+    assert isinstance(answer.path, NoPath)
+    assert "nearer than the radius of 0.09 m" in answer.path.reason
+
+
+def test_a_station_in_a_corridor_within_the_margin_has_no_way_out() -> None:
+    walls = tuple(
+        SceneObject(i, (SegmentRecord((0.3, y), (1.7, y)),)) for i, y in enumerate((0.4, 0.6))
+    )
+    arena_planner = ArenaPlanner(SETTINGS)
+    arena_planner.see(Scene("m", BOUNDS, walls), 1)
+    request = PlanRequest(1, (1.0, 0.5, 0.0), (Station(1.85, 0.2),), 1)
+    answer = arena_planner.answer(request)
+    assert isinstance(answer.path, NoPath)
+    assert "no straight way" in answer.path.reason
 
 
 def test_the_clearance_of_a_running_path_is_judged_in_the_new_scene() -> None:
@@ -255,10 +316,6 @@ def test_a_way_past_stations_that_were_visited_is_stayed_with() -> None:
     first = is_left(arena_planner.answer(tour))
     arena_planner.see(middle(0.002), 2)
     assert is_left(arena_planner.answer(replace(STRAIGHT_ON, start=(0.5, 0.5, 0.0)))) is first
-
-
-def limited(**changes: Any) -> PlanSettings:
-    return replace(SETTINGS, limits=replace(SETTINGS.limits, **changes))
 
 
 def test_a_robot_that_cannot_turn_on_the_spot_is_told_where_it_would_have_to() -> None:
