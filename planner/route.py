@@ -45,10 +45,10 @@ SPARE_ROUTES = 2
 """Routes made taut for every alternative wanted, so that the best of them are told."""
 MOST_ROUTES = 512
 """No more routes are compared than so many, or what the alternatives wanted take."""
-OTHERS_WORK = 4_000_000
+OTHERS_WORK = 40_000_000
 """Steps over chains that the search for a leg's alternatives takes at most: about 0.2 s."""
-POINT_WORK = 40
-"""What it takes to make a point of a route taut, in such steps."""
+TAUT_POINTS = 200_000
+"""Points of routes that are made taut for them at most: about 0.2 s."""
 AS_WIDE = 1e-9
 """Routes whose clearances differ by so small a part of them are equally wide."""
 OTHERS = 3
@@ -311,22 +311,22 @@ def _others_than(
     """The cheapest routes made taut, the best first: enough for so many that are distinct.
 
     Routes that begin or end on different chains may be shifts of one another, though they are
-    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``, or the
-    work has taken ``OTHERS_WORK``, which is said.
+    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``, or one
+    of the limits ``OTHERS_WORK`` and ``TAUT_POINTS``, which is said.
     """
     borders, need, preference = leg.borders, leg.need, leg.preference
     floor = need - ROUNDING * borders.extent
     wanted = ROUTES + SPARE_ROUTES * alternatives
     found: list[FloatArray] = []
-    done, left = 0, OTHERS_WORK
+    done, left, points_left = 0, OTHERS_WORK, TAUT_POINTS
     while True:
         lines, work = cheapest_routes(borders, leg.network, entries, exits, floor, wanted, left)
         left -= work
-        fresh = lines.after(done, max(left // POINT_WORK, 0))
-        left -= POINT_WORK * len(fresh.points)
+        fresh = lines.after(done, points_left)
+        points_left -= len(fresh.points)
         ways, first = finish(borders, fresh, need, preference)
         found += [ways[a:b] for a, b in pairwise(first.tolist())]
-        bounded = left <= 0 or done + len(fresh) < len(lines)
+        bounded = left < 0 or done + len(fresh) < len(lines)
         enough = len(_distinct(borders, [best, *found], alternatives)) > alternatives
         if enough or bounded or len(lines) < wanted or wanted >= MOST_ROUTES:
             found.sort(key=lambda way: judge(borders, way, need, preference))
