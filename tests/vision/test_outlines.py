@@ -17,10 +17,21 @@ import numpy as np
 import pytest
 
 from planner import NoPath, build_roadmap
-from planner.scene import CircleRecord, Scene, object_records
+from planner.scene import (
+    Arc,
+    CircleRecord,
+    Edge,
+    PointRecord,
+    Record,
+    Scene,
+    Segment,
+    SegmentRecord,
+    Vec,
+    object_records,
+)
 from tests.support.outline_judge import failures, judge, mask_of
 from tests.support.outline_pictures import FAMILIES, LOOKS, every_look, shown, slits
-from vision import extract
+from vision import Calibration, extract
 from vision.outline_kernels import ARC_CCW, ARC_CW, LINE
 from vision.shape_kernels import goes_round
 from vision.stray_kernels import outline_strays
@@ -62,6 +73,52 @@ def test_every_outline_lies_on_its_border_in_every_look(family: str) -> None:
     for name, picture, look in every_look(family, 1, SEED):
         scene = extract(picture, polarity=look.polarity)
         assert failures(mask_of(picture, look.polarity), scene) == [], name
+
+
+def in_pixels(scene: Scene, plan: Calibration) -> Scene:
+    """A scene in metres as one in the pixels of its picture; ``plan`` is a scale alone."""
+
+    def there(point: Vec) -> Vec:
+        x, y = plan.image_from_arena(np.array([point]))[0].tolist()
+        return x, y
+
+    def edge(one: Edge) -> Edge:
+        if isinstance(one, Segment):
+            return Segment(there(one.start), there(one.end))
+        radius = one.radius / plan.metres_per_pixel
+        return Arc(there(one.start), there(one.end), there(one.center), radius, one.ccw)
+
+    def record(one: Record) -> Record:
+        match one:
+            case PointRecord(at):
+                return PointRecord(there(at))
+            case SegmentRecord(start, end):
+                return SegmentRecord(there(start), there(end))
+            case CircleRecord(center, radius):
+                return CircleRecord(there(center), radius / plan.metres_per_pixel)
+            case _:
+                return replace(one, edges=tuple(edge(e) for e in one.edges))
+
+    return replace(
+        scene,
+        units="px",
+        objects=tuple(
+            replace(
+                o,
+                records=tuple(record(r) for r in o.records),
+                holes=tuple(tuple(record(r) for r in hole) for hole in o.holes),
+            )
+            for o in scene.objects
+        ),
+    )
+
+
+def test_no_slit_becomes_a_circle_elsewhere_in_metres() -> None:
+    plan = Calibration.from_scale(0.004, (400, 300))
+    for seed in range(12):
+        picture = slits(np.random.default_rng([SEED, seed]))
+        scene = in_pixels(extract(picture, calibration=plan), plan)
+        assert failures(mask_of(picture), scene) == [], f"seed {seed}"
 
 
 FINDS = (
