@@ -98,8 +98,8 @@ class PlanRequest:
     """Whether the stations but the last may change places."""
     avoid: tuple[Disc, ...] = ()
     """Where other robots are: kept clear of as obstacles are, in this plan only."""
-    speed_m_s: float = math.inf
-    """No faster than this, whatever the robot can: the camera's pictures are late."""
+    speed_m_s: float | None = None
+    """No faster than this, where the camera's pictures are late; None: as fast as it can."""
 
 
 @dataclass(frozen=True, slots=True)

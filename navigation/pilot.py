@@ -378,7 +378,7 @@ class Pilot:
         self.path, self.trajectory, self.targets = answer.path, answer.trajectory, answer.targets
         if self.trust.level is Level.PROBATION:
             self.targets = slow_at_first(asked.start[:2], answer.targets)
-        self._planned_m_s = min(asked.speed_m_s, self.settings.traffic.speed_m_s)
+        self._planned_m_s = asked.speed_m_s or self.settings.traffic.speed_m_s
         self._planned_revision = answer.scene_revision
         self._path_start_index = self.mission.visited
         self._executed_here = 0

@@ -108,7 +108,8 @@ class ArenaPlanner:
                 self._stations = (*(vias[i] for i in path.order), goal)
         visits = [vias[i] for i in path.order] if request.any_order else vias
         limits = self.settings.limits
-        limits = replace(limits, speed=min(limits.speed, request.speed_m_s))
+        if request.speed_m_s is not None:
+            limits = replace(limits, speed=min(limits.speed, request.speed_m_s))
         path = smooth_path(
             path,
             roadmap.path_clearance,

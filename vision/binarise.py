@@ -143,9 +143,12 @@ def warm_up(polarity: Polarity = "dark") -> None:
     for each in drawn:
         shown = each if polarity != "light" else 255.0 - each
         picture = np.clip(np.rint(shown), 0.0, 255.0).astype(np.uint8)
-        # as a frame is: kernels are compiled for one kind
-        picture.setflags(write=False)
-        binarise(picture, polarity=polarity)
+        # as a frame is, and as the part of one in which something changed: kernels are compiled
+        # for one kind each
+        around = np.pad(picture, 8, mode="edge")
+        for kind in (picture, around[8:-8, 8:-8]):
+            kind.setflags(write=False)
+            binarise(kind, polarity=polarity)
 
 
 def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:

@@ -82,7 +82,7 @@ class _Loader(yaml.SafeLoader):
         before = self._values
         self._depth += 1
         if self._depth > MOST_DEPTH:
-            raise TooMuchError(f"is nested deeper than {MOST_DEPTH} levels", _mark(mark))
+            raise TooMuchError(f"is nested too deeply: more than {MOST_DEPTH} levels", _mark(mark))
         self._values += 1
         node: yaml.Node | None = super().compose_node(parent, index)
         self._depth -= 1

@@ -29,11 +29,24 @@ NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, le=
 Metres = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-1000, le=1000)]
 """A coordinate in the arena."""
 Degrees = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-3600, le=3600)]
-Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.001, le=100)]
+
+
+def _from(least: float) -> AfterValidator:
+    """No less than this: what is not above 0 is told as that first."""
+
+    def check(value: float) -> float:
+        if value < least:
+            raise ValueError(f"must be >= {least:g}, not {value:g}")
+        return value
+
+    return AfterValidator(check)
+
+
+Length = Annotated[Positive, Field(le=100), _from(0.001)]
 """Of a body or marker: from a millimetre to a hundred metres."""
-Fine = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-6, le=10)]
+Fine = Annotated[Positive, Field(le=10), _from(1e-6)]
 """A small length: what a pixel shows of the floor, how far a chord may leave its path."""
-Rate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.001, le=1000)]
+Rate = Annotated[Positive, Field(le=1000), _from(0.001)]
 """A speed, an acceleration or a frequency that is divided by."""
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
 RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]

@@ -15,7 +15,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
-import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
@@ -66,7 +65,7 @@ class PlacedRequests(H11Protocol):
         self._place.until_s = self._clock() + REQUEST_WITHIN_S
         super().on_response_complete()
 
-    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+    def handle_websocket_upgrade(self, event: Any) -> None:
         """It becomes a viewer, or is refused at once."""
         self._places.look(self._place)
         self.ws_protocol_class = partial(  # type: ignore[assignment]

@@ -86,8 +86,9 @@ def _firsts(pieces: list[FloatArray]) -> NDArray[np.int32]:
 
 
 def _counts(roadmap: Roadmap) -> dict[str, int]:
+    generators, vertices = roadmap.agvd.counts  # the ordinary diagram need not be made for them
     return {
-        "generators": len(roadmap.agvd.generators.sites),
-        "voronoi_vertices": len(roadmap.agvd.ordinary.vertices),
+        "generators": generators,
+        "voronoi_vertices": vertices,
         "chains": len(roadmap.chains),
     }

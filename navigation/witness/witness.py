@@ -21,6 +21,10 @@ from vision.markers import RobotPose
 LONGEST_LOSS_S: Final = 0.5
 """Poses farther apart than this are not compared: what happened between them is for the proof."""
 MOST_WAITING: Final = 60
+UNKNOWN: Final = Latency(FREE_LATENCY_S / 2.0, FREE_LATENCY_S / 2.0)
+"""What is counted on before a motion has shown the latency."""
+REDATED_S: Final = 0.02
+"""A latency that differs by more from the one compared with makes the comparison begin again."""
 SLEW_S: Final = 0.005
 """How much the latency that poses are dated by may change from one picture to the next: less
 than a picture's interval, so that their order stays."""
@@ -48,6 +52,7 @@ class Witness:
         self._stretch = 0
         self._last_s = -math.inf
         self._dated_by_s = 0.0
+        self._compared_s = UNKNOWN.latency_s
         self._parting: Parting | None = None
 
     # What comes in.
@@ -124,11 +129,15 @@ class Witness:
             self._judge(time_s, pose)
 
     def _judge(self, time_s: float, pose: tuple[float, float, float]) -> None:
-        known = self._measured or Latency(FREE_LATENCY_S / 2.0, FREE_LATENCY_S / 2.0)
-        wheels = self.wheels.at(time_s - known.latency_s)
+        known = self._measured or UNKNOWN
+        if abs(known.latency_s - self._compared_s) > REDATED_S:
+            self._compared_s = known.latency_s
+            self._agreement.break_off()  # what was dated otherwise would show as slip
+        wheels = self.wheels.at(time_s - self._compared_s)
         if wheels is None:
             return
-        parting = self._agreement.add(time_s, pose, wheels, known.error_s)
+        error_s = known.error_s + abs(known.latency_s - self._compared_s)
+        parting = self._agreement.add(time_s, pose, wheels, error_s)
         if parting is not None:
             self._parting = parting
             self._agreement.begin_again()

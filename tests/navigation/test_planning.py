@@ -201,9 +201,17 @@ def test_the_thread_answers_and_the_newest_request_wins() -> None:
     assert checks[0].path_clearance_m == pytest.approx(0.1)
 
 
+def broken_scene() -> Scene:
+    """A scene that no constructor lets through: the planner's own errors have to end well too."""
+    scene = scene_of((1.0, 0.4, 0.15))
+    (record,) = scene.objects[0].records
+    object.__setattr__(record, "center", (math.nan, 0.4))
+    return scene
+
+
 def test_an_error_in_the_thread_reaches_the_control_loop() -> None:
     thread = PlannerThread(ArenaPlanner(SETTINGS), lambda _: None, lambda _: None)
-    thread.see(scene_of((math.nan, 0.4, 0.15)), 1, None)
+    thread.see(broken_scene(), 1, None)
     thread.start()
     thread.stop(30.0)
     assert (thread.failure() or "").startswith("ValueError: ")
@@ -258,7 +266,7 @@ def test_a_path_beside_the_extension_of_a_wall_is_planned_and_smoothed() -> None
 def test_after_an_error_a_new_thread_plans_again() -> None:
     answered = threading.Event()
     thread = PlannerThread(ArenaPlanner(SETTINGS), lambda _: None, lambda _: answered.set())
-    thread.see(scene_of((math.nan, 0.4, 0.15)), 1, None)
+    thread.see(broken_scene(), 1, None)
     thread.start()
     assert wait_until(lambda: thread.failure() is not None, 30.0)
     thread.restart()

@@ -109,8 +109,8 @@ BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
     ("text", "place", "limit"),
     [
         (BOMB, "5:", f"has more than {MOST_VALUES} values, with its aliases written out"),
-        ("a: " + "[" * 100_000, "1:", f"is nested deeper than {MOST_DEPTH} levels"),
-        ("".join(f"{' ' * n}a:\n" for n in range(900)), "", f"deeper than {MOST_DEPTH} levels"),
+        ("a: " + "[" * 100_000, "1:", f"is nested too deeply: more than {MOST_DEPTH} levels"),
+        ("".join(f"{' ' * n}a:\n" for n in range(900)), "", f"more than {MOST_DEPTH} levels"),
         ("a: " + "x" * MOST_CHARACTERS, "1:1", f"is longer than {MOST_CHARACTERS} characters"),
         ("a: [" + "1," * (MOST_VALUES + 1) + "1]", "1:", f"has more than {MOST_VALUES} values"),
         ("a: &a [*a]\n", "1:", "an alias inside itself"),
