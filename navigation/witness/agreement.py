@@ -130,10 +130,6 @@ class Agreement:
         self.limits = limits
         self.agreed_m = 0.0
         """How far the wheels have driven while both agreed; never falls."""
-        self.camera_rad = 0.0
-        """How far the camera saw the robot turn; over a break nothing is added."""
-        self.wheels_rad = 0.0
-        """How far the wheels turned it between the same poses."""
         self._metre = _Learned(1.0, METRE_SPREAD, METRE_MOST)
         self._bend = _Learned(0.0, BEND_SPREAD_RAD_M, BEND_MOST_RAD_M)
         self._last: tuple[tuple[float, float, float], WheelMotion] | None = None
@@ -192,8 +188,6 @@ class Agreement:
             y + way_m * math.sin(middle),
             math.remainder(heading + turn_rad + self._bend.value * way_m, math.tau),
         )
-        self.camera_rad += turned
-        self.wheels_rad += turn_rad
         return wheels.driven_m - then.driven_m
 
     def _anchor(

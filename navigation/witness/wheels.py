@@ -16,7 +16,6 @@ import numpy as np
 from firmware_protocol.clock_sync import WRAP_US
 from firmware_protocol.messages import Status
 from planner.scene import FloatArray
-from vision.arrival_clock import ArrivalClock
 
 SPEED_LAG_S: Final = 0.03
 """The robot's measured speeds are smoothed over 30 ms (``SMOOTHING_US`` of its controller)."""
@@ -25,6 +24,9 @@ LONGEST_GAP_S: Final = 0.35
 REDATED_S: Final = 0.02
 """A report that shows the clock's offset to be smaller by more than this puts earlier dates in
 doubt: a new stretch begins."""
+OFFSETS: Final = 20
+"""The least delay of the last second dates the reports: a robot whose clock is slow, as an emulated
+one's on a busy machine, is followed."""
 KEPT_S: Final = 4.0
 LONGEST_GUESS_S: Final = 0.2
 """How long after the last report its speeds are taken to hold."""
@@ -57,7 +59,7 @@ class WheelTrack:
 
     def __init__(self, report_age_s: float = 0.0) -> None:
         self._lag_s = SPEED_LAG_S + report_age_s
-        self._clock = ArrivalClock()
+        self._offsets_s: deque[float] = deque(maxlen=OFFSETS)
         self._boot_id: int | None = None
         self._robot_us = 0
         self._robot_s = 0.0
@@ -65,29 +67,37 @@ class WheelTrack:
         self._table: FloatArray | None = None
         self.stretch = 0
         """Counts the stretches without a gap; sums of different stretches cannot be compared."""
+        self.turn_rad = 0.0
+        """How far the wheels have turned the robot over all stretches."""
         self.driven_m = 0.0
         """How far the wheels have driven over all stretches, forwards and backwards."""
 
     def see(self, status: Status, arrived_s: float) -> None:
         """Take a report; one that is not newer than the last changes nothing."""
         if status.boot_id != self._boot_id:
-            self._boot_id, self._clock = status.boot_id, ArrivalClock()
+            self._boot_id = status.boot_id
             self._robot_us, self._robot_s = status.time_us, 0.0
-            self._begin(status, self._clock.time_of(0.0, arrived_s))
+            self._offsets_s.clear()
+            self._offsets_s.append(arrived_s)
+            self._begin(status, arrived_s)
             return
         passed_us = (status.time_us - self._robot_us) % WRAP_US
         if passed_us == 0 or passed_us > WRAP_US // 2:
             return
         dt_s = passed_us / 1e6
         self._robot_us, self._robot_s = status.time_us, self._robot_s + dt_s
-        known_s = self._clock.offset_s
-        at_s = self._clock.time_of(self._robot_s, arrived_s)
-        if dt_s > LONGEST_GAP_S or known_s - self._clock.offset_s > REDATED_S:
-            self._begin(status, at_s)
-            return
+        known_s = min(self._offsets_s)
+        self._offsets_s.append(arrived_s - self._robot_s)
+        offset_s = min(self._offsets_s)
+        at_s = self._robot_s + offset_s
         last = self._knots[-1][1]
         way_m = dt_s * (last.speed_m_s + status.speed_m_s) / 2.0
         turn_rad = dt_s * (last.turn_rad_s + status.turn_rad_s) / 2.0
+        if dt_s <= LONGEST_GAP_S:
+            self.turn_rad += turn_rad
+        if dt_s > LONGEST_GAP_S or known_s - offset_s > REDATED_S:
+            self._begin(status, at_s)
+            return
         self.driven_m += abs(way_m)
         self._add(
             at_s,

@@ -50,6 +50,8 @@ class Witness:
         self._measured: Latency | None = None
         self._waiting: deque[tuple[float, tuple[float, float, float]]] = deque()
         self._stretch = 0
+        self._seen_rad: float | None = None
+        self._camera_rad = 0.0
         self._last_s = -math.inf
         self._dated_by_s = 0.0
         self._compared_s = UNKNOWN.latency_s
@@ -64,6 +66,9 @@ class Witness:
 
     def saw(self, pose: RobotPose, arrived_s: float) -> None:
         """Where the camera saw the robot; ``arrived_s`` as its source has stamped the picture."""
+        if self._seen_rad is not None:
+            self._camera_rad += math.remainder(pose.heading_rad - self._seen_rad, math.tau)
+        self._seen_rad = pose.heading_rad
         if len(self._waiting) == MOST_WAITING:
             self._waiting.popleft()
         self._waiting.append((arrived_s, (pose.x, pose.y, pose.heading_rad)))
@@ -93,8 +98,8 @@ class Witness:
         return Evidence(
             parted=None if parting is None else parting.sentence,
             agreed_m=self._agreement.agreed_m,
-            wheels_rad=self._agreement.wheels_rad,
-            camera_rad=self._agreement.camera_rad,
+            wheels_rad=self.wheels.turn_rad,
+            camera_rad=self._camera_rad,
             driven_m=self.wheels.driven_m,
             slip_m=self._agreement.slip_m,
             slip_rad=self._agreement.slip_rad,

@@ -62,8 +62,7 @@ def test_the_shortest_configuration_loads_with_its_defaults() -> None:
 def test_an_error_shows_file_line_column_the_line_and_a_caret() -> None:
     told = _text_of_error(GOOD.replace("radius_m: 0.09", "radius_m: -3"))
     assert told == (
-        "run.yaml:8:13: robot.radius_m: must be > 0, not -3\n"
-        "      radius_m: -3\n                ^~"
+        "run.yaml:8:13: robot.radius_m: must be > 0, not -3\n      radius_m: -3\n                ^~"
     )
 
 
