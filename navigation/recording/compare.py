@@ -30,7 +30,7 @@ class Tolerances:
     heading_rad: float = math.radians(1.0)
     scene_m: float = 0.006
     path_m: float = 0.03
-    clearance_m: float = 0.015
+    clearance_m: float = 0.01
 
 
 @dataclass(frozen=True, slots=True)
