@@ -90,13 +90,14 @@ class Replay:
         )
         self._eye = Eye(recording.calibration, tracker, eye_settings(config))
         self._planner = ArenaPlanner(plan_settings(config))
+        self._planner_of_recorded = ArenaPlanner(plan_settings(config))
+        """Sees the recorded scenes only: each of the two stays with its own last way."""
         self._found: list[_FoundScene] = []
         self._last_s = -math.inf
         self._first_s: float | None = None
         self._unlike_since_s: dict[int, float] = {}
         self._told: set[int] = set()
         self._equal_scenes: set[int] = set()
-        self._planned_in: Scene | None = None
 
     def run(self) -> ReplayResult:
         """Every picture, then every scene and plan; the differences come in order of time."""
@@ -203,27 +204,28 @@ class Replay:
                 self.result.not_compared += 1
                 continue
             self.result.plans += 1
-            problem = self._plan_problem(planned, scene)
+            off_m, problem = self._offset(self._planner, planned, scene)
+            _, in_recorded = self._offset(self._planner_of_recorded, planned, recorded[revision])
+            self.result.largest.path_m = max(self.result.largest.path_m, off_m)
             if problem is None:
                 continue
-            if self._plan_problem(planned, recorded[revision]) is None and (
-                revision in self._equal_scenes
-            ):
+            if in_recorded is None and revision in self._equal_scenes:
                 # the planner does the same with the same; a hair's breadth decides here
                 self.result.near_ties += 1
                 continue
             sentence = f"plan {planned.request.id} {problem}"
             self._differ("plan", planned.answer["time_s"], sentence)
 
-    def _plan_problem(self, planned: Planned, scene: Scene) -> str | None:
-        """How the plan in this scene differs from the recorded one; None where they agree."""
-        if scene is not self._planned_in:
-            self._planner.see(scene, int(planned.answer["revision"]))
-            self._planned_in = scene
-        path = self._planner.answer(planned.request).path
+    def _offset(
+        self, arena_planner: ArenaPlanner, planned: Planned, scene: Scene
+    ) -> tuple[float, str | None]:
+        """How far off the plan in this scene is, and how it differs; None where they agree."""
+        revision = int(planned.answer["revision"])
+        if arena_planner.revision != revision:
+            arena_planner.see(scene, revision)
+        path = arena_planner.answer(planned.request).path
         off_m = plan_offset_m(planned.answer, path)
-        self.result.largest.path_m = max(self.result.largest.path_m, off_m)
-        return plan_problem(planned.answer, path, off_m, self.tolerances)
+        return off_m, plan_problem(planned.answer, path, off_m, self.tolerances)
 
 
 def replay(recording: Recording, tolerances: Tolerances | None = None) -> ReplayResult:
