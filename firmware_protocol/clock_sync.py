@@ -72,15 +72,18 @@ class ClockEstimate:
         """Take one exchange: host sent, robot received, robot answered, host received.
 
         ``wire_s`` is what question and answer need on the line at the least, in seconds: the
-        offset is corrected by it, and the bound holds without it.
+        offset is corrected by it, and the bound holds without it. An exchange that took less is
+        of a line whose rate means nothing (USB): the correction shrinks with it.
         """
         received_s = self._unrolled(received_us, now_s)
         answered_s = received_s + ((answered_us - received_us) % WRAP_US) / 1e6
         low_s, high_s = answered_s - now_s, received_s - sent_s
-        round_trip_s = high_s - low_s - sum(wire_s)
+        round_trip_s = high_s - low_s
         if round_trip_s < -_TRUST_S:
             return
-        offset_s = (low_s + wire_s[1] + high_s - wire_s[0]) / 2.0
+        share = min(1.0, max(0.0, round_trip_s) / max(sum(wire_s), 1e-9))
+        longer_back_s = (wire_s[1] - wire_s[0]) * share
+        offset_s = (low_s + high_s + longer_back_s) / 2.0
         error_s = max(abs(offset_s - low_s), abs(high_s - offset_s))
         sample = _Sample((sent_s + now_s) / 2.0, offset_s, round_trip_s, error_s)
         self._forget_what_contradicts(sample, now_s)

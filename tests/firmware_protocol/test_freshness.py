@@ -174,6 +174,26 @@ def test_a_clock_that_jumps_is_found_and_what_was_known_forgotten() -> None:
     assert clock.offset_s(10.0) == pytest.approx(6.9, abs=1e-4)
 
 
+@pytest.mark.parametrize("trip_s", [0.0, 0.0002, 0.003, 0.0041])
+def test_a_line_faster_than_its_rate_says_still_tells_the_clock(trip_s: float) -> None:
+    """A USB port's rate is a number that nobody keeps: bytes come before they could."""
+    clock = ClockEstimate()
+    for second in range(10):
+        us = round((second + trip_s / 2.0 + 7.0) * 1e6)
+        clock.add(float(second), us, us, second + trip_s, wire_s=(0.0016, 0.0023))
+        assert clock.ready
+        wrong_s = abs(clock.offset_s(second + 1.0) - 7.0)
+        assert wrong_s <= clock.error_s(second + 1.0) + 2e-6 <= 0.006
+        assert wrong_s <= 0.0005
+    assert clock.jumps == 0
+
+
+def test_an_answer_before_its_question_is_left_out() -> None:
+    clock = ClockEstimate()
+    clock.add(1.0, 7_000_000, 7_010_000, 1.004, wire_s=(0.0016, 0.0023))
+    assert not clock.ready
+
+
 def test_a_host_that_slept_for_an_hour_knows_the_clock_again() -> None:
     clock = ClockEstimate()
     for second in [*range(5), 3600, 3601, 9000, 9001]:
