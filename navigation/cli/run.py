@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import datetime
@@ -107,7 +106,7 @@ def command(
             watchdog_s=watchdog_period_s(os.environ),
         )
         reload = _Reload(config, loaded, runner, log)
-        with _signals(runner.interrupt, reload):
+        with _signals(runner, reload):
             result = runner.run()
         loaded = reload.fresh
     if report is not None:
@@ -182,14 +181,15 @@ def _show(voice: Voice, report: Report, folder: Path | None) -> None:
 
 
 @contextmanager
-def _signals(interrupt: threading.Event, reload: _Reload) -> Iterator[None]:
+def _signals(runner: Runner, reload: _Reload) -> Iterator[None]:
     """Ctrl-C and SIGTERM end the run in order, a second one at once; SIGHUP reads CONFIG again."""
 
     def ask(number: int, _frame: object) -> None:
-        if interrupt.is_set() and reload.fresh is None:
-            raise KeyboardInterrupt
+        again = runner.interrupt.is_set() and reload.fresh is None
         reload.fresh = None
-        interrupt.set()
+        runner.interrupt.set()
+        if again or runner.is_warming_up:
+            raise KeyboardInterrupt
 
     def read_again(_number: int, _frame: object) -> None:
         reload.reloader.ask()

@@ -84,6 +84,28 @@ class Report:
     """Whether clearance, tracking and goal errors come from the simulation's truth or from the
     camera."""
 
+    @classmethod
+    def of_nothing(cls, reason: str, stations: int) -> Report:
+        """Of a run that was ended before it had a robot and a camera."""
+        return cls(
+            state="stopped",
+            reason=reason,
+            stations=stations,
+            stations_visited=0,
+            waypoints_sent=0,
+            waypoints_executed=0,
+            replans=0,
+            min_clearance_m=None,
+            tracking_error_m=TrackingError(),
+            goal_error_m=None,
+            goal_error_deg=None,
+            duration_s=0.0,
+            link=LinkCounts(),
+            frames=FrameCounts(),
+            latency_ms=Latency(),
+            ground_truth=False,
+        )
+
     def to_json(self) -> str:
         """As one JSON object; numbers are finite or null."""
         return json.dumps(hide_in(asdict(self)), indent=2, allow_nan=False)

@@ -32,7 +32,13 @@ from navigation.mission import State
 from navigation.run.attendance import Attendance
 from navigation.run.report import Report
 from navigation.run.restart import unfinished_mission
-from navigation.run.summary import make_run_folder, prepare_picture, summarise, write_run
+from navigation.run.summary import (
+    make_run_folder,
+    prepare_picture,
+    summarise,
+    write_report,
+    write_run,
+)
 from navigation.run.warm_up import warm_up
 from navigation.run.world import World
 from navigation.serial_port import look_for_port
@@ -66,7 +72,8 @@ class RunResult:
 class Runner:
     """Runs a configuration; ``say`` gets a line whenever there is news.
 
-    ``interrupt`` set from anywhere ends the run in order: the robot is stopped first.
+    ``interrupt`` set from anywhere ends the run in order: the robot is stopped first. While
+    ``is_warming_up`` there is no robot yet, and a KeyboardInterrupt may be raised in it.
     ``dashboard`` False serves none, whatever the configuration says; with ``show_token`` the
     address that is said has the configured token in it, and the program's own one in any case but
     that of the journal. ``log`` gets every event, and ``notifier`` tells
@@ -101,6 +108,7 @@ class Runner:
         self._notifier = notifier or Notifier(None)
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
+        self.is_warming_up = False
         self._say: Callable[[str], None] = lambda line: say(hide(line))
         self._say_address = say if show_token else self._say
         self._clock = clock
@@ -115,7 +123,8 @@ class Runner:
         with ExitStack() as open_things:
             journal = self._open_journal(open_things)  # first: a second program is refused here
             folder = self._open_folder(open_things)
-            warm_up(self.config, self._say)
+            if not self._warm_up():
+                return self._end_before_the_start(folder)
             world = World(self.config, self._clock)
             self._say(f"camera {self.config.camera.source}, robot on {world.port}")
             socket = self._socket or default_socket()
@@ -157,6 +166,28 @@ class Runner:
         if recorder is not None:
             self._say(recorder.summary())
         return RunResult(report, folder, self._exit_code(state, daemon))
+
+    def _warm_up(self) -> bool:
+        """Compile or load the kernels; whether that came to its end."""
+        self.is_warming_up = True
+        try:
+            warm_up(self.config, self._say)
+        except KeyboardInterrupt:
+            if not self.interrupt.is_set():
+                raise
+        finally:
+            self.is_warming_up = False
+        return not self.interrupt.is_set()
+
+    def _end_before_the_start(self, folder: Path | None) -> RunResult:
+        """The result of a run that was interrupted before it had a robot."""
+        stations = stations_of(self.config)
+        reason = f"{self.interrupt_reason} before anything was driven"
+        report = Report.of_nothing(reason, len(stations))
+        self._log.write("info", "finished", state=report.state, reason=reason, duration_s=0.0)
+        for trouble in () if folder is None else write_report(folder, report):
+            self._say(f"trouble: {trouble}")
+        return RunResult(report, folder, FAILED if self._once and stations else DONE)
 
     def _serve_dashboard(
         self, daemon: Daemon, open_things: ExitStack, socket: Path

@@ -98,16 +98,21 @@ def prepare_picture(daemon: Daemon) -> None:
 
 def write_run(folder: Path, daemon: Daemon, report: Report) -> list[str]:
     """``report.json``, and ``track.svg`` where a scene was seen; why one could not be written."""
-    troubles = []
-    try:
-        report.write(folder / "report.json")
-    except UnwrittenFileError as error:
-        troubles.append(str(error))
+    troubles = write_report(folder, report)
     try:
         _write_picture(folder / "track.svg", daemon, report)
     except DrawError as error:
         troubles.append(str(error))
     return troubles
+
+
+def write_report(folder: Path, report: Report) -> list[str]:
+    """``report.json``; why it could not be written."""
+    try:
+        report.write(folder / "report.json")
+    except UnwrittenFileError as error:
+        return [str(error)]
+    return []
 
 
 def _write_picture(file: Path, daemon: Daemon, report: Report) -> None:

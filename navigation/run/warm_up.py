@@ -4,18 +4,18 @@ A small arena goes through the daemon's own parts: a marker and obstacles are se
 them is planned, smoothed and timed; then an obstacle appears, goes again, and another robot
 stands in the way, as while the robot drives. A kernel that is first needed there would cost
 half a second of a moving robot's time. Loaded from the kernel cache this takes about a second. The
-first time on a machine the planner's kernels are compiled in a second process beside the eye's,
-and what is going on is said.
+first time on a machine the kernels are compiled in two processes beside this one, which only
+waits and so can be ended at once, and what is going on is said.
 """
 
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import cv2
@@ -25,6 +25,7 @@ import planner
 from navigation.config import Config
 from navigation.cycle import PlanRequest
 from navigation.eye import Body, Eye, EyeSettings
+from navigation.machine.child import start_child
 from navigation.mission import Station
 from navigation.planning import ArenaPlanner, PlanSettings
 from navigation.traffic import Disc
@@ -66,18 +67,36 @@ def warm_up(config: Config, say: Callable[[str], None]) -> None:
         return
     say("compiling the kernels, once on this machine: a minute or two")
     begin_s = time.monotonic()
-    code = "from navigation.run.warm_up import compile_planner; compile_planner()"
-    beside = subprocess.Popen([sys.executable, "-c", code])
+    children = {
+        "eye": start_child(compile_eye, config),
+        "planner": start_child(compile_planner),
+    }
     try:
-        scenes = _see(config)
-        say(f"  eye compiled after {time.monotonic() - begin_s:.0f} s")
-        beside.wait()
+        for name in wait_for_each(children):
+            children[name].join()
+            failed = children[name].exitcode != 0
+            news = "not compiled, it will be here," if failed else "compiled"
+            say(f"  {name} {news} after {time.monotonic() - begin_s:.0f} s")
     finally:
-        beside.kill()
-        beside.wait()
-    # loads what the other process has compiled, and compiles what it could not
-    _run_planner(scenes)
-    say(f"  planner compiled after {time.monotonic() - begin_s:.0f} s")
+        for child in children.values():
+            child.kill()
+            child.join()
+    # loads what the children have compiled, and compiles what they could not
+    _run_planner(_see(config))
+
+
+def wait_for_each(children: Mapping[str, SpawnProcess]) -> Iterator[str]:
+    """The names of children in the order in which they end, each when it has."""
+    names = {child.sentinel: name for name, child in children.items()}
+    while names:
+        for sentinel in wait(list(names)):
+            assert isinstance(sentinel, int)
+            yield names.pop(sentinel)
+
+
+def compile_eye(config: Config) -> None:
+    """Send pictures with every kind of border through the eye, for its kernels."""
+    _see(config)
 
 
 def compile_planner() -> None:

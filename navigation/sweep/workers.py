@@ -5,18 +5,18 @@ Both are `concurrent.futures.Executor`s. Dask is the optional extra ``cluster``.
 
 from __future__ import annotations
 
-import multiprocessing
 from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any, Final
 
+from navigation.machine.child import FRESH, end_with_parent
 from navigation.sweep.variations import SweepError
 
 CONNECT_S: Final = 10.0
 
 
 def local_executor(workers: int) -> ProcessPoolExecutor:
-    """Fresh processes: a fork would copy OpenCV's and the kernels' threads in mid-work."""
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    """Fresh processes, that end with this one."""
+    return ProcessPoolExecutor(workers, mp_context=FRESH, initializer=end_with_parent)
 
 
 class Cluster:

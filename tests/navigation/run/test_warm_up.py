@@ -2,11 +2,14 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
 
 from navigation.config import load_config
+from navigation.machine.child import start_child
 from navigation.run import warm_up
 
 CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
@@ -19,28 +22,33 @@ def test_with_compiled_kernels_nothing_is_said() -> None:
     assert said == []
 
 
-def test_without_them_it_is_said_and_a_second_process_helps(
+def test_without_them_it_is_said_and_two_processes_compile(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    started: list[list[str]] = []
+    started: list[str] = []
 
-    class Beside:
-        def __init__(self, command: list[str]) -> None:
-            started.append(command)
-
-        def wait(self) -> int:
-            return 0
-
-        def kill(self) -> None:
-            pass
+    def start(work: Callable[..., None], *arguments: object) -> SpawnProcess:
+        started.append(work.__name__)
+        return start_child(work, *arguments)
 
     monkeypatch.setattr(warm_up, "kernels_are_cold", lambda: True)
-    monkeypatch.setattr(warm_up.subprocess, "Popen", Beside)
+    monkeypatch.setattr(warm_up, "start_child", start)
     said: list[str] = []
     warm_up.warm_up(CONFIG, said.append)
-    assert len(started) == 1
-    assert "compile_planner" in started[0][-1]
-    assert len(said) == 3
+    assert started == ["compile_eye", "compile_planner"]
+    assert said[0].startswith("compiling the kernels")
+    assert sorted(line.split()[:2] for line in said[1:]) == [
+        ["eye", "compiled"],
+        ["planner", "compiled"],
+    ]
+
+
+def test_a_process_that_cannot_compile_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warm_up, "kernels_are_cold", lambda: True)
+    monkeypatch.setattr(warm_up, "start_child", lambda *_: start_child(sys.exit, 3))
+    said: list[str] = []
+    warm_up.warm_up(CONFIG, said.append)
+    assert all("not compiled, it will be here" in line for line in said[1:])
 
 
 def test_an_empty_cache_is_cold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,47 @@
+"""Processes that work for this one, and that end with it, whatever ends it.
+
+A child that is only told to end outlives a parent that was killed: it would go on with work that
+nobody waits for. Here the child itself watches its parent.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnContext, SpawnProcess
+
+FRESH: SpawnContext = multiprocessing.get_context("spawn")
+"""Makes fresh processes: a fork would copy OpenCV's and the kernels' threads in mid-work."""
+ORPHANED = 1
+"""The exit code of a child whose parent has ended."""
+
+
+def start_child(work: Callable[..., None], *arguments: object) -> SpawnProcess:
+    """Run ``work``, a function of a module, in a process of its own that ends with this one."""
+    child = FRESH.Process(target=_work, args=(work, arguments), daemon=True)
+    child.start()
+    return child
+
+
+def end_with_parent() -> None:
+    """In a process made by `multiprocessing`: end at once when the parent has ended."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    sentinel = parent.sentinel
+
+    def watch() -> None:
+        wait([sentinel])
+        os._exit(ORPHANED)
+
+    threading.Thread(target=watch, name="parent", daemon=True).start()
+
+
+def _work(work: Callable[..., None], arguments: tuple[object, ...]) -> None:
+    end_with_parent()
+    # Ctrl-C in a terminal reaches parent and child alike; it is the parent that ends the child
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    work(*arguments)
