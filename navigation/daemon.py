@@ -45,6 +45,7 @@ from navigation.stages import (
 from navigation.supervisor import Part, Supervisor, in_words
 from navigation.targets import to_wire
 from navigation.track import Track
+from navigation.trust import Level
 from navigation.witness import NO_EVIDENCE, Witness
 from planner.path import NoPath
 from planner.roadmap import Roadmap
@@ -382,7 +383,8 @@ class Daemon:
             self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
             self.pose, self._pose_arrived_s = pose, self._frame_s
             self.witness.saw(pose, self._frame_s)
-            self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
+            if self.pilot.trust.level is not Level.DOUBTED:  # else something else has moved it
+                self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
     def _note(self, **times_s: float) -> None:
         with self._lock:

@@ -1,19 +1,31 @@
-"""Where a robot has been, in a buffer that never grows.
+"""Where a robot has been, in a buffer that never grows, and which of it the robot drove.
 
-Rows of time_s, x_m, y_m, heading_rad; one thread writes, any thread reads.
+Rows of time_s, x_m, y_m, heading_rad; one thread writes, any thread reads. A robot that is lifted
+and set down elsewhere has not driven what lies between: its track is in pieces.
 """
 
 from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.scene import FloatArray
 
-MOST_ROWS = 360_000
+BoolArray = NDArray[np.bool_]
+
+MOST_ROWS: Final = 360_000
 """Two hours at 50 rows a second: 11 MB."""
+UNSEEN_S: Final = 0.5
+"""Where a robot has been for longer than this without being seen, nobody knows."""
+UNNOTICED_M: Final = 0.03
+"""What a robot may be off after a moment without a row: braking, noise, a late picture."""
+FASTER: Final = 1.5
+"""Times its greatest speed: no wheels did that."""
 
 
 class Track:
@@ -51,3 +63,36 @@ class Track:
             if self._count <= size:
                 return self._rows[: self._count].copy()
             return np.roll(self._rows, -(self._count % size), axis=0)
+
+
+def driven_pieces(rows: FloatArray, fastest_m_s: float) -> list[FloatArray]:
+    """The pieces (k >= 1, 4) of a track (n, 4) between which the robot did not drive: it jumped.
+
+    ``fastest_m_s`` is the speed that its wheels do not exceed.
+    """
+    if not len(rows):
+        return []
+    passed_s = np.diff(rows[:, 0])
+    moved_m = np.hypot(*np.diff(rows[:, 1:3], axis=0).T)
+    begins = 1 + np.flatnonzero(_jumped(passed_s, moved_m, fastest_m_s))
+    return np.split(rows, begins)
+
+
+def with_breaks(pieces: Sequence[FloatArray]) -> FloatArray:
+    """The pieces (k, m) of a track in one array (n, m), a row of NaN between two."""
+    rows = [row for piece in pieces for row in (np.full((1, piece.shape[1]), np.nan), piece)]
+    return np.vstack(rows[1:]) if rows else np.empty((0, 4))
+
+
+def is_jump(
+    before: tuple[float, float, float], after: tuple[float, float, float], fastest_m_s: float
+) -> bool:
+    """Whether from one (time_s, x_m, y_m) to the next no wheels can have brought the robot."""
+    passed_s, moved_m = after[0] - before[0], math.dist(before[1:], after[1:])
+    return bool(_jumped(np.array(passed_s), np.array(moved_m), fastest_m_s))
+
+
+def _jumped(passed_s: FloatArray, moved_m: FloatArray, fastest_m_s: float) -> BoolArray:
+    too_far: BoolArray = moved_m > UNNOTICED_M + FASTER * fastest_m_s * passed_s
+    unseen: BoolArray = (passed_s > UNSEEN_S) & (moved_m > UNNOTICED_M)
+    return too_far | unseen

@@ -14,6 +14,8 @@ from typing import Any, Final
 from navigation.config.secrets import hide
 from navigation.daemon_state import DaemonState
 from navigation.dashboard.rings import Ring
+from navigation.track import is_jump
+from navigation.trust import Level
 from vision.latest_frame import CameraStatus
 
 LOG_LINES: Final = 500
@@ -47,11 +49,14 @@ class LogLine:
 
 
 class Chronicle:
-    """Log, track and samples; see the module's text."""
+    """Log, track and samples; see the module's text. ``fastest_m_s``: the robot's highest speed."""
 
-    def __init__(self) -> None:
+    def __init__(self, fastest_m_s: float) -> None:
+        self._fastest_m_s = fastest_m_s
         self.log: Ring[LogLine] = Ring(LOG_LINES)
-        self.track: Ring[tuple[float, float]] = Ring(TRACK_POINTS)
+        self.track: Ring[tuple[float, float] | None] = Ring(TRACK_POINTS)
+        """None where the line breaks: the robot has not driven what lies between."""
+        self._seen: tuple[float, float, float] | None = None
         self.samples: Ring[list[float | None]] = Ring(SAMPLES)
         self._said: dict[str, str] = {}
         self._sampled_s = -math.inf
@@ -75,8 +80,8 @@ class Chronicle:
             self._say("link", wall_s, "warn" if down else "info", text)
         for trouble in state.troubles:
             self._say(trouble, wall_s, "warn", trouble)
-        if state.pose is not None:
-            self._drive((state.pose.x, state.pose.y))
+        if state.pose is not None and state.trust is not Level.DOUBTED:
+            self._drive((state.pose.captured_s, state.pose.x, state.pose.y))
 
     def time_wire(self, seconds: float) -> None:
         """A capture-to-wire time; the slowest since the last sample is shown."""
@@ -106,10 +111,13 @@ class Chronicle:
         self._slowest_wire_s = None
         self.samples.append([row[name] for name in COLUMNS])
 
-    def _drive(self, place: tuple[float, float]) -> None:
+    def _drive(self, seen: tuple[float, float, float]) -> None:
+        before, self._seen = self._seen, seen
+        if before is not None and is_jump(before, seen, self._fastest_m_s):
+            self.track.append(None)
         last = self.track.last
-        if last is None or math.dist(last, place) >= STEP_M:
-            self.track.append((round(place[0], 4), round(place[1], 4)))
+        if last is None or math.dist(last, seen[1:]) >= STEP_M:
+            self.track.append((round(seen[1], 4), round(seen[2], 4)))
 
     def _say(self, subject: str, wall_s: float, level: str, text: str) -> None:
         """A line where the sentence is new; one whose figures alone have changed is not."""

@@ -69,7 +69,7 @@ class Hub:
         )
         self.gate = Gate(section, own_token)
         self.seat = Seat(section.hold_s)
-        self.chronicle = Chronicle()
+        self.chronicle = Chronicle(daemon.config.robot.speed_m_s)
         self.viewers: set[Attention] = set()
         self.viewers_ever = 0
         self.pictures_sent = 0

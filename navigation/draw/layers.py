@@ -65,7 +65,10 @@ CROP_BELOW = 0.5
 
 @dataclass(frozen=True, slots=True)
 class OtherRobot:
-    """Another robot as seen: its track (n, 3) of x, y, heading_rad, at whose end it was last."""
+    """Another robot as seen: its track (n, 3) of x, y, heading_rad, at whose end it was last.
+
+    The line breaks at a row of NaN.
+    """
 
     name: str
     radius: float
@@ -266,10 +269,10 @@ def _others(content: Content, screen: Screen) -> Iterator[Shape]:
     seen = [other for other in content.others if len(other.track)]
     drawn = screen.points(content.found.points) if content.found else np.empty((0, 2))
     for other in seen:
-        line = screen.points(other.track[:, :2])
-        if len(line) > 1:
-            yield Strokes((line,), OTHER_ROBOT, 2.0)
-        x, y = line[-1].tolist()
+        lines = tuple(screen.points(line[:, :2]) for line in lines_of(other.track))
+        if lines:
+            yield Strokes(lines, OTHER_ROBOT, 2.0)
+        x, y = screen.points(other.track[-1:, :2])[0].tolist()
         size = other.radius * screen.scale
         yield Disc(x, y, size, fill=OTHER_ROBOT, opacity=0.22)
         yield Disc(x, y, size, stroke=OTHER_ROBOT, width=2.0)
@@ -294,8 +297,17 @@ def _path(content: Content, screen: Screen) -> Iterator[Shape]:
 
 
 def _track(content: Content, screen: Screen) -> Iterator[Shape]:
-    if content.track is not None and len(content.track) > 1:
-        yield Strokes((screen.points(content.track),), TRACK, 2.0)
+    if lines := lines_of(content.track):
+        yield Strokes(tuple(screen.points(line) for line in lines), TRACK, 2.0)
+
+
+def lines_of(track: FloatArray | None) -> list[FloatArray]:
+    """The lines (k >= 2, m) between the rows of NaN of a track (n, m)."""
+    if track is None:
+        return []
+    pieces = np.split(track, np.flatnonzero(np.isnan(track[:, 0])))
+    whole = [piece[~np.isnan(piece[:, 0])] for piece in pieces]
+    return [piece for piece in whole if len(piece) > 1]
 
 
 def _waypoints(content: Content, screen: Screen) -> Iterator[Shape]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navigation.draw.layers import Content
+from navigation.draw.layers import Content, lines_of
 from navigation.draw.shapes import (
     BOTTLENECK,
     FAINT_INK,
@@ -117,8 +117,8 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
         ]
         yield dots, f"waypoints ({len(waypoints)}), {content.trajectory.duration_s:.3g} s"
         y += _ROW
-    if content.track is not None and len(content.track) > 1:
-        driven = arc_lengths(content.track)[-1]
+    if driven_lines := lines_of(content.track):
+        driven = sum(arc_lengths(line)[-1] for line in driven_lines)
         yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {driven:.4g} {units}"
         y += _ROW
     seen = [other for other in content.others if len(other.track)]

@@ -44,7 +44,7 @@ class Shown(TypedDict, total=False):
 
     trajectory: Trajectory | None
     track: ArrayLike | None
-    """(n, 2): where the robot drove, in the scene's units."""
+    """(n, 2): where the robot drove, in the scene's units; a row of NaN where the line breaks."""
     earlier: Sequence[ArrayLike]
     """The driven stretches (n, 2) of plans that the path replaced."""
     others: Sequence[OtherRobot]

@@ -83,6 +83,8 @@ class Report:
     ground_truth: bool
     """Whether clearance, tracking and goal errors come from the simulation's truth or from the
     camera."""
+    track_jumps: int = 0
+    """How often the robot was next seen where it had not driven to: lifted, or unseen between."""
 
     @classmethod
     def of_nothing(cls, reason: str, stations: int) -> Report:
@@ -114,6 +116,13 @@ class Report:
         """Write the JSON file; ``UnwrittenFileError`` where that cannot be done."""
         write_whole(path, self.to_json() + "\n")
 
+    def _jumps(self) -> list[tuple[str, str]]:
+        if not self.track_jumps:
+            return []
+        times = "once" if self.track_jumps == 1 else f"{self.track_jumps} times"
+        told = f"broken {times}: the robot was carried, or not seen on its way; what lies between"
+        return [("track", f"{told} is not counted as driven")]
+
     def lines(self) -> list[tuple[str, str]]:
         """Label and value, for a person."""
         t, c = self.tracking_error_m, self.latency_ms.capture_to_wire
@@ -129,6 +138,7 @@ class Report:
                 "goal error",
                 f"{_millimetres(self.goal_error_m)}, {_number(self.goal_error_deg)} deg",
             ),
+            *self._jumps(),
             ("duration", f"{self.duration_s:.1f} s"),
             (
                 "link",

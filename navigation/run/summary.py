@@ -28,12 +28,15 @@ from navigation.run.report import (
     tracking_error,
 )
 from navigation.stages import stations_of
+from navigation.track import driven_pieces, with_breaks
 from navigation.whole_file import UnwrittenFileError
 from planner.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
 REACH_SHARE, REACH_M = 1.1, 0.02
 """How far along its plan a robot may have come, as a share of the length it drove, and more."""
+ANYTHING_M_S = 10.0
+"""How fast other robots drive nobody knows: their tracks break only where they were not seen."""
 STRETCH_STEP_M = 0.005
 """Driven stretches of replaced plans are drawn with a point this often."""
 
@@ -41,6 +44,7 @@ STRETCH_STEP_M = 0.005
 def summarise(daemon: Daemon, state: State, reason: str, duration_s: float) -> Report:
     """The report of DESIGN, from everything that the daemon kept."""
     track = driven_track(daemon)
+    pieces = driven_pieces(track, daemon.config.robot.speed_m_s)
     snapshot, camera = daemon.link.snapshot(), daemon.camera.status()
     mission = daemon.pilot.mission
     goal_m, goal_deg = _goal_error(daemon, track)
@@ -52,7 +56,8 @@ def summarise(daemon: Daemon, state: State, reason: str, duration_s: float) -> R
         waypoints_sent=daemon.pilot.waypoints_sent,
         waypoints_executed=daemon.pilot.waypoints_executed,
         replans=daemon.pilot.replans,
-        min_clearance_m=_least_clearance_m(daemon, track),
+        min_clearance_m=_least_clearance_m(daemon, pieces),
+        track_jumps=max(0, len(pieces) - 1),
         tracking_error_m=rms_and_max(_tracking(daemon, track)),
         goal_error_m=goal_m,
         goal_error_deg=goal_deg,
@@ -123,6 +128,7 @@ def _write_picture(file: Path, daemon: Daemon, report: Report) -> None:
         (s.x, s.y) if s.heading_rad is None else (s.x, s.y, s.heading_rad)
         for s in stations_of(daemon.config)
     ]
+    fastest_m_s = daemon.config.robot.speed_m_s
     first = [tuple(track[0, 1:4])] if len(track) else []
     plans = list(daemon.plans)
     save_picture(
@@ -130,13 +136,15 @@ def _write_picture(file: Path, daemon: Daemon, report: Report) -> None:
         daemon.scene,
         daemon.roadmap,
         plans[-1].path if plans else None,
-        track=track[:, 1:3],
-        earlier=driven_stretches(plans, track),
+        track=with_breaks(driven_pieces(track, fastest_m_s))[:, 1:3],
+        earlier=driven_stretches(plans, track, fastest_m_s),
         others=[
             OtherRobot(
                 f"robot {one.marker_id}",
                 one.radius_m,
-                daemon.others.tracks[one.marker_id].rows()[:, 1:],
+                with_breaks(
+                    driven_pieces(daemon.others.tracks[one.marker_id].rows(), ANYTHING_M_S)
+                )[:, 1:],
             )
             for one in daemon.config.other_robots
         ],
@@ -145,7 +153,9 @@ def _write_picture(file: Path, daemon: Daemon, report: Report) -> None:
     )
 
 
-def driven_stretches(plans: Sequence[DrivenPlan], track: FloatArray) -> list[FloatArray]:
+def driven_stretches(
+    plans: Sequence[DrivenPlan], track: FloatArray, fastest_m_s: float
+) -> list[FloatArray]:
     """Of every plan but the last the points (n, 2) up to where the robot was when it was replaced.
 
     ``track`` (k, 4) of seconds, x_m, y_m, heading_rad. A plan that crosses itself ends at the
@@ -153,23 +163,26 @@ def driven_stretches(plans: Sequence[DrivenPlan], track: FloatArray) -> list[Flo
     """
     stretches = []
     for plan, following in pairwise(plans):
-        rows = track[(track[:, 0] >= plan.since_s) & (track[:, 0] <= following.since_s), 1:3]
+        rows = track[(track[:, 0] >= plan.since_s) & (track[:, 0] <= following.since_s)]
         if len(rows) < 2:
             continue
         lengths = arc_lengths(plan.path.points)
-        reach = min(REACH_SHARE * arc_lengths(rows)[-1] + REACH_M, lengths[-1])
+        driven_m = sum(arc_lengths(p[:, 1:3])[-1] for p in driven_pieces(rows, fastest_m_s))
+        reach = min(REACH_SHARE * driven_m + REACH_M, lengths[-1])
         at = np.linspace(0.0, reach, math.ceil(reach / STRETCH_STEP_M) + 1)
         along = points_at(plan.path.points, lengths, at)
-        stretches.append(along[: int(np.hypot(*(along - rows[-1]).T).argmin()) + 1])
+        stretches.append(along[: int(np.hypot(*(along - rows[-1, 1:3]).T).argmin()) + 1])
     return stretches
 
 
-def _least_clearance_m(daemon: Daemon, track: FloatArray) -> float | None:
-    if not len(track):
+def _least_clearance_m(daemon: Daemon, pieces: Sequence[FloatArray]) -> float | None:
+    truth, roadmap = daemon.world.truth, daemon.roadmap
+    if truth is not None:
+        return min((truth.track_clearance(piece) for piece in pieces), default=None)
+    if roadmap is None:
         return None
-    if daemon.world.truth is not None:
-        return daemon.world.truth.track_clearance(track)
-    return None if daemon.roadmap is None else daemon.roadmap.path_clearance(track[:, 1:3]).distance
+    ways = (roadmap.path_clearance(piece[:, 1:3]) for piece in pieces)
+    return min((way.distance for way in ways), default=None)
 
 
 def _tracking(daemon: Daemon, track: FloatArray) -> FloatArray:

@@ -158,7 +158,7 @@ export class Layers {
   }
 
   #addTrack(piece) {
-    for (const [x, y] of piece.items) this.#track.push(x, y);
+    for (const place of piece.items) this.#track.push(...(place ?? [NaN, NaN]));
     if (this.#track.length > 2 * TRACK_MOST) this.#track = this.#track.slice(-2 * TRACK_MOST);
     this.#drawTrack();
   }

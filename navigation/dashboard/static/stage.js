@@ -57,10 +57,16 @@ export class Stage {
   /** Path data of points (flat x, y, ... metres), from the n-th to before the m-th. */
   line(points, from = 0, to = points.length / 2) {
     let data = "";
+    let move = "M";
     for (let k = from; k < to; k++) {
+      if (Number.isNaN(points[2 * k])) {
+        move = "M"; // the line breaks here
+        continue;
+      }
       const x = this.x(points[2 * k]).toFixed(1);
       const y = this.y(points[2 * k + 1]).toFixed(1);
-      data += `${k === from ? "M" : "L"}${x} ${y}`;
+      data += `${move}${x} ${y}`;
+      move = "L";
     }
     return data;
   }

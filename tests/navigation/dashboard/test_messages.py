@@ -24,6 +24,7 @@ from navigation.dashboard.seat import Seat
 from navigation.dashboard.state_message import state_message
 from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.mission import Mission, State, Station
+from navigation.trust import Level
 from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap import Roadmap
 from planner.scene import Bounds
@@ -227,7 +228,7 @@ def test_the_state_says_where_the_robots_are_and_why_nothing_moves() -> None:
 
 
 def seen(*sentences: str) -> Iterator[str]:
-    daemon, chronicle = FakeDaemon(), Chronicle()
+    daemon, chronicle = FakeDaemon(), Chronicle(0.3)
     assert daemon.state is not None
     for sentence in sentences:
         mission = Mission(state=State.HOLDING, reason=sentence)
@@ -241,7 +242,7 @@ def test_a_sentence_whose_figures_alone_change_is_one_line_in_the_log() -> None:
 
 
 def test_the_track_grows_with_the_robots_way_not_with_time() -> None:
-    daemon, chronicle = FakeDaemon(), Chronicle()
+    daemon, chronicle = FakeDaemon(), Chronicle(0.3)
     assert daemon.state is not None
     assert daemon.state.pose is not None
     for step in range(1000):
@@ -250,8 +251,23 @@ def test_the_track_grows_with_the_robots_way_not_with_time() -> None:
     assert 10 <= len(chronicle.track.since(0, 999)[1]) <= 14
 
 
+def test_the_track_breaks_where_the_robot_was_carried_and_holds_nothing_of_it() -> None:
+    daemon, chronicle = FakeDaemon(), Chronicle(0.3)
+    assert daemon.state is not None
+    pose = daemon.state.pose
+    assert pose is not None
+    for step in range(90):
+        carried = 30 <= step < 60
+        there = replace(pose, captured_s=step / 30.0, x=0.2 + 0.01 * step, y=0.3)
+        trust = Level.DOUBTED if carried else Level.SURE
+        chronicle.see(replace(daemon.state, pose=there, trust=trust), daemon.camera, 0.0)
+    _, places = chronicle.track.since(0, 999)
+    assert [place for place in places if place is None] == [None]
+    assert not any(place and 0.5 <= place[0] < 0.79 for place in places)
+
+
 def test_a_sample_has_every_column_twice_a_second() -> None:
-    daemon, chronicle = FakeDaemon(), Chronicle()
+    daemon, chronicle = FakeDaemon(), Chronicle(0.3)
     assert daemon.state is not None
     for cycle in range(100):
         chronicle.time_wire(0.001 * cycle)

@@ -130,6 +130,20 @@ def test_path_track_and_bottleneck_are_drawn_where_they_are(arena):
     assert not near(pixel(plain, scene, 2.0, 2.8), TRACK)
 
 
+def test_a_track_breaks_where_the_robot_did_not_drive(arena):
+    scene, roadmap, path = arena
+    track = np.array([[0.5, 2.8], [1.5, 2.8], [np.nan, np.nan], [2.5, 2.8], [3.5, 2.8]])
+    other = OtherRobot("robot 8", 0.15, np.c_[track - [0.0, 0.2], np.zeros(5)])
+    image = draw_png(scene, roadmap, path, track=track, others=[other])
+    for y in (2.8, 2.6):
+        drawn = [
+            not near(pixel(image, scene, x, y), pixel(image, scene, 2.0, 2.7))
+            for x in (1.0, 2.0, 3.0)
+        ]
+        assert drawn == [True, False, True], y
+    assert "driven track, 2 " in draw_svg(scene, roadmap, path, track=track)
+
+
 def test_the_svg_has_a_layer_for_everything_and_nothing_from_outside(arena):
     scene, roadmap, path = arena
     trajectory = time_path(path, default_limits(0.2))

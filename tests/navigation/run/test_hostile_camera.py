@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+import numpy as np
 import pytest
 
 from navigation.daemon import Daemon
@@ -17,7 +18,9 @@ from navigation.daemon_state import DaemonState
 from navigation.mission import State
 from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
+from navigation.track import driven_pieces
 from navigation.trust import Level
+from planner.polyline import arc_lengths
 from tests.support.virtual import cycle_until, is_driving, short_config
 
 GOAL = (0.20, 1.60)
@@ -26,6 +29,8 @@ HIGH_CAMERA = {
     "position_m": (1.155, 0.975, 2.9), "focal_px": 617.5, "centre_offset_px": (2.6, -1.9)
 }  # fmt: skip
 RADIUS_M = 0.09
+BEHIND = (0.8, 0.5)
+"""An obstacle lies between the way to the goal and here."""
 
 
 @dataclass(slots=True)
@@ -174,6 +179,30 @@ def test_a_robot_that_was_carried_needs_a_person_who_looks(stage: Stage) -> None
     stage.daemon.resume()
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
+
+
+def test_what_a_robot_was_carried_over_does_not_count_as_driven(stage: Stage) -> None:
+    """Over an obstacle, in steps that the camera sees, and set down behind it."""
+    stage.set_off()
+    x, y, _ = stage.world.robot.pose()
+    for share in np.linspace(0.0, 1.0, 60):
+        place = (x + share * (BEHIND[0] - x), y + share * (BEHIND[1] - y), 1.0)
+        stage.world.troubles.carried_to = place
+        stage.daemon.cycle()
+    stage.until(State.STOPPED)
+    for _ in range(2):
+        stage.rest(1.0)
+        stage.daemon.resume()
+    ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
+    assert ended.mission.state is State.DONE, ended.sentence
+    assert stage.world.truth.arena.track_clearance([(x, y), BEHIND])[0] < 0.0
+    rows = stage.daemon.sightings.rows()
+    pieces = driven_pieces(rows, 0.3)
+    assert len(pieces) == 2
+    for piece in pieces:
+        assert stage.world.truth.arena.track_clearance(piece[:, 1:3])[0] > RADIUS_M
+    length_m = sum(arc_lengths(piece[:, 1:3])[-1] for piece in pieces)
+    assert arc_lengths(rows[:, 1:3])[-1] - length_m > 0.8 * math.dist((x, y), BEHIND)
 
 
 def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage: Stage) -> None:

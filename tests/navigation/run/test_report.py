@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,12 @@ def test_the_json_has_every_field_of_the_design(tmp_path: Path) -> None:
     assert set(data["link"]) == {"frames", "bytes", "retransmits", "crc_errors", "rtt_ms"}
     assert set(data["frames"]) == {"captured", "dropped", "processed"}
     assert set(data["latency_ms"]["capture_to_wire"]) == {"p50", "p99"}
+
+
+def test_a_track_with_jumps_says_so() -> None:
+    assert "track" not in dict(empty_report().lines())
+    told = dict(replace(empty_report(), track_jumps=2).lines())["track"]
+    assert told.startswith("broken 2 times")
 
 
 def test_what_is_unknown_is_said_to_be_unknown() -> None:

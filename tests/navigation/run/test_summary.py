@@ -34,7 +34,7 @@ def test_a_replaced_plan_ends_where_the_robot_was():
     rest = np.asarray(second.points)
     track = np.vstack([drive(line, 10.0, 12.0), drive(rest, 12.01, 15.0)])
     plans = [DrivenPlan(first, None, 10.0), DrivenPlan(second, None, 12.0)]
-    (stretch,) = driven_stretches(plans, track)
+    (stretch,) = driven_stretches(plans, track, 1.0)
     assert stretch[0] == pytest.approx((0.5, 2.5))
     assert math.dist(stretch[-1], (1.5, 2.5)) < 0.006
     assert np.abs(stretch[:, 1] - 2.5).max() < 1e-9
@@ -42,7 +42,7 @@ def test_a_replaced_plan_ends_where_the_robot_was():
 
 def test_one_plan_leaves_nothing_replaced():
     only = plan((0.5, 2.5), (3.5, 2.5))
-    assert driven_stretches([DrivenPlan(only, None, 0.0)], drive(only.points, 0.0, 5.0)) == []
+    assert driven_stretches([DrivenPlan(only, None, 0.0)], drive(only.points, 0.0, 5.0), 1.0) == []
 
 
 def test_a_plan_that_returns_to_its_beginning_is_cut_at_the_first_pass():
@@ -50,6 +50,6 @@ def test_a_plan_that_returns_to_its_beginning_is_cut_at_the_first_pass():
     line = np.c_[np.linspace(0.5, 0.7, 9), np.full(9, 2.5)]
     after = plan((0.7, 2.5), (0.5, 0.5))
     plans = [DrivenPlan(tour, None, 0.0), DrivenPlan(after, None, 2.0)]
-    (stretch,) = driven_stretches(plans, drive(line, 0.0, 2.0))
+    (stretch,) = driven_stretches(plans, drive(line, 0.0, 2.0), 1.0)
     assert len(stretch) < 50
     assert math.dist(stretch[-1], (0.7, 2.5)) < 0.006
