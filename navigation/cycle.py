@@ -64,6 +64,8 @@ class Sight:
     """A sentence for each marker that is seen twice."""
     evidence: Evidence = NO_EVIDENCE
     """What camera and wheels say together."""
+    scene_doubt: str | None = None
+    """The sentence that says why the arena cannot be what the newest scene shows."""
 
 
 @dataclass(frozen=True, slots=True)

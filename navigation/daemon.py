@@ -35,6 +35,7 @@ from navigation.parts import Surroundings
 from navigation.pilot import Pilot
 from navigation.planning import ArenaPlanner, SceneCheck
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
+from navigation.scene_doubt import SceneDoubt
 from navigation.stages import (
     eye_settings,
     marked_robots,
@@ -109,6 +110,7 @@ class Daemon:
         self.pose: RobotPose | None = None
         self.plans: deque[DrivenPlan] = deque(maxlen=PLANS_KEPT)
         self.sightings = Track()
+        self._scene_doubt = SceneDoubt()
         self.processed = 0
         self.state: DaemonState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
@@ -237,6 +239,7 @@ class Daemon:
         """End a pause; after a stop re-arm the robot, and the next time go on."""
         with self._lock:
             self.pilot.resume()
+            self._scene_doubt.accept()
             self._forget_latency = True
 
     def replan(self) -> None:
@@ -368,6 +371,8 @@ class Daemon:
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene
+            self._scene_doubt.see(glimpse.scene)
+            self.troubles["arena"] = self._scene_doubt.remark or ""
             points = None if self.pilot.path is None else self.pilot.path.points
             self._scene_s = self._clock()
             self._planner.see(glimpse.scene, self._revision, points)
@@ -405,6 +410,7 @@ class Daemon:
             others=self.others.movers(now_s),
             doubles=self._doubles,
             evidence=self._evidence,
+            scene_doubt=self._scene_doubt.hold,
         )
 
     def _write_journal(self, orders: Orders) -> None:

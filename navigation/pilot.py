@@ -291,6 +291,7 @@ class Pilot:
             doubles=sight.doubles,
             parted=sight.evidence.parted if self.mission.state is not State.PROVING else None,
             latency_s=self._latency_that_matters(now_s, sight),
+            scene_doubt=sight.scene_doubt,
         )
 
     def _latency_that_matters(self, now_s: float, sight: Sight) -> float | None:
@@ -533,4 +534,4 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
 def _why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
     robots = sorted({disc.robot_id for disc in asked.avoid})
     around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
-    return f"no safe plan{around}: {answer.reason}"
+    return "; ".join((f"no safe plan{around}: {answer.reason}", *answer.remarks))

@@ -67,6 +67,8 @@ class Facts:
     """The sentence that says how camera and wheels differ."""
     latency_s: float | None = None
     """How old pictures are when they arrive, measured; None while it does not matter."""
+    scene_doubt: str | None = None
+    """The sentence that says why the arena cannot be what the newest scene shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +92,8 @@ def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
         *_link(facts, limits),
         *_place(facts, limits),
     ]
-    found += [(Action.HOLD, text) for text in (facts.near_robot, facts.failed) if text is not None]
+    holding = (facts.near_robot, facts.failed, facts.scene_doubt)
+    found += [(Action.HOLD, text) for text in holding if text is not None]
     if facts.paused:
         found.append((Action.HOLD, "paused by the operator"))
     found.sort(key=lambda item: -item[0])

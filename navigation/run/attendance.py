@@ -58,16 +58,17 @@ class Attendance:
             self._look_at_the_recording(self._recorder, time_s)
 
     def _look_at_troubles(self, troubles: tuple[str, ...]) -> None:
-        """Say what cannot be written, once, and once that it can be again."""
+        """Say each trouble once, and once that it is over."""
         self._daemon.troubles["log"] = self._log.trouble
         before, self._troubles = self._troubles, troubles
         for sentence in troubles:
             if sentence not in before:
                 self._log.write("error", "trouble", reason=sentence)
                 self._say(f"trouble: {sentence}")
-        if before and not troubles:
-            self._log.write("info", "trouble", reason="over")
-            self._say("trouble over: everything can be written again")
+        for sentence in before:
+            if sentence not in troubles:
+                self._log.write("info", "trouble", reason=f"over: {sentence}")
+                self._say(f"trouble over: {sentence}")
 
     def _look_at_the_recording(self, recorder: Recorder, time_s: float) -> None:
         counts = recorder.counts()

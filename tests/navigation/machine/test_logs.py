@@ -243,7 +243,7 @@ def test_a_trouble_is_said_once_and_so_is_its_end() -> None:
     ]
     assert said == [
         "trouble: the journal: no room",
-        "trouble over: everything can be written again",
+        "trouble over: the journal: no room",
     ]
 
 
