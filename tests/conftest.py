@@ -1,10 +1,13 @@
 """What every test may use: the folder of real pictures and maps, and the rule on skips."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from navigation.config import secrets
 
 settings.register_profile(
     "default", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -12,6 +15,14 @@ settings.register_profile(
 settings.load_profile("default")
 
 FAIL_ON_SKIP = bool(os.environ.get("CLEARWAY_FAIL_ON_SKIP"))
+
+
+@pytest.fixture(autouse=True)
+def _secrets_stay_in_their_test() -> Iterator[None]:
+    """A token `space` of one test's configuration would be left out of the next one's sentences."""
+    before = secrets.known()
+    yield
+    secrets._known = before
 
 
 @pytest.fixture(scope="session")
