@@ -125,6 +125,13 @@ class Hub:
         if news:
             self.wake()
 
+    def tell_now(self) -> None:
+        """Make the state again: no viewer hears, after an answer, what was so before it."""
+        if self._state is not None:
+            self.state_text = self._tell(self._state, self.clock())
+            self.state_number += 1
+            self.wake()
+
     def wake(self) -> None:
         """There is something new: every viewer looks whether it is for it."""
         for viewer in self.viewers:

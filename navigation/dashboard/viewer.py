@@ -185,6 +185,7 @@ class Viewer:
                 self._sit(message)
             case "release":
                 if self.hub.seat.release(self.attention.key):
+                    self.hub.tell_now()
                     self.hub.note("info", f"{self.name} left the arena free")
             case "order":
                 self._order(message)
@@ -217,6 +218,7 @@ class Viewer:
             was_mine = self.hub.seat.is_held_by(self.attention.key)
             error = self.hub.seat.take(self.attention.key, self.name, self.hub.clock())
             if error is None and not was_mine:
+                self.hub.tell_now()
                 self.hub.note("info", f"{self.name} holds the arena")
         self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
 

@@ -13,7 +13,8 @@ def wait_for_picture(page: Page, count: int = 3) -> None:
 
 
 def on_screen(page: Page, x_m: float, y_m: float) -> tuple[float, float]:
-    """Where a place of the arena is on the screen."""
+    """Where a place of the arena is on the screen; whoever has scrolled scrolls back to it."""
+    page.evaluate("scrollTo(0, 0)")
     box: Any = page.evaluate(
         """([x, y]) => {
           const { stage } = globalThis.clearway, box = stage.svg.getBoundingClientRect();

@@ -30,6 +30,7 @@ def browser() -> Iterator[Browser]:
         chromium = playwright.chromium.launch(
             executable_path=CHROMIUM,
             args=ARGUMENTS,
+            ignore_default_args=["--hide-scrollbars"],  # people have them, and they take room
         )
         yield chromium
         chromium.close()

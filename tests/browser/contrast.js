@@ -20,7 +20,7 @@
   while (walker.nextNode()) {
     const text = walker.currentNode.textContent.trim();
     const element = walker.currentNode.parentElement;
-    if (!text || element.closest("svg, script, .visually-hidden, .skip, button:disabled, .banner.lost")) continue;
+    if (!text || element.closest("svg, script, .visually-hidden, .skip, button[aria-disabled=true]")) continue;
     if (!element.checkVisibility()) continue;
     const style = getComputedStyle(element);
     const size = parseFloat(style.fontSize);

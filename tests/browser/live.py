@@ -137,7 +137,8 @@ class Live:
         """Leave no stop, pause, mission or operator behind for the next test."""
         self.hub.seat.holder = None
         mission = self.daemon.pilot.mission
-        if self.state in (State.PLANNING, State.DRIVING, State.HOLDING) or mission.paused:
+        under_way = (State.PLANNING, State.PROVING, State.DRIVING, State.HOLDING)
+        if self.state in under_way or mission.paused:
             self.daemon.stop("the test is over")
             assert wait_until(lambda: self.state is State.STOPPED)
         if self.state is State.STOPPED:

@@ -284,14 +284,14 @@ def test_one_operator_holds_the_arena_and_everybody_may_stop(
     expect(second.locator("#seat")).to_have_text("Take arena")
 
 
-def test_pause_holds_and_go_on_goes_on(open_page: OpenPage, live: Live) -> None:
+def test_pause_holds_and_resume_resumes(open_page: OpenPage, live: Live) -> None:
     page = open_page()
     wait_for_picture(page)
     drive(live, page)
     page.locator("#pause").click()
     expect(page.locator("#mission-state")).to_have_text("Paused")
     assert live.stands_within(3.0)
-    page.locator("#pause").click()
+    page.locator("#resume").click()
     expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)
     assert wait_until(live.is_moving, 20.0)
 

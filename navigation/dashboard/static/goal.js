@@ -2,6 +2,8 @@
 // length and clearance before anything is sent. The same with the keyboard.
 
 import { stationMark } from "./layers.js";
+import { allow } from "./press.js";
+import { MAY_NOT_DRIVE } from "./seat.js";
 import { element } from "./stage.js";
 import { Clearance } from "./world.js";
 
@@ -20,6 +22,10 @@ export class Goal {
   #pressed = null;
   #cursor = null;
   #asked = 0;
+  /** A preview is on its way; the world has changed since it was asked for. */
+  #isAsking = false;
+  #isOutdated = false;
+  #isSending = false;
   #hint = "";
 
   constructor(stage, connection, seat, say) {
@@ -34,7 +40,7 @@ export class Goal {
     });
     connection.on("world", (world) => {
       this.#clearance = new Clearance(this.#hello.arena_m, world);
-      if (this.#stations.length) this.#ask();
+      this.#askAgain();
     });
     connection.on("down", () => this.#show());
     connection.on("state", (state) => this.#follow(state));
@@ -44,19 +50,19 @@ export class Goal {
 
   clear() {
     this.#stations = [];
-    this.#preview = null;
-    this.#asked += 1;
-    this.#draw();
-    this.#show();
+    this.#forgetPreview();
   }
 
   async submit() {
-    if (this.send.disabled) {
-      if (this.#stations.length) this.say(`Not sent: ${this.#missing}`);
+    const missing = this.#missing;
+    if (missing) {
+      this.say(`Not sent: ${missing}`);
       return;
     }
-    this.send.disabled = true;
-    const answer = await this.connection.ask({ type: "order", order: "go", stations: this.#stations });
+    this.#isSending = true;
+    const taken = await this.seat.takeIfFree();
+    const answer = !taken.ok ? taken : await this.connection.ask({ type: "order", order: "go", stations: this.#stations });
+    this.#isSending = false;
     if (answer.ok) this.clear();
     else this.#show();
     this.say(answer.ok ? "" : answer.error);
@@ -71,7 +77,9 @@ export class Goal {
     area.addEventListener("pointerleave", () => { if (!this.#pressed) this.#look(null); });
     area.addEventListener("keydown", (event) => this.#key(event));
     area.addEventListener("blur", () => this.#look(null));
-    this.send.addEventListener("click", () => this.submit());
+    this.send.addEventListener("click", (event) => {
+      if (event.detail < 2) this.submit(); // a double click is one press
+    });
     document.getElementById("clear").addEventListener("click", () => this.clear());
   }
 
@@ -127,6 +135,7 @@ export class Goal {
     } else if ((event.key === "," || event.key === ".") && last) {
       const turn = event.key === "," ? TURN_RAD : -TURN_RAD;
       last.heading_rad = wrap((last.heading_rad ?? 0) + turn);
+      this.#forgetPreview();
       this.#ask();
     } else {
       return;
@@ -146,9 +155,7 @@ export class Goal {
   async #set(x, y, heading, more) {
     const station = { x_m: round(x), y_m: round(y), heading_rad: heading };
     this.#stations = more ? [...this.#stations, station] : [station];
-    this.#preview = null;
-    this.#draw();
-    this.#show();
+    this.#forgetPreview();
     this.say("");
     this.#taking = this.seat.takeIfFree();
     const taken = await this.#taking;
@@ -160,45 +167,68 @@ export class Goal {
     }
   }
 
-  async #ask() {
-    const number = ++this.#asked;
+  /** The stations have changed: a plan that is there, or on its way, is for others. */
+  #forgetPreview() {
+    this.#asked += 1;
+    this.#isAsking = false;
     this.#preview = null;
     this.#draw();
     this.#show();
+  }
+
+  /** Ask for the plan to these stations, and again as long as the world changes meanwhile. */
+  async #ask() {
+    const number = ++this.#asked;
+    this.#isAsking = true;
     await this.#taking;
-    if (number !== this.#asked) return;
-    const answer = await this.connection.ask({ type: "preview", stations: this.#stations }, 15000);
-    if (number !== this.#asked) return;
-    this.#preview = answer;
-    this.#draw();
-    this.#show();
+    while (number === this.#asked) {
+      this.#isOutdated = false;
+      const answer = await this.connection.ask({ type: "preview", stations: this.#stations }, 15000);
+      if (number !== this.#asked) return;
+      this.#preview = answer;
+      this.#draw();
+      this.#show();
+      if (!this.#isOutdated) break;
+    }
+    if (number === this.#asked) this.#isAsking = false;
+  }
+
+  /**
+   * The world has changed. The last preview is shown, and can be sent, until the next one is here:
+   * the program plans again in any case, and a press on its way must not meet a dead button.
+   */
+  #askAgain() {
+    if (this.#isAsking) this.#isOutdated = true;
+    else if (this.#preview) this.#ask();
   }
 
   #follow(state) {
     this.stopped = state.mission.state === "stopped";
-    this.send.disabled = !this.#ready;
+    this.#allowSending();
   }
 
-  /** Why the goal cannot be sent now. */
+  /** Why the goal cannot be sent now; "" where it can. */
   get #missing() {
     if (!this.connection.isUp) return "there is no connection";
+    if (!this.seat.mayDrive) return MAY_NOT_DRIVE;
+    if (!this.#stations.length) return "there is no goal; click in the arena to set one";
     if (this.stopped) return "the robot is stopped; re-arm it first";
     if (!this.#preview) return "the plan is not there yet; look at it, then send again";
     if (!this.#preview.ok) return "there is no plan to this goal";
-    return this.seat.isMine ? "the last order is still on its way" : "somebody else holds the arena";
+    if (this.seat.other) return `${this.seat.other} holds the arena`;
+    return this.#isSending ? "the last order is still on its way" : "";
   }
 
-  get #ready() {
-    return Boolean(this.#preview?.ok && this.connection.isUp && this.seat.isMine && !this.stopped);
+  #allowSending() {
+    allow(this.send, this.#missing);
   }
 
   // What is shown.
 
   #show() {
     const any = this.#stations.length > 0;
-    this.send.disabled = !this.#ready;
+    this.#allowSending();
     document.getElementById("clear").hidden = !any;
-    document.querySelector(".goal").classList.toggle("has-draft", any);
     document.getElementById("goal-hint").hidden = any;
     const list = document.getElementById("goal-stations");
     list.hidden = !any;
@@ -212,6 +242,10 @@ export class Goal {
     text.hidden = !any;
     text.classList.toggle("bad", this.#preview?.ok === false);
     text.textContent = any ? previewText(this.#preview) : "";
+    const remarks = (any && this.#preview?.remarks) || [];
+    const said = document.getElementById("goal-remarks");
+    said.hidden = remarks.length === 0;
+    said.replaceChildren(...remarks.map((remark) => Object.assign(document.createElement("li"), { textContent: remark })));
   }
 
   #draw() {

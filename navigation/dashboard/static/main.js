@@ -14,7 +14,7 @@ import { Stop } from "./stop.js";
 const byId = (id) => document.getElementById(id);
 const connection = new Connection();
 const stage = new Stage();
-const seat = new Seat(connection);
+const seat = new Seat(connection, say);
 const stop = new Stop(connection, seat, say);
 const picture = new Picture(stage, connection);
 const layers = new Layers(stage, picture, connection);
@@ -25,7 +25,8 @@ new Log(connection);
 
 // What was refused, until the next order.
 function say(text) {
-  byId("refusal").hidden = !text;
+  byId("refusal").hidden = byId("refusal-close").hidden = !text;
+  if (text) byId("said").scrollTop = 0; // it stands first
   byId("refusal-text").textContent = text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".") : "";
 }
 byId("refusal-close").addEventListener("click", () => say(""));
@@ -37,7 +38,7 @@ connection.on("state", (state) => {
 });
 connection.on("up", () => {
   byId("lost").hidden = true;
-  byId("token-form").hidden = true;
+  askForToken(false);
   document.body.classList.remove("is-lost");
 });
 connection.on("down", () => {
@@ -51,14 +52,18 @@ connection.on("down", () => {
 });
 connection.on("token", (status) => {
   byId("lost").hidden = true;
-  byId("token-form").hidden = false;
+  askForToken(true);
   if (status === 403) byId("token").setCustomValidity("");
 });
 byId("token-form").addEventListener("submit", (event) => {
   event.preventDefault();
-  byId("token-form").hidden = true;
+  askForToken(false);
   connection.useToken(byId("token").value.trim());
 });
+
+function askForToken(on) {
+  byId("token-form").hidden = byId("token-note").hidden = !on;
+}
 
 function pill(level, text) {
   byId("pill").dataset.state = level;

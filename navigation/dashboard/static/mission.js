@@ -1,21 +1,32 @@
 // The mission's state in words: what the robot does, or the plain sentence why it does not move.
 
+import { allow, onPress } from "./press.js";
+import { MAY_NOT_DRIVE } from "./seat.js";
+
 const WORDS = {
   idle: "Ready", planning: "Planning", proving: "Proving itself", driving: "Driving", holding: "Holding",
   stopped: "Stopped", done: "Arrived", failed: "Failed",
 };
 
+const UNDER_WAY = ["planning", "proving", "driving", "holding"];
+
 export class MissionPanel {
   #state = null;
+  /** What the planner could not keep or make certain in the plan that is driven. */
+  #remarks = [];
 
   constructor(connection, seat, say) {
     Object.assign(this, { connection, seat, say });
-    this.pause = document.getElementById("pause");
-    this.replan = document.getElementById("replan");
-    this.replan.addEventListener("click", () => this.#order({ order: "replan" }));
-    this.again = document.getElementById("again");
-    this.pause.addEventListener("click", () => this.#order(this.#state?.paused ? { order: "resume" } : { order: "pause" }));
-    this.again.addEventListener("click", () => this.#order({ order: "resume" }));
+    for (const order of ["pause", "resume", "replan"]) {
+      this[order] = document.getElementById(order);
+      onPress(this[order], say, () => this.#order({ order }));
+      allow(this[order], "the program has said nothing yet");
+    }
+    connection.on("plan", (plan) => { this.#remarks = plan.remarks ?? []; });
+    connection.on("down", () => {
+      put("mission-state", "No connection");
+      document.getElementById("now").dataset.state = "lost";
+    });
     connection.on("state", (state) => this.#show(state));
   }
 
@@ -30,28 +41,46 @@ export class MissionPanel {
     this.say(answer.ok ? "" : answer.error);
   }
 
+  /** Why an order cannot be given now; "" where it can. */
+  #whyNot(order) {
+    const { paused, mission } = this.#state;
+    if (!this.seat.mayDrive) return MAY_NOT_DRIVE;
+    if (mission.state === "stopped") return "the robot is stopped; re-arm it first";
+    if (order === "resume") {
+      const waits = ["idle", "failed"].includes(mission.state) && this.#left > 0;
+      return paused || waits ? "" : "nothing to resume: the mission is neither paused nor broken off";
+    }
+    if (order === "replan") return mission.state === "driving" ? "" : "nothing to plan again: the robot does not drive";
+    if (paused) return "the mission is paused already";
+    return UNDER_WAY.includes(mission.state) ? "" : "nothing to pause: there is no mission under way";
+  }
+
+  /** Further reasons, and the plan's remarks, where the sentence does not have them. */
+  #list({ state, sentence: said, reasons }) {
+    const more = ["driving", "stopped"].includes(state) ? [] : reasons;
+    const remarks = UNDER_WAY.includes(state) ? this.#remarks.map((remark) => `This plan: ${remark}`) : [];
+    const shown = [...more.filter((reason) => !said.includes(reason)), ...remarks.filter((_, n) => !said.includes(this.#remarks[n]))];
+    const list = document.getElementById("reasons");
+    list.hidden = shown.length === 0;
+    if (list.textContent !== shown.join("")) {
+      list.replaceChildren(...shown.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+    }
+  }
+
   #show(state) {
     this.#state = state;
     const { mission, pose, link } = state;
-    const panel = document.querySelector(".mission");
-    panel.dataset.state = state.paused ? "paused" : mission.state;
+    document.getElementById("now").dataset.state = state.paused ? "paused" : mission.state;
     put("mission-state", state.paused ? "Paused" : WORDS[mission.state] ?? mission.state);
     put("sentence", sentence(state));
-    const list = document.getElementById("reasons");
-    const more = mission.reasons.filter((reason) => !mission.sentence.includes(reason));
-    list.hidden = more.length === 0 || ["driving", "stopped"].includes(mission.state);
-    if (!list.hidden && list.textContent !== more.join("")) {
-      list.replaceChildren(...more.map((reason) => Object.assign(document.createElement("li"), { textContent: reason })));
-    }
+    this.#list(mission);
     put("fact-stations", mission.stations.length ? `${mission.visited} of ${mission.stations.length}` : "–");
     put("fact-to-go", metres(mission.state === "driving" ? state.to_go_m : null, 2));
     put("fact-clearance", metres(state.clearance_m, 3));
     put("fact-speed", pose ? `${link.moving ? pose.speed_m_s.toFixed(2) : "0.00"} m/s` : "–");
-    this.pause.textContent = state.paused ? "Go on" : "Pause";
-    const underWay = ["planning", "proving", "driving", "holding"].includes(mission.state);
-    this.pause.disabled = !this.seat.mayDrive || !(underWay || state.paused) || mission.state === "stopped";
-    this.replan.hidden = mission.state !== "driving";
-    this.again.hidden = !(["idle", "failed"].includes(mission.state) && this.#left > 0 && this.seat.mayDrive);
+    allow(this.pause, this.#whyNot("pause"));
+    allow(this.resume, this.#whyNot("resume"));
+    allow(this.replan, this.#whyNot("replan"));
     document.title = `${state.paused ? "Paused" : WORDS[mission.state] ?? mission.state} – Clearway`;
   }
 }

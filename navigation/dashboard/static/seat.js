@@ -1,17 +1,21 @@
 // Who holds the arena. A free arena is taken by the first order; it can be taken and left by hand.
 
+export const MAY_NOT_DRIVE = "this page has no token that may drive";
+
 export class Seat {
   #mine = "";
   #state = null;
   /** Taken, but no state tells of it yet: orders need not wait for one. */
   #granted = false;
 
-  constructor(connection) {
-    this.connection = connection;
+  constructor(connection, say) {
+    Object.assign(this, { connection, say });
     this.role = "operator";
     this.button = document.getElementById("seat");
     this.text = document.getElementById("seat-text");
-    this.button.addEventListener("click", () => this.toggle());
+    this.button.addEventListener("click", (event) => {
+      if (event.detail < 2) this.toggle(); // a double click does not take and release
+    });
     connection.on("hello", (hello) => { this.role = hello.role; });
     connection.on("joined", (joined) => {
       this.#mine = joined.seat;
@@ -44,14 +48,22 @@ export class Seat {
     return this.#granted || (Boolean(this.#mine) && this.#state?.seat?.id === this.#mine);
   }
 
+  /** The name of somebody else who holds the arena, "" where nobody does. */
+  get other() {
+    return this.isMine ? "" : this.#state?.seat?.name ?? "";
+  }
+
   async toggle() {
-    if (!this.mayDrive) return;
-    if (this.isMine) {
+    let answer = { ok: false, error: "there is no connection to the program" };
+    if (!this.mayDrive) {
+      answer.error = MAY_NOT_DRIVE;
+    } else if (!this.isMine) {
+      answer = await this.takeIfFree();
+    } else if (this.connection.send({ type: "release" })) {
       this.#granted = false;
-      this.connection.send({ type: "release" });
-    } else {
-      await this.takeIfFree();
+      answer = { ok: true };
     }
+    this.say(answer.ok ? "" : answer.error);
   }
 
   /** Make sure that this page holds the arena; {ok, error}. */

@@ -5,6 +5,9 @@
 // arrived. Leaving the stop is another button, and it waits a moment so that a second press of a
 // hurried hand does not undo the first.
 
+import { allow, onPress } from "./press.js";
+import { MAY_NOT_DRIVE } from "./seat.js";
+
 const REARM_AFTER_MS = 1000;
 const LINE_MS = 400;
 const REQUEST_MS = 1500;
@@ -17,7 +20,7 @@ export class Stop {
     Object.assign(this, { connection, seat, say });
     this.button = document.getElementById("stop");
     this.rearm = document.getElementById("rearm");
-    this.banner = document.getElementById("stopped");
+    this.note = document.getElementById("stopped");
     this.button.addEventListener("pointerdown", (event) => {
       if (event.button === 0) this.fire();
     });
@@ -28,7 +31,7 @@ export class Stop {
     addEventListener("keyup", (event) => {
       if (event.code === "Space") event.preventDefault(); // else it would press a focused button
     }, { capture: true });
-    this.rearm.addEventListener("click", () => this.#leave());
+    onPress(this.rearm, say, () => this.#leave());
     connection.on("state", (state) => this.#follow(state));
   }
 
@@ -80,13 +83,14 @@ export class Stop {
 
   #follow(state) {
     const stopped = state.mission.state === "stopped";
-    if (stopped && this.banner.hidden) this.#stoppedSince = performance.now();
-    this.banner.hidden = !stopped;
+    if (stopped && this.note.hidden) this.#stoppedSince = performance.now();
+    this.note.hidden = this.rearm.hidden = !stopped;
     document.body.classList.toggle("is-stopped", stopped);
     if (!stopped) return;
-    document.getElementById("stopped-text").textContent = `${state.mission.sentence}. ${wheels(state.link)}`;
+    document.getElementById("stopped-text").textContent = wheels(state.link);
     const since = Math.max(this.#stoppedSince, this.#pressedAt);
-    this.rearm.disabled = performance.now() - since < REARM_AFTER_MS || !this.seat.mayDrive;
+    const isSoon = performance.now() - since < REARM_AFTER_MS;
+    allow(this.rearm, !this.seat.mayDrive ? MAY_NOT_DRIVE : isSoon ? "re-arm a second after STOP, not sooner" : "");
   }
 }
 
