@@ -391,8 +391,7 @@ class Pilot:
         left = len(self.mission.remaining)
         return (
             f"driving {path.length:.2f} m to {left} station{'s' * (left != 1)}, "
-            f"clearance at least {path.min_clearance:.3f} m"
-            + "".join(f"; {remark}" for remark in path.remarks)
+            f"clearance at least {path.min_clearance:.3f} m" + _remarked(path)
         )
 
     def _give_up(self, now_s: float, sight: Sight) -> None:
@@ -534,4 +533,8 @@ def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> f
 def _why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
     robots = sorted({disc.robot_id for disc in asked.avoid})
     around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
-    return "; ".join((f"no safe plan{around}: {answer.reason}", *answer.remarks))
+    return f"no safe plan{around}: {answer.reason}{_remarked(answer)}"
+
+
+def _remarked(answer: Path | NoPath) -> str:
+    return "".join(f"; {remark}" for remark in answer.remarks)

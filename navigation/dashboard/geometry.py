@@ -56,12 +56,13 @@ def plan_message(path: Path | None, number: int) -> bytes:
 
 
 def path_facts(path: Path) -> dict[str, object]:
-    """Length and clearance of a path, metres."""
+    """Length and clearance of a path, metres, and what the planner remarks on it."""
     return {
         "length_m": path.length,
         "clearance_m": path.min_clearance,
         "narrowest_m": list(path.min_clearance_at),
         "radius_m": path.robot_radius,
+        "remarks": list(path.remarks),
     }
 
 

@@ -70,6 +70,16 @@ def _daemon_metrics(state: dict[str, Any]) -> Iterator[Any]:
     yield _counter("link_retransmits", "Frames sent again.", link["retransmits"])
     yield _counter("link_crc_errors", "Frames that arrived damaged.", link["crc_errors"])
     yield _counter("link_lost", "Times the link was lost.", link["links_lost"])
+    yield _counter(
+        "link_taken_back", "Times another host had the robot and fell silent.", link["taken_back"]
+    )
+    yield _counter(
+        "link_stray_hellos", "Answers of the robot to a greeting not ours.", link["stray_hellos"]
+    )
+    yield _counter(
+        "link_clock_jumps", "Jumps of the robot's clock or the host's.", link["clock_jumps"]
+    )
+    yield _counter("link_stale", "Permits and poses too old to be sent.", link["stale"])
     yield _gauge("robot_estopped", "1 while the robot is emergency-stopped.", link["estopped"])
     for name, value in state["times"].items():
         stage = name.removesuffix("_ms")

@@ -93,6 +93,7 @@ def no_path_facts(answer: NoPath) -> dict[str, Any]:
         "reason": answer.reason,
         "bottleneck": None if gap is None else {"x_m": gap.x, "y_m": gap.y, "width_m": gap.width},
         "widest_radius_m": answer.widest_radius,
+        "remarks": list(answer.remarks),
     }
 
 
@@ -149,6 +150,10 @@ def _link(link: LinkSnapshot) -> dict[str, Any]:
         "retransmits": link.sent.retransmits,
         "crc_errors": link.received.crc_errors,
         "links_lost": link.sent.links_lost,
+        "taken_back": link.sent.taken_back,
+        "stray_hellos": link.sent.stray_hellos,
+        "clock_jumps": link.sent.clock_jumps,
+        "stale": link.sent.stale,
         "moving": link.moving,
         "estopped": link.estopped,
         "estop_pending": link.estop_pending,

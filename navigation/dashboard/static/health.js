@@ -14,6 +14,14 @@ const ROWS = [
   { id: "speed", title: "Speed", column: "speed_m_s", least: 0.2, unit: "m/s", judge: () => null, detail: (s) => figure(s.pose?.speed_m_s ?? null, "m/s") },
 ];
 
+/** What the link has met that is not usual: shown from the first time on. */
+const ODDITIES = [
+  ["taken_back", "taken back from another program", "Another program had the robot and fell silent; this one has taken it back. Look for a second program on the same line."],
+  ["stray_hellos", "greetings that were not ours", "The robot has answered a greeting that this program did not send: another program, or an old recording, is on its line. It changes nothing."],
+  ["clock_jumps", "jumps of a clock", "The robot's clock or this computer's has jumped, as after a reset or a suspend; it was measured again."],
+  ["stale", "permits and poses too old to be sent", "They had waited too long for the line and were left out: the robot gets no old ones. Where it keeps growing, the line or this computer is too slow."],
+];
+
 export class Health {
   #columns = [];
   #rows = [];
@@ -44,8 +52,12 @@ export class Health {
     line.setAttribute("class", "line");
     chart.append(area, line);
     const top = Object.assign(document.createElement("p"), { className: "top" });
-    item.append(title, word, detail, chart, top);
-    this.#parts.set(row.id, { word, detail, chart, line, area, top });
+    const said = Object.assign(document.createElement("div"), { className: "said" });
+    const odd = Object.assign(document.createElement("ul"), { className: "odd said" });
+    said.append(word, detail);
+    item.append(title, said, chart, top);
+    if (row.id === "link") item.append(odd);
+    this.#parts.set(row.id, { word, detail, chart, line, area, top, odd });
     return item;
   }
 
@@ -94,8 +106,10 @@ export class Health {
         word.dataset.level = judged[0];
         if (word.textContent !== judged[1]) word.textContent = judged[1];
       }
+      if (row.id === "link") showOddities(this.#parts.get("link").odd, state.link);
       const text = row.detail(state, last);
       if (detail.textContent !== text) detail.textContent = text;
+      word.title = judged?.[1] ?? "";
     }
   }
 }
@@ -117,6 +131,14 @@ function linkWord({ link }) {
 function linkDetail({ link }) {
   const trip = link.round_trip_ms === null ? "–" : `${link.round_trip_ms.toFixed(0)} ms`;
   return `${trip} round trip, ${link.retransmits} sent again, ${link.crc_errors} damaged`;
+}
+
+function showOddities(list, link) {
+  const met = ODDITIES.filter(([name]) => link[name] > 0);
+  const key = met.map(([name]) => `${name} ${link[name]}`).join();
+  if (list.dataset.key === key) return;
+  list.dataset.key = key;
+  list.replaceChildren(...met.map(([name, words, title]) => Object.assign(document.createElement("li"), { textContent: `${link[name]} ${words}`, title })));
 }
 
 function plannerWord({ times }) {

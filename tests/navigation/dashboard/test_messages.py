@@ -154,6 +154,17 @@ def test_a_preview_says_the_way_or_why_there_is_none() -> None:
     assert told["widest_radius_m"] == 0.05
 
 
+def test_what_the_planner_remarks_is_told_with_plan_preview_and_refusal(roadmap: Roadmap) -> None:
+    path = roadmap.plan((0.2, 0.2), (2.2, 1.6))
+    assert isinstance(path, Path)
+    remarked = replace(path, remarks=("the margin is given up",))
+    head, _ = unpack(plan_message(remarked, 2))
+    assert head["remarks"] == ["the margin is given up"]
+    assert preview_facts(PlanAnswer(1, 1, remarked))["remarks"] == ["the margin is given up"]
+    refused = NoPath("too tight", remarks=("the search was cut short",))
+    assert preview_facts(PlanAnswer(1, 1, refused))["remarks"] == ["the search was cut short"]
+
+
 # Pictures.
 
 

@@ -187,6 +187,8 @@ def test_metrics_have_the_numbers_of_the_state(site: Site) -> None:
     assert 'clearway_mission_state{state="idle"} 1.0' in text
     assert "clearway_clearance_metres 0.2" in text
     assert "# HELP clearway_link_crc_errors_total Frames that arrived damaged." in text
+    for met in ("taken_back", "stray_hellos", "clock_jumps", "stale"):
+        assert f"clearway_link_{met}_total 0.0" in text
 
 
 def test_refusals_are_in_the_metrics(site: Site) -> None:
