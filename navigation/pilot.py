@@ -69,6 +69,8 @@ class Pilot:
         self._closed_way: FloatArray = NO_WAY
         self.no_path = False
         """Whether the last plan asked for could not be made."""
+        self.has_met_its_devices = False
+        """Whether robot and camera have both been there; until then no mission is given up."""
 
     # Orders from people: taken at once, acted on in the next cycle.
 
@@ -168,7 +170,7 @@ class Pilot:
         self._make_way(met)
         self._slow_down(sight)
         proof = self._prove(now_s, sight, robot)
-        self._give_up(now_s, sight)
+        self._give_up(now_s, sight, robot)
         self._finish(now_s, sight, robot)
         moves = (State.DRIVING, State.PROVING)
         moving = self.mission.state in moves
@@ -394,12 +396,14 @@ class Pilot:
             f"clearance at least {path.min_clearance:.3f} m" + _remarked(path)
         )
 
-    def _give_up(self, now_s: float, sight: Sight) -> None:
+    def _give_up(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
         state = self.mission.state
+        self.has_met_its_devices |= math.isfinite(sight.frame_age_s) and math.isfinite(robot.age_s)
         self._progress.look(
             now_s,
             waits=state in (State.HOLDING, State.PLANNING, State.PROVING)
-            and not self.mission.paused,
+            and not self.mission.paused
+            and self.has_met_its_devices,
             visited=self.mission.visited,
             left_m=self._left_m(sight) if state is State.DRIVING else None,
             revision=self._planned_revision,

@@ -32,7 +32,7 @@ from firmware_protocol.host_state import LinkState
 from firmware_protocol.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.mission import Mission
 from navigation.link_snapshot import LinkSnapshot, snapshot_of
-from navigation.serial_port import PortError, open_port
+from navigation.serial_port import PortError, PortNotReadyError, open_port
 from navigation.supervisor import in_words
 
 PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
@@ -48,6 +48,8 @@ class SerialLink:
 
     ``clock`` gives monotonic seconds, in which pose capture times are given too; ``rng`` gives
     session numbers; ``expected_boot_id`` is the boot that a journalled mission belongs to.
+    ``wait_for_port``: a port that is not ready when the link is opened is waited for, as one that
+    breaks later is, and the snapshot says so.
     """
 
     def __init__(
@@ -58,10 +60,12 @@ class SerialLink:
         clock: Callable[[], float] = time.monotonic,
         rng: random.Random | None = None,
         expected_boot_id: int | None = None,
+        wait_for_port: bool = False,
     ) -> None:
         self.path = port
         self.baud = baud
         self._clock = clock
+        self._wait_for_port = wait_for_port
         self._host = HostConnection(rng or random.SystemRandom(), baud, expected_boot_id)
         self._serial: serial.Serial | None = None
         self._unsent = b""
@@ -96,7 +100,14 @@ class SerialLink:
         """Open the port and start the thread; PortError where the port cannot be used."""
         if self._thread is not None:
             raise PortError(f"serial port {self.path}: is open already")
-        self._start_thread(open_port(self.path, self.baud))
+        port = None
+        try:
+            port = open_port(self.path, self.baud)
+        except PortNotReadyError as error:
+            if not self._wait_for_port:
+                raise
+            self._port_fault = str(error)
+        self._start_thread(port)
 
     def _start_thread(self, port: serial.Serial | None) -> None:
         """With the open port, or with none: the thread opens it then, again and again."""

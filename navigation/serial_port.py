@@ -1,4 +1,8 @@
-"""Opening a serial port, or saying in one sentence why it cannot be opened."""
+"""Opening a serial port, or saying in one sentence why it cannot be opened.
+
+A port that is missing, busy or forbidden may be usable a moment later: a cable is plugged in,
+another program ends, udev sets the permissions. What is no serial port will never be one.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import errno
 import os
 import stat
 import termios
+from typing import Final
 
 import serial
 
@@ -14,34 +19,63 @@ class PortError(ValueError):
     """A serial port cannot be used; the message says which and why."""
 
 
+class PortNotReadyError(PortError):
+    """A serial port cannot be used now, but perhaps later: it is worth waiting for."""
+
+
+NEVER: Final = frozenset(
+    (errno.ENOTTY, errno.EINVAL, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG)
+)
+"""What only another configuration helps against; everything else may pass."""
+
+
 def open_port(path: str, baud: int) -> serial.Serial:
     """Open ``path`` for this process alone, without waiting in reads and writes.
 
-    Raises PortError where the port is missing, busy, forbidden or no serial port.
+    Raises PortNotReadyError where the port is missing, busy or forbidden, and PortError where it
+    is no serial port.
     """
     look_for_port(path)
     try:
         return serial.Serial(path, baud, timeout=0, write_timeout=0, exclusive=True)
     except (serial.SerialException, OSError, ValueError, termios.error) as error:
-        raise PortError(f"serial port {path}: {_reason(error)}") from error
+        raise _refusal(path, error) from error
 
 
 def look_for_port(path: str) -> None:
-    """PortError where there is no such device; opens nothing, for opening resets some robots."""
+    """Errors as of `open_port`, as far as they show without opening: that resets some robots."""
     try:
         mode = os.stat(path).st_mode
+    except FileNotFoundError as error:
+        if os.sep not in path:
+            raise PortError(
+                f"serial port {path}: must be 'simulated' or a path such as /dev/{path}"
+            ) from error
+        raise _refusal(path, error) from error
     except OSError as error:
-        raise PortError(f"serial port {path}: {_reason(error)}") from error
+        raise _refusal(path, error) from error
     if not stat.S_ISCHR(mode):
         raise PortError(f"serial port {path}: is no serial port")
 
 
-def _reason(error: BaseException) -> str:
+def _refusal(path: str, error: BaseException) -> PortError:
+    number = _errno(error)
+    reason = f"serial port {path}: {_reason(number) or error}"
+    if number is None or number in NEVER:
+        return PortError(reason)
+    return PortNotReadyError(reason)
+
+
+def _errno(error: BaseException) -> int | None:
     number = getattr(error, "errno", None)
     if number is None and error.args and isinstance(error.args[0], int):
         number = error.args[0]
     if number is None and error.__context__ is not None:
-        return _reason(error.__context__)  # pyserial wraps termios.error without its number
+        return _errno(error.__context__)  # pyserial wraps termios.error without its number
+    return number
+
+
+def _reason(number: int | None) -> str | None:
     match number:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
             return "there is no such device; is the cable plugged in?"
@@ -49,8 +83,10 @@ def _reason(error: BaseException) -> str:
             return "is in use by another program"
         case errno.EACCES | errno.EPERM:
             return "no permission; on Debian the user has to be in the group dialout"
+        case errno.EIO:
+            return "does not answer (input/output error); is there a device behind it?"
         case errno.ENOTTY | errno.EINVAL:
             return "is no serial port"
         case int():
             return os.strerror(number)
-    return str(error)
+    return None

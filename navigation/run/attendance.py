@@ -1,6 +1,6 @@
 """What a run tells the machine it runs on, after each cycle: log, watchdog, troubles recording.
 
-It decides nothing and opens nothing; every sentence is told once, when it becomes true.
+It decides nothing and opens nothing; every sentence is said once, when it becomes true.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+from firmware_protocol.host_state import LinkState
 from navigation.machine.logs import Level, RunLog
 from navigation.machine.sd_notify import Watchdog
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from navigation.daemon import Daemon
     from navigation.daemon_state import DaemonState
     from navigation.recorder import Recorder
+    from vision.latest_frame import CameraStatus
 
 
 RECORDER_SILENT_S: Final = 3.0
@@ -24,7 +26,8 @@ RECORDER_SILENT_S: Final = 3.0
 class Attendance:
     """Looks at a daemon after each of its cycles; `cycle`.
 
-    ``say`` gets what the person at the terminal must know too: a recording that goes wrong.
+    ``say`` gets what the person at the terminal must know too: a device that is waited for, a
+    recording that goes wrong.
     """
 
     def __init__(
@@ -43,12 +46,15 @@ class Attendance:
         self._said_end = False
         self._said_silence = False
         self._troubles: tuple[str, ...] = ()
+        self._waits_for_robot = self._waits_for_camera = False
         self._recorder_turns = -1
         self._recorder_turned_s = 0.0
 
     def cycle(self, now: DaemonState, time_s: float) -> None:
         """After a cycle that ended with ``now`` at ``time_s`` of the run's clock."""
-        self._log.cycle(now, self._daemon.camera.status())
+        camera = self._daemon.camera.status()
+        self._log.cycle(now, camera)
+        self._look_at_devices(now, camera)
         self._look_at_troubles(now.troubles)
         self._watchdog.tick(time_s)
         if self._watchdog.hanging != self._hanging:
@@ -56,6 +62,23 @@ class Attendance:
             self._log.write("error", "watchdog", stages=", ".join(self._hanging) or "none")
         if self._recorder is not None and not self._said_end:
             self._look_at_the_recording(self._recorder, time_s)
+
+    def _look_at_devices(self, now: DaemonState, camera: CameraStatus) -> None:
+        """Say which device is waited for, and when it is there; the log says it as news anyway."""
+        waits = now.link.state is LinkState.CLOSED
+        if waits != self._waits_for_robot:
+            self._waits_for_robot = waits
+            reason = now.link.down_reason
+            self._say(
+                f"waiting for the robot: {reason}" if waits else "the robot's serial port is open"
+            )
+        if camera.state == ("running" if self._waits_for_camera else "lost"):
+            self._waits_for_camera = not self._waits_for_camera
+            self._say(
+                f"waiting for the camera: {camera.reason}"
+                if self._waits_for_camera
+                else "the camera gives pictures"
+            )
 
     def _look_at_troubles(self, troubles: tuple[str, ...]) -> None:
         """Say each trouble once, and once that it is over."""

@@ -13,7 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -41,7 +41,7 @@ from navigation.run.summary import (
 )
 from navigation.run.warm_up import warm_up
 from navigation.run.world import World
-from navigation.serial_port import look_for_port
+from navigation.serial_port import PortNotReadyError, look_for_port
 from navigation.stages import stations_of
 from navigation.supervisor import Part
 
@@ -118,8 +118,7 @@ class Runner:
 
     def run(self) -> RunResult:
         """Until the mission is over (``once``), the time limit, or an interrupt."""
-        if self.config.serial.port != SIMULATED:
-            look_for_port(self.config.serial.port)  # before the user has waited for the kernels
+        self._refuse_what_is_no_port()  # before the user has waited for the kernels
         with ExitStack() as open_things:
             journal = self._open_journal(open_things)  # first: a second program is refused here
             folder = self._open_folder(open_things)
@@ -188,6 +187,12 @@ class Runner:
         for trouble in () if folder is None else write_report(folder, report):
             self._say(f"trouble: {trouble}")
         return RunResult(report, folder, FAILED if self._once and stations else DONE)
+
+    def _refuse_what_is_no_port(self) -> None:
+        """``PortError`` where waiting would not help; a port that is not ready is waited for."""
+        if self.config.serial.port != SIMULATED:
+            with suppress(PortNotReadyError):  # the link opens it, and says so until it can
+                look_for_port(self.config.serial.port)
 
     def _serve_dashboard(
         self, daemon: Daemon, open_things: ExitStack, socket: Path
@@ -274,7 +279,7 @@ class Runner:
             daemon.give(stations, any_order=self.config.mission.order == "best")
 
     def _drive(self, daemon: Daemon, recorder: Recorder | None) -> tuple[State, str]:
-        limit_s = self._time_limit_s()
+        limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
         while True:
@@ -283,6 +288,9 @@ class Runner:
             attendance.cycle(now, self._clock())
             if self.interrupt.is_set():
                 return State.STOPPED, self.interrupt_reason
+            if self._once and now.time_s > give_up_s and not daemon.pilot.has_met_its_devices:
+                reason = f"given up after {give_up_s:g} s without robot and camera"
+                return State.FAILED, f"{reason}: {now.sentence}"
             if now.time_s > limit_s:
                 return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
             if self._once and (now.mission.is_over or not now.mission.stations):

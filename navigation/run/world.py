@@ -99,8 +99,9 @@ class World:
         return LatestFrame(self.open_camera, self._clock)
 
     def make_link(self) -> SerialLink:
-        """The serial link in a thread of its own."""
-        return SerialLink(self.port, self.config.serial.baud, clock=self._clock)
+        """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
+        baud = self.config.serial.baud
+        return SerialLink(self.port, baud, clock=self._clock, wait_for_port=True)
 
     def make_planner(
         self,

@@ -399,6 +399,25 @@ def test_a_mission_that_holds_for_too_long_fails_with_the_reason(world: World) -
     assert "the cable is out" in world.pilot.mission.reason
 
 
+@pytest.mark.parametrize("missing", ["robot", "camera"])
+def test_a_mission_whose_devices_have_not_come_yet_is_not_given_up(
+    world: World, missing: str
+) -> None:
+    robot, sight = world.robot, world.sight
+    if missing == "robot":
+        world.robot = RobotReport(age_s=math.inf, down_reason="there is no such device")
+    else:
+        world.sight = replace(sight, frame_age_s=math.inf, pose_age_s=math.inf, pose=None)
+    world.pilot.give(TOUR)
+    world.run(3000)
+    assert world.now_s > 90.0
+    assert world.pilot.mission.state is State.HOLDING
+    assert not world.pilot.has_met_its_devices
+    world.robot, world.sight = robot, sight
+    world.run_until(State.DONE)
+    assert world.pilot.has_met_its_devices
+
+
 def test_a_goal_that_cannot_be_reached_fails_in_the_end(world: World) -> None:
     world.no_path = NoPath("the goal is walled in")
     world.pilot.give(TOUR)

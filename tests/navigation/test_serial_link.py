@@ -1,5 +1,6 @@
 """The thread that owns the port, over real pseudo-terminals."""
 
+import errno
 import math
 import os
 import random
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import serial
 
 from firmware_protocol.errors import LocalError
 from firmware_protocol.host_events import MissionDone, MissionVoid
@@ -19,7 +21,7 @@ from firmware_protocol.host_state import LinkState
 from firmware_protocol.messages import RobotState, Waypoint
 from firmware_protocol.mission import Mission
 from navigation.serial_link import LinkSnapshot, SerialLink
-from navigation.serial_port import PortError, open_port
+from navigation.serial_port import PortError, PortNotReadyError, look_for_port, open_port
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
 from tests.support.waiting import wait_until
@@ -180,6 +182,75 @@ def test_a_busy_port_is_one_clear_sentence() -> None:
         pytest.raises(PortError, match=r"in use by another program"),
     ):
         SerialLink(there.port).open()
+
+
+def test_a_port_that_is_missing_at_the_start_is_waited_for_if_wanted(tmp_path: Path) -> None:
+    name = tmp_path / "robot"
+    with SerialLink(str(name), wait_for_port=True) as link:
+        down = f"serial port {name}: there is no such device; is the cable plugged in?"
+        assert link.snapshot().state is LinkState.CLOSED
+        assert link.snapshot().down_reason == down
+        turns = link.turns
+        assert wait_until(lambda: link.turns > turns + 3), "the watchdog sees a live thread"
+        with robot() as there:
+            name.symlink_to(there.port)
+            assert wait_until(lambda: is_up(link)), link.snapshot().down_reason
+
+
+def test_a_stop_given_before_the_port_is_there_is_the_first_thing_that_the_robot_hears(
+    tmp_path: Path,
+) -> None:
+    name = tmp_path / "robot"
+    with SerialLink(str(name), wait_for_port=True) as link:
+        link.estop()
+        assert wait_until(lambda: link.snapshot().estop_pending)
+        with robot() as there:
+            name.symlink_to(there.port)
+            assert wait_until(lambda: there.view().state is RobotState.ESTOP)
+            assert wait_until(lambda: link.snapshot().estopped)
+
+
+def test_a_port_that_another_program_uses_is_waited_for_if_wanted() -> None:
+    with robot() as there:
+        with SerialLink(there.port):
+            later = SerialLink(there.port, wait_for_port=True)
+            later.open()
+            assert "in use by another program" in (later.snapshot().down_reason or "")
+        try:
+            assert wait_until(lambda: is_up(later)), later.snapshot().down_reason
+        finally:
+            later.close()
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [(errno.EACCES, "has to be in the group dialout"), (errno.EIO, "is there a device behind it")],
+)
+def test_a_port_that_may_not_be_opened_yet_is_worth_waiting_for(
+    monkeypatch: pytest.MonkeyPatch, number: int, words: str
+) -> None:
+    """Permissions that udev sets a moment later; an adapter that has not come up."""
+
+    def refuse(*_args: object, **_kwargs: object) -> None:
+        raise serial.SerialException(number, "could not open port")
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    with pytest.raises(PortNotReadyError, match=words):
+        open_port("/dev/ptmx", 115_200)
+
+
+@pytest.mark.parametrize("wait_for_port", [False, True])
+def test_what_is_no_serial_port_is_never_waited_for(tmp_path: Path, wait_for_port: bool) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for path in (tmp_path, tmp_path / "file", tmp_path / "file" / "x", tmp_path / "loop"):
+        with pytest.raises(PortError) as found:
+            look_for_port(str(path))
+        assert not isinstance(found.value, PortNotReadyError), found.value
+    with pytest.raises(PortError, match="is no serial port"):
+        SerialLink("/dev/null", wait_for_port=wait_for_port).open()
+    with pytest.raises(PortError, match="a path such as /dev/ttyUSB0"):
+        SerialLink("ttyUSB0", wait_for_port=wait_for_port).open()
 
 
 def test_closing_is_quick_and_frees_the_port() -> None:
