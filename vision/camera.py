@@ -32,6 +32,18 @@ class CameraError(ValueError):
         super().__init__(printable(message))
 
 
+class CameraHeldError(CameraError):
+    """A camera cannot be opened although it may be there: somebody may hold it.
+
+    ``seen`` is what the source saw; the message adds ``guess``, who it may be. A program that
+    knows better, as its own earlier reading hangs, says ``seen`` and that.
+    """
+
+    def __init__(self, seen: str, guess: str = "") -> None:
+        super().__init__(f"{seen} ({guess})" if guess else seen)
+        self.seen = printable(seen)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """One picture: ``image`` (h, w) or (h, w, 3) BGR uint8, read-only.

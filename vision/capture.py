@@ -3,6 +3,7 @@
 Rules and units
 - What a driver made of the rate and size asked for is compared with what it gives; the
   difference is said in ``reason``, as the real rate is measured and never taken on trust.
+- No wait for a picture is longer than five seconds: then a device or stream has failed.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
 
@@ -17,9 +18,23 @@ import cv2
 import numpy as np
 
 from vision.arrival_clock import ArrivalClock
-from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+from vision.camera import (
+    CameraError,
+    CameraHeldError,
+    Clock,
+    Frame,
+    Image,
+    RateMeter,
+    SourceState,
+)
+from vision.v4l2 import gives_pictures
 
-_OPEN_TIMEOUT_MS = 5000
+_LONGEST_WAIT_S = 5
+"""Below ``WatchLimits.hung_s``; webcams may take three seconds to their first picture."""
+_SELECT_TIMEOUT = "OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT"
+"""For how many whole seconds OpenCV waits for a V4L2 device, 10 by itself. It has no property for
+that (the timeouts in milliseconds are FFmpeg's and GStreamer's), and reads this variable once in
+a process, when it first waits."""
 _DRIVER_CLOCK_LIMIT_S = 0.5
 _FRAMES_FOR_RATE = 30
 _LONGEST_HOLD_UP_S = 2.0
@@ -64,7 +79,7 @@ class Capture:
             raise CameraError(f"{self.name}: cannot be opened: {error.err}") from error
         if not opened:
             capture.release()
-            raise CameraError(f"{self.name}: {self._why_not()}")
+            raise self._refused()
         # The sensor's own pixels, as of pictures: a film's turn says how its camera was held.
         capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
         self._capture = capture
@@ -72,8 +87,8 @@ class Capture:
         self.state, self.reason = "running", ""
         return capture
 
-    def _why_not(self) -> str:
-        return "cannot be opened"
+    def _refused(self) -> CameraError:
+        return CameraError(f"{self.name}: cannot be opened")
 
     def _grab(self) -> tuple[Image, float] | None:
         """The next picture and when it was captured; None where the capture gave none."""
@@ -112,7 +127,11 @@ class DeviceCamera(Capture):
         self._promise = ""
 
     def open(self) -> None:
-        """Open the device; ``CameraError`` where it is missing, busy or no camera."""
+        """Open the device; ``CameraError`` where it is missing, busy or no camera.
+
+        A value of the variable that bounds OpenCV's waits is left as its user has set it.
+        """
+        os.environ.setdefault(_SELECT_TIMEOUT, str(_LONGEST_WAIT_S))
         if not os.path.exists(self._path):
             raise CameraError(f"{self.name}: {self._path} does not exist; is it plugged in?")
         if not os.access(self._path, os.R_OK | os.W_OK):
@@ -132,12 +151,12 @@ class DeviceCamera(Capture):
         self._promise = self.reason = self._not_as_asked(capture)
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; the driver itself bounds the wait, ``timeout_s`` is not needed."""
+        """The next frame; OpenCV bounds the wait by five seconds, ``timeout_s`` is not needed."""
         grabbed = self._grab()
         if grabbed is None:
             if not os.path.exists(self._path):
                 raise CameraError(f"{self.name}: unplugged ({self._path} is gone)")
-            raise CameraError(f"{self.name}: the driver gave no picture")
+            raise CameraError(f"{self.name}: the camera delivers no picture")
         image, captured_s = grabbed
         frame = self._frame(image, self._driver_time_s(captured_s))
         self.reason = self._rate_really_got() or self._promise
@@ -176,11 +195,12 @@ class DeviceCamera(Capture):
                 )
         return "; ".join(said)
 
-    def _why_not(self) -> str:
-        return (
-            f"{self._path} cannot be opened: it is busy (another program uses it) or is no "
-            "capture device"
-        )
+    def _refused(self) -> CameraError:
+        if gives_pictures(self._path) is False:
+            return CameraError(
+                f"{self.name}: {self._path} gives no pictures; `clearway devices` lists what does"
+            )
+        return CameraHeldError(f"{self.name}: {self._path} is busy", "another program uses it")
 
 
 def driver_time_s(position_ms: float, grabbed_s: float) -> float:
@@ -212,9 +232,9 @@ class StreamCamera(Capture):
         """Connect; ``CameraError`` where nobody answers within five seconds."""
         timeouts = [
             cv2.CAP_PROP_OPEN_TIMEOUT_MSEC,
-            _OPEN_TIMEOUT_MS,
+            1000 * _LONGEST_WAIT_S,
             cv2.CAP_PROP_READ_TIMEOUT_MSEC,
-            _OPEN_TIMEOUT_MS,
+            1000 * _LONGEST_WAIT_S,
         ]
         self._start(self._url, cv2.CAP_FFMPEG, timeouts)
         self._opened_s = self._clock()
@@ -242,8 +262,11 @@ class StreamCamera(Capture):
         self._stamp_s = stamp_s
         return max(self._sender.time_of(stamp_s, arrived_s), arrived_s - _LONGEST_HOLD_UP_S)
 
-    def _why_not(self) -> str:
-        return "no stream there, or nobody answered within 5 s"
+    def _refused(self) -> CameraError:
+        # many network cameras serve few clients: one that hangs may be the last they allow
+        return CameraHeldError(
+            f"{self.name}: no stream there, or nobody answered within {_LONGEST_WAIT_S} s"
+        )
 
 
 def without_password(url: str) -> str:
@@ -262,11 +285,15 @@ def without_password(url: str) -> str:
 def list_devices() -> list[tuple[str, str]]:
     """The V4L2 capture devices of this machine: (path, what it is called).
 
-    A device is listed by its stable path under /dev/v4l/by-id where it has one.
+    A device is listed by its stable path under /dev/v4l/by-id where it has one. A camera's other
+    nodes, which give no pictures, are left out; what cannot be asked, for want of permission, is
+    listed.
     """
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
     found = []
     for device in sorted(glob.glob("/dev/video*")):
+        if gives_pictures(device) is False:
+            continue
         label = Path("/sys/class/video4linux", Path(device).name, "name")
         name = label.read_text(errors="replace").strip() if label.is_file() else device
         found.append((stable.get(device, device), name))

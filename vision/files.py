@@ -141,5 +141,5 @@ class VideoCamera(Capture):
         self.state, self.reason = "ended", f"{self.name}: the video has ended"
         return None
 
-    def _why_not(self) -> str:
-        return "neither a picture nor a video that OpenCV can decode"
+    def _refused(self) -> CameraError:
+        return CameraError(f"{self.name}: neither a picture nor a video that OpenCV can decode")

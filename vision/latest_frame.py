@@ -7,8 +7,9 @@ Rules
 - A live sensor's noise hardly ever gives the same picture twice: a repeated one is no news, so it
   is not passed on, and its repetition for a while means that the camera is frozen, whatever times
   it gives. A source without such noise says `may_repeat`.
-- A read that hangs inside a driver cannot be stopped: its thread and its camera are left
-  behind and new ones are made.
+- A read, an opening or a closing that hangs inside a driver cannot be stopped: its thread and its
+  camera are left behind and new ones are made, up to `MOST_LEFT_BEHIND`. What is left behind may
+  hold the camera: then that is said, and no other program blamed.
 - The clock is passed in; only waiting for a frame takes real time.
 """
 
@@ -17,15 +18,19 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
-from vision.camera import Camera, CameraError, Clock, Frame, Image
+from vision.camera import Camera, CameraError, CameraHeldError, Clock, Frame, Image
 
 CameraState: TypeAlias = Literal[
     "closed", "starting", "running", "stalled", "frozen", "lost", "ended"
 ]
+
+
+MOST_LEFT_BEHIND: Final = 3
+"""Threads that may hang at a time; with so many, the next one that hangs is waited for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +39,8 @@ class WatchLimits:
 
     A picture that repeats is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: where
     little is sent, a network camera sends a still arena's noise as no change, nine frames in a
-    row of H.264 at 100 kbit/s. ``hung_s`` lies beyond the five seconds that a stream may take to
-    say that nobody answers.
+    row of H.264 at 100 kbit/s. ``hung_s`` lies beyond the five seconds that a device or stream may
+    take to say that nothing comes.
     """
 
     read_timeout_s: float = 0.5
@@ -90,6 +95,7 @@ class LatestFrame:
         self._woken = False
         self._status = CameraStatus("closed", "", 0.0, 0, 0, 0, None)
         self._reader = _Reader(self, 0)
+        self._left_behind: list[_Reader] = []
         self._thread: threading.Thread | None = None
         self.turns = 0
         """Grows while the thread works, whatever the camera does."""
@@ -116,8 +122,7 @@ class LatestFrame:
         else:
             thread.join(timeout_s)
         with self._news:
-            self._generation += 1
-            self._reader = _Reader(self, self._generation)
+            self._next_reader()
             self._status = replace(self._status, state="closed", reason="")
             self._news.notify_all()
 
@@ -185,24 +190,51 @@ class LatestFrame:
             reader.close()
 
     def _leave_hung_reader(self) -> None:
-        """Start afresh where a read or an open has not come back for ``hung_s``."""
-        busy_s = self._reader.busy_s(self._clock())
-        if busy_s <= self._limits.hung_s:
-            return
-        with self._news:
-            self._generation += 1
+        """Start afresh where a read, an open or a close has not come back for ``hung_s``."""
+        with self._news:  # any thread may ask for the status: one of them does it
+            busy_s = self._reader.busy_s(self._clock())
+            if busy_s <= self._limits.hung_s:
+                return
             name = self._reader.name
-            self._reader = _Reader(self, self._generation)
+            hang = f"{name}a reading of the camera has hung for {busy_s:.1f} s"
+            if len(self._hanging()) >= MOST_LEFT_BEHIND:
+                reason = f"{hang}, and {MOST_LEFT_BEHIND} earlier ones hang: waiting for it"
+                self._status = replace(self._status, state="lost", reason=reason)
+                return
+            self._next_reader()
+            self._reader.failures = 1  # so that what has just happened stays said
             self._status = replace(
                 self._status,
                 state="lost",
-                reason=f"{name}the driver has hung for {busy_s:.1f} s; opening the camera again",
+                reason=f"{hang}; opening the camera again",
                 reopened=self._status.reopened + 1,
             )
-        if self._thread is not None and not self._stopping.is_set():
-            self._start_thread()
+            if self._thread is not None and not self._stopping.is_set():
+                self._start_thread()
+
+    def _next_reader(self) -> None:
+        self._left_behind = [*self._hanging(), self._reader]
+        self._generation += 1
+        self._reader = _Reader(self, self._generation)
+
+    def _hanging(self) -> list[_Reader]:
+        """The readers left behind that have not come back."""
+        now_s = self._clock()
+        return [reader for reader in self._left_behind if reader.busy_s(now_s) > 0.0]
 
     # Called by the reader, from its thread.
+
+    def _why_held(self, error: CameraHeldError) -> str:
+        """Who holds the camera: this program, where an earlier reading of its own hangs."""
+        now_s = self._clock()
+        with self._news:
+            hung_s = max((reader.busy_s(now_s) for reader in self._hanging()), default=0.0)
+        if hung_s == 0.0:
+            return str(error)
+        return (
+            f"{error.seen}; Clearway's own earlier reading of it has hung for {hung_s:.0f} s and "
+            "may hold it: if that lasts, disconnect the camera and connect it again"
+        )
 
     def _publish(self, reader: _Reader, frame: Frame, rate_hz: float, reason: str) -> None:
         with self._news:
@@ -240,33 +272,35 @@ class _Reader:
 
     def __init__(self, owner: LatestFrame, generation: int) -> None:
         self.generation = generation
+        self.name = ""
+        """What sentences about its camera begin with."""
         self._owner = owner
         self._limits = owner._limits
         self._camera: Camera | None = None
         self._busy_since_s: float | None = None
         self._pause_s = 0.0
         self._due_s: float | None = None
-        self._failures = 0
+        self.failures = 0
         self._last_frame: Frame | None = None
         self._last_news_s = 0.0
         self._same_since_s: float | None = None
         self._repeats = 0
         self._ended = False
 
-    @property
-    def name(self) -> str:
-        camera = self._camera
-        return f"{camera.name}: " if camera is not None else ""
-
     def busy_s(self, now_s: float) -> float:
-        """For how long the present read or open has not come back; 0.0 where none runs."""
+        """How long the present read, open or close has not come back; 0.0 where none runs."""
         since_s = self._busy_since_s
         return 0.0 if since_s is None else now_s - since_s
 
     def close(self) -> None:
         camera, self._camera = self._camera, None
-        if camera is not None:
+        if camera is None:
+            return
+        self._busy_since_s = self._owner._clock()
+        try:
             camera.close()
+        finally:
+            self._busy_since_s = None
 
     def step(self) -> float:
         now_s = self._owner._clock()
@@ -280,11 +314,14 @@ class _Reader:
 
     def _open(self, now_s: float) -> float:
         self._busy_since_s = now_s
-        if self._failures == 0:
+        if self.failures == 0:
             self._owner._say(self, "starting", "the camera is being opened", again=False)
         try:
             camera = self._owner._open_camera()
+            self.name = f"{camera.name}: "
             camera.open()
+        except CameraHeldError as error:
+            return self._fail(self._owner._why_held(error), "lost")
         except CameraError as error:
             return self._fail(str(error), "lost")
         finally:
@@ -322,7 +359,7 @@ class _Reader:
             return self._count_repeat(camera, now_s)
         self._same_since_s = None
         if last is not None:
-            self._failures = 0  # it really lives: the next failure starts with a short pause
+            self.failures = 0  # it really lives: the next failure starts with a short pause
         self._owner._publish(self, frame, camera.rate_hz, camera.reason)
         return 0.0
 
@@ -340,8 +377,8 @@ class _Reader:
         self.close()
         limits = self._limits
         # The exponent is bounded: 2.0 ** failures overflows after a night without a camera.
-        pause_s = min(limits.first_pause_s * 2.0 ** min(self._failures, 30), limits.longest_pause_s)
-        self._failures += 1
+        pause_s = min(limits.first_pause_s * 2.0 ** min(self.failures, 30), limits.longest_pause_s)
+        self.failures += 1
         self._due_s = self._owner._clock() + pause_s
         again = f"{reason.rstrip('.')}; trying again in {pause_s:.2g} s"
         self._owner._say(self, state, again, again=True)

@@ -13,8 +13,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vision.camera import Camera, CameraError, Frame, RateMeter, SourceState
-from vision.latest_frame import LatestFrame, WatchLimits
+from tests.support.waiting import wait_until
+from vision import capture
+from vision.camera import Camera, CameraError, CameraHeldError, Frame, RateMeter, SourceState
+from vision.latest_frame import MOST_LEFT_BEHIND, LatestFrame, WatchLimits
 from vision.sources import camera_for, driver_time_s, read_picture, without_password
 
 
@@ -267,6 +269,75 @@ def test_a_read_that_hangs_is_left_behind() -> None:
         release.set()
 
 
+class Stuck(ScriptedCamera):
+    """Hangs in whatever ``hangs_in`` names, until it is let go."""
+
+    def __init__(self, clock: Clock, hangs_in: str, let_go: threading.Event) -> None:
+        super().__init__(clock, iter([CameraError("camera T: delivers no picture")]))
+        self.hangs = threading.Event()
+        self._hangs_in, self._let_go = hangs_in, let_go
+
+    def _maybe(self, name: str) -> None:
+        if self._hangs_in == name:
+            self.hangs.set()
+            assert self._let_go.wait(60.0)
+
+    def open(self) -> None:
+        self._maybe("open")
+        super().open()
+
+    def read(self, timeout_s: float) -> Frame | None:
+        self._maybe("read")
+        return super().read(timeout_s)
+
+    def close(self) -> None:
+        self._maybe("close")
+        super().close()
+
+
+class Held(ScriptedCamera):
+    def open(self) -> None:
+        raise CameraHeldError("camera T: /dev/videoT is busy", "another program uses it")
+
+
+@pytest.mark.parametrize("hangs_in", ["open", "read", "close"])
+def test_a_camera_that_an_own_hung_reading_holds_is_nobody_else_s_fault(hangs_in: str) -> None:
+    clock, let_go = Clock(), threading.Event()
+    stuck, held = Stuck(clock, hangs_in, let_go), Held(clock, iter([]))
+    cameras: Iterator[Camera] = iter([stuck, *[held] * 1000])
+    with LatestFrame(lambda: next(cameras), clock) as reader:
+        assert stuck.hangs.wait(20.0)
+        clock.now_s += 9.0
+        assert "camera T: a reading of the camera has hung for 9.0 s" in reader.status().reason
+        assert wait_until(lambda: "may hold it" in reader.status().reason), reader.status()
+        said = reader.status().reason
+        assert "camera T: /dev/videoT is busy; Clearway's own earlier reading of it" in said
+        assert "another program" not in said
+        let_go.set()
+        clock.now_s += 20.0
+        assert wait_until(lambda: "another program uses it" in reader.status().reason)
+
+
+def test_hung_readings_are_bounded_and_the_last_is_waited_for() -> None:
+    clock, let_go = Clock(), threading.Event()
+    opened: list[Stuck] = []
+
+    def open_camera() -> Camera:
+        opened.append(Stuck(clock, "open", let_go))
+        return opened[-1]
+
+    with LatestFrame(open_camera, clock) as reader:
+        for count in range(1, 10):
+            many = min(count, MOST_LEFT_BEHIND + 1)
+            assert wait_until(lambda many=many: len(opened) == many and opened[-1].hangs.is_set())
+            clock.now_s += 9.0
+            status = reader.status()
+        assert len(opened) == MOST_LEFT_BEHIND + 1
+        assert "3 earlier ones hang: waiting for it" in status.reason
+        let_go.set()
+        assert wait_until(lambda: "delivers no picture" in reader.status().reason)
+
+
 def test_the_thread_delivers_and_stops() -> None:
     clock = Clock()
     camera = ScriptedCamera(clock, iter([picture(i) for i in range(200)]))
@@ -465,14 +536,17 @@ def test_a_driver_that_ignores_what_was_asked_is_told_of(monkeypatch: pytest.Mon
 
 def test_a_busy_and_an_unplugged_device_are_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Driver, "opens", False)
-    with pytest.raises(CameraError, match="busy"):
+    with pytest.raises(CameraError, match="/dev/null gives no pictures"):
+        device(monkeypatch, Clock()).open()
+    monkeypatch.setattr(capture, "gives_pictures", lambda _path: True)
+    with pytest.raises(CameraError, match=r"/dev/null is busy \(another program uses it\)"):
         device(monkeypatch, Clock()).open()
     monkeypatch.setattr(Driver, "opens", True)
     monkeypatch.setattr(Driver, "frames", 1)
     camera = device(monkeypatch, Clock())
     camera.open()
     assert camera.read(1.0) is not None
-    with pytest.raises(CameraError, match="gave no picture"):
+    with pytest.raises(CameraError, match="camera /dev/null: the camera delivers no picture"):
         camera.read(1.0)
 
 
