@@ -12,6 +12,7 @@ import click
 
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -71,13 +72,14 @@ def command(
     picture, remarks = decode_picture(read_bytes(image), image)
     load_ms = 1e3 * (time.perf_counter() - begin_s)
     try:
-        scene = vision.extract(
-            picture,
-            mode="paper" if paper else "exact",
-            polarity=polarity,
-            method=method,
-            threshold=threshold,
-        )
+        with long_work("looking for obstacles"):
+            scene = vision.extract(
+                picture,
+                mode="paper" if paper else "exact",
+                polarity=polarity,
+                method=method,
+                threshold=threshold,
+            )
     except ValueError as error:
         raise ExtractError(f"{image}: {error}") from error
     total_ms = 1e3 * (time.perf_counter() - begin_s)

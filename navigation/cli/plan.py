@@ -22,6 +22,7 @@ from navigation.cli.options import (
     polarity_option,
 )
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
     from navigation.cli.plan_answer import PlanAnswer
@@ -95,27 +96,31 @@ def command(
         )
     keep_apart((("--output", output), ("--render", render)), (source,))
     begin_s = time.perf_counter()
-    scene = load_source(source, polarity)
+    with long_work("looking for obstacles"):
+        scene = load_source(source, polarity)
     warn_of_doubts(scene, source)
     stations = [start, *via, goal]
     room = 4.0 * (radius + margin)
     scene = hold_points(scene, [(s.x, s.y) for s in stations], room)
-    roadmap, timings_ms = timed_roadmap(scene, radius, spacing)
-    planned_s = time.perf_counter()
-    try:
-        path = roadmap.plan(
-            start.as_tuple(),
-            goal.as_tuple(),
-            prefer=prefer,
-            via=[s.as_tuple() for s in via],
-            order=order,
-            alternatives=alternatives,
-            margin=margin,
-        )
-    except ValueError as error:
-        raise PlanError(str(error)) from error
-    path = _smoothed(path, roadmap, radius + margin, prefer)
-    timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
+    with long_work("building the roadmap") as begin:
+        roadmap, timings_ms = timed_roadmap(scene, radius, spacing)
+        begin("planning")
+        planned_s = time.perf_counter()
+        try:
+            path = roadmap.plan(
+                start.as_tuple(),
+                goal.as_tuple(),
+                prefer=prefer,
+                via=[s.as_tuple() for s in via],
+                order=order,
+                alternatives=alternatives,
+                margin=margin,
+            )
+        except ValueError as error:
+            raise PlanError(str(error)) from error
+        begin("smoothing")
+        path = _smoothed(path, roadmap, radius + margin, prefer)
+        timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
     answer = _answer(scene, roadmap, path, timings_ms, begin_s)
     text = answer.as_json() + "\n" if form == "json" else answer.as_text()
     if output is None:

@@ -17,6 +17,7 @@ from navigation.cli.options import (
     polarity_option,
 )
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.progress import long_work
 
 SUFFIXES = (".graphml", ".geojson", ".json")
 
@@ -66,9 +67,11 @@ def command(
     from navigation.cli.sources import load_source
     from planner import exchange
 
-    scene = load_source(source, polarity)
+    with long_work("looking for obstacles"):
+        scene = load_source(source, polarity)
     warn_of_doubts(scene, source)
-    roadmap, _ = timed_roadmap(scene, radius, spacing)
+    with long_work("building the roadmap"):
+        roadmap, _ = timed_roadmap(scene, radius, spacing)
     match output.suffix.lower():
         case ".graphml":
             text = exchange.to_graphml(roadmap)

@@ -1,0 +1,75 @@
+"""Long work at a terminal: what is being done, for how long, and Ctrl-C that ends it at once.
+
+Compiled kernels see no Python signal before they return, which on a picture of a million borders
+takes seconds. While nothing but computing is done Ctrl-C is left to the operating system: nothing
+is open that could be left half written.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+PATIENCE_S: Final = 1.0
+"""Shorter work says nothing."""
+EVERY_S: Final = 0.5
+CLEAR_LINE: Final = "\r\x1b[2K"
+
+
+@contextmanager
+def long_work(first: str) -> Iterator[Callable[[str], None]]:
+    """Do long work, ``first`` to begin with; call what is given with each stage that follows."""
+    stage = [first]
+
+    def begin(name: str) -> None:
+        stage[0] = name
+
+    with _ended_by_ctrl_c(), _told(lambda: stage[0]):
+        yield begin
+
+
+@contextmanager
+def _ended_by_ctrl_c() -> Iterator[None]:
+    in_main = threading.current_thread() is threading.main_thread()
+    if not in_main or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield  # somebody else's handler, or ignored as under nohup
+        return
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@contextmanager
+def _told(stage: Callable[[], str]) -> Iterator[None]:
+    """One line at a terminal's stderr that is renewed, and gone at the end."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield
+        return
+    began_s, over = time.monotonic(), threading.Event()
+
+    def tell() -> None:
+        if over.wait(PATIENCE_S):
+            return
+        while True:
+            passed_s = time.monotonic() - began_s
+            sys.stderr.write(f"{CLEAR_LINE}{stage()} ... {passed_s:.0f} s")
+            sys.stderr.flush()
+            if over.wait(EVERY_S):
+                break
+        sys.stderr.write(CLEAR_LINE)
+        sys.stderr.flush()
+
+    teller = threading.Thread(target=tell, name="progress", daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        over.set()
+        teller.join()
