@@ -13,7 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -124,7 +124,7 @@ class Runner:
             folder = self._open_folder(open_things)
             if not self._warm_up():
                 return self._end_before_the_start(folder)
-            world = World(self.config, self._clock)
+            world = World(self.config, self._clock, wait_for_port=not self._once)
             self._say(f"camera {self.config.camera.source}, robot on {world.port}")
             socket = self._socket or default_socket()
             recorder = self._open_recorder(open_things, world)
@@ -189,10 +189,15 @@ class Runner:
         return RunResult(report, folder, FAILED if self._once and stations else DONE)
 
     def _refuse_what_is_no_port(self) -> None:
-        """``PortError`` where waiting would not help; a port that is not ready is waited for."""
-        if self.config.serial.port != SIMULATED:
-            with suppress(PortNotReadyError):  # the link opens it, and says so until it can
-                look_for_port(self.config.serial.port)
+        """``PortError`` where waiting would not help, and with ``once`` where nobody waits."""
+        if self.config.serial.port == SIMULATED:
+            return
+        try:
+            look_for_port(self.config.serial.port)
+        except PortNotReadyError:
+            if self._once:
+                raise
+            # else it is waited for: the link opens it, and says so until it can
 
     def _serve_dashboard(
         self, daemon: Daemon, open_things: ExitStack, socket: Path

@@ -42,10 +42,16 @@ Clock = Callable[[], float]
 
 
 class World:
-    """Makes what the configuration names, in real time; `start` switches the robot on."""
+    """Makes what the configuration names, in real time; `start` switches the robot on.
 
-    def __init__(self, config: Config, clock: Clock = time.monotonic) -> None:
+    ``wait_for_port`` False: a serial port that is not ready is a ``PortError`` of the link.
+    """
+
+    def __init__(
+        self, config: Config, clock: Clock = time.monotonic, *, wait_for_port: bool = True
+    ) -> None:
         self.config = config
+        self._wait_for_port = wait_for_port
         self._clock = clock
         self.truth: Truth | None = None
         simulated_port = config.serial.port == SIMULATED
@@ -101,7 +107,7 @@ class World:
     def make_link(self) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
         baud = self.config.serial.baud
-        return SerialLink(self.port, baud, clock=self._clock, wait_for_port=True)
+        return SerialLink(self.port, baud, clock=self._clock, wait_for_port=self._wait_for_port)
 
     def make_planner(
         self,
