@@ -74,7 +74,7 @@ class Process:
             line, mark, _ = self.out.read_text().partition("\n")
             if mark:
                 return line
-            time.sleep(0.02)
+            time.sleep(0.02)  # a file tells nobody that it has grown
         raise ProcessError(f"{self.name} said nothing within {within_s:g} s: {self.last_words()}")
 
     def last_words(self) -> str:

@@ -61,7 +61,7 @@ def send_order(path: Path, request: Mapping[str, Any]) -> dict[str, Any]:
             again = isinstance(error, _CrowdedError) or request.get("order") in REPEATABLE
             if not again or time.monotonic() + AGAIN_AFTER_S > until_s:
                 raise ControlError(f"the daemon at {path} does not answer: {error}") from None
-            time.sleep(AGAIN_AFTER_S)
+            time.sleep(AGAIN_AFTER_S)  # a crowded daemon has room by then; nothing tells us
         except (OSError, OutsideError) as error:
             raise ControlError(f"the daemon at {path} does not answer: {error}") from None
     if not answer.get("ok"):

@@ -98,7 +98,7 @@ class World:
 
     def wait(self, seconds: float) -> None:
         """Let time pass: the real world's, where the virtual one's clock is set on."""
-        time.sleep(seconds)
+        time.sleep(seconds)  # what `wait` is for
 
     def make_frames(self) -> LatestFrame:
         """The camera in a thread of its own."""

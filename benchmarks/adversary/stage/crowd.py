@@ -49,12 +49,12 @@ def half_open(port: int, count: int, end_s: float) -> None:
         visitors.append(visitor)
         if number % 50 == 49:
             time.sleep(0.01)  # not faster than the listener's backlog empties
-    time.sleep(0.2)
+    time.sleep(0.2)  # the connections that are under way are made by then
     for visitor in visitors:
         with contextlib.suppress(OSError):
             visitor.send(b"GET / HTTP/1.1\r\nHost: 127.0")
     print("there", flush=True)
-    time.sleep(max(0.0, end_s - time.monotonic()))
+    time.sleep(max(0.0, end_s - time.monotonic()))  # half open as long as the attack lasts
 
 
 async def _view(port: int, end_s: float, polite: bool) -> None:
@@ -106,14 +106,14 @@ def drip(path: str, count: int, end_s: float) -> None:
             except OSError:
                 client.close()
                 clients[index] = _clients(path, 1)[0]
-        time.sleep(0.3)
+        time.sleep(0.3)  # a dripping client: a byte now and then
 
 
 def silent(path: str, count: int, end_s: float) -> None:
     """Clients that say nothing at all."""
     clients = _clients(path, count)
     print("there", flush=True)
-    time.sleep(max(0.0, end_s - time.monotonic()))
+    time.sleep(max(0.0, end_s - time.monotonic()))  # silence is the attack
     for client in clients:
         client.close()
 
@@ -131,7 +131,7 @@ def nonsense(path: str, count: int, end_s: float) -> None:
                 client.sendall(words)
                 client.recv(4096)
         if number % 20 == 19:
-            time.sleep(0.01)
+            time.sleep(0.01)  # not faster than the listener's backlog empties
 
 
 def main() -> int:
