@@ -3,7 +3,8 @@
 The same face as the simulated robot with the Python twin. A thread runs the emulator in real
 time: what the host sends into the pseudo-terminal goes to the emulated UART, which takes it at
 its true baud rate; the motor outputs drive the simulated wheels; their travel turns the
-emulated encoders. Which settings the robot has is compiled into its firmware.
+emulated encoders. Which settings the robot has is compiled into its firmware. Where the machine
+is busy the emulator falls behind and catches up; no byte comes to it before its time.
 
 Of the faults, ``reset`` pulls the processor's reset line; ``freeze`` stops its clock, and with it
 its watchdog: the motors keep what they were told, and what the host sends meanwhile is lost.
@@ -17,6 +18,7 @@ import select
 import threading
 import time
 import tty
+from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -27,13 +29,11 @@ from firmware_protocol.robot import WheelSpeeds
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError, Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
+from navigation.simulator.own_time import OwnTime
 
 STEP_S = 0.002
 """The emulator and the drive model go on by turns of this length."""
 TRACK_EVERY = 10
-BEHIND_MAX_S = 0.02
-"""Further behind the clock than this, the emulated time lets the difference go: the robot's clock
-is slow then, but no byte waits for it, and a pose is as old as the host says."""
 READ_BYTES = 4096
 
 
@@ -62,6 +62,8 @@ class EmulatedRobot:
         self._lines = (FaultyLine(spec, rng), FaultyLine(spec, rng))
         self._encoders_m = (0.0, 0.0)
         self._steps = 0
+        self._time = OwnTime(STEP_S)
+        self._arrived: deque[tuple[float, bytes]] = deque()
         self._start_s = math.inf
         self._reset_done = False
         self._track: list[tuple[float, float, float, float]] = []
@@ -73,12 +75,16 @@ class EmulatedRobot:
         os.set_blocking(self._fd, False)
         self.port = os.ttyname(self._slave)
         self.motors = Motors(0.0, 0.0, False, 0.0, 0.0)
-        self.lost_s = 0.0
+
+    @property
+    def lost_s(self) -> float:
         """How much of the clock's time the emulator was too slow for."""
+        return self._time.lost_s
 
     def start(self) -> None:
         """Switch the robot on, in a thread of its own."""
         self.begin()
+        self._time.begin(self._start_s)
         self._thread = threading.Thread(target=self._run, name="emulated robot", daemon=True)
         self._thread.start()
 
@@ -99,7 +105,8 @@ class EmulatedRobot:
         self._fd = -1
 
     def pose(self) -> TruePose:
-        """Where the robot is now; for any thread."""
+        """Where the robot is now; for any thread. Waits for an emulator that is behind."""
+        self._time.wait_for(self._clock())
         return self._drive.pose
 
     def track(self) -> NDArray[np.float64]:
@@ -108,23 +115,22 @@ class EmulatedRobot:
             return np.array(self._track, dtype=np.float64).reshape(-1, 4)
 
     def _run(self) -> None:
-        done_s = self._clock()
-        while not self._stop.is_set():
-            now_s = self._clock()
-            if now_s - done_s > BEHIND_MAX_S:
-                self.lost_s += now_s - done_s - BEHIND_MAX_S
-                done_s = now_s - BEHIND_MAX_S
-            while done_s + STEP_S <= now_s:
-                done_s += STEP_S
-                try:
-                    self.step(done_s)
-                except EmulatorError:
-                    return
-            self._stop.wait(max(0.0, done_s + STEP_S - self._clock()))
+        try:
+            while not self._stop.is_set():
+                now_s = self._clock()
+                self._time.limit(now_s)
+                while (end_s := self._time.next_step_s(now_s)) is not None:
+                    self.step(end_s)
+                    self._time.done(end_s)
+                self._stop.wait(self._time.due_in_s(self._clock()))
+        except EmulatorError:
+            return
+        finally:
+            self._time.end()
 
     def step(self, now_s: float) -> None:
         """The next STEP_S, which end now; EmulatorError where the program has ended."""
-        arrived = self._lines[0].carry(self._read(), now_s)
+        arrived = self._lines[0].carry(self._arrived_by(now_s), now_s)
         encoders_m = self._drive.encoders_m
         travel = (encoders_m[0] - self._encoders_m[0], encoders_m[1] - self._encoders_m[1])
         self._encoders_m = encoders_m
@@ -149,6 +155,15 @@ class EmulatedRobot:
         due = now_s - self._start_s >= self._faults.reset_at_s and not self._reset_done
         self._reset_done = self._reset_done or due
         return due
+
+    def _arrived_by(self, now_s: float) -> bytes:
+        """What came in up to that time of the clock: behind it, the newest has to wait."""
+        if data := self._read():
+            self._arrived.append((self._clock(), data))
+        parts = []
+        while self._arrived and self._arrived[0][0] <= now_s:
+            parts.append(self._arrived.popleft()[1])
+        return b"".join(parts)
 
     def _read(self) -> bytes:
         if not select.select([self._fd], [], [], 0.0)[0]:

@@ -30,14 +30,13 @@ from navigation.serial_link import PORT_FAULTS
 from navigation.serial_port import open_port
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
+from navigation.simulator.own_time import OwnTime
 from navigation.simulator.virtual_loop import PacedLine
 from navigation.track import Track
 
 PHYSICS_S = 0.002
 CONTROL_EVERY = 5
 """Physics steps to one control cycle: 10 ms."""
-BEHIND_MAX_S = 0.5
-"""A machine that slept longer than this does not make the robot jump."""
 INSTANT_BAUD = 100_000_000
 
 
@@ -85,6 +84,7 @@ class SimulatedRobot:
         self._to_host = PacedLine(baud or INSTANT_BAUD)
         self._wheels = WheelSpeeds(0.0, 0.0, powered=False)
         self._steps = 0
+        self._time = OwnTime(PHYSICS_S)
         self._unsent = b""
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
@@ -114,6 +114,7 @@ class SimulatedRobot:
     def start(self) -> None:
         """Switch the robot on."""
         self._start_s = self._clock()
+        self._time.begin(self._start_s)
         self._thread = threading.Thread(target=self._run, name="simulated robot", daemon=True)
         self._thread.start()
 
@@ -147,8 +148,9 @@ class SimulatedRobot:
     # What is true, for any thread.
 
     def pose(self) -> TruePose:
-        """Where the robot is now."""
-        return self._view.pose
+        """Where the robot is now; waits for a robot whose thread is behind."""
+        self._time.wait_for(self._clock())
+        return self._drive.pose
 
     def view(self) -> RobotView:
         """Pose, state and progress now."""
@@ -165,23 +167,23 @@ class SimulatedRobot:
     # The thread.
 
     def _run(self) -> None:
-        done_s = self._clock()
-        while not self._stop.is_set():
-            now_s = self._clock()
-            if now_s - done_s > BEHIND_MAX_S:
-                done_s = now_s - BEHIND_MAX_S
-            self._meet_scheduled_faults(now_s)
-            if not self._frozen(now_s):
+        try:
+            while not self._stop.is_set():
+                now_s = self._clock()
+                self._time.limit(now_s)
+                while (end_s := self._time.next_step_s(now_s)) is not None:
+                    self._exchange(end_s)
+                    self._step(end_s)
+                    self._time.done(end_s)
                 self._exchange(now_s)
-            while done_s + PHYSICS_S <= now_s:
-                done_s += PHYSICS_S
-                self._step(done_s)
-            self._view = self._look()
-            wait_s = max(0.0, done_s + PHYSICS_S - self._clock())
-            try:
-                select.select([self._fd], [], [], wait_s)
-            except PORT_FAULTS:
-                self._stop.wait(wait_s)
+                self._view = self._look()
+                wait_s = self._time.due_in_s(self._clock())
+                try:
+                    select.select([self._fd], [], [], wait_s)
+                except PORT_FAULTS:
+                    self._stop.wait(wait_s)
+        finally:
+            self._time.end()
 
     def _meet_scheduled_faults(self, now_s: float) -> None:
         if now_s - self._start_s >= self._faults.reset_at_s and not self._reset_done:
@@ -196,6 +198,9 @@ class SimulatedRobot:
         return 0.0 <= since_s < self._faults.freeze_s
 
     def _exchange(self, now_s: float) -> None:
+        self._meet_scheduled_faults(now_s)
+        if self._frozen(now_s):
+            return
         try:
             data = os.read(self._fd, 4096)
         except BlockingIOError:
@@ -203,7 +208,7 @@ class SimulatedRobot:
         except OSError:
             return  # the other end has hung up: a robot does not mind
         if data:
-            self._to_robot.put(data, now_s)
+            self._to_robot.put(data, self._clock())  # behind the clock, it has to wait
         arrived = self._lines[0].carry(self._to_robot.take(now_s), now_s)
         if arrived:
             self._robot.receive_bytes(arrived, now_s)

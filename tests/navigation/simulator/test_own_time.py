@@ -1,0 +1,122 @@
+"""A simulated robot that falls behind the clock: where it is at a time stays true."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+
+from navigation.simulator.drive_model import DriveModel
+from navigation.simulator.emulated_robot import EmulatedRobot
+from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
+from navigation.simulator.robot import SimulatedRobot
+
+STALLING = '''
+import struct, sys, time
+read, write = sys.stdin.buffer.read, sys.stdout.buffer.write
+asked = cycles = bytes_in = 0
+while head := read(11):
+    us, left, right, flags, count = struct.unpack("<IhhBH", head)
+    bytes_in += len(read(count))
+    asked += 1
+    cycles += 16 * us
+    if asked in (150, 300):
+        time.sleep(0.2)
+    answer = struct.pack("<IB", asked, bytes_in) if count else b""
+    write(struct.pack("<BBBIIH", 51, 51, 1, 0, cycles % 2**32, len(answer)) + answer)
+    sys.stdout.buffer.flush()
+'''
+"""An emulator that drives straight on and stands still for 0.2 s twice in its first second; it
+answers bytes with the number of the step in which they came."""
+SPEED_M_S = 51 / 255 * 0.8
+STEP_S = 0.002
+
+
+def stalling_robot(folder: Path) -> EmulatedRobot:
+    program = folder / "stalling.py"
+    program.write_text(STALLING)
+    model = DriveModel(lag_s=1e-4, slip=0.0)
+    command = [sys.executable, program]
+    return EmulatedRobot(command, rng=np.random.default_rng(1), model=model)
+
+
+def test_a_pose_is_that_of_the_moment_it_is_asked_for_though_the_emulator_stalls(
+    tmp_path: Path,
+) -> None:
+    robot = stalling_robot(tmp_path)
+    began_s = time.monotonic()
+    robot.start()
+    behind_m = []
+    while (asked_s := time.monotonic()) < began_s + 1.0:
+        behind_m.append((asked_s - began_s) * SPEED_M_S - robot.pose().x_m)
+        time.sleep(0.01)  # a camera's period
+    robot.stop()
+    late_s = max(behind_m) / SPEED_M_S
+    assert robot.lost_s < 0.1, "the stalls of 0.2 s were made up for"
+    assert late_s < 0.02 + robot.lost_s, "a frame of that time would show it where it was before"
+    assert len(behind_m) > 10
+
+
+def test_bytes_do_not_reach_a_stalled_emulator_before_their_time(tmp_path: Path) -> None:
+    robot = stalling_robot(tmp_path)
+    began_s = time.monotonic()
+    robot.start()
+    host = os.open(robot.port, os.O_RDWR | os.O_NOCTTY)
+    time.sleep(0.4)  # in the first stall, which lasts from 0.3 to 0.5 s of the clock
+    sent_s = time.monotonic() - began_s
+    os.write(host, b"?")
+    step = int.from_bytes(os.read(host, 4), "little")
+    robot.stop()
+    os.close(host)
+    assert robot.lost_s < 0.1
+    assert step * STEP_S > sent_s - robot.lost_s - 0.01
+
+
+def test_a_simulated_robot_whose_thread_is_held_up_is_waited_for() -> None:
+    """Its thread is kept from going on; a pose that is asked for meanwhile comes afterwards."""
+    held = threading.Lock()
+    began_s = time.monotonic()
+
+    def clock() -> float:
+        if threading.current_thread().name == "simulated robot":
+            with held:
+                return time.monotonic()
+        return time.monotonic()
+
+    robot = SimulatedRobot(rng=np.random.default_rng(1), clock=clock)
+    with robot:
+        time.sleep(0.05)  # it runs
+        held.acquire()
+        time.sleep(0.1)  # and now it falls behind
+        threading.Timer(0.1, held.release).start()
+        asked_s = time.monotonic()
+        robot.pose()
+        newest_s = robot.track()[-1, 0]
+    assert newest_s > asked_s - 0.03, f"asked at {asked_s - began_s:.3f} s"
+
+
+def test_what_lies_too_far_behind_is_let_go_and_counted() -> None:
+    own = OwnTime(STEP_S)
+    own.begin(10.0)
+    own.limit(10.0 + BEHIND_MAX_S)
+    assert own.lost_s == 0.0
+    own.limit(11.0 + BEHIND_MAX_S)
+    assert abs(own.lost_s - 1.0) < 1e-9
+    assert own.next_step_s(11.0) is None
+    end_s = own.next_step_s(11.0 + STEP_S)
+    assert end_s is not None
+    own.done(end_s)
+    assert own.due_in_s(11.0 + STEP_S) > 0.0
+
+
+def test_a_robot_that_is_off_is_not_waited_for() -> None:
+    own = OwnTime(STEP_S)
+    own.begin(0.0)
+    own.end()
+    before_s = time.perf_counter()
+    own.wait_for(100.0)
+    assert time.perf_counter() - before_s < BEHIND_MAX_S
