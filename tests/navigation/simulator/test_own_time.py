@@ -15,7 +15,7 @@ from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
 from navigation.simulator.robot import SimulatedRobot
 
-STALLING = '''
+STALLING = """
 import struct, sys, time
 read, write = sys.stdin.buffer.read, sys.stdout.buffer.write
 asked = cycles = bytes_in = 0
@@ -29,7 +29,7 @@ while head := read(11):
     answer = struct.pack("<IB", asked, bytes_in) if count else b""
     write(struct.pack("<BBBIIH", 51, 51, 1, 0, cycles % 2**32, len(answer)) + answer)
     sys.stdout.buffer.flush()
-'''
+"""
 """An emulator that drives straight on and stands still for 0.2 s twice in its first second; it
 answers bytes with the number of the step in which they came."""
 SPEED_M_S = 51 / 255 * 0.8
