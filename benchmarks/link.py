@@ -19,11 +19,11 @@ import time
 from pathlib import Path
 
 from benchmarks import mavlink_upload
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame, wire_bytes
-from firmware_protocol.link import RttEstimate
-from firmware_protocol.messages import MessageType, RobotState, Status, Waypoint
-from firmware_protocol.mission import Mission
-from firmware_protocol.upload import BATCH
+from firmware_protocol.host.upload import BATCH
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame, wire_bytes
+from firmware_protocol.wire.link import RttEstimate
+from firmware_protocol.wire.messages import MessageType, RobotState, Status, Waypoint
+from firmware_protocol.wire.mission import Mission
 from navigation.simulator.emulated_processor import EmulatedProcessor
 from tests.support.avr_bench import WIRE_BYTE_S, AvrBench
 from tests.support.avr_robot import AvrRobot, missing_tools

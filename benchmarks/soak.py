@@ -20,9 +20,9 @@ from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import MissionDone
-from firmware_protocol.messages import ResetCause, RobotState
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import MissionDone
+from firmware_protocol.wire.messages import ResetCause, RobotState
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.virtual_loop import python_robot
 from tests.support.c_robot import CRobot, missing_tool

@@ -5,14 +5,14 @@
 holds the same robot in C99.
 """
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.errors import LocalError, RemoteError
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import RobotState, Status, StopReason, Waypoint, WaypointFlag
-from firmware_protocol.mission import Mission
-from firmware_protocol.robot import RobotController
-from firmware_protocol.robot_connection import Identity, RobotConnection
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.errors import LocalError, RemoteError
+from firmware_protocol.wire.messages import RobotState, Status, StopReason, Waypoint, WaypointFlag
+from firmware_protocol.wire.mission import Mission
 
 __all__ = [
     "DriveSettings",

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
-from firmware_protocol.framing import ParserCounters
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_counters import HostCounters
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import (
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.counters import HostCounters
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.framing import ParserCounters
+from firmware_protocol.wire.messages import (
     STOP_SENTENCES,
     RobotState,
     Status,

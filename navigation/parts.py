@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
-from firmware_protocol.messages import Waypoint
+from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
 from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.link_snapshot import LinkSnapshot

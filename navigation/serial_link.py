@@ -24,13 +24,13 @@ from typing import Final
 
 import serial
 
-from firmware_protocol.errors import LocalError
-from firmware_protocol.framing import MAX_WIRE
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import Event, LinkChanged
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import Lease, LeaseFlag, PoseFix, Waypoint
-from firmware_protocol.mission import Mission
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import Event, LinkChanged
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.errors import LocalError
+from firmware_protocol.wire.framing import MAX_WIRE
+from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, Waypoint
+from firmware_protocol.wire.mission import Mission
 from navigation.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.serial_port import PortError, PortNotReadyError, open_port
 from navigation.supervisor import in_words

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from firmware_protocol.framing import wire_bytes
-from firmware_protocol.messages import Status
+from firmware_protocol.wire.framing import wire_bytes
+from firmware_protocol.wire.messages import Status
 from navigation.config import Config, limits_of
 from navigation.cycle import PilotSettings
 from navigation.eye import Body, EyeSettings

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 
-from firmware_protocol.messages import Waypoint as WireWaypoint
-from firmware_protocol.messages import WaypointFlag
+from firmware_protocol.wire.messages import Waypoint as WireWaypoint
+from firmware_protocol.wire.messages import WaypointFlag
 from planner.path import Path, Trajectory, Waypoint
 
 LONGEST_DWELL_S = 25.0

@@ -16,7 +16,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from firmware_protocol.messages import STOP_SENTENCES, RobotState
+from firmware_protocol.wire.messages import STOP_SENTENCES, RobotState
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import RobotView, SimulatedRobot
 from navigation.simulator.shared_pose import PoseWriter

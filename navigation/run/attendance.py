@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-from firmware_protocol.host_state import LinkState
+from firmware_protocol.host.state import LinkState
 from navigation.machine.logs import Level, RunLog
 from navigation.machine.sd_notify import Watchdog
 

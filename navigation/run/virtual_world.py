@@ -15,8 +15,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from firmware_protocol.messages import ResetCause, StopReason, Waypoint
-from firmware_protocol.mission import Mission
+from firmware_protocol.wire.messages import ResetCause, StopReason, Waypoint
+from firmware_protocol.wire.mission import Mission
 from navigation.config import Config
 from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.link_snapshot import LinkSnapshot, snapshot_of

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware_protocol.robot import WheelSpeeds
+from firmware_protocol.robot.controller import WheelSpeeds
 
 
 class TruePose(NamedTuple):

@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware_protocol.robot import WheelSpeeds
+from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError, Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine

@@ -22,10 +22,10 @@ import numpy as np
 import serial
 from numpy.typing import NDArray
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.messages import ResetCause, RobotState, StopReason
-from firmware_protocol.robot import RobotController, WheelSpeeds
-from firmware_protocol.robot_connection import Identity, RobotConnection
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController, WheelSpeeds
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.messages import ResetCause, RobotState, StopReason
 from navigation.serial_link import PORT_FAULTS
 from navigation.serial_port import open_port
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from firmware_protocol.drive_settings import DriveSettings
+from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config import Config
 from navigation.simulator.drive_model import DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec

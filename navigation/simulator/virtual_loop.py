@@ -15,12 +15,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import Event
-from firmware_protocol.messages import ResetCause
-from firmware_protocol.robot import RobotController, WheelSpeeds
-from firmware_protocol.robot_connection import Identity, RobotConnection
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import Event
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController, WheelSpeeds
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.messages import ResetCause
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 

@@ -13,8 +13,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from firmware_protocol.clock_sync import WRAP_US
-from firmware_protocol.messages import Status
+from firmware_protocol.host.clock_sync import WRAP_US
+from firmware_protocol.wire.messages import Status
 from planner.scene import FloatArray
 
 SPEED_LAG_S: Final = 0.03

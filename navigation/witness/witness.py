@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_protocol.messages import Status
+from firmware_protocol.wire.messages import Status
 from navigation.witness.agreement import Agreement, AgreementLimits, Parting
 from navigation.witness.evidence import FREE_LATENCY_S, Evidence
 from navigation.witness.latency import Latency, LatencyEstimate

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.messages import (
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     Clear,
@@ -31,7 +31,7 @@ from firmware_protocol.messages import (
     Waypoint,
     Waypoints,
 )
-from firmware_protocol.mission import Mission
+from firmware_protocol.wire.mission import Mission
 from navigation.serial_link import SerialLink
 from tests.support.c_robot import FIRMWARE, CRobot, library, missing_tool
 from tests.support.fault_scenarios import SCENARIOS, robot_maker

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.messages import (
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     Clear,
     Lease,
@@ -22,7 +22,7 @@ from firmware_protocol.messages import (
     PoseFix,
     Start,
 )
-from firmware_protocol.wire_values import heading_from_wire
+from firmware_protocol.wire.values import heading_from_wire
 from tests.support.c_robot import FIRMWARE, missing_tool
 from tests.support.corpus import CORPUS, inputs
 from tests.support.robot_pair import Pair

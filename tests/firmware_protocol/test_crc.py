@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.crc import CHECK_VALUE, crc32c
+from firmware_protocol.wire.crc import CHECK_VALUE, crc32c
 
 
 def bit_by_bit(data: bytes) -> int:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from firmware_protocol.drive_settings import DriveSettings
+from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config import load_config
 from navigation.firmware_settings import header_of
 from tests.support.c_robot import FIRMWARE

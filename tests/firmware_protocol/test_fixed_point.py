@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_protocol.fixed_point import (
+from firmware_protocol.wire.fixed_point import (
     Place,
     angle_of,
     aside,

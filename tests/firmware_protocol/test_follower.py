@@ -6,10 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.fixed_point import Place
-from firmware_protocol.follower import Follower
-from firmware_protocol.messages import (
+from firmware_protocol.robot.controller import RobotController, WheelSpeeds
+from firmware_protocol.robot.follower import Follower
+from firmware_protocol.robot.pose_estimate import RobotPose
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.fixed_point import Place
+from firmware_protocol.wire.messages import (
     CommandResult,
     Lease,
     LeaseFlag,
@@ -20,10 +22,8 @@ from firmware_protocol.messages import (
     WaypointFlag,
     Waypoints,
 )
-from firmware_protocol.mission import Mission
-from firmware_protocol.pose_estimate import RobotPose
-from firmware_protocol.robot import RobotController, WheelSpeeds
-from firmware_protocol.waypoint_record import Target
+from firmware_protocol.wire.mission import Mission
+from firmware_protocol.wire.waypoint_record import Target
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 
 DT_S = 0.01

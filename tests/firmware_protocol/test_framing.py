@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.errors import LocalError
-from firmware_protocol.framing import (
+from firmware_protocol.wire.errors import LocalError
+from firmware_protocol.wire.framing import (
     HEADER_BYTES,
     MAX_PAYLOAD,
     MAX_WIRE,
@@ -115,7 +115,7 @@ def test_every_kind_of_fault_has_its_own_count() -> None:
 def test_a_wrong_length_byte_is_refused() -> None:
     from cobs import cobs
 
-    from firmware_protocol.crc import crc32c
+    from firmware_protocol.wire.crc import crc32c
 
     body = bytes([0x10, 0x20, 0, 0, 0, 0, 0, 5]) + b"abc"
     check = crc32c(b"H" + body).to_bytes(4, "little")

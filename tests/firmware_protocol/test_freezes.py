@@ -8,7 +8,7 @@ import random
 
 import pytest
 
-from firmware_protocol.messages import Lease, LeaseFlag, PoseFix, RobotState, Start, StopReason
+from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, RobotState, Start, StopReason
 from tests.firmware_protocol.test_c_firmware import begin_to_drive
 from tests.support.c_robot import missing_tool
 from tests.support.robot_pair import TICK_S, Pair

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.clock_sync import WRAP_US, ClockEstimate
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.freshest import ERROR_MAX_S, Freshest
-from firmware_protocol.host_events import LinkChanged, StrayHello
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import (
+from firmware_protocol.host.clock_sync import WRAP_US, ClockEstimate
+from firmware_protocol.host.events import LinkChanged, StrayHello
+from firmware_protocol.host.freshest import ERROR_MAX_S, Freshest
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     Clear,

@@ -2,9 +2,9 @@ import json
 
 import pytest
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
-from firmware_protocol.messages import read_message
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.messages import read_message
 from tests.support import protocol_vectors
 
 GOLDEN = json.loads(protocol_vectors.GOLDEN.read_text())

@@ -8,10 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from firmware_protocol.errors import LocalError
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import (
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import (
     CommandEnded,
     EstopConfirmed,
     Event,
@@ -20,8 +18,12 @@ from firmware_protocol.host_events import (
     MissionVoid,
     RobotRebooted,
 )
-from firmware_protocol.host_state import TRANSITIONS, LinkState
-from firmware_protocol.messages import (
+from firmware_protocol.host.state import TRANSITIONS, LinkState
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.errors import LocalError
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     CommandResult,
@@ -29,9 +31,7 @@ from firmware_protocol.messages import (
     RobotState,
     Waypoint,
 )
-from firmware_protocol.mission import Mission
-from firmware_protocol.robot import RobotController
-from firmware_protocol.robot_connection import Identity, RobotConnection
+from firmware_protocol.wire.mission import Mission
 
 TICK_S = 0.005
 

@@ -4,9 +4,9 @@ import random
 
 import pytest
 
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_state import LinkState
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
 from tests.support.corpus import inputs
 
 

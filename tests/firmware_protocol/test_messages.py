@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.errors import LocalError, RemoteError
-from firmware_protocol.framing import MAX_PAYLOAD, Frame, FrameParser, Sender
-from firmware_protocol.messages import (
+from firmware_protocol.wire.errors import LocalError, RemoteError
+from firmware_protocol.wire.framing import MAX_PAYLOAD, Frame, FrameParser, Sender
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     MESSAGES,
     WAYPOINTS_PER_FRAME,
@@ -21,7 +21,7 @@ from firmware_protocol.messages import (
     read_message,
     wrap_angle,
 )
-from firmware_protocol.mission import Mission, mission_seed
+from firmware_protocol.wire.mission import Mission, mission_seed
 from tests.support import protocol_vectors
 
 ANGLES = st.floats(-1000.0, 1000.0)

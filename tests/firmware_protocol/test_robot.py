@@ -6,8 +6,13 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
-from firmware_protocol.messages import (
+from firmware_protocol.robot.connection import (
+    Identity,
+    RobotConnection,
+)
+from firmware_protocol.robot.controller import QUEUE_SIZE, RobotController
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     RELIABLE,
     SCHEMA_HASH,
@@ -35,12 +40,7 @@ from firmware_protocol.messages import (
     Waypoints,
     read_message,
 )
-from firmware_protocol.mission import Mission, mission_seed
-from firmware_protocol.robot import QUEUE_SIZE, RobotController
-from firmware_protocol.robot_connection import (
-    Identity,
-    RobotConnection,
-)
+from firmware_protocol.wire.mission import Mission, mission_seed
 
 
 class Board:

@@ -3,11 +3,11 @@ from pathlib import Path
 
 import pytest
 
-from firmware_protocol.host_state import TRANSITIONS as HOST
-from firmware_protocol.host_state import LinkEvent, LinkState
-from firmware_protocol.messages import ESTOP_FRAME, STOP_SENTENCES, RobotState, StopReason
-from firmware_protocol.robot_state import TRANSITIONS as ROBOT
-from firmware_protocol.robot_state import RobotEvent
+from firmware_protocol.host.state import TRANSITIONS as HOST
+from firmware_protocol.host.state import LinkEvent, LinkState
+from firmware_protocol.robot.state import TRANSITIONS as ROBOT
+from firmware_protocol.robot.state import RobotEvent
+from firmware_protocol.wire.messages import ESTOP_FRAME, STOP_SENTENCES, RobotState, StopReason
 
 
 def test_only_start_leads_to_run() -> None:

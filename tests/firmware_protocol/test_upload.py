@@ -2,7 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from firmware_protocol.messages import (
+from firmware_protocol.host.upload import Upload
+from firmware_protocol.wire.messages import (
     CommandResult,
     RobotState,
     Status,
@@ -10,8 +11,7 @@ from firmware_protocol.messages import (
     StopReason,
     Waypoint,
 )
-from firmware_protocol.mission import Mission
-from firmware_protocol.upload import Upload
+from firmware_protocol.wire.mission import Mission
 
 WAYPOINTS = [Waypoint(0.1 * i, 0.0, 0.3) for i in range(20)]
 MISSION = Mission(7, WAYPOINTS)

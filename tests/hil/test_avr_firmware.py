@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from firmware_protocol.host_events import MissionDone, RobotRebooted
-from firmware_protocol.messages import RobotState, Waypoint
-from firmware_protocol.mission import Mission
+from firmware_protocol.host.events import MissionDone, RobotRebooted
+from firmware_protocol.wire.messages import RobotState, Waypoint
+from firmware_protocol.wire.mission import Mission
 from tests.support.avr_bench import AvrBench
 from tests.support.avr_robot import AvrRobot, missing_tools
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import serial
 
-from firmware_protocol.host import HostConnection
+from firmware_protocol.host.connection import HostConnection
 from navigation.config import load_config
 from navigation.run.world import World
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 import serial
 
-from firmware_protocol.errors import LocalError
-from firmware_protocol.host_events import MissionDone, MissionVoid
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import RobotState, Waypoint
-from firmware_protocol.mission import Mission
+from firmware_protocol.host.events import MissionDone, MissionVoid
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.errors import LocalError
+from firmware_protocol.wire.messages import RobotState, Waypoint
+from firmware_protocol.wire.mission import Mission
 from navigation.serial_link import LinkSnapshot, SerialLink
 from navigation.serial_port import PortError, PortNotReadyError, look_for_port, open_port
 from navigation.simulator.line_faults import FaultSpec

@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from firmware_protocol.framing import FrameParser, Sender
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import Event
-from firmware_protocol.messages import MessageType, RobotState
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import Event
+from firmware_protocol.wire.framing import FrameParser, Sender
+from firmware_protocol.wire.messages import MessageType, RobotState
 from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from tests.support.avr_robot import AvrRobot

@@ -10,9 +10,11 @@ from __future__ import annotations
 import subprocess
 from collections.abc import Callable
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.framing import Frame, FrameParser, Sender
-from firmware_protocol.messages import (
+from firmware_protocol.robot.connection import Identity
+from firmware_protocol.robot.controller import WheelSpeeds
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender
+from firmware_protocol.wire.messages import (
     Ack,
     HelloAck,
     ResetCause,
@@ -21,8 +23,6 @@ from firmware_protocol.messages import (
     StopReason,
     read_message,
 )
-from firmware_protocol.robot import WheelSpeeds
-from firmware_protocol.robot_connection import Identity
 from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from tests.support.avr_robot import AvrRobot
 

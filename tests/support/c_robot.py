@@ -15,11 +15,11 @@ import tempfile
 from collections import deque
 from pathlib import Path
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.framing import MAX_WIRE
-from firmware_protocol.messages import SCHEMA_HASH, RobotState, StopReason
-from firmware_protocol.robot import EIGHTHS_PER_M, WheelSpeeds
-from firmware_protocol.robot_connection import Identity
+from firmware_protocol.robot.connection import Identity
+from firmware_protocol.robot.controller import EIGHTHS_PER_M, WheelSpeeds
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.framing import MAX_WIRE
+from firmware_protocol.wire.messages import SCHEMA_HASH, RobotState, StopReason
 
 FIRMWARE = Path(__file__).parents[2] / "firmware_protocol" / "firmware"
 

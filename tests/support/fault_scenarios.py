@@ -13,11 +13,12 @@ from unittest.mock import patch
 
 import numpy as np
 
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import CommandEnded, MissionVoid, RobotRebooted
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import (
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import CommandEnded, MissionVoid, RobotRebooted
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.robot.connection import Identity
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     CommandResult,
@@ -26,7 +27,6 @@ from firmware_protocol.messages import (
     RobotState,
     StopReason,
 )
-from firmware_protocol.robot_connection import Identity
 from navigation.simulator.line_faults import FaultSpec
 from tests.support.avr_firmware import AvrFirmware
 from tests.support.fault_witness import DEAD_MAN_S, STOP_S, Witness, robot_maker
@@ -394,7 +394,7 @@ def schema_mismatch(seed: int) -> str:
     robot_maker.reset(token)
     robot: object = witness.loop.robot
     if isinstance(robot, AvrFirmware):  # its schema is compiled in: the host has the other one
-        with patch("firmware_protocol.host.SCHEMA_HASH", schema):
+        with patch("firmware_protocol.host.connection.SCHEMA_HASH", schema):
             witness.loop.run(1.0)
     else:
         witness.loop.run(1.0)

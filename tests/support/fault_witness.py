@@ -13,12 +13,12 @@ from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.host_events import MissionDone
-from firmware_protocol.messages import ResetCause, RobotState, StopReason, Waypoint
-from firmware_protocol.mission import Mission
-from firmware_protocol.robot import RobotController
-from firmware_protocol.robot_connection import Identity, RobotConnection
+from firmware_protocol.host.events import MissionDone
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.messages import ResetCause, RobotState, StopReason, Waypoint
+from firmware_protocol.wire.mission import Mission
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.virtual_loop import PacedLine, VirtualLoop, python_robot
 from tests.support.avr_firmware import TOLD_S, AvrFirmware

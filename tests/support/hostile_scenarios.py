@@ -10,10 +10,10 @@ import random
 from collections import deque
 from collections.abc import Callable
 
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.host import HostConnection
-from firmware_protocol.host_events import StrayHello
-from firmware_protocol.messages import (
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.host.events import StrayHello
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     SCHEMA_HASH,
     Hello,
     MessageType,

@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from firmware_protocol.messages import (
+from firmware_protocol.wire.messages import (
     CommandResult,
     RobotState,
     Status,

@@ -11,9 +11,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.messages import (
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     RELIABLE,
     SCHEMA_HASH,
@@ -44,7 +44,7 @@ from firmware_protocol.messages import (
     Waypoints,
     schema_text,
 )
-from firmware_protocol.mission import Mission, mission_seed
+from firmware_protocol.wire.mission import Mission, mission_seed
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "protocol.json"
 

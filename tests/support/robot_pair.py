@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from firmware_protocol.framing import Frame, FrameParser, Sender, encode_frame
-from firmware_protocol.messages import (
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.wire.messages import (
     RELIABLE,
     SCHEMA_HASH,
     Confirm,
@@ -11,8 +13,6 @@ from firmware_protocol.messages import (
     Message,
     read_message,
 )
-from firmware_protocol.robot import RobotController
-from firmware_protocol.robot_connection import Identity, RobotConnection
 from tests.support.c_robot import CRobot
 
 TICK_S = 0.000998

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import planner
-from firmware_protocol.host_state import LinkState
+from firmware_protocol.host.state import LinkState
 from navigation.config import Config, parse_config
 from navigation.cycle import PlanAnswer
 from navigation.daemon_state import DaemonState, StageTimes

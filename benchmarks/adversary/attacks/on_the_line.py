@@ -9,9 +9,9 @@ from collections.abc import Callable
 from benchmarks.adversary.attacks.attack import Act, Attack
 from benchmarks.adversary.rig import Rig
 from benchmarks.adversary.stage.line import Frames, is_permit
-from firmware_protocol.framing import Frame, Sender
-from firmware_protocol.host import HostConnection
-from firmware_protocol.messages import MessageType
+from firmware_protocol.host.connection import HostConnection
+from firmware_protocol.wire.framing import Frame, Sender
+from firmware_protocol.wire.messages import MessageType
 
 WATCH_S = 6.0
 GROWS_S_S = 0.25

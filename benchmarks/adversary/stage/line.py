@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from firmware_protocol.errors import RemoteError
-from firmware_protocol.framing import Frame, FrameParser, Sender
-from firmware_protocol.messages import Lease, LeaseFlag, Message, PoseFix, read_message
+from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender
+from firmware_protocol.wire.messages import Lease, LeaseFlag, Message, PoseFix, read_message
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 
 TURN_S = 0.002

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.robot import WheelSpeeds
+from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.serial_link import SerialLink
 from navigation.serial_port import PortError
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose

@@ -18,9 +18,9 @@ import random
 from collections import deque
 from typing import Final
 
-from firmware_protocol.errors import RemoteError
-from firmware_protocol.framing import Frame
-from firmware_protocol.messages import MessageType, Status
+from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.framing import Frame
+from firmware_protocol.wire.messages import MessageType, Status
 
 HELLO_FIRST_S: Final = 0.05
 HELLO_LAST_S: Final = 0.5

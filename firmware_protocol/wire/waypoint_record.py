@@ -8,8 +8,8 @@ from __future__ import annotations
 from struct import Struct
 from typing import Final, NamedTuple, Self
 
-from firmware_protocol.fixed_point import Place
-from firmware_protocol.wire_values import HEADING_FREE
+from firmware_protocol.wire.fixed_point import Place
+from firmware_protocol.wire.values import HEADING_FREE
 
 _LAYOUT: Final = Struct("<iihHHBB")
 

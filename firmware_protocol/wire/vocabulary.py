@@ -28,7 +28,7 @@ class MessageType(IntEnum):
 
 
 class RobotState(IntEnum):
-    """What the robot is doing; the table of changes is in ``robot_state``."""
+    """What the robot is doing; the table of changes is in ``robot.state``."""
 
     BOOT = 0
     IDLE = 1

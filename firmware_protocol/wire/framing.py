@@ -17,8 +17,8 @@ from typing import Final
 
 from cobs import cobs
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.errors import LocalError
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.errors import LocalError
 
 VERSION: Final = 1
 """Major version of the protocol, in the upper half of a frame's first byte."""

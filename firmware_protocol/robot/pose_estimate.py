@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from firmware_protocol.fixed_point import (
+from firmware_protocol.wire.fixed_point import (
     Place,
     angle_of,
     heading_of,
@@ -22,8 +22,8 @@ from firmware_protocol.fixed_point import (
     wrapped,
     wrapped_short,
 )
-from firmware_protocol.messages import PoseFix
-from firmware_protocol.wire_values import UM_PER_M, heading_to_wire
+from firmware_protocol.wire.messages import PoseFix
+from firmware_protocol.wire.values import UM_PER_M, heading_to_wire
 
 GAIN_SHIFT: Final = 2
 """A fix's difference counts a quarter."""

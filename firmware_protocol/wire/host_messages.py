@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from struct import Struct
 from typing import ClassVar, Final, Self
 
-from firmware_protocol.errors import LocalError, RemoteError
-from firmware_protocol.framing import MAX_PAYLOAD, VERSION
-from firmware_protocol.vocabulary import LeaseFlag, MessageType, WaypointFlag
-from firmware_protocol.wire_values import (
+from firmware_protocol.wire.errors import LocalError, RemoteError
+from firmware_protocol.wire.framing import MAX_PAYLOAD, VERSION
+from firmware_protocol.wire.values import (
     NO_POSE_MS,
     UM_PER_M,
     clamped,
@@ -20,6 +19,7 @@ from firmware_protocol.wire_values import (
     to_um,
     unpack_exactly,
 )
+from firmware_protocol.wire.vocabulary import LeaseFlag, MessageType, WaypointFlag
 
 MINOR_VERSION: Final = 0
 WAYPOINT_BYTES: Final = 16

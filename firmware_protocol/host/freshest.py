@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from firmware_protocol.clock_sync import ClockEstimate
-from firmware_protocol.messages import Lease, LeaseFlag, PoseFix
+from firmware_protocol.host.clock_sync import ClockEstimate
+from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix
 
 ERROR_MAX_S: Final = 0.05
 """At 0.5 m/s a pose dated wrong by so much is 25 mm off; leases get shorter by as much."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from firmware_protocol.clock_sync import WRAP_US
-from firmware_protocol.messages import TimeSync
+from firmware_protocol.host.clock_sync import WRAP_US
+from firmware_protocol.wire.messages import TimeSync
 
 FAST_S: Final = 0.1
 SLOW_S: Final = 1.0

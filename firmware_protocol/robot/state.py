@@ -9,7 +9,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Final
 
-from firmware_protocol.messages import RobotState
+from firmware_protocol.wire.messages import RobotState
 
 
 class RobotEvent(Enum):

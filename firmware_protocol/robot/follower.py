@@ -20,8 +20,9 @@ from enum import Enum, IntEnum
 from functools import lru_cache
 from typing import Final, NamedTuple
 
-from firmware_protocol.drive_settings import DriveConstants, DriveSettings
-from firmware_protocol.fixed_point import (
+from firmware_protocol.robot.pose_estimate import RobotPose
+from firmware_protocol.wire.drive_settings import DriveConstants, DriveSettings
+from firmware_protocol.wire.fixed_point import (
     HALF_TURN,
     Place,
     angle_of,
@@ -35,8 +36,7 @@ from firmware_protocol.fixed_point import (
     sine,
     turned,
 )
-from firmware_protocol.pose_estimate import RobotPose
-from firmware_protocol.waypoint_record import HEADING_FREE, Target
+from firmware_protocol.wire.waypoint_record import HEADING_FREE, Target
 
 
 def length(micrometres: int) -> int:

@@ -11,8 +11,9 @@ import math
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_protocol.host_events import CommandEnded
-from firmware_protocol.messages import (
+from firmware_protocol.host.events import CommandEnded
+from firmware_protocol.host.upload import Upload
+from firmware_protocol.wire.messages import (
     Clear,
     CommandResult,
     MessageType,
@@ -22,7 +23,6 @@ from firmware_protocol.messages import (
     Start,
     Status,
 )
-from firmware_protocol.upload import Upload
 
 RETRY_S: Final = 0.5
 """A command that was acknowledged but not answered in STATUS is given again after this."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from firmware_protocol.framing import VERSION, ParserCounters
+from firmware_protocol.wire.framing import VERSION, ParserCounters
 
 TAKEN_OVER: Final = "another host has taken the robot over"
 

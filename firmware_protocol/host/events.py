@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from firmware_protocol.host_state import LinkState
-from firmware_protocol.messages import CommandResult, MessageType, ResetCause, Status
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.messages import CommandResult, MessageType, ResetCause, Status
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,12 +6,12 @@ monotonic clock.
 
 from __future__ import annotations
 
-from firmware_protocol.clock_sync import ClockEstimate
-from firmware_protocol.framing import wire_bytes
-from firmware_protocol.freshest import ERROR_MAX_S
-from firmware_protocol.line_pace import LinePace
-from firmware_protocol.messages import Status, TimeSync, TimeSyncReply
-from firmware_protocol.sync_schedule import SyncSchedule
+from firmware_protocol.host.clock_sync import ClockEstimate
+from firmware_protocol.host.freshest import ERROR_MAX_S
+from firmware_protocol.host.line_pace import LinePace
+from firmware_protocol.host.sync_schedule import SyncSchedule
+from firmware_protocol.wire.framing import wire_bytes
+from firmware_protocol.wire.messages import Status, TimeSync, TimeSyncReply
 
 
 class RobotClock:

@@ -14,9 +14,10 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.errors import RemoteError
-from firmware_protocol.framing import (
+from firmware_protocol.robot.controller import QUEUE_SIZE, RobotController
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.framing import (
     MAX_PAYLOAD,
     VERSION,
     Frame,
@@ -24,8 +25,8 @@ from firmware_protocol.framing import (
     Sender,
     encode_frame,
 )
-from firmware_protocol.link import NAK_INTERVAL_S, Arrival, ReceiveSequence
-from firmware_protocol.messages import (
+from firmware_protocol.wire.link import NAK_INTERVAL_S, Arrival, ReceiveSequence
+from firmware_protocol.wire.messages import (
     MINOR_VERSION,
     RELIABLE,
     SCHEMA_HASH,
@@ -51,7 +52,6 @@ from firmware_protocol.messages import (
     Waypoints,
     read_message,
 )
-from firmware_protocol.robot import QUEUE_SIZE, RobotController
 
 RX_WINDOW: Final = 248
 """Two full frames of waypoints, and less than a receive ring of 256 bytes."""

@@ -1,6 +1,6 @@
 """The robot's decisions: queue, states, lease, emergency stop and the follower; sans-IO.
 
-``RobotController`` knows no bytes: ``robot_connection`` feeds it with messages and reports
+``RobotController`` knows no bytes: ``robot.connection`` feeds it with messages and reports
 its state. Time is the robot's own clock in seconds, passed in; distances are metres, as the
 wheel encoders measure them. Inside are whole numbers, the same as in ``firmware/robot.c``:
 microseconds, micrometres, eighths of mm/s. Memory is bounded: QUEUE_SIZE waypoints of 16 bytes.
@@ -12,11 +12,13 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.drive_settings import DriveSettings
-from firmware_protocol.fixed_point import clip, scale, wrapped
-from firmware_protocol.follower import Follower, Trouble
-from firmware_protocol.messages import (
+from firmware_protocol.robot.follower import Follower, Trouble
+from firmware_protocol.robot.pose_estimate import PoseEstimate
+from firmware_protocol.robot.state import TRANSITIONS, RobotEvent
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.fixed_point import clip, scale, wrapped
+from firmware_protocol.wire.messages import (
     CommandResult,
     Lease,
     LeaseFlag,
@@ -27,10 +29,8 @@ from firmware_protocol.messages import (
     WaypointFlag,
     Waypoints,
 )
-from firmware_protocol.mission import mission_seed
-from firmware_protocol.pose_estimate import PoseEstimate
-from firmware_protocol.robot_state import TRANSITIONS, RobotEvent
-from firmware_protocol.waypoint_record import Target
+from firmware_protocol.wire.mission import mission_seed
+from firmware_protocol.wire.waypoint_record import Target
 
 QUEUE_SIZE: Final = 32
 LEASE_MAX_US: Final = 500_000

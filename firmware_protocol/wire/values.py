@@ -10,7 +10,7 @@ from enum import IntEnum
 from struct import Struct
 from typing import Final, TypeVar
 
-from firmware_protocol.errors import LocalError, RemoteError
+from firmware_protocol.wire.errors import LocalError, RemoteError
 
 UM_PER_M: Final = 1_000_000
 HEADING_FREE: Final = -32768

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.errors import LocalError
-from firmware_protocol.messages import Waypoint, WaypointFlag
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.errors import LocalError
+from firmware_protocol.wire.messages import Waypoint, WaypointFlag
 
 MAX_WAYPOINTS = 0xFFFF_FFF0
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from firmware_protocol.messages import Status, StatusFlag, Waypoints
-from firmware_protocol.mission import Mission
+from firmware_protocol.wire.messages import Status, StatusFlag, Waypoints
+from firmware_protocol.wire.mission import Mission
 
 BATCH: Final = 5
 """Waypoints a frame. Six would fit, bring 4 % more waypoints a second, and cost every frame

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from typing import Final, TypeAlias
 
-from firmware_protocol.crc import crc32c
-from firmware_protocol.errors import RemoteError
-from firmware_protocol.framing import Frame, Sender, encode_frame
-from firmware_protocol.host_messages import (
+from firmware_protocol.wire.crc import crc32c
+from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.framing import Frame, Sender, encode_frame
+from firmware_protocol.wire.host_messages import (
     MINOR_VERSION,
     WAYPOINT_BYTES,
     WAYPOINTS_PER_FRAME,
@@ -29,7 +29,7 @@ from firmware_protocol.host_messages import (
     Waypoint,
     Waypoints,
 )
-from firmware_protocol.robot_messages import (
+from firmware_protocol.wire.robot_messages import (
     Ack,
     Challenge,
     HelloAck,
@@ -37,7 +37,8 @@ from firmware_protocol.robot_messages import (
     Status,
     TimeSyncReply,
 )
-from firmware_protocol.vocabulary import (
+from firmware_protocol.wire.values import known, wrap_angle
+from firmware_protocol.wire.vocabulary import (
     STOP_SENTENCES,
     CommandResult,
     LeaseFlag,
@@ -48,7 +49,6 @@ from firmware_protocol.vocabulary import (
     StopReason,
     WaypointFlag,
 )
-from firmware_protocol.wire_values import known, wrap_angle
 
 Message: TypeAlias = (
     Hello

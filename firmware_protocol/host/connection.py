@@ -16,18 +16,10 @@ import random
 from collections import deque
 from typing import Final
 
-from firmware_protocol.clock_sync import ClockEstimate
-from firmware_protocol.commands import Commands
-from firmware_protocol.errors import LocalError, RemoteError
-from firmware_protocol.framing import (
-    Frame,
-    FrameParser,
-    Sender,
-    encode_frame,
-)
-from firmware_protocol.freshest import Freshest, lease_of
-from firmware_protocol.host_counters import HostCounters
-from firmware_protocol.host_events import (
+from firmware_protocol.host.clock_sync import ClockEstimate
+from firmware_protocol.host.commands import Commands
+from firmware_protocol.host.counters import HostCounters
+from firmware_protocol.host.events import (
     EstopConfirmed,
     Event,
     LinkChanged,
@@ -38,12 +30,22 @@ from firmware_protocol.host_events import (
     StatusReceived,
     StrayHello,
 )
-from firmware_protocol.host_sessions import HostSessions
-from firmware_protocol.host_state import TRANSITIONS, LinkEvent, LinkState
-from firmware_protocol.line_diagnosis import TAKEN_OVER, why_refused, why_silent
-from firmware_protocol.line_pace import LinePace
-from firmware_protocol.link import RttEstimate, SendWindow
-from firmware_protocol.messages import (
+from firmware_protocol.host.freshest import Freshest, lease_of
+from firmware_protocol.host.line_diagnosis import TAKEN_OVER, why_refused, why_silent
+from firmware_protocol.host.line_pace import LinePace
+from firmware_protocol.host.robot_clock import RobotClock
+from firmware_protocol.host.sessions import HostSessions
+from firmware_protocol.host.state import TRANSITIONS, LinkEvent, LinkState
+from firmware_protocol.host.upload import Upload
+from firmware_protocol.wire.errors import LocalError, RemoteError
+from firmware_protocol.wire.framing import (
+    Frame,
+    FrameParser,
+    Sender,
+    encode_frame,
+)
+from firmware_protocol.wire.link import RttEstimate, SendWindow
+from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
     SCHEMA_HASH,
     Ack,
@@ -59,9 +61,7 @@ from firmware_protocol.messages import (
     TimeSyncReply,
     read_message,
 )
-from firmware_protocol.mission import Mission
-from firmware_protocol.robot_clock import RobotClock
-from firmware_protocol.upload import Upload
+from firmware_protocol.wire.mission import Mission
 
 SILENCE_S: Final = 0.5
 """The link is lost after so long without a frame of the session."""

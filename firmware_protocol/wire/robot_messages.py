@@ -7,16 +7,8 @@ from dataclasses import astuple, dataclass
 from struct import Struct
 from typing import ClassVar, Self
 
-from firmware_protocol.errors import RemoteError
-from firmware_protocol.vocabulary import (
-    CommandResult,
-    MessageType,
-    ResetCause,
-    RobotState,
-    StatusFlag,
-    StopReason,
-)
-from firmware_protocol.wire_values import (
+from firmware_protocol.wire.errors import RemoteError
+from firmware_protocol.wire.values import (
     NO_POSE_MS,
     UM_PER_M,
     clamped,
@@ -25,6 +17,14 @@ from firmware_protocol.wire_values import (
     known,
     saturated,
     unpack_exactly,
+)
+from firmware_protocol.wire.vocabulary import (
+    CommandResult,
+    MessageType,
+    ResetCause,
+    RobotState,
+    StatusFlag,
+    StopReason,
 )
 
 

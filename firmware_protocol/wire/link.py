@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final
 
-from firmware_protocol.framing import wire_bytes
+from firmware_protocol.wire.framing import wire_bytes
 
 SEQUENCE_MODULUS: Final = 256
 RTO_MIN_S: Final = 0.025
