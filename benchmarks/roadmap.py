@@ -29,8 +29,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import planner
-from planner import distance_kernels
-from planner.grid_maps import grid_scene
+from planner.borders import distance_kernels
+from planner.formats.grid_maps import grid_scene
 from planner.path import Path as PlannedPath
 from planner.scene import Bounds, FloatArray, Scene, SceneObject
 from tests.support.mazes import noise, plate

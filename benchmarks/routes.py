@@ -31,13 +31,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import planner
-from planner import shortest, tangent_kernels, tour
-from planner.generators import JOINT
-from planner.grid_maps import grid_scene
+from planner.borders.generators import JOINT
+from planner.formats.grid_maps import grid_scene
+from planner.motion.smooth import smooth_path
+from planner.motion.trajectory import default_limits, time_path
 from planner.scene import Bounds, CircleRecord, FloatArray, Record, Scene
-from planner.shortest import shortest_way
-from planner.smooth import smooth_path
-from planner.trajectory import default_limits, time_path
+from planner.search import shortest, tangent_kernels, tour
+from planner.search.shortest import shortest_way
 from tests.support.mazes import maze
 from tests.support.planner_scenes import polygon, random_scene, scene_of, slow_distance, slow_inside
 from tests.support.visibility_oracle import shortest_length

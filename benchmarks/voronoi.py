@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import planner
-from planner.voronoi_diagram import voronoi_arrays
+from planner.delaunay.voronoi_diagram import voronoi_arrays
 
 Sites = NDArray[np.float64]
 Method = Callable[[Sites], object]
@@ -233,7 +233,7 @@ def main() -> None:
     sizes = [10**k for k in range(2, 7) if 10**k <= options.most]
     missing: dict[str, str] = {}
     methods: dict[str, Method] = {
-        "**planner.voronoi_diagram.voronoi_arrays, arrays**": voronoi_arrays,
+        "**planner.delaunay.voronoi_diagram.voronoi_arrays, arrays**": voronoi_arrays,
         "**planner.voronoi, half-edges**": planner.voronoi,
         **native_methods(missing),
         **python_methods(missing),

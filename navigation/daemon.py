@@ -49,7 +49,7 @@ from navigation.track import Track
 from navigation.trust import Level
 from navigation.witness import NO_EVIDENCE, Witness
 from planner.path import NoPath
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera import Frame
 from vision.latest_frame import CameraStatus

@@ -15,7 +15,7 @@ from navigation.trust import Level
 from navigation.watch import Verdict
 from navigation.witness import NO_EVIDENCE, Evidence
 from planner.path import Path, Trajectory
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from vision.camera import Frame
 from vision.markers import RobotPose
 

@@ -21,11 +21,11 @@ from navigation.mission import Station
 from navigation.supervisor import in_words
 from navigation.targets import targets_of
 from navigation.traffic import Disc
+from planner.motion.smooth import SmoothError, smooth_path
+from planner.motion.trajectory import TrajectoryError
 from planner.path import Limits, NoPath, Path
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, Scene, SceneObject, Vec
-from planner.smooth import SmoothError, smooth_path
-from planner.trajectory import TrajectoryError
 
 LONGEST_WAIT_S = 0.25
 """A planner without work turns as often, so that one that hangs can be told from it."""

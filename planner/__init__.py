@@ -10,16 +10,16 @@ from importlib import import_module
 from pathlib import Path as _FilePath
 from typing import TYPE_CHECKING, Any
 
-from planner.kernel_cache import choose_kernel_cache
+from planner.shared.kernel_cache import choose_kernel_cache
 
 if TYPE_CHECKING:
-    from planner.half_edges import HalfEdges
+    from planner.delaunay.half_edges import HalfEdges
+    from planner.delaunay.voronoi_diagram import voronoi
+    from planner.formats.scene_io import load_scene, read_scene_text, write_scene_text
+    from planner.motion.trajectory import time_path
     from planner.path import Bottleneck, Limits, NoPath, Path, Trajectory, Waypoint
-    from planner.roadmap import Roadmap, build_roadmap
+    from planner.roadmap.roadmap import Roadmap, build_roadmap
     from planner.scene import Scene, SceneError
-    from planner.scene_io import load_scene, read_scene_text, write_scene_text
-    from planner.trajectory import time_path
-    from planner.voronoi_diagram import voronoi
 
 __all__ = [
     "Bottleneck",
@@ -44,21 +44,21 @@ choose_kernel_cache(_FilePath(__file__).parent)
 
 _HOME = {
     "Bottleneck": "planner.path",
-    "HalfEdges": "planner.half_edges",
+    "HalfEdges": "planner.delaunay.half_edges",
     "Limits": "planner.path",
     "NoPath": "planner.path",
     "Path": "planner.path",
-    "Roadmap": "planner.roadmap",
+    "Roadmap": "planner.roadmap.roadmap",
     "Scene": "planner.scene",
     "SceneError": "planner.scene",
     "Trajectory": "planner.path",
     "Waypoint": "planner.path",
-    "build_roadmap": "planner.roadmap",
-    "load_scene": "planner.scene_io",
-    "read_scene_text": "planner.scene_io",
-    "time_path": "planner.trajectory",
-    "voronoi": "planner.voronoi_diagram",
-    "write_scene_text": "planner.scene_io",
+    "build_roadmap": "planner.roadmap.roadmap",
+    "load_scene": "planner.formats.scene_io",
+    "read_scene_text": "planner.formats.scene_io",
+    "time_path": "planner.motion.trajectory",
+    "voronoi": "planner.delaunay.voronoi_diagram",
+    "write_scene_text": "planner.formats.scene_io",
 }
 
 

@@ -12,8 +12,8 @@ import planner
 import vision
 from benchmarks.paper import canvas, diagrams, inputs
 from navigation.draw.shapes import OBSTACLE, OBSTACLE_EDGE, Area
-from planner.generators import gather_borders, place_generators
-from planner.roadmap import Roadmap
+from planner.borders.generators import gather_borders, place_generators
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, CircleRecord, PolygonRecord, Scene, Segment
 from vision.binarise import binarise
 from vision.contours import laplacian_border

@@ -35,8 +35,8 @@ from navigation.draw.shapes import (
     ramp_colour,
 )
 from navigation.draw.svg import to_svg
+from planner.delaunay.voronoi_diagram import DiagramArrays
 from planner.scene import Bounds, PointRecord, PolygonRecord, Scene
-from planner.voronoi_diagram import DiagramArrays
 
 Points = NDArray[np.float64]
 

@@ -36,7 +36,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.1, eq. 1",
             "The diagram of non-collinear points; V(P) is the union of all regions",
-            "planner/voronoi_diagram.py::voronoi",
+            "planner/delaunay/voronoi_diagram.py::voronoi",
             f"{VORONOI}::test_diagram_is_what_the_definition_says",
             "As written V(P) is the whole plane: the regions' borders are meant. Collinear,"
             " coincident and cocircular sites are left out, and pixels are just that",
@@ -45,7 +45,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.2, eq. 2-5",
             "Distance to a line, an arc, an area; L_i and L_j meet nowhere",
-            "planner/distance_kernels.py::distance",
+            "planner/borders/distance_kernels.py::distance",
             "tests/planner/test_distance.py::test_nearest_border_is_as_far_as_numpy_says",
             "Section 2.2.1 says the intersection is *not* empty: a misprint. An area may have no"
             " hole (Euler number 1)",
@@ -54,7 +54,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.3",
             "Insertion: walk the bisectors around the new site, remove what they enclose",
-            "planner/diagram_kernels.py::diagram",
+            "planner/delaunay/diagram_kernels.py::diagram",
             f"{PAPER}::test_the_papers_walk_gives_the_region_that_the_kernel_gives",
             f"{'Confirmed' if m.walk_agrees else 'Refuted'}: both give one region. The walk"
             " alone does not say what to do at ties, or where the region is unbounded",
@@ -63,7 +63,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.3, 5",
             "Stable against numerical errors",
-            "planner/diagram_kernels.py::certify",
+            "planner/delaunay/diagram_kernels.py::certify",
             f"{VORONOI}::test_lying_arithmetic_cannot_break_the_topology",
             "Confirmed for the topology: even arithmetic that lies gives a valid graph. But a"
             " valid graph may be the wrong one",
@@ -72,7 +72,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.3.1",
             "Arcs and lines as points every delta; the edges that cross an object are invalid",
-            "planner/agvd.py::omit_invalid",
+            "planner/diagram/agvd.py::omit_invalid",
             f"{ROADMAP}::test_paper_mode_omits_edges_within_one_object",
             '"Only edges of adjacent objects remain" also drops every edge into a U or into a'
             f" room of one wall: {_share_missed(m)} of pairs with a path are then not planned",
@@ -177,7 +177,7 @@ def _circles_and_records(m: Measured) -> list[Claim]:
         Claim(
             "3.3",
             "The records P, S, C, A, L",
-            "planner/scene_text.py::read_scene_text",
+            "planner/formats/scene_text.py::read_scene_text",
             "tests/planner/test_scene_io.py::test_the_papers_five_records_are_read",
             "An L whose edges are arcs cannot be rebuilt from its vertices, as section 3.2"
             " promises: the format has no place for centre and radius",
@@ -208,7 +208,7 @@ def _costs(m: Measured) -> list[Claim]:
         Claim(
             "3.3, 5",
             "O(n), average, for the full and for the reduced pixels",
-            "planner/voronoi_diagram.py::voronoi_arrays",
+            "planner/delaunay/voronoi_diagram.py::voronoi_arrays",
             f"{PAPER}::test_the_papers_table_is_not_linear_and_its_38_percent_is_a_ratio_of_slopes",
             f"Table 1 itself grows as n^{full.exponent:.2f} (full) and n^{reduced.exponent:.2f}"
             " (reduced): nearly quadratic, so its straight lines do not pass through zero",
@@ -246,7 +246,7 @@ def _robot(m: Measured) -> list[Claim]:
         Claim(
             "4",
             "delta < 2 r is the threshold for a robot of radius r",
-            "planner/generators.py::choose_spacing",
+            "planner/borders/generators.py::choose_spacing",
             f"{PAPER}::test_sampled_clearance_is_unsafe_and_exact_clearance_is_not",
             "It keeps the robot's centre from passing between two generators, no more: a place"
             " r from all generators may be sqrt(r^2 - delta^2 / 4) from the wall. Least true"
@@ -257,7 +257,7 @@ def _robot(m: Measured) -> list[Claim]:
         Claim(
             "4",
             "In a closed workspace the AGVD is connected and reaches all of C_free",
-            "planner/roadmap.py::build_roadmap",
+            "planner/roadmap/roadmap.py::build_roadmap",
             f"{COMPLETE}::test_path_is_found_exactly_when_one_exists_in_random",
             f"Not so with whole objects as owners: {paper.joined - paper.planned} of"
             f" {paper.joined} pairs that a grid joins are not planned",
@@ -267,7 +267,7 @@ def _robot(m: Measured) -> list[Claim]:
         Claim(
             "4",
             "Omitted edges would lead to collisions; the rest is collision-free",
-            "planner/roadmap.py::Roadmap",
+            "planner/roadmap/roadmap.py::Roadmap",
             f"{ROADMAP}::test_graph_keeps_the_radius_and_its_clearances_are_exact",
             "Valid edges can still be too narrow for the robot",
             "the graph holds only what keeps the radius, by exact distance",
@@ -275,7 +275,7 @@ def _robot(m: Measured) -> list[Claim]:
         Claim(
             "4",
             "The roadmap as a graph; start and goal leave and join it; shortest path",
-            "planner/route.py::plan_request",
+            "planner/route/route.py::plan_request",
             "tests/planner/test_route.py::test_start_attaches_inside_an_edge_without_a_detour",
             "How to join is not told",
             "by retraction, inside an edge; widest, shortest or between; why not, where not",

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 import planner
 from benchmarks.paper import canvas, inputs
-from planner.agvd import Agvd
-from planner.roadmap import Roadmap
+from planner.diagram.agvd import Agvd
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
 
 SPACING = 14.0

@@ -19,9 +19,9 @@ from scipy.spatial import cKDTree
 import planner
 from benchmarks.paper import canvas, charts
 from benchmarks.paper.weaknesses import MODES, Mode
-from planner import distance_kernels
+from planner.borders import distance_kernels
 from planner.path import Path
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 import planner
 from benchmarks.paper import canvas, inputs
 from navigation.draw.shapes import FAINT_INK, FLOOR, PATH, Area, Strokes
-from planner.half_edges import HalfEdges
-from planner.voronoi_diagram import voronoi_arrays
+from planner.delaunay.half_edges import HalfEdges
+from planner.delaunay.voronoi_diagram import voronoi_arrays
 
 Points = NDArray[np.float64]
 NEW = (118, 42, 190)

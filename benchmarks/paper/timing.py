@@ -23,10 +23,10 @@ import vision
 from benchmarks.paper import canvas, charts, inputs
 from benchmarks.paper.charts import Fit, fit
 from navigation.draw.shapes import Colour
-from planner.agvd import diagram, omit_invalid
-from planner.generators import gather_borders, place_generators
+from planner.borders.generators import gather_borders, place_generators
+from planner.delaunay.voronoi_diagram import voronoi_arrays
+from planner.diagram.agvd import diagram, omit_invalid
 from planner.scene import Bounds, Primitives, Scene
-from planner.voronoi_diagram import voronoi_arrays
 from vision.binarise import binarise
 from vision.contours import follow_borders
 from vision.corners import find_corners

@@ -66,7 +66,7 @@ def command(
 
     import vision
     from navigation.cli.sources import decode_picture
-    from planner.map_files import read_bytes
+    from planner.formats.map_files import read_bytes
 
     begin_s = time.perf_counter()
     picture, remarks = decode_picture(read_bytes(image), image)
@@ -102,7 +102,7 @@ def _as_json(scene: Scene) -> str:
 
 
 def _as_text(scene: Scene) -> str:
-    from planner.scene_io import write_scene_text
+    from planner.formats.scene_io import write_scene_text
 
     return write_scene_text(scene)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from navigation.cli.plan_answer import PlanAnswer
     from planner.path import NoPath
     from planner.path import Path as PlannedPath
-    from planner.roadmap import Roadmap
+    from planner.roadmap.roadmap import Roadmap
     from planner.scene import Scene
 
 NO_PATH = 3
@@ -139,7 +139,7 @@ def timed_roadmap(
     scene: Scene, radius: float, spacing: float | None
 ) -> tuple[Roadmap, dict[str, float]]:
     """The roadmap, and the milliseconds that every stage took."""
-    from planner.roadmap import build_roadmap
+    from planner.roadmap.roadmap import build_roadmap
 
     timings_ms = dict(scene.timings_ms)
     last_s = time.perf_counter()
@@ -164,9 +164,9 @@ def _smoothed(
     Who prefers clearance loses none of the path's least clearance by it; who prefers length
     keeps what is needed only.
     """
+    from planner.motion.smooth import smooth_path
     from planner.path import NoPath
-    from planner.request import PREFERENCES
-    from planner.smooth import smooth_path
+    from planner.route.plan_request import PREFERENCES
 
     if isinstance(path, NoPath):
         return path
@@ -183,8 +183,8 @@ def _answer(
     begin_s: float,
 ) -> PlanAnswer:
     from navigation.cli.plan_answer import PlanAnswer
+    from planner.motion.trajectory import default_limits, time_path
     from planner.path import NoPath
-    from planner.trajectory import default_limits, time_path
 
     trajectory = None
     if not isinstance(path, NoPath):

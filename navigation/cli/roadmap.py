@@ -65,7 +65,7 @@ def command(
 
     from navigation.cli.plan import timed_roadmap
     from navigation.cli.sources import load_source
-    from planner import exchange
+    from planner.roadmap import roadmap_export
 
     with long_work("looking for obstacles"):
         scene = load_source(source, polarity)
@@ -74,14 +74,14 @@ def command(
         roadmap, _ = timed_roadmap(scene, radius, spacing)
     match output.suffix.lower():
         case ".graphml":
-            text = exchange.to_graphml(roadmap)
+            text = roadmap_export.to_graphml(roadmap)
         case ".geojson":
-            text = exchange.to_geojson(roadmap, frame)
+            text = roadmap_export.to_geojson(roadmap, frame)
         case _:
-            text = exchange.to_node_link(roadmap)
+            text = roadmap_export.to_node_link(roadmap)
     write_text(output, text)
     if map_file is not None:
-        from planner.map_writer import write_map
+        from planner.formats.map_writer import write_map
 
         write_map(scene, map_file, resolution)
     if render is not None:

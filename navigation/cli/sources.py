@@ -16,9 +16,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.map_files import Shades, read_bytes
+from planner.formats.map_files import Shades, read_bytes
+from planner.formats.scene_io import is_picture, load_scene
 from planner.scene import Bounds, Scene, SceneError
-from planner.scene_io import is_picture, load_scene
 
 Polarity = Literal["dark", "light", "auto"]
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from navigation.dashboard.packed import pack
 from navigation.draw.layers import chain_points
-from planner.graph import without_spurs
 from planner.path import Path
-from planner.roadmap import Roadmap
+from planner.roadmap.graph import without_spurs
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, FloatArray, PolygonRecord, Scene
 
 

@@ -32,7 +32,7 @@ from navigation.dashboard.shown import Shown
 from navigation.dashboard.state_message import greeting, no_path_facts, state_message
 from navigation.mission import Station
 from planner.path import NoPath, Path
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
 from vision.camera import Frame
 from vision.markers import RobotPose

@@ -36,8 +36,8 @@ from navigation.draw.shapes import (
     Strokes,
     ramp_colour,
 )
+from planner.borders.polyline import arc_lengths, points_at
 from planner.path import NoPath, Path, Trajectory
-from planner.polyline import arc_lengths, points_at
 from planner.scene import (
     Arc,
     Bounds,
@@ -51,7 +51,7 @@ from planner.scene import (
 )
 
 if TYPE_CHECKING:
-    from planner.roadmap import Roadmap
+    from planner.roadmap.roadmap import Roadmap
 
 ARC_STEP_RAD = math.radians(3.0)
 FLATNESS_PX = 0.2
@@ -216,7 +216,7 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
     span = content.clearance_span()
     if content.roadmap is None or span is None:
         return
-    from planner.chain_lines import edge_curve
+    from planner.diagram.chain_lines import edge_curve
 
     borders = content.roadmap.borders
     curves = [

@@ -28,8 +28,8 @@ from navigation.draw.shapes import (
     Strokes,
     ramp_colour,
 )
+from planner.borders.polyline import arc_lengths
 from planner.path import NoPath
-from planner.polyline import arc_lengths
 from planner.scene import FloatArray
 
 LEGEND_WIDTH = 236

@@ -26,7 +26,7 @@ from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray, Scene
 
 if TYPE_CHECKING:
-    from planner.roadmap import Roadmap
+    from planner.roadmap.roadmap import Roadmap
 
 PLOT_WIDTH, PLOT_HEIGHT = 1000, 760
 """Pixels that the scene may take."""

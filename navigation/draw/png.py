@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
-from planner.polyline import arc_lengths, points_at
+from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
 Canvas: TypeAlias = NDArray[Any]

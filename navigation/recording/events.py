@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from navigation.cycle import PlanAnswer, PlanRequest
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
 from vision.camera import Frame
 from vision.markers import RobotPose

@@ -31,7 +31,7 @@ from foxglove.messages import (
 from navigation.draw.shapes import OBSTACLE_EDGE, PATH, Colour, ramp_colour
 from navigation.recording.border_points import border_polylines
 from navigation.recording.events import Level
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
 from vision.camera import Frame
 from vision.markers import RobotPose

@@ -1,7 +1,7 @@
 """The JSON messages of a recording: what `clearway replay` needs, without loss.
 
 Every message is one object; floats are written so that they read back the same. The scene is
-the text of `planner.scene_text`, the calibration that of `vision.calibration_file`.
+the text of `planner.formats.scene_text`, the calibration that of `vision.calibration_file`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from navigation.config import Config
 from navigation.config.secrets import hide_in
 from navigation.cycle import PlanRequest
 from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
+from planner.formats.scene_text import write_scene_text
 from planner.path import NoPath
-from planner.scene_text import write_scene_text
 from vision.sources import without_password
 
 SCHEMA: Final = "clearway.recording/1"

@@ -23,8 +23,8 @@ from navigation.config import Config
 from navigation.cycle import PlanRequest
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
+from planner.formats.scene_text import read_scene_text
 from planner.scene import Scene, SceneError
-from planner.scene_text import read_scene_text
 from vision.calibration import Calibration
 from vision.calibration_file import parse_calibration
 from vision.camera import Image

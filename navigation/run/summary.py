@@ -30,7 +30,7 @@ from navigation.run.report import (
 from navigation.stages import stations_of
 from navigation.track import driven_pieces, with_breaks
 from navigation.whole_file import UnwrittenFileError
-from planner.polyline import arc_lengths, points_at
+from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
 REACH_SHARE, REACH_M = 1.1, 0.02

@@ -29,6 +29,7 @@ from navigation.machine.child import start_child
 from navigation.mission import Station
 from navigation.planning import ArenaPlanner, PlanSettings
 from navigation.traffic import Disc
+from planner.motion.trajectory import default_limits
 from planner.path import NoPath
 from planner.scene import (
     Arc,
@@ -39,7 +40,6 @@ from planner.scene import (
     SceneObject,
     Segment,
 )
-from planner.trajectory import default_limits
 from vision.binarise import warm_up as warm_up_binarisation
 from vision.calibration import Calibration
 from vision.camera import Frame, Image

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from navigation.config import Config
+from planner.formats.scene_io import load_scene, read_scene_text
 from planner.scene import (
     Arc,
     Bounds,
@@ -30,7 +31,6 @@ from planner.scene import (
     object_records,
     record_edges,
 )
-from planner.scene_io import load_scene, read_scene_text
 
 BoolArray: TypeAlias = NDArray[np.bool_]
 

@@ -17,8 +17,8 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.simulation import SimulatedObstacleSection, SimulatedTrackSection
 from navigation.simulator.arena import SimulatedArena
+from planner.formats.scene_io import read_scene_text
 from planner.scene import FloatArray, SceneError, SceneObject, Vec
-from planner.scene_io import read_scene_text
 
 TURN_RATE_RAD_S = 2.0
 """How fast another robot turns on the spot."""

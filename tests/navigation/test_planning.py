@@ -13,11 +13,11 @@ from navigation.mission import Station
 from navigation.pilot import distance_to_polyline
 from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.traffic import Disc
+from planner.borders.polyline import arc_lengths, points_at
+from planner.motion.smooth import SmoothError
+from planner.motion.trajectory import default_limits
 from planner.path import NoPath, Path
-from planner.polyline import arc_lengths, points_at
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject, SegmentRecord
-from planner.smooth import SmoothError
-from planner.trajectory import default_limits
 from tests.support.bends import bends_of
 from tests.support.waiting import wait_until
 

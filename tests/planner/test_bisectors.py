@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 import planner
-from planner import bisector_kernels, chain_kernels, distance_kernels, mesh, mesh_kernels
-from planner.chain_kernels import BULGE
-from planner.generators import Borders, gather_borders, place_generators
-from planner.roadmap import Roadmap
+from planner.borders import distance_kernels
+from planner.borders.generators import Borders, gather_borders, place_generators
+from planner.diagram import bisector_kernels, chain_kernels, mesh, mesh_kernels
+from planner.diagram.chain_kernels import BULGE
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance
 

@@ -11,8 +11,8 @@ from numba import njit, types
 from numba.core.dispatcher import Dispatcher
 
 import planner
-from planner.borrowing_kernels import BORROWING
-from planner.scene_text import read_scene_text
+from planner.formats.scene_text import read_scene_text
+from planner.shared.compile_options import BORROWING
 
 KERNELS = sorted(Path(planner.__file__).parent.glob("*_kernels.py"))
 MAKERS = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner import clear_kernels, distance_kernels
-from planner.generators import Borders, gather_borders
+from planner.borders import clear_kernels, distance_kernels
+from planner.borders.generators import Borders, gather_borders
 from planner.scene import FloatArray
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance
 

@@ -11,10 +11,10 @@ import pytest
 from scipy import ndimage
 
 import planner
-from planner.clip import Clipped
-from planner.graph import without_spurs
+from planner.formats.scene_io import read_scene_text
+from planner.roadmap.clip import Clipped
+from planner.roadmap.graph import without_spurs
 from planner.scene import Bounds, CircleRecord, Scene
-from planner.scene_io import read_scene_text
 from tests.support.planner_scenes import (
     box,
     hand_made,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner.generators import Mode
+from planner.borders.generators import Mode
 from planner.scene import (
     Arc,
     ArcRecord,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner import distance_kernels
-from planner.generators import gather_borders
+from planner.borders import distance_kernels
+from planner.borders.generators import gather_borders
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 
 

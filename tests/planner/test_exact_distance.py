@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner import clear_kernels, distance_kernels
+from planner.borders import clear_kernels, distance_kernels
 from planner.scene import ARC, CIRCLE, POINT, SEGMENT, Bounds, FloatArray, SegmentRecord
 from tests.support.exact_distance import exact_distance
 from tests.support.planner_scenes import scene_of

@@ -9,9 +9,9 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from planner.exchange import ExchangeError, to_geojson, to_graphml, to_node_link
-from planner.roadmap import Roadmap, build_roadmap
-from planner.scene_io import read_scene_text
+from planner.formats.scene_io import read_scene_text
+from planner.roadmap.roadmap import Roadmap, build_roadmap
+from planner.roadmap.roadmap_export import ExchangeError, to_geojson, to_graphml, to_node_link
 from tests.support.nav2_graph import NoValidGraphError, load_graph
 
 SCENE = (

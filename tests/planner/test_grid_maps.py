@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy import ndimage
 
-from planner.grid_maps import GridPose, grid_scene, map_scene
-from planner.map_files import parse_movingai, parse_pgm
+from planner.formats.grid_maps import GridPose, grid_scene, map_scene
+from planner.formats.map_files import parse_movingai, parse_pgm
+from planner.formats.scene_io import load_scene
 from planner.scene import PolygonRecord, Scene, SceneError, SceneObject
-from planner.scene_io import load_scene
 
 masks = arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=9))
 

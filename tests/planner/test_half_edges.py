@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import planner
-from planner.half_edges import DiagramError, HalfEdges
+from planner.delaunay.half_edges import DiagramError, HalfEdges
 
 SITES = np.vstack(
     (

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import planner
-from planner.homotopy import word
 from planner.path import Path
 from planner.scene import FloatArray, Scene
+from planner.search.homotopy import word
 from tests.support.planner_scenes import all_edges, box, hand_made, random_scene, scene_of
 
 

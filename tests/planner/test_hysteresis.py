@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import planner
-from planner.homotopy import anchors, word
-from planner.hysteresis import STAY
+from planner.motion.smooth import smooth_path
 from planner.path import Path
+from planner.route.hysteresis import STAY
 from planner.scene import CircleRecord, FloatArray, Scene
-from planner.smooth import smooth_path
+from planner.search.homotopy import anchors, word
 from tests.support.planner_scenes import box, random_scene, scene_of
 
 RADIUS = 4.0

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from planner import kernel_cache
-from planner.kernel_cache import choose_kernel_cache
+from planner.shared import kernel_cache
+from planner.shared.kernel_cache import choose_kernel_cache
 
 
 @pytest.fixture

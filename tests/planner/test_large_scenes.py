@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import planner
-from planner.grid_maps import grid_scene
+from planner.borders.polyline import fewer_vertices, points_at
+from planner.formats.grid_maps import grid_scene
+from planner.motion.smooth import smooth_path
+from planner.motion.trajectory import default_limits, time_path
 from planner.path import Path
-from planner.polyline import fewer_vertices, points_at
-from planner.smooth import smooth_path
-from planner.trajectory import default_limits, time_path
 from tests.support.mazes import Grid, maze, noise, plate
 from tests.support.planner_scenes import slow_distance
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import yaml
 
-from planner.map_files import parse_pgm
-from planner.map_writer import occupied_cells, write_map
+from planner.formats.map_files import parse_pgm
+from planner.formats.map_writer import occupied_cells, write_map
+from planner.formats.scene_io import load_scene
 from planner.scene import (
     Bounds,
     CircleRecord,
@@ -19,7 +20,6 @@ from planner.scene import (
     SceneObject,
     SegmentRecord,
 )
-from planner.scene_io import load_scene
 from tests.support.planner_scenes import box, random_scene, slow_distance, slow_inside, with_hole
 
 METRES = Bounds(-1.0, 2.0, 3.0, 5.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner.generators import gather_borders
+from planner.borders.generators import gather_borders
 from planner.path import Path
 from planner.scene import CircleRecord, PointRecord, Primitives, Record, SegmentRecord
 from tests.support.planner_scenes import bay, scene_of

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import planner
+from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
-from planner.roadmap import FINER
+from planner.roadmap.roadmap import FINER
 from planner.scene import Bounds, Scene, SegmentRecord
-from planner.scene_io import read_scene_text
 from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
 from tests.support.visibility_oracle import shortest_length
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import planner
-from planner.bisector_kernels import heading, slide_between
-from planner.generators import Borders
+from planner.borders.generators import Borders
+from planner.diagram.bisector_kernels import heading, slide_between
 from planner.scene import FloatArray, IntArray, Scene, SegmentRecord
 from tests.support.planner_scenes import random_scene, scene_of, slow_distance
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import planner
-from planner.finish import judge
 from planner.path import NoPath, Path
+from planner.route.taut import judge
 from planner.scene import Bounds, CircleRecord, Scene
 from tests.support.planner_scenes import bay, box, hand_made, random_scene, scene_of, slow_distance
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import planner
-from planner.chain_search import Gates, Network, attach, cheapest_routes, routes, widest_gap
-from planner.roadmap import Roadmap
-from planner.route import OTHERS_WORK
+from planner.roadmap.roadmap import Roadmap
+from planner.route.route import OTHERS_WORK
 from planner.scene import FloatArray
+from planner.search.chain_search import Gates, Network, attach, cheapest_routes, routes, widest_gap
 from tests.support.planner_scenes import box, hand_made, random_scene, scene_of
 
 
@@ -170,7 +170,7 @@ def test_laid_routes_have_no_gap_and_know_what_is_beside_them(name: str) -> None
 
 def _foot(roadmap: Roadmap, piece: int, place: FloatArray) -> FloatArray:
     """From a place to the nearest point of a piece."""
-    from planner import distance_kernels
+    from planner.borders import distance_kernels
 
     b = roadmap.borders
     return np.array(distance_kernels.foot(b.kind, b.data, piece, *place)) - place

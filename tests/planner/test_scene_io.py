@@ -10,6 +10,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from planner.formats.scene_io import load_scene, read_scene_text, save_scene, write_scene_text
 from planner.scene import (
     Arc,
     ArcRecord,
@@ -24,7 +25,6 @@ from planner.scene import (
     Segment,
     SegmentRecord,
 )
-from planner.scene_io import load_scene, read_scene_text, save_scene, write_scene_text
 
 PLAIN = """\
 # five records of the paper

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import planner
-from planner import shortest
-from planner.generators import gather_borders
+from planner.borders.generators import gather_borders
 from planner.path import NoPath, Path
-from planner.route import GAVE_UP
+from planner.route.route import GAVE_UP
 from planner.scene import ArcRecord, Bounds, CircleRecord, FloatArray, PointRecord, Scene
-from planner.shortest import shortest_way
+from planner.search import shortest
+from planner.search.shortest import shortest_way
 from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
 from tests.support.visibility_oracle import shortest_length
 

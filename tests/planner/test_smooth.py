@@ -11,11 +11,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from planner.formats.scene_io import read_scene_text
+from planner.motion.smooth import SmoothError, smooth_path
+from planner.motion.trajectory import default_limits, time_path
 from planner.path import Path
-from planner.roadmap import build_roadmap
-from planner.scene_io import read_scene_text
-from planner.smooth import SmoothError, smooth_path
-from planner.trajectory import default_limits, time_path
+from planner.roadmap.roadmap import build_roadmap
 
 RADIUS = 1.0
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import planner
-from planner.map_files import parse_movingai
+from planner.formats.map_files import parse_movingai
+from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
 from planner.scene import CircleRecord, Scene, SegmentRecord
-from planner.scene_io import read_scene_text
 from tests.support.planner_scenes import scene_of, slow_distance, with_hole
 
 PREFERENCES = ["length", "balanced", "clearance"]

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from planner.tour import EXACT_STATIONS, TourError, best_tour
+from planner.search.tour import EXACT_STATIONS, TourError, best_tour
 
 
 def cost_of(matrix: np.ndarray, stops: list[int]) -> float:
@@ -86,7 +86,7 @@ def test_the_heuristic_is_within_five_percent_of_the_exact_order(monkeypatch):
     for _ in range(10):
         matrix = plane(rng, 14)
         exact = best_tour(matrix)
-        monkeypatch.setattr("planner.tour.EXACT_STATIONS", 0)
+        monkeypatch.setattr("planner.search.tour.EXACT_STATIONS", 0)
         found = best_tour(matrix)
         monkeypatch.undo()
         assert sorted(found.order) == sorted(exact.order)
@@ -98,7 +98,7 @@ def test_one_way_streets_are_costed_one_way(monkeypatch):
     for _ in range(10):
         matrix = rng.random((10, 10)) + 0.2
         exact = best_tour(matrix)
-        monkeypatch.setattr("planner.tour.EXACT_STATIONS", 0)
+        monkeypatch.setattr("planner.search.tour.EXACT_STATIONS", 0)
         found = best_tour(matrix)
         monkeypatch.undo()
         assert found.cost == pytest.approx(cost_of(matrix, [0, *found.order, 9]))

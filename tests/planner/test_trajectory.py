@@ -11,10 +11,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from planner.legs import Track, speed_cells, wrap_angle, wrap_angles
+from planner.motion.speed_profile import plan_speed
+from planner.motion.stops_and_bends import Track, speed_cells, wrap_angle, wrap_angles
+from planner.motion.trajectory import TrajectoryError, default_limits, time_path, turning_time
 from planner.path import Limits, Path, Trajectory
-from planner.speed_profile import plan_speed
-from planner.trajectory import TrajectoryError, default_limits, time_path, turning_time
 
 RADIUS = 0.1
 LIMITS = Limits(

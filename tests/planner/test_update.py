@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 import planner
-from planner import generator_kernels, insertion_kernels, removal_kernels
-from planner.distance_kernels import ARC, CIRCLE
-from planner.generators import Borders
-from planner.graph import lay_strands
+from planner.borders import generator_kernels
+from planner.borders.distance_kernels import ARC, CIRCLE
+from planner.borders.generators import Borders
+from planner.delaunay import insertion_kernels, removal_kernels
 from planner.path import Path
-from planner.roadmap import Roadmap
+from planner.roadmap.graph import lay_strands
+from planner.roadmap.roadmap import Roadmap
+from planner.roadmap.update import match_objects, update_roadmap
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
-from planner.update import match_objects, update_roadmap
 from tests.support.planner_scenes import box, hand_made, polygon, scene_of
 
 Edge = tuple[float, ...]

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 import planner
-from planner.half_edges import HalfEdges
-from planner.voronoi_diagram import voronoi_arrays
+from planner.delaunay.half_edges import HalfEdges
+from planner.delaunay.voronoi_diagram import voronoi_arrays
 from tests.support.voronoi_oracle import exact_edges, exact_neighbours
 
 Sites = NDArray[np.float64]
@@ -304,10 +304,10 @@ def test_kernel_without_jit_gives_the_same_bits(capsys: pytest.CaptureFixture[st
 
 LYING = """
 import numpy as np
-import planner.half_edges as half_edges
-import planner.diagram_kernels as diagrams
-import planner.insertion_kernels as kernels
-from planner.voronoi_diagram import voronoi
+import planner.delaunay.half_edges as half_edges
+import planner.delaunay.diagram_kernels as diagrams
+import planner.delaunay.insertion_kernels as kernels
+from planner.delaunay.voronoi_diagram import voronoi
 
 rng = np.random.default_rng(11)
 true_conflict, true_orient = kernels.conflict, kernels.orient

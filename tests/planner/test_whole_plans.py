@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import planner
+from planner.motion.smooth import smooth_path
+from planner.motion.trajectory import default_limits, time_path
 from planner.path import Limits, NoPath, Path, Trajectory, Waypoint
 from planner.scene import Bounds, FloatArray, Scene, SegmentRecord
-from planner.smooth import smooth_path
-from planner.trajectory import default_limits, time_path
 from tests.support.planner_scenes import random_scene, scene_of, slow_distance
 
 TIGHT = 1.0 + 1e-6

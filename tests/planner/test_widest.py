@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
-from planner.roadmap import build_roadmap
-from planner.scene_io import read_scene_text
+from planner.roadmap.roadmap import build_roadmap
 from tests.support.planner_scenes import random_scene, slow_distance
 
 WALL_AND_POST = read_scene_text(

@@ -15,6 +15,8 @@ from itertools import pairwise
 import numpy as np
 
 import planner
+from planner.motion.smooth import smooth_path
+from planner.motion.trajectory import default_limits, time_path
 from planner.path import Path
 from planner.scene import (
     Arc,
@@ -30,8 +32,6 @@ from planner.scene import (
     Segment,
     SegmentRecord,
 )
-from planner.smooth import smooth_path
-from planner.trajectory import default_limits, time_path
 from tests.support.planner_scenes import all_edges, edge_distance, scene_of, slow_inside
 
 BOUNDS = Bounds(0.0, 0.0, 8.0, 8.0)

@@ -9,9 +9,9 @@ import numpy as np
 import planner
 from navigation.config import Config
 from navigation.simulator.arena import SimulatedArena
+from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath
 from planner.scene import Bounds
-from planner.scene_io import read_scene_text
 from tests.support.virtual import short_config
 
 SIZE_M = (2.4, 1.8)

@@ -24,8 +24,8 @@ import cv2
 import numpy as np
 
 from navigation.cli.sources import load_source
+from planner.formats.scene_io import read_scene_text, write_scene_text
 from planner.scene import Scene, SceneError
-from planner.scene_io import read_scene_text, write_scene_text
 from tests.support.picture_formats import formats
 from tests.support.picture_harms import cut, flip, harms_for, put_number, splice
 from vision import extract

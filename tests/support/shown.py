@@ -18,9 +18,9 @@ from navigation.daemon_state import DaemonState, StageTimes
 from navigation.mission import Mission, MissionError, State, Station
 from navigation.serial_link import LinkSnapshot
 from navigation.watch import Action, Verdict
+from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
-from planner.roadmap import Roadmap
-from planner.scene_io import load_scene
+from planner.roadmap.roadmap import Roadmap
 from vision.calibration import Calibration
 from vision.camera import Frame
 from vision.latest_frame import CameraStatus

@@ -24,7 +24,7 @@ from benchmarks.adversary.bars import (
 )
 from benchmarks.adversary.run import prepare, run_attack
 from navigation.simulator.arena import SimulatedArena
-from planner.scene_io import read_scene_text
+from planner.formats.scene_io import read_scene_text
 
 SPEED_M_S, BRAKING_M_S2 = 0.3, 0.5
 PERMITS_S = [0.1 * n for n in range(51)]

@@ -17,7 +17,7 @@ import networkx as nx
 import numpy as np
 import pytest
 
-from planner.scene_io import read_scene_text
+from planner.formats.scene_io import read_scene_text
 from tests.support.brute_clearance import (
     borders,
     distances,

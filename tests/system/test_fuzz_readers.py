@@ -122,7 +122,7 @@ def test_a_picture_that_claims_gigabytes_costs_nothing(tmp_path: Path) -> None:
 def test_a_file_without_end_is_refused(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("planner.map_files.MOST_BYTES", 1 << 20)
+    monkeypatch.setattr("planner.formats.map_files.MOST_BYTES", 1 << 20)
     monkeypatch.setattr("vision.files.MOST_BYTES", 1 << 20)
     path = tmp_path / name
     with path.open("wb") as file:

@@ -26,6 +26,7 @@ from benchmarks.paper import (
     timing,
     weaknesses,
 )
+from planner.delaunay.voronoi_diagram import voronoi_arrays
 from planner.scene import Bounds
 from tests.support.planner_scenes import hand_made
 
@@ -62,7 +63,7 @@ def test_fourteen_generators_are_spread_in_the_square() -> None:
 
 def test_edges_to_infinity_leave_the_square_on_the_side_away_from_the_sites() -> None:
     sites = np.array([(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)])
-    diagram = planner.voronoi_diagram.voronoi_arrays(sites)
+    diagram = voronoi_arrays(sites)
     segments, rows = canvas.diagram_segments(diagram, sites, 50.0)
     for (ax, ay, bx, by), row in zip(segments, rows, strict=True):
         left, right, start, _ = diagram.edges[row]

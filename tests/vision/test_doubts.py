@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
+from planner.formats.scene_io import read_scene_text, write_scene_text
 from planner.scene import Bounds, CircleRecord, Scene, SceneObject
-from planner.scene_io import read_scene_text, write_scene_text
 from tests.support.pictures import box_and_disc
 from vision import doubts_about, extract
 from vision.doubts import MOST_RECORDS

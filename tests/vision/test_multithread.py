@@ -13,8 +13,8 @@ import pytest
 
 import planner
 import vision
+from planner.formats.scene_io import write_scene_text
 from planner.path import Path as PlannedPath
-from planner.scene_io import write_scene_text
 from tests.support.boards import marker_patch, render
 from vision.calibration import Calibration
 from vision.camera import Frame

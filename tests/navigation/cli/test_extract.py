@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
-from planner.scene_io import read_scene_text
+from planner.formats.scene_io import read_scene_text
 
 
 @pytest.fixture

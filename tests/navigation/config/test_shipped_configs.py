@@ -11,7 +11,7 @@ from navigation.cli.check import file_problems
 from navigation.config import load_config
 from navigation.simulator.arena import load_arena
 from navigation.simulator.pinhole import pinhole_of
-from planner.scene_io import load_scene
+from planner.formats.scene_io import load_scene
 from vision.calibration_file import load_calibration
 
 CONFIGS = Path(__file__).parents[3] / "configs"

@@ -26,7 +26,7 @@ from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.mission import Mission, State, Station
 from navigation.trust import Level
 from planner.path import Bottleneck, NoPath, Path
-from planner.roadmap import Roadmap
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
 from tests.support.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
 from vision.calibration import Calibration

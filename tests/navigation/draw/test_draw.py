@@ -24,12 +24,12 @@ from navigation.draw.shapes import (
     TRACK,
     ramp_colour,
 )
+from planner.formats.scene_io import read_scene_text
+from planner.motion.trajectory import default_limits, time_path
 from planner.path import Bottleneck, NoPath
 from planner.path import Path as PlannedPath
-from planner.roadmap import Roadmap, build_roadmap
+from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import Scene
-from planner.scene_io import read_scene_text
-from planner.trajectory import default_limits, time_path
 
 PIXELS = """\
 #@ clearway.scene/1

@@ -20,7 +20,7 @@ from navigation.run.virtual_world import VirtualWorld
 from navigation.stages import stations_of
 from navigation.track import driven_pieces
 from navigation.trust import Level
-from planner.polyline import arc_lengths
+from planner.borders.polyline import arc_lengths
 from tests.support.virtual import cycle_until, is_driving, short_config
 
 GOAL = (0.20, 1.60)

@@ -9,9 +9,9 @@ import pytest
 
 from navigation.daemon_state import DrivenPlan
 from navigation.run.summary import driven_stretches
+from planner.formats.scene_io import read_scene_text
 from planner.path import Path
-from planner.roadmap import build_roadmap
-from planner.scene_io import read_scene_text
+from planner.roadmap.roadmap import build_roadmap
 
 ROOM = read_scene_text("#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 4 3\nC (2,1.2) 0.5\n")
 

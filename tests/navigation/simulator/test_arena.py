@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from navigation.config import load_config, parse_config
 from navigation.simulator.arena import SimulatedArena, load_arena
+from planner.formats.scene_io import read_scene_text
 from planner.scene import (
     Arc,
     Bounds,
@@ -25,7 +26,6 @@ from planner.scene import (
     Segment,
     SegmentRecord,
 )
-from planner.scene_io import read_scene_text
 
 CONFIG = "configs/simulation.yaml"
 STEP_M = 2e-4

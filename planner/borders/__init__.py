@@ -1,0 +1,1 @@
+"""Borders as primitives: their exact distances, the box tree over them, points within."""

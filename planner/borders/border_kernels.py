@@ -1,0 +1,244 @@
+"""From flat primitives to pieces that join; and to those of a scene that differs a little.
+
+Rules and units
+- Pieces, and what belongs to them, are those of :class:`planner.borders.generators.Borders`: the
+  primitives in the order of their objects, the bounds last, then the corner points likewise.
+- No border knows of any other: what belongs to an object is the same wherever it stands, but
+  for the numbers of its pieces.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.borders.corner_point_kernels import corner_points, link_borders, without_repeats
+from planner.borders.distance_kernels import POINT, build_tree, object_spans, with_middles
+from planner.borders.generator_kernels import count_generators, place_generators
+from planner.borders.inside_kernels import index_closed
+from planner.shared.compile_options import BORROWING
+
+
+@njit(cache=True, nogil=True)
+def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, joint, every):
+    """The pieces of flat primitives and how they join.
+
+    Edges up to ``no_length`` are points, ends up to ``joint`` apart are one joint; with
+    ``every``, each joint has a corner point. Returns kind, data, owner, backwards, following,
+    preceding, solid, before, after.
+    """
+    all_kind, all_data, keep = without_repeats(kind, data, border, backwards, no_length)
+    k = 0
+    for i in range(len(keep)):
+        k += keep[i]
+    flat_kind, flat = np.empty(k, np.int8), np.empty((k, 6))
+    flat_owner, flat_border = np.empty(k, np.int32), np.empty(k, np.int32)
+    hole, turned = np.empty(k, np.bool_), np.empty(k, np.bool_)
+    n = 0
+    for i in range(len(keep)):
+        if keep[i]:
+            flat_kind[n], flat_owner[n], flat_border[n] = all_kind[i], owner[i], border[i]
+            hole[n], turned[n] = is_hole[i], backwards[i]
+            for c in range(6):
+                flat[n, c] = all_data[i, c]
+            n += 1
+    rows = with_middles(flat_kind, flat)
+    following, preceding, solid, crossed = link_borders(
+        flat_kind, rows, flat_border, hole, turned, joint
+    )
+    if every:
+        crossed[:] = True
+    at, before, after = corner_points(flat_kind, rows, turned, following, preceding, solid, crossed)
+    c = len(at)
+    out_kind, out = np.empty(k + c, np.int8), np.zeros((k + c, 9))
+    out_owner = np.empty(k + c, np.int32)
+    out_kind[:k], out[:k], out_owner[:k] = flat_kind, rows, flat_owner
+    for i in range(c):
+        out_kind[k + i] = POINT
+        out[k + i, 0], out[k + i, 1] = at[i, 0], at[i, 1]
+        out_owner[k + i] = flat_owner[max(before[i], after[i])]
+    return out_kind, out, out_owner, turned, following, preceding, solid, before, after
+
+
+@njit(**BORROWING, error_model="numpy")
+def walls_box(data, owner):
+    """x_min, y_min, x_max, y_max of the bounds' walls; infinite the wrong way without any."""
+    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(len(owner)):
+        if owner[i] == -1:
+            x0, x1 = min(x0, data[i, 0], data[i, 2]), max(x1, data[i, 0], data[i, 2])
+            y0, y1 = min(y0, data[i, 1], data[i, 3]), max(y1, data[i, 1], data[i, 3])
+    return x0, y0, x1, y1
+
+
+@njit(cache=True, nogil=True)
+def find_pieces(pieces):
+    """What finds pieces: a box tree's order, large and boxes; the objects' boxes and spans; and
+    the index of the closed ones."""
+    kind, data, owner, backwards, following, preceding, solid, _, _ = pieces
+    k = len(solid)
+    order, large, boxes = build_tree(kind[:k], data[:k])
+    object_boxes, span = object_spans(kind, data, owner, k)
+    closed = index_closed(kind, data, owner, backwards, following, preceding, solid)
+    return order, large, boxes, object_boxes, span, closed
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _flatten(rows, turned, borders):
+    """Owner, border, is_hole and reversed of ``rows``: what :func:`join_primitives` takes.
+
+    ``turned`` are the rows that run backwards; ``borders`` (b, 3) how many rows each border
+    has, whose it is and whether it is a hole's.
+    """
+    n = len(rows)
+    owner, border = np.empty(n, np.int32), np.empty(n, np.int32)
+    is_hole, backwards = np.empty(n, np.bool_), np.zeros(n, np.bool_)
+    m = 0
+    for b in range(len(borders)):
+        for _ in range(borders[b, 0]):
+            owner[m], border[m], is_hole[m] = borders[b, 1], b, borders[b, 2] != 0
+            m += 1
+    for i in turned:
+        backwards[i] = True
+    return owner, border, is_hole, backwards
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def change_borders(
+    kept, objects, old, old_boxes, kind, rows, turned, borders, no_length, joint, spacing
+):  # fmt: skip
+    """The borders of a scene of ``kept`` objects, see :func:`patch_borders`, and of new ones.
+
+    ``kind`` (m,), ``rows`` (m, 6), ``turned`` and ``borders`` are the new objects' primitives,
+    see `_flatten`; ``no_length`` and ``joint`` as in :func:`join_primitives`; ``old_boxes``
+    (o, 4) the old objects' boxes. Returns all pieces as :func:`join_primitives` does; what
+    finds them: order, large, boxes, the objects' boxes and spans; where the old pieces are now;
+    the generators of the new objects, at most ``spacing`` apart, and the pieces they are on; and
+    (b, 4) the boxes of what came and went.
+    """
+    came = 0
+    for j in range(len(kept)):
+        came += kept[j] < 0
+    owner, border, is_hole, backwards = _flatten(rows, turned, borders)
+    fresh = join_primitives(kind, rows, owner, border, is_hole, backwards, no_length, joint, False)
+    pieces, label, fresh_label = patch_borders(kept, objects, old, came, fresh)
+    found = find_pieces(pieces)
+    object_boxes = found[3]
+    touched = np.empty((objects + came, 4))
+    stays = np.zeros(objects, np.bool_)
+    n = 0
+    for j in range(len(kept)):
+        if kept[j] >= 0:
+            stays[kept[j]] = True
+        elif j < len(object_boxes):
+            touched[n] = object_boxes[j]
+            n += 1
+    # the last objects have no boxes where they have no pieces
+    for o in range(min(objects, len(old_boxes))):
+        if not stays[o]:
+            touched[n] = old_boxes[o]
+            n += 1
+    k = len(fresh[3])
+    fresh_kind, fresh_data, at = fresh[0][:k], fresh[1][:k], fresh[1][k:, :2]
+    room = int(count_generators(fresh_kind, fresh_data, spacing)) + len(at)
+    places, labels = place_generators(
+        fresh_kind, fresh_data, fresh[3], at, fresh[7], fresh[8], spacing, room
+    )
+    for i in range(len(labels)):
+        labels[i] = fresh_label[labels[i]]
+    return pieces, found, label, places, labels, touched[:n]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _ranges(owner, begin, end, objects):
+    """First index and count of every object's pieces among ``begin`` to ``end``; bounds last."""
+    first, count = np.zeros(objects + 1, np.int64), np.zeros(objects + 1, np.int64)
+    for i in range(end - 1, begin - 1, -1):
+        o = owner[i] if owner[i] >= 0 else objects
+        first[o] = i
+        count[o] += 1
+    return first, count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def patch_borders(kept, objects, old, came, fresh):
+    """The pieces of objects that were there before, of new ones, and of the old bounds.
+
+    ``kept`` (n,) is which of the old ``objects`` each one is, -1 for the ``came`` new ones in
+    turn; ``old`` and ``fresh`` are what :func:`join_primitives` returns, the new objects alone.
+    Returns the same of all, where the old pieces are now (-1 for those that are no more, and at
+    the end), and where the fresh ones are.
+    """
+    kind, data, owner, backwards, following, preceding, solid, before, after = old
+    new_kind, new_data, new_owner, new_backwards = fresh[0], fresh[1], fresh[2], fresh[3]
+    new_following, new_preceding, new_solid = fresh[4], fresh[5], fresh[6]
+    new_before, new_after = fresh[7], fresh[8]
+    old_k, new_k, n = len(solid), len(new_solid), len(kept)
+    label = np.full(len(kind) + 1, -1, np.int32)
+    new_label = np.empty(len(new_kind), np.int32)
+    total = len(kind) + len(new_kind)
+    out_kind, out = np.empty(total, np.int8), np.empty((total, 9))
+    out_owner = np.empty(total, np.int32)
+    m, k = 0, 0
+    for part in range(2):
+        lo, hi = (0, old_k) if part == 0 else (old_k, len(kind))
+        first, count = _ranges(owner, lo, hi, objects)
+        lo, hi = (0, new_k) if part == 0 else (new_k, len(new_kind))
+        new_first, new_count = _ranges(new_owner, lo, hi, came)
+        which = 0
+        for j in range(n + 1):
+            if j < n and kept[j] < 0:
+                for i in range(new_first[which], new_first[which] + new_count[which]):
+                    new_label[i] = m
+                    out_kind[m], out_owner[m], out[m] = new_kind[i], j, new_data[i]
+                    m += 1
+                which += 1
+                continue
+            o = objects
+            if j < n:
+                o = kept[j]
+            for i in range(first[o], first[o] + count[o]):
+                label[i] = m
+                out_kind[m], out_owner[m], out[m] = kind[i], j if j < n else -1, data[i]
+                m += 1
+        if part == 0:
+            k = m
+    out_backwards, out_solid = np.empty(k, np.bool_), np.empty(k, np.int8)
+    out_following, out_preceding = np.empty(k, np.int32), np.empty(k, np.int32)
+    out_before, out_after = np.empty(m - k, np.int32), np.empty(m - k, np.int32)
+    _renumber(
+        label, (backwards, solid, following, preceding, before, after), k,
+        out_backwards, out_solid, out_following, out_preceding, out_before, out_after,
+    )  # fmt: skip
+    _renumber(
+        new_label,
+        (new_backwards, new_solid, new_following, new_preceding, new_before, new_after), k,
+        out_backwards, out_solid, out_following, out_preceding, out_before, out_after,
+    )  # fmt: skip
+    arrays = (
+        out_kind[:m], out[:m], out_owner[:m], out_backwards, out_following, out_preceding,
+        out_solid, out_before, out_after,
+    )  # fmt: skip
+    return arrays, label, new_label
+
+
+@njit(**BORROWING, error_model="numpy")
+def _renumber(
+    label, arrays, k, out_backwards, out_solid, out_following, out_preceding, out_before, out_after
+):
+    """Copy what belongs to pieces to where they are now, ``label``; -1 is left out."""
+    backwards, solid, following, preceding, before, after = arrays
+    for i in range(len(solid)):
+        m = label[i]
+        if m >= 0:
+            out_backwards[m], out_solid[m] = backwards[i], solid[i]
+            out_following[m] = label[following[i]] if following[i] >= 0 else -1
+            out_preceding[m] = label[preceding[i]] if preceding[i] >= 0 else -1
+    for c in range(len(before)):
+        m = label[len(solid) + c] - k
+        if m >= 0:
+            out_before[m] = label[before[c]] if before[c] >= 0 else -1
+            out_after[m] = label[after[c]] if after[c] >= 0 else -1

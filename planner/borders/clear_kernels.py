@@ -1,0 +1,168 @@
+"""Whether straight lines keep a distance to every border: yes or no, at the first that is nearer.
+
+Rules and units
+- The answers are those of :func:`planner.borders.distance_kernels.segment_clearance` with a bound,
+  and are found several times sooner: the least distance itself is not asked for.
+- The box tree is walked without a stack: from node i to 2 i, and to i + 1 after the last of a
+  branch, up while i is odd.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import LEAF, POINT, SEGMENT, distance, segment_distance
+from planner.shared.compile_options import BORROWING
+
+
+@njit(**BORROWING)
+def _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, keep):
+    """Whether primitive i lies beyond a line's box, or ``keep`` or more to one of its sides.
+
+    The box is the line's, grown by ``keep``; (nx, ny) is normal to the line through a. Where
+    this is False the distance has to be taken.
+    """
+    ux, uy = data[i, 0], data[i, 1]
+    off = nx * (ux - ax) + ny * (uy - ay)
+    if kind[i] == SEGMENT:
+        vx, vy = data[i, 2], data[i, 3]
+        if (
+            (ux >= x1 and vx >= x1)
+            or (ux <= x0 and vx <= x0)
+            or (uy >= y1 and vy >= y1)
+            or (uy <= y0 and vy <= y0)
+        ):
+            return True
+        far = nx * (vx - ax) + ny * (vy - ay)
+        return (off >= keep and far >= keep) or (off <= -keep and far <= -keep)
+    r = 0.0 if kind[i] == POINT else data[i, 2]
+    if ux - r >= x1 or ux + r <= x0 or uy - r >= y1 or uy + r <= y0:
+        return True
+    return abs(off) - r >= keep
+
+
+@njit(**BORROWING)
+def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
+    """A primitive nearer than ``keep`` to the segment a b, -1 where there is none.
+
+    ``guess`` is a primitive to look at first, or -1: what stood in the way of the last line
+    often stands in the way of the next.
+    """
+    if guess >= 0 and segment_distance(kind, data, guess, ax, ay, bx, by)[0] < keep:
+        return guess
+    x0, x1 = min(ax, bx) - keep, max(ax, bx) + keep
+    y0, y1 = min(ay, by) - keep, max(ay, by) + keep
+    length = math.hypot(bx - ax, by - ay)
+    nx, ny = 0.0, 0.0
+    if length > 0.0:
+        nx, ny = (ay - by) / length, (bx - ax) / length
+    # what is as far but for rounding is measured
+    sure = keep * (1.0 + 1e-9)
+    for j in range(large):
+        i = order[j]
+        if _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, sure):
+            continue
+        if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
+            return i
+    steep_x, steep_y = 0.5 * abs(nx), 0.5 * abs(ny)
+    n, leaves = len(order), len(boxes) // 2
+    node = 1
+    while node > 0:
+        u0, v0, u1, v1 = boxes[node, 0], boxes[node, 1], boxes[node, 2], boxes[node, 3]
+        # an empty box is (inf, inf, -inf, -inf) and lies beyond every line
+        apart = u0 >= x1 or u1 <= x0 or v0 >= y1 or v1 <= y0
+        if not apart:
+            off = abs(nx * (0.5 * (u0 + u1) - ax) + ny * (0.5 * (v0 + v1) - ay))
+            apart = off - steep_x * (u1 - u0) - steep_y * (v1 - v0) >= sure
+        if not apart:
+            if node < leaves:
+                node *= 2
+                continue
+            first = large + (node - leaves) * LEAF
+            for j in range(first, min(first + LEAF, n)):
+                i = order[j]
+                if _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, sure):
+                    continue
+                if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
+                    return i
+        while node & 1:
+            node >>= 1
+        if node > 0:
+            node += 1
+    return -1
+
+
+@njit(**BORROWING)
+def keeps(kind, data, order, large, boxes, line, keep):
+    """Whether the polyline (n, 2), n >= 1, is nowhere nearer than ``keep`` to any primitive."""
+    last = len(line) - 1
+    for i in range(max(last, 1)):
+        j = min(i + 1, last)
+        met = blocker(
+            kind, data, order, large, boxes,
+            line[i, 0], line[i, 1], line[j, 0], line[j, 1], keep, -1,
+        )  # fmt: skip
+        if met >= 0:
+            return False
+    return True
+
+
+@njit(**BORROWING)
+def spare(kind, data, order, large, boxes, x, y, most):
+    """The distance from (x, y) to the nearest primitive, or ``most`` where that is less."""
+    best = most
+    for j in range(large):
+        best = min(best, distance(kind, data, order[j], x, y))
+    n, leaves = len(order), len(boxes) // 2
+    node = 1
+    while node > 0:
+        dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
+        dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
+        if dx * dx + dy * dy < best * best:
+            if node < leaves:
+                node *= 2
+                continue
+            first = large + (node - leaves) * LEAF
+            for j in range(first, min(first + LEAF, n)):
+                best = min(best, distance(kind, data, order[j], x, y))
+        while node & 1:
+            node >>= 1
+        if node > 0:
+            node += 1
+    return best
+
+
+@njit(cache=True, nogil=True)
+def within(kind, data, order, large, boxes, x, y, reach):
+    """The primitives no farther than ``reach`` from (x, y), in the tree's order."""
+    out = np.empty(len(order), np.int32)
+    m = 0
+    for j in range(large):
+        if distance(kind, data, order[j], x, y) <= reach:
+            out[m] = order[j]
+            m += 1
+    n, leaves = len(order), len(boxes) // 2
+    node = 1
+    while node > 0:
+        dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
+        dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
+        if dx * dx + dy * dy <= reach * reach:
+            if node < leaves:
+                node *= 2
+                continue
+            first = large + (node - leaves) * LEAF
+            for j in range(first, min(first + LEAF, n)):
+                if distance(kind, data, order[j], x, y) <= reach:
+                    out[m] = order[j]
+                    m += 1
+        while node & 1:
+            node >>= 1
+        if node > 0:
+            node += 1
+    return out[:m].copy()

@@ -1,0 +1,253 @@
+"""How the primitives of borders join, and which of their corners need a point of their own.
+
+Rules
+- A piece is a primitive of the scene or a corner point: the end of an open chain, or a corner
+  that the free space goes round. Corners that the free space runs into need no piece: the
+  bisector of their two sides reaches them by itself, with generators half a spacing away on
+  either side. Where a border crosses itself its sides change, and all its corners have one.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import (
+    ARC,
+    CIRCLE,
+    POINT,
+    SEGMENT,
+    TAU,
+    on_sweep,
+    segment_distance,
+)
+from planner.shared.compile_options import BORROWING
+
+SMOOTH = 1e-3
+"""Sine of the turn below which a joint counts as smooth, so that it needs a corner point."""
+
+
+@njit(**BORROWING)
+def _end(kind, data, backwards, i, last):
+    """The first or last point of primitive i in its border's order."""
+    if kind[i] == SEGMENT:
+        return (data[i, 2], data[i, 3]) if last else (data[i, 0], data[i, 1])
+    if kind[i] == POINT:
+        return data[i, 0], data[i, 1]
+    a = data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0)
+    return data[i, 0] + data[i, 2] * math.cos(a), data[i, 1] + data[i, 2] * math.sin(a)
+
+
+@njit(cache=True, nogil=True)
+def _tangent(kind, data, backwards, i, x, y):
+    """The unit direction of travel along primitive i at its point (x, y)."""
+    if kind[i] == SEGMENT:
+        dx, dy = data[i, 2] - data[i, 0], data[i, 3] - data[i, 1]
+    else:
+        dx, dy = data[i, 1] - y, x - data[i, 0]
+        if backwards[i]:
+            dx, dy = -dx, -dy
+    d = math.sqrt(dx * dx + dy * dy)
+    return dx / d, dy / d
+
+
+@njit(**BORROWING)
+def length_of(kind, data, i):
+    """How long primitive i is; 0 for a point."""
+    if kind[i] == SEGMENT:
+        return math.sqrt((data[i, 2] - data[i, 0]) ** 2 + (data[i, 3] - data[i, 1]) ** 2)
+    if kind[i] == CIRCLE:
+        return TAU * data[i, 2]
+    if kind[i] == ARC:
+        return data[i, 4] * data[i, 2]
+    return 0.0
+
+
+@njit(cache=True, nogil=True)
+def without_repeats(kind, data, border, backwards, tolerance):
+    """Degenerate primitives made points, and points at a neighbour's end left out.
+
+    Segments, circles and arcs shorter than ``tolerance`` have no direction, and a repeated
+    vertex is a segment without length. Returns ``kind`` (k,), ``data`` (k, 6) and ``keep``
+    (k,) bool.
+    """
+    n = len(kind)
+    out_kind, out = kind.copy(), data.copy()
+    keep = np.ones(n, np.bool_)
+    for i in range(n):
+        if kind[i] != POINT and length_of(kind, data, i) <= tolerance:
+            if kind[i] == ARC and data[i, 2] > tolerance:
+                out[i, 0], out[i, 1] = _end(kind, data, backwards, i, False)
+            out[i, 2:] = 0.0
+            out_kind[i] = POINT
+    for turn in range(2):
+        last = -1
+        for j in range(n):
+            i = j if turn == 0 else n - 1 - j
+            if out_kind[i] == CIRCLE or not keep[i]:
+                continue
+            if out_kind[i] == POINT and last >= 0 and border[last] == border[i]:
+                x, y = _end(out_kind, out, backwards, last, turn == 0)
+                keep[i] = abs(x - out[i, 0]) > tolerance or abs(y - out[i, 1]) > tolerance
+            if keep[i]:
+                last = i
+    return out_kind, out, keep
+
+
+@njit(cache=True, nogil=True)
+def link_borders(kind, data, border, is_hole, backwards, tolerance):
+    """How the primitives of every border join.
+
+    Returns ``following`` and ``preceding`` (k,) int32, -1 at the ends of open chains,
+    ``solid`` (k,) int8: +1 where the solid lies to the left of travel, -1 to the right, 0
+    where both sides are free, and ``crossed`` (k,) bool: part of a border that crosses itself,
+    whose solid changes sides.
+    """
+    n = len(kind)
+    following = np.full(n, -1, np.int32)
+    preceding = np.full(n, -1, np.int32)
+    solid = np.zeros(n, np.int8)
+    crossed = np.zeros(n, np.bool_)
+    first = 0
+    while first < n:
+        last = first
+        if kind[first] == CIRCLE:
+            solid[first] = -1 if is_hole[first] else 1
+            first += 1
+            continue
+        if kind[first] == POINT:
+            first += 1
+            continue
+        while last + 1 < n and border[last + 1] == border[first] and kind[last + 1] != CIRCLE:
+            ex, ey = _end(kind, data, backwards, last, True)
+            sx, sy = _end(kind, data, backwards, last + 1, False)
+            if abs(ex - sx) > tolerance or abs(ey - sy) > tolerance:
+                break
+            following[last], preceding[last + 1] = last + 1, last
+            last += 1
+        ex, ey = _end(kind, data, backwards, last, True)
+        sx, sy = _end(kind, data, backwards, first, False)
+        if (
+            abs(ex - sx) <= tolerance
+            and abs(ey - sy) <= tolerance
+            and (last > first or kind[first] == ARC)
+        ):
+            following[last], preceding[first] = first, last
+            area = _signed_area(kind, data, backwards, first, last)
+            side = 1 if (area > 0.0) != is_hole[first] else -1
+            crossed[first : last + 1] = _crosses_itself(kind, data, first, last)
+            # two lobes of one size make no area, and are solid; there and back is a wall
+            solid[first : last + 1] = 0 if area == 0.0 and not crossed[first] else side
+        first = last + 1
+    return following, preceding, solid, crossed
+
+
+@njit(**BORROWING)
+def _x_range(kind, data, i):
+    """A range of x that primitive i lies within."""
+    if kind[i] == SEGMENT:
+        return min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
+    return data[i, 0] - data[i, 2], data[i, 0] + data[i, 2]
+
+
+@njit(cache=True, nogil=True)
+def _crosses_itself(kind, data, first, last):
+    """Whether two sides of a closed border that are no neighbours meet. O(n log n) for most."""
+    n = last + 1 - first
+    if n < 4:
+        return False
+    if n <= 12:
+        for i in range(n):
+            for j in range(i + 2, n if i > 0 else n - 1):
+                if _meet(kind, data, first + i, first + j):
+                    return True
+        return False
+    low, high = np.empty(n), np.empty(n)
+    for i in range(n):
+        low[i], high[i] = _x_range(kind, data, first + i)
+    order = np.argsort(low)
+    for a in range(n):
+        i = order[a]
+        for b in range(a + 1, n):
+            j = order[b]
+            if low[j] > high[i]:
+                break
+            apart = abs(i - j)
+            if 1 < apart < n - 1 and _meet(kind, data, first + i, first + j):
+                return True
+    return False
+
+
+@njit(**BORROWING)
+def _meet(kind, data, i, j):
+    """Whether two segments or arcs have a point in common."""
+    if kind[j] == SEGMENT:
+        i, j = j, i
+    if kind[i] == SEGMENT:
+        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
+        return segment_distance(kind, data, j, ax, ay, bx, by)[0] == 0.0
+    dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
+    r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
+    if square == 0.0 or square > (r + s) ** 2 or square < (r - s) ** 2:
+        return False
+    along = 0.5 * (1.0 + (r * r - s * s) / square)
+    across = math.sqrt(max(r * r / square - along * along, 0.0))
+    for sign in (-1.0, 1.0):
+        x = data[i, 0] + along * dx - sign * across * dy
+        y = data[i, 1] + along * dy + sign * across * dx
+        if on_sweep(data, i, x, y) and on_sweep(data, j, x, y):
+            return True
+    return False
+
+
+@njit(**BORROWING)
+def _signed_area(kind, data, backwards, first, last):
+    """Area inside a closed chain, positive where it turns from x to y."""
+    area = 0.0
+    ox, oy = _end(kind, data, backwards, first, False)
+    for i in range(first, last + 1):
+        ax, ay = _end(kind, data, backwards, i, False)
+        bx, by = _end(kind, data, backwards, i, True)
+        area += 0.5 * ((ax - ox) * (by - oy) - (ay - oy) * (bx - ox))
+        if kind[i] == ARC:
+            part = 0.5 * data[i, 2] ** 2 * (data[i, 4] - math.sin(data[i, 4]))
+            area += -part if backwards[i] else part
+    return area
+
+
+@njit(cache=True, nogil=True)
+def corner_points(kind, data, backwards, following, preceding, solid, every):
+    """The corners that need a point of their own.
+
+    Returns ``at`` (c, 2), ``before`` and ``after`` (c,) the primitives that meet there (-1
+    where a chain ends). ``every`` (k,): each joint of the primitive has one.
+    """
+    n = len(kind)
+    at = np.empty((2 * n, 2), np.float64)
+    before = np.empty(2 * n, np.int32)
+    after = np.empty(2 * n, np.int32)
+    c = 0
+    for i in range(n):
+        if kind[i] == POINT or kind[i] == CIRCLE:
+            continue
+        if preceding[i] < 0:
+            at[c, 0], at[c, 1] = _end(kind, data, backwards, i, False)
+            before[c], after[c] = -1, i
+            c += 1
+        x, y = _end(kind, data, backwards, i, True)
+        j = following[i]
+        if j >= 0 and not every[i] and solid[i] != 0:
+            ux, uy = _tangent(kind, data, backwards, i, x, y)
+            sx, sy = _end(kind, data, backwards, j, False)
+            vx, vy = _tangent(kind, data, backwards, j, sx, sy)
+            if (ux * vy - uy * vx) * solid[i] < -SMOOTH:
+                continue
+        at[c, 0], at[c, 1] = x, y
+        before[c], after[c] = i, j
+        c += 1
+    return at[:c], before[:c], after[:c]

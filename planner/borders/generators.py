@@ -1,0 +1,254 @@
+"""Generators: points every delta along the borders of a scene (the paper's section 2.3.1).
+
+Rules and units
+- Everything is in the scene's units. ``delta`` is called ``spacing`` here; it is always less
+  than twice the robot's radius, so that no robot fits between two neighbouring generators.
+- A generator remembers its piece: the primitive it lies on, or the corner point it is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.borders import border_kernels, distance_kernels, generator_kernels, inside_kernels
+from planner.borders.inside_kernels import ClosedBorders
+from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
+from planner.shared.numbers import as_float
+
+Mode: TypeAlias = Literal["exact", "paper"]
+BoolArray: TypeAlias = NDArray[np.bool_]
+
+SPACING_PER_RADIUS = 1.0
+"""The spacing chosen where none is given, in robot radii: half of what the method allows."""
+MAX_GENERATORS = 5_000_000
+"""More than this is refused: the diagram of as many needs several gigabytes."""
+JOINT = 1e-6
+"""Ends nearer than this share of the scene's extent are one joint."""
+NO_LENGTH = 1e-13
+"""Edges shorter than this share of the scene's extent are points."""
+SAME_PLACE = 1e-9
+"""Distances below this share of the scene's extent count as none."""
+EQUAL = 1e-12
+"""Distances are equal within this share of the scene's extent, and within ``UNITS``."""
+UNITS = 4.0
+"""How many units in the last place of the largest coordinate two places differ by for nothing:
+far from the origin, as in a map's coordinates, that is much more than the share."""
+
+
+class HasPrimitives(Protocol):
+    """A scene, or anything else that can say its borders."""
+
+    def primitives(self) -> Primitives:
+        """All borders as flat arrays, the bounds (owner -1) included."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Borders:
+    """All borders as pieces, how they join, and a box tree that finds the nearest.
+
+    Pieces are the k primitives and then the c corner points: ``kind`` (k + c,), ``data``
+    (k + c, 9), ``owner`` (k + c,). ``following``, ``preceding`` (k,) are the neighbours along
+    a border or -1; ``solid`` (k,) is +1 where the solid lies to the left of travel, -1 to the
+    right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
+    meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
+    and range of primitives; ``closed`` says which of them hold a place. ``box`` is x_min,
+    y_min, x_max, y_max of the free space, and ``extent`` its larger side.
+    """
+
+    kind: NDArray[np.int8]
+    data: FloatArray
+    owner: IntArray
+    backwards: BoolArray
+    following: IntArray
+    preceding: IntArray
+    solid: NDArray[np.int8]
+    before: IntArray
+    after: IntArray
+    order: IntArray
+    large: int
+    boxes: FloatArray
+    object_boxes: FloatArray
+    span: IntArray
+    closed: ClosedBorders
+    box: FloatArray
+    extent: float
+    equal: float
+
+    @property
+    def pieces(self) -> tuple[Any, ...]:
+        """The pieces alone, as :func:`~.border_kernels.join_primitives` returns them."""
+        return (
+            self.kind, self.data, self.owner, self.backwards, self.following, self.preceding,
+            self.solid, self.before, self.after,
+        )  # fmt: skip
+
+    @property
+    def primitive_count(self) -> int:
+        """How many of the pieces are primitives; the rest are corner points."""
+        return len(self.solid)
+
+    @property
+    def tree(self) -> tuple[NDArray[np.int8], FloatArray, IntArray, int, FloatArray]:
+        """What every query of :mod:`planner.borders.distance_kernels` starts with."""
+        return self.kind, self.data, self.order, self.large, self.boxes
+
+    def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
+        return distance_kernels.nearest_many(*self.tree, points)  # type: ignore[no-any-return]
+
+    def signed_distances(self, points: FloatArray) -> FloatArray:
+        """As :meth:`distances`, negative in an obstacle and out of the bounds."""
+        return inside_kernels.signed_distances(  # type: ignore[no-any-return]
+            *self.tree, self.closed, self.box, points
+        )
+
+    def is_solid(self, x: float, y: float, reach: float) -> bool:
+        """Whether (x, y), ``reach`` away from every border, lies in an object."""
+        return bool(inside_kernels.in_object(self.kind, self.data, self.closed, x, y, reach))
+
+    def owners_around(self, x: float, y: float, reach: float) -> NDArray[np.bool_]:
+        """Which objects hold (x, y) inside, by even-odd; ``reach`` is its clearance."""
+        count = int(self.owner.max(initial=-1)) + 1
+        votes = inside_kernels.vote(self.kind, self.data, self.closed, x, y, reach, count)
+        return votes >= inside_kernels.MOST  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True, slots=True)
+class Generators:
+    """``sites`` (n, 2) and the piece ``label`` (n,) of each, at most ``spacing`` apart."""
+
+    sites: FloatArray
+    label: IntArray
+    spacing: float
+    borders: Borders
+
+    @property
+    def owner(self) -> IntArray:
+        """(n,) the object of every generator, -1 for the bounds."""
+        return self.borders.owner[self.label]
+
+
+def check_radius(radius: float) -> float:
+    """The radius as a float; ``ValueError`` unless it is > 0 and finite."""
+    value = as_float(radius)
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"radius = {radius}: must be > 0 and finite")
+    return value
+
+
+def choose_spacing(radius: float, spacing: float | None) -> float:
+    """The spacing to use: the given one, checked, or one radius."""
+    if spacing is None:
+        return SPACING_PER_RADIUS * radius
+    value = as_float(spacing)
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"spacing = {spacing}: must be > 0 and finite")
+    if value >= 2.0 * radius:
+        raise ValueError(f"spacing = {spacing:g}: must be < 2 radius = {2.0 * radius:g}")
+    return value
+
+
+def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
+    """The scene's borders as pieces, joined and indexed. O(k log k)."""
+    flat = scene.primitives()
+    box = _free_box(flat)
+    extent = extent_of(box)
+    pieces = border_kernels.join_primitives(
+        flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed,
+        NO_LENGTH * extent, JOINT * extent, mode == "paper",
+    )  # fmt: skip
+    return as_borders(pieces, border_kernels.find_pieces(pieces), box)
+
+
+def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray) -> Borders:
+    """Joined pieces and what finds them, see :mod:`planner.borders.border_kernels`."""
+    kind, data, owner, backwards, following, preceding, solid, before, after = pieces
+    order, large, boxes, object_boxes, span, closed = found
+    return Borders(
+        kind=kind,
+        data=data,
+        owner=owner,
+        backwards=backwards,
+        following=following,
+        preceding=preceding,
+        solid=solid,
+        before=before,
+        after=after,
+        order=order,
+        large=large,
+        boxes=boxes,
+        object_boxes=object_boxes,
+        span=span,
+        closed=ClosedBorders(*closed),
+        box=box,
+        extent=extent_of(box),
+        equal=_equal(box),
+    )
+
+
+def extent_of(box: FloatArray) -> float:
+    """The larger side of a box."""
+    x0, y0, x1, y1 = box.tolist()
+    return float(max(x1 - x0, y1 - y0))
+
+
+def _equal(box: FloatArray) -> float:
+    """How far apart equal places may be in a scene of this box."""
+    return max(EQUAL * extent_of(box), UNITS * math.ulp(max(map(abs, box.tolist()))))
+
+
+def _free_box(flat: Primitives) -> FloatArray:
+    """The rectangle of the bounds' walls, or else a generous one.
+
+    Generous as for a scene's text: around all borders, grown by its diagonal on every side.
+    """
+    walls = border_kernels.walls_box(flat.data, flat.owner)
+    if walls[0] <= walls[2]:
+        return np.array(walls)
+    if not len(flat.kind):
+        raise ValueError("the scene has neither objects nor bounds")
+    around = flat.data[:, 2] * (flat.kind >= CIRCLE)
+    far_end = np.where((flat.kind == SEGMENT)[:, None], flat.data[:, 2:4], flat.data[:, :2])
+    low = np.minimum(flat.data[:, :2], far_end) - around[:, None]
+    high = np.maximum(flat.data[:, :2], far_end) + around[:, None]
+    grow = max(1.0, float(np.hypot(*(high.max(axis=0) - low.min(axis=0)))))
+    return np.concatenate([low.min(axis=0) - grow, high.max(axis=0) + grow])
+
+
+def count_generators(borders: Borders, spacing: float) -> float:
+    """An upper bound of the generators that :func:`place_generators` makes; perhaps infinite."""
+    k = borders.primitive_count
+    most = generator_kernels.count_generators(borders.kind[:k], borders.data[:k], spacing)
+    return float(most)
+
+
+def place_generators(borders: Borders, spacing: float) -> Generators:
+    """Generators at most ``spacing`` apart on every border.
+
+    Raises ``ValueError`` where that would be more than ``MAX_GENERATORS``.
+    """
+    k = borders.primitive_count
+    kind, data = borders.kind[:k], borders.data[:k]
+    room = count_generators(borders, spacing)
+    if room > MAX_GENERATORS:
+        raise ValueError(
+            f"spacing = {spacing:g}: the borders would take {room:.3g} generators, "
+            f"the limit is {MAX_GENERATORS}"
+        )
+    sites, label = generator_kernels.place_generators(
+        kind,
+        data,
+        borders.backwards,
+        borders.data[k:, :2],
+        borders.before,
+        borders.after,
+        spacing,
+        int(room) + len(borders.before),
+    )
+    return Generators(sites, label, spacing, borders)

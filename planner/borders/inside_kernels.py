@@ -1,0 +1,280 @@
+"""Which objects hold a place: rays over closed borders, and an index that skips most of them.
+
+Rules and units
+- A place lies in an object where a rightward ray from it crosses the object's closed borders,
+  those with a ``solid`` side, an odd number of times (even-odd, holes included).
+- The index holds the closed borders' primitives one after the other, border by border and object
+  by object, neighbours in the plane near one another, and for every aligned block of 1, 2, 4, ...
+  of them its box and where it begins and ends in y. A block beside the ray crosses it nowhere. One
+  wholly to the right crosses it as often, but for an even number, as its ends lie on both sides of
+  it. Only blocks around the place are looked into: O(log n) of n for most borders.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from planner.borders.distance_kernels import ARC, CIRCLE, SEGMENT, box_of, morton_codes, nearest
+from planner.shared.compile_options import BORROWING
+
+RAYS = (0.0, 0.31830988618, -0.43429448190)
+"""Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
+
+
+SAME_SIDE = 1.0 - 1e-9
+"""So much of a place's clearance is surely free of borders."""
+MOST = 2
+"""Of the three rays so many decide: one that grazes a joint is outvoted."""
+
+
+class ClosedBorders(NamedTuple):
+    """The index: ``order`` (n,) the primitives, ``owner`` (n,) each one's object.
+
+    ``blocks`` (b, 8) are x_min, y_min, x_max, y_max, and in y where the block's first border is
+    entered and left, and its last one where that is another. Those of 2 ** l primitives begin at
+    ``level[l]``. ``none`` (0,) is room for no votes.
+    """
+
+    order: NDArray[np.int32]
+    owner: NDArray[np.int32]
+    level: NDArray[np.int32]
+    blocks: NDArray[np.float64]
+    none: NDArray[np.int32]
+
+
+@njit(**BORROWING)
+def _height(kind, data, backwards, i, last):
+    """In y, where primitive i begins or ends in its border's order; a circle anywhere."""
+    if kind[i] == SEGMENT:
+        return data[i, 3] if last else data[i, 1]
+    if kind[i] == ARC:
+        a = data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0)
+        return data[i, 1] + data[i, 2] * math.sin(a)
+    return data[i, 1]
+
+
+@njit(cache=True, nogil=True)
+def _closed_runs(owner, following, preceding, solid):
+    """The closed borders: rows (m, 3), first and last primitive, and owner; of objects only."""
+    runs = np.empty((len(solid), 3), np.int32)
+    m, i = 0, 0
+    while i < len(solid):
+        last = i
+        if solid[i] != 0 and following[i] >= 0:
+            last = max(i, preceding[i])
+        if solid[i] != 0 and owner[i] >= 0:
+            runs[m, 0], runs[m, 1], runs[m, 2] = i, last, owner[i]
+            m += 1
+        i = last + 1
+    return runs[:m]
+
+
+@njit(cache=True, nogil=True)
+def _in_order(kind, data, runs, objects):
+    """The runs object by object, both by their boxes' place in the plane."""
+    m = len(runs)
+    boxes, around = np.empty((m, 4)), np.empty((objects, 4))
+    around[:, :2], around[:, 2:] = np.inf, -np.inf
+    own = np.empty(4)
+    for r in range(m):
+        boxes[r, :2], boxes[r, 2:] = np.inf, -np.inf
+        for i in range(runs[r, 0], runs[r, 1] + 1):
+            box_of(kind, data, i, own)
+            for c in range(2):
+                boxes[r, c] = min(boxes[r, c], own[c])
+                boxes[r, c + 2] = max(boxes[r, c + 2], own[c + 2])
+        for c in range(2):
+            around[runs[r, 2], c] = min(around[runs[r, 2], c], boxes[r, c])
+            around[runs[r, 2], c + 2] = max(around[runs[r, 2], c + 2], boxes[r, c + 2])
+    code, outer = morton_codes(boxes)[0], morton_codes(around)[0]
+    rank = np.empty(objects, np.int64)
+    rank[np.argsort(outer)] = np.arange(objects)
+    for r in range(m):
+        code[r] |= rank[runs[r, 2]] << 32
+    return runs[np.argsort(code)]
+
+
+@njit(cache=True, nogil=True)
+def index_closed(kind, data, owner, backwards, following, preceding, solid):
+    """The index of the closed borders among pieces as of ``join_primitives``. O(n log n)."""
+    objects = 0
+    for i in range(len(solid)):
+        objects = max(objects, owner[i] + 1)
+    runs = _in_order(kind, data, _closed_runs(owner, following, preceding, solid), objects)
+    n = 0
+    for r in range(len(runs)):
+        n += runs[r, 1] + 1 - runs[r, 0]
+    order, holder = np.empty(n, np.int32), np.empty(n, np.int32)
+    begin, end = np.empty(n, np.int32), np.empty(n, np.int32)
+    p = 0
+    for r in range(len(runs)):
+        first = p
+        for i in range(runs[r, 0], runs[r, 1] + 1):
+            order[p], holder[p], begin[p] = i, runs[r, 2], first
+            p += 1
+        end[first:p] = p
+    level = np.zeros(34, np.int32)
+    top = 0
+    while True:
+        level[top + 1] = level[top] + ((n - 1) >> top) + 1
+        if 1 << top >= n:
+            break
+        top += 1
+    level = level[: top + 2].copy()
+    blocks = np.empty((max(level[top + 1], 0), 8))
+    for p in range(n):
+        box_of(kind, data, order[p], blocks[p])
+    for tier in range(1, top + 1):
+        for b in range(level[tier + 1] - level[tier]):
+            row, left = blocks[level[tier] + b], level[tier - 1] + 2 * b
+            row[:4] = blocks[left, :4]
+            if left + 1 < level[tier]:
+                for c in range(2):
+                    row[c] = min(row[c], blocks[left + 1, c])
+                    row[c + 2] = max(row[c + 2], blocks[left + 1, c + 2])
+    for tier in range(top + 1):
+        for b in range(level[tier + 1] - level[tier]):
+            first, last = b << tier, min((b + 1) << tier, n) - 1
+            row = blocks[level[tier] + b]
+            row[4] = _height(kind, data, backwards, order[first], False)
+            row[5] = row[6] = row[7] = _height(kind, data, backwards, order[last], True)
+            if begin[first] != begin[last]:
+                row[5] = _height(kind, data, backwards, order[begin[first]], False)
+                row[6] = _height(kind, data, backwards, order[begin[last]], False)
+            if begin[last] >= first and end[last] == last + 1:
+                row[7] = row[6] if begin[first] != begin[last] else row[7]
+                row[4] = row[5] if begin[first] == begin[last] else row[4]
+    return order, holder, level, blocks, np.empty(0, np.int32)
+
+
+@njit(**BORROWING)
+def _crosses(kind, data, i, x, y):
+    """Whether a rightward ray from (x, y) crosses primitive i an odd number of times.
+
+    A ray through a shared end counts once because a piece holds its lower end only (half-open
+    in y). Arcs are cut where their tangent is level, so that each part is monotone in y.
+    """
+    k = kind[i]
+    if k == SEGMENT:
+        y0, y1 = data[i, 1], data[i, 3]
+        if (y0 <= y) == (y1 <= y):
+            return False
+        side = (data[i, 2] - data[i, 0]) * (y - y0) - (x - data[i, 0]) * (y1 - y0)
+        return (side > 0.0) == (y1 > y0)
+    if k == CIRCLE:
+        return (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2
+    return k == ARC and _arc_crossings(data, i, x, y) % 2 == 1
+
+
+@njit(**BORROWING)
+def _arc_crossings(data, i, x, y):
+    """How often a rightward ray from (x, y) crosses the arc."""
+    cx, cy, r, a0 = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
+    a1 = a0 + data[i, 4]
+    count = 0
+    cut = (math.floor(a0 / math.pi - 0.5) + 1.0) * math.pi + 0.5 * math.pi
+    lo = a0
+    y_lo = cy + r * math.sin(a0)
+    while lo < a1:
+        hi = min(cut, a1)
+        y_hi = cy + r * math.sin(hi)
+        if (y_lo <= y) != (y_hi <= y):
+            dx = math.sqrt(max(r * r - (y - cy) ** 2, 0.0))
+            if math.cos(0.5 * (lo + hi)) < 0.0:
+                dx = -dx
+            if cx + dx > x:
+                count += 1
+        lo, y_lo = hi, y_hi
+        cut += math.pi
+    return count
+
+
+@njit(**BORROWING)
+def _ray(kind, data, closed, x, y, only, votes):
+    """Whether one ray says that an object holds (x, y): ``only`` that one, or any where < 0.
+
+    Each that does gets one of the ``votes`` (objects,), where there is room for them.
+    """
+    order, owner, level, blocks, _ = closed
+    n, tier = len(order), len(level) - 2
+    p, holder, odd, found = 0, -1, False, False
+    while p < n:
+        b = level[tier] + (p >> tier)
+        last = min(p + (1 << tier), n) - 1
+        if y >= blocks[b, 1] and y < blocks[b, 3] and x <= blocks[b, 2]:
+            if x >= blocks[b, 0] and tier > 0:
+                tier -= 1
+                continue
+            enters = (blocks[b, 4] <= y) != (blocks[b, 5] <= y)
+            leaves = (blocks[b, 6] <= y) != (blocks[b, 7] <= y)
+            if x >= blocks[b, 0]:
+                enters, leaves = _crosses(kind, data, order[p], x, y), False
+            for end in range(2):
+                o = owner[last] if end else owner[p]
+                if o != holder:
+                    if odd and (only < 0 or only == holder):
+                        found = True
+                        if len(votes) > 0:
+                            votes[holder] += 1
+                    holder, odd = o, False
+                odd = odd != (leaves if end else enters)
+        p += 1 << tier
+        while p & ((2 << tier) - 1) == 0 and tier < len(level) - 2:
+            tier += 1
+    if odd and (only < 0 or only == holder):
+        found = True
+        if len(votes) > 0:
+            votes[holder] += 1
+    return found
+
+
+@njit(**BORROWING)
+def in_object(kind, data, closed, x, y, reach, only=-1):
+    """Whether (x, y), ``reach`` away from every border, lies in an object, by even-odd.
+
+    In object ``only``, where that is no less than 0. Asked at three heights within reach, so
+    that a ray that grazes a joint is outvoted.
+    """
+    votes = 0
+    for j in range(3):
+        if _ray(kind, data, closed, x, y + RAYS[j] * reach, only, closed.none):
+            votes += 1
+        if votes == MOST or (j == 1 and votes == 0):
+            break
+    return votes >= MOST
+
+
+@njit(cache=True, nogil=True)
+def vote(kind, data, closed, x, y, reach, objects):
+    """How many of three rays say that each of the objects holds (x, y): (objects,) int32."""
+    votes = np.zeros(objects, np.int32)
+    for part in RAYS:
+        _ray(kind, data, closed, x, y + part * reach, -1, votes)
+    return votes
+
+
+@njit(cache=True, nogil=True)
+def signed_distances(kind, data, order, large, boxes, closed, box, points):
+    """The distance of every point (n, 2), negative in an object and out of the ``box``.
+
+    A point within the clearance of the one before lies on the same side of every border.
+    """
+    out = np.empty(len(points))
+    last_x, last_y, near, solid = 0.0, 0.0, -1.0, False
+    for i in range(len(points)):
+        x, y = points[i, 0], points[i, 1]
+        d, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
+        if not (x - last_x) ** 2 + (y - last_y) ** 2 < near * abs(near):
+            solid = in_object(kind, data, closed, x, y, d)
+            last_x, last_y, near = x, y, d * SAME_SIDE
+        outside = not (box[0] <= x <= box[2] and box[1] <= y <= box[3])
+        out[i] = -d if outside or solid else d
+    return out

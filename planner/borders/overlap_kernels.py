@@ -1,0 +1,127 @@
+"""Which objects meet, and which lie within another.
+
+Rules and units
+- Everything is in the scene's units; borders that come within ``tolerance`` meet.
+- Objects are compared where their boxes overlap only.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import (
+    POINT,
+    SEGMENT,
+    box_of,
+    distance,
+    on_sweep,
+    segment_distance,
+)
+from planner.borders.inside_kernels import in_object
+from planner.shared.compile_options import BORROWING
+
+MEET, WITHIN = 1, 2
+"""How two objects are related: their borders meet, or the first lies inside the second."""
+
+
+@njit(**BORROWING)
+def _start(kind, data, i):
+    """A point of primitive i."""
+    if kind[i] == POINT or kind[i] == SEGMENT:
+        return data[i, 0], data[i, 1]
+    a = data[i, 3]
+    return data[i, 0] + data[i, 2] * math.cos(a), data[i, 1] + data[i, 2] * math.sin(a)
+
+
+@njit(**BORROWING)
+def _meet(kind, data, i, j, tolerance):
+    """Whether primitives i and j come within the tolerance of each other."""
+    if kind[j] == POINT or kind[j] == SEGMENT:
+        i, j = j, i
+    if kind[i] == POINT:
+        return distance(kind, data, j, data[i, 0], data[i, 1]) <= tolerance
+    if kind[i] == SEGMENT:
+        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
+        return segment_distance(kind, data, j, ax, ay, bx, by)[0] <= tolerance
+    x, y = _start(kind, data, i)
+    if distance(kind, data, j, x, y) <= tolerance:
+        return True
+    x, y = _start(kind, data, j)
+    if distance(kind, data, i, x, y) <= tolerance:
+        return True
+    dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
+    r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
+    d = math.sqrt(square)
+    if d == 0.0 or d > r + s + tolerance or d < abs(r - s) - tolerance:
+        return False
+    along = 0.5 * (1.0 + (r * r - s * s) / square)
+    across = math.sqrt(max(r * r / square - along * along, 0.0))
+    for sign in (-1.0, 1.0):
+        x = data[i, 0] + along * dx - sign * across * dy
+        y = data[i, 1] + along * dy + sign * across * dx
+        if on_sweep(data, i, x, y) and on_sweep(data, j, x, y):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _related(kind, data, closed, boxes, span, a, b, tolerance):
+    """MEET, WITHIN (a inside b), or 0."""
+    own = np.empty(4)
+    for i in range(span[a, 0], span[a, 1]):
+        box_of(kind, data, i, own)
+        if own[0] > boxes[b, 2] + tolerance or own[2] < boxes[b, 0] - tolerance:
+            continue
+        if own[1] > boxes[b, 3] + tolerance or own[3] < boxes[b, 1] - tolerance:
+            continue
+        for j in range(span[b, 0], span[b, 1]):
+            if _meet(kind, data, i, j, tolerance):
+                return MEET
+    x, y = _start(kind, data, span[a, 0])
+    # the borders do not meet here
+    if in_object(kind, data, closed, x, y, tolerance, b):
+        return WITHIN
+    return 0
+
+
+@njit(cache=True, nogil=True)
+def related_objects(kind, data, closed, boxes, span, tolerance):
+    """Pairs of objects that meet, and of one within another: rows (n, 3) a, b, how; a within b.
+
+    O(o log o) for o objects whose boxes overlap few others', and the product of two objects'
+    primitives for each pair that does.
+    """
+    o = len(boxes)
+    order = np.argsort(boxes[:, 0])
+    out = np.empty((16, 3), np.int32)
+    n = 0
+    for u in range(o):
+        a = order[u]
+        for v in range(u + 1, o):
+            b = order[v]
+            if boxes[b, 0] > boxes[a, 2] + tolerance:
+                break
+            if boxes[b, 1] > boxes[a, 3] + tolerance or boxes[a, 1] > boxes[b, 3] + tolerance:
+                continue
+            first, second = a, b
+            how = _related(kind, data, closed, boxes, span, a, b, tolerance)
+            if how == 0:
+                how = _related(kind, data, closed, boxes, span, b, a, tolerance)
+                first, second = b, a
+            if how == 0:
+                continue
+            if n == len(out):
+                grown = np.empty((2 * n, 3), np.int32)
+                grown[:n] = out
+                out = grown
+            if how == MEET:
+                first, second = min(a, b), max(a, b)
+            out[n, 0], out[n, 1], out[n, 2] = first, second, how
+            n += 1
+    return out[:n]

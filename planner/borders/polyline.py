@@ -1,0 +1,42 @@
+"""Polylines: length along them, and fewer vertices within a tolerance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner.borders import polyline_kernels as kernels
+from planner.scene import FloatArray, IntArray
+
+
+def arc_lengths(points: FloatArray) -> FloatArray:
+    """(n,) length along the (n, 2) polyline at each of its points, from 0."""
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def points_at(points: FloatArray, lengths: FloatArray, at: FloatArray) -> FloatArray:
+    """(m, 2) points of the polyline at the lengths ``at`` (m,) along it. O(m log n)."""
+    if len(points) == 1:
+        return np.repeat(points, len(at), axis=0)
+    i = np.clip(np.searchsorted(lengths, at, side="right") - 1, 0, len(points) - 2)
+    step = lengths[i + 1] - lengths[i]
+    slope = (points[i + 1] - points[i]) / np.where(step > 0.0, step, 1.0)[:, None]
+    found = slope * (at - lengths[i])[:, None] + points[i]
+    found[at >= lengths[-1]] = points[-1]
+    found[at <= lengths[0]] = points[0]
+    return found
+
+
+def fewer_vertices(
+    points: FloatArray, tolerance: float, spacing: float = np.inf, lengths: FloatArray | None = None
+) -> IntArray:
+    """Indices of vertices, first and last among them, whose chords stay near the polyline.
+
+    Every skipped vertex lies within ``tolerance`` of its chord; no chord spans more than
+    ``spacing`` along the polyline where a vertex lies closer. Greedy, by doubling and halving
+    the reach of each chord: O(n log n) for chords that skip many vertices.
+    """
+    along = arc_lengths(points) if lengths is None else lengths
+    return kernels.fewer_vertices(  # type: ignore[no-any-return]
+        np.ascontiguousarray(points, dtype=np.float64), along, float(tolerance), float(spacing)
+    )

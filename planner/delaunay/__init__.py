@@ -1,0 +1,1 @@
+"""The exact Delaunay triangulation of points, and the Voronoi diagram that is its dual."""

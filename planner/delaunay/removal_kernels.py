@@ -1,0 +1,195 @@
+"""Taking sites out of a triangulation again.
+
+Rules and units
+- Arrays as in :mod:`planner.delaunay.insertion_kernels`. A site's star becomes a hole, which is
+  filled ear by ear: three corners in a row whose circle holds no other corner (decided exactly) are
+  a triangle of the new triangulation (Devillers 2002).
+- Site i owns the triangles 2 i and 2 i + 1, which must not exist when it goes in again: two of
+  the star's become free, and whatever lies in the two of the site moves there.
+- A site on the convex hull is not taken out; the caller starts anew then.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.delaunay.insertion_kernels import DEAD, circle_band
+from planner.delaunay.predicate_kernels import SCRATCH, in_circle, orient
+from planner.shared.compile_options import BORROWING
+
+
+@njit(**BORROWING, error_model="numpy")
+def _circle(px, py, ax, ay, bx, by):
+    """The circle of three sites: x, y, and the squared radii that `circle_band` explains."""
+    ax, ay, bx, by = ax - px, ay - py, bx - px, by - py
+    return circle_band(
+        px, py, ax, ay, ax * ax + ay * ay, abs(ax) + abs(ay),
+        bx, by, bx * bx + by * by, abs(bx) + abs(by),
+    )  # fmt: skip
+
+
+@njit(**BORROWING, error_model="numpy")
+def _find_ear(w, xy, ring, m, circle):
+    """The first corner of a hole that is a triangle with an empty circle with its neighbours.
+
+    -1 where none is. ``circle`` (4,) becomes the ear's, see `_circle`.
+    """
+    before = m - 1
+    for i in range(m):
+        after = i + 1 if i + 1 < m else 0
+        a, b, c = ring[before], ring[i], ring[after]
+        ax, ay, bx, by = xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1]
+        cx, cy = xy[2 * c], xy[2 * c + 1]
+        if orient(w, ax, ay, bx, by, cx, cy) > 0:
+            x, y, low, high = _circle(ax, ay, bx, by, cx, cy)
+            is_empty = True
+            for j in range(m):
+                if j in (before, i, after):
+                    continue
+                qx, qy = xy[2 * ring[j]], xy[2 * ring[j] + 1]
+                square = (qx - x) * (qx - x) + (qy - y) * (qy - y)
+                if square > high:
+                    continue
+                # whatever is NaN or in the band is decided exactly
+                if square < low or in_circle(w, ax, ay, bx, by, cx, cy, qx, qy) > 0:
+                    is_empty = False
+                    break
+            if is_empty:
+                circle[0], circle[1], circle[2], circle[3] = x, y, low, high
+                return i
+        before = i
+    return -1
+
+
+@njit(**BORROWING, error_model="numpy")
+def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
+    """Write triangle a, b, c into slot s; outer_x is the half-edge across from x, or -1."""
+    tri[s], tri[s + 1], tri[s + 2] = a, b, c
+    at[a], at[b], at[c] = s, s + 1, s + 2
+    if outer_a >= 0:
+        tri[s + 4], tri[outer_a + 4] = outer_a, s
+    if outer_b >= 0:
+        tri[s + 5], tri[outer_b + 4] = outer_b, s + 1
+    if outer_c >= 0:
+        tri[s + 6], tri[outer_c + 4] = outer_c, s + 2
+
+
+@njit(**BORROWING, error_model="numpy")
+def _move(tri, circ, at, old, new):
+    """Move the triangle in slot ``old`` to slot ``new``."""
+    for k in range(3):
+        site, o = np.int64(tri[old + k]), np.int64(tri[old + 4 + k])
+        tri[new + k], tri[new + 4 + k] = site, o
+        tri[o + 4] = new + k
+        at[site] = new + k
+    for k in range(4):
+        circ[(new >> 1) + k] = circ[(old >> 1) + k]
+
+
+@njit(**BORROWING, error_model="numpy")
+def _find_stars(tri, wanted, at):
+    """Set in ``at`` (ghost + 1,) a half-edge opposite each site that is ``wanted`` (ghost + 1,)."""
+    for h in range(0, len(tri), 8):
+        a = np.int64(tri[h])
+        if a == DEAD:
+            continue
+        b, c = np.int64(tri[h + 1]), np.int64(tri[h + 2])
+        if wanted[a] | wanted[b] | wanted[c]:
+            at[a], at[b], at[c] = h, h + 1, h + 2
+
+
+@njit(**BORROWING, error_model="numpy")
+def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
+    """:func:`remove` in ``order``, with a half-edge ``at`` each of them, and space to work in."""
+    ring, outer, slot = space[0], space[1], space[2]
+    for p in order:
+        # the star, counter-clockwise; the site's own two triangles last among its slots
+        m = 0
+        e = at[p]
+        while True:
+            t = (e >> 3) << 3
+            v = t + ((9 >> (2 * (e - t))) & 3)
+            ring[m], outer[m], slot[m] = np.int64(tri[v]), np.int64(tri[e + 4]), t
+            if ring[m] == ghost:
+                return False
+            m += 1
+            o = np.int64(tri[v + 4])
+            t = (o >> 3) << 3
+            e = t + ((9 >> (2 * (o - t))) & 3)
+            if e == at[p]:
+                break
+        last = m - 1
+        for own in (16 * p + 8, 16 * p):
+            for j in range(last):
+                if slot[j] == own:
+                    slot[j], slot[last] = slot[last], slot[j]
+            if slot[last] == own:
+                last -= 1
+        free_0, free_1 = slot[m - 1], slot[m - 2]
+        n = 0
+        while m > 3:
+            ear = _find_ear(w, xy, ring, m, circle)
+            if ear < 0:
+                return False
+            before = ear - 1 if ear > 0 else m - 1
+            after = ear + 1 if ear + 1 < m else 0
+            s = slot[n]
+            n += 1
+            _place(
+                tri, at, s, ring[before], ring[ear], ring[after], outer[ear], np.int64(-1),
+                outer[before],
+            )  # fmt: skip
+            for k in range(4):
+                circ[(s >> 1) + k] = circle[k]
+            outer[before] = s + 1
+            for i in range(ear, m - 1):
+                ring[i], outer[i] = ring[i + 1], outer[i + 1]
+            m -= 1
+        s = slot[n]
+        a, b, c = ring[0], ring[1], ring[2]
+        _place(tri, at, s, a, b, c, outer[1], outer[2], outer[0])
+        circ[s >> 1], circ[(s >> 1) + 1], circ[(s >> 1) + 2], circ[(s >> 1) + 3] = _circle(
+            xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], xy[2 * c], xy[2 * c + 1]
+        )
+        # the site's own two triangles become free, if they are not already
+        tri[free_0], tri[free_1] = DEAD, DEAD
+        for own in (16 * p, 16 * p + 8):
+            if np.int64(tri[own]) == DEAD:
+                continue
+            if free_0 not in (16 * p, 16 * p + 8):
+                _move(tri, circ, at, own, free_0)
+                free_0 = np.int64(own)
+            else:
+                _move(tri, circ, at, own, free_1)
+                free_1 = np.int64(own)
+            tri[own] = DEAD
+        at[p] = -1
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def remove(xy, ghost, tri, circ, gone):
+    """Take the sites ``gone`` out of tri and circ; False where one is on the hull.
+
+    Then, or where the hole cannot be filled, the arrays are left half done.
+    """
+    wanted = np.zeros(ghost + 1, np.bool_)
+    for g in gone:
+        wanted[g] = True
+    at = np.full(ghost + 1, -1, np.int64)
+    _find_stars(tri, wanted, at)
+    # every other one first, then every other one of the rest: stars stay small for longest
+    step = 2
+    order = np.empty(len(gone), np.int64)
+    count = 0
+    while count < len(gone):
+        for j in range(step // 2 - 1, len(gone), step):
+            order[count] = gone[j]
+            count += 1
+        step *= 2
+    space = np.empty((3, 2 * ghost), np.int64)
+    return _remove(np.empty(SCRATCH), xy, ghost, tri, circ, order, at, np.empty(4), space)

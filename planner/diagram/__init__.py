@@ -1,0 +1,1 @@
+"""The approximate generalized Voronoi diagram of borders: mesh, vertices, chains, validity."""

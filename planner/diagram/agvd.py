@@ -1,0 +1,263 @@
+"""The approximate generalized Voronoi diagram: the generators' diagram without invalid edges.
+
+Rules and units
+- ``mode="paper"`` omits the edges between generators of one object, as the paper does.
+- ``mode="exact"`` omits those within one piece of a border only, so that the free space
+  inside a U, or in a room whose wall is one object, keeps its diagram.
+- A chain is a maximal run of valid edges; its ends are nodes. Its clearances are exact: they
+  are distances to the borders, not to the generators.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
+from planner.delaunay.voronoi_diagram import DiagramArrays, voronoi_arrays
+from planner.diagram import agvd_kernels as kernels
+from planner.diagram import chain_kernels
+from planner.diagram.mesh import Mesh, generators_of, ordinary, solve
+from planner.diagram.vertex_kernels import EXACT, UNUSED
+from planner.scene import FloatArray, IntArray
+
+
+@dataclass(frozen=True, slots=True)
+class Agvd:
+    """The generators, their diagram, and which of its edges are valid.
+
+    The exact diagram has a ``mesh`` that the rest is made from when it is first asked for.
+    """
+
+    borders: Borders
+    spacing: float
+    mesh: Mesh | None
+    _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def generators(self) -> Generators:
+        """All generators, those that refining added included."""
+        if "generators" not in self._made:
+            if self.mesh is None:
+                return Generators(
+                    np.empty((0, 2)), np.empty(0, np.int32), self.spacing, self.borders
+                )
+            self._made["generators"] = generators_of(self.mesh, self.borders, self.spacing)
+        return self._made["generators"]  # type: ignore[no-any-return]
+
+    @property
+    def ordinary(self) -> DiagramArrays:
+        """The generators' ordinary Voronoi diagram."""
+        return self._diagram()[0]
+
+    @property
+    def valid(self) -> BoolArray:
+        """(m,) which edges of the ordinary diagram belong to the generalized one's free part."""
+        return self._diagram()[1]
+
+    def _diagram(self) -> tuple[DiagramArrays, BoolArray]:
+        if "diagram" not in self._made:
+            if self.mesh is None:
+                sites = diagram(self.generators)
+                self._made["diagram"] = sites, np.zeros(len(sites.edges), np.bool_)
+            else:
+                self._made["diagram"] = ordinary(self.mesh)
+        return self._made["diagram"]  # type: ignore[no-any-return]
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """How many generators and Voronoi vertices there are."""
+        if self.mesh is None:
+            return len(self.generators.sites), len(self.ordinary.vertices)
+        return self.mesh.used - len(self.mesh.vacant), int(np.isfinite(self.mesh.at[:, 0]).sum())
+
+    def vertices_proved(self, radius: float) -> tuple[int, int]:
+        """How many exact vertices that are ``radius`` wide are proved, of how many there are.
+
+        The others are near-singular: their pieces are almost parallel there, or touch. They stay
+        where they were sampled, and the links of chains to them are measured, not proved.
+        """
+        if self.mesh is None:
+            return 0, 0
+        wide = (self.mesh.state != UNUSED) & (self.mesh.rho >= radius)
+        return int((wide & (self.mesh.state == EXACT)).sum()), int(wide.sum())
+
+
+@dataclass(frozen=True, slots=True)
+class Chains:
+    """The valid edges as chains between nodes, measured.
+
+    Chain c runs from node ``ends[c, 0]`` to ``ends[c, 1]`` through the points
+    ``points[first[c] : first[c + 1]]``. Per point ``rho``, its exact clearance; ``gap`` and
+    ``step``, the clearance and length of the link to the next point (inf and 0 at a chain's
+    last); ``pieces`` (p, 2), the two pieces that link lies between. Per chain ``length`` and
+    ``clearance``. A node that no chain meets has a chain of a single point. ``proved`` (p,):
+    the link to the next point follows the bisector of its two pieces, and is as wide as its
+    narrower end; other links are straight lines, measured.
+    """
+
+    points: FloatArray
+    first: IntArray
+    pieces: IntArray
+    rho: FloatArray
+    gap: FloatArray
+    step: FloatArray
+    ends: IntArray
+    length: FloatArray
+    clearance: FloatArray
+    node_xy: FloatArray
+    node_rho: FloatArray
+    proved: BoolArray
+
+    def __len__(self) -> int:
+        return len(self.ends)
+
+
+def diagram(generators: Generators) -> DiagramArrays:
+    """The ordinary Voronoi diagram of the generators."""
+    return voronoi_arrays(generators.sites)
+
+
+def omit_invalid(sites: DiagramArrays, generators: Generators, mode: Mode) -> Agvd:
+    """Mark the edges that belong to the generalized diagram's free part. O(m)."""
+    borders = generators.borders
+    valid = kernels.valid_edges(
+        sites.edges,
+        sites.vertices,
+        generators.sites,
+        generators.label,
+        borders.kind,
+        borders.data,
+        borders.owner,
+        borders.solid,
+        borders.before,
+        borders.after,
+        borders.closed,
+        borders.box,
+        generators.spacing,
+        SAME_PLACE * borders.extent,
+        mode == "paper",
+    )
+    made = {"generators": generators, "diagram": (sites, valid)}
+    return Agvd(borders, generators.spacing, None, made)
+
+
+def join_chains(agvd: Agvd) -> Chains:
+    """Join the valid edges into chains of straight links and measure them. O(m log k)."""
+    edges, label, borders = agvd.ordinary.edges, agvd.generators.label, agvd.borders
+    xy = agvd.ordinary.vertices
+    node_vertex, ends, first, link, along = kernels.trace_chains(edges, agvd.valid, len(xy))
+    points, pieces, first, _ = kernels.chain_points(edges, xy, label, first, link, along)
+    lonely = _centres_alone(borders, points)
+    points, pieces = _with_lonely(points, pieces, lonely)
+    ends, first = _with_own_chains(ends, first, len(node_vertex), len(lonely))
+    rho, gap, step, length, clearance = kernels.measure_chains(*borders.tree, points, first)
+    proved = np.zeros(len(points), np.bool_)
+    node_xy = np.concatenate([xy[node_vertex], lonely])
+    measured = rho, gap, step, length, clearance
+    return _as_chains(points, first, pieces, ends, node_xy, proved, measured)
+
+
+def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chains]:
+    """The exact diagram of the generators' borders, and its chains along the bisectors.
+
+    ``mesh`` is the generators' and becomes the diagram's.
+    """
+    if mesh is None:
+        agvd = omit_invalid(diagram(generators), generators, "exact")
+        return agvd, join_chains(agvd)
+    agvd = Agvd(generators.borders, generators.spacing, mesh)
+    return agvd, mesh_chains(mesh, generators.borders, generators.spacing)
+
+
+def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
+    """Solve a mesh, refining it where it must be, and measure its chains."""
+    solve(mesh, borders, spacing)
+    node, ends = mesh.traced.node, mesh.traced.ends
+    bent = mesh.bent
+    points, pieces, first, proved = bent.points, bent.pieces, bent.start, bent.proved
+    lonely = _centres_alone(borders, points)
+    node_xy = mesh.place[node]
+    if len(lonely):
+        alone = np.c_[lonely, borders.distances(lonely)[0]]
+        points, pieces = _with_lonely(points, pieces, alone)
+        ends, first = _with_own_chains(ends, first, len(node), len(lonely))
+        proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
+        node_xy = np.concatenate([node_xy, lonely])
+    xy, *measured = chain_kernels.measure_chains(*borders.tree, points, proved, first)
+    return _as_chains(xy, first, pieces, ends, node_xy, proved, measured)
+
+
+def _with_lonely(
+    points: FloatArray, pieces: IntArray, lonely: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """The points of the chains, and then the lonely centres between no pieces."""
+    none = np.full((len(lonely), 2), -1, np.int32)
+    return np.concatenate([points, lonely]), np.concatenate([pieces, none])
+
+
+def _with_own_chains(
+    ends: IntArray, first: IntArray, nodes: int, lonely: int
+) -> tuple[IntArray, IntArray]:
+    """Ends and offsets of the chains, and then of one chain for every lonely centre."""
+    alone = np.arange(lonely, dtype=np.int32)
+    ends = np.concatenate([ends, nodes + alone[:, None].repeat(2, 1)])
+    return ends, np.concatenate([first, first[-1] + 1 + alone])
+
+
+def _as_chains(
+    points: FloatArray,
+    first: IntArray,
+    pieces: IntArray,
+    ends: IntArray,
+    node_xy: FloatArray,
+    proved: BoolArray,
+    measured: Sequence[FloatArray],
+) -> Chains:
+    """``measured`` are rho, gap, step, length and clearance."""
+    rho, gap, step, length, clearance = measured
+    node_rho = chain_kernels.clearance_of_nodes(len(node_xy), ends, first, rho)
+    return Chains(
+        points=points,
+        first=first,
+        pieces=pieces,
+        rho=rho,
+        gap=gap,
+        step=step,
+        ends=ends,
+        length=length,
+        clearance=clearance,
+        node_xy=node_xy,
+        node_rho=node_rho,
+        proved=proved,
+    )
+
+
+def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:
+    """Centres of circles and arcs with nothing nearer than the radius and no chain through.
+
+    Within one such border nothing else is equidistant to two places, but the clearance is
+    greatest there: the way from one place to another leads over it.
+    """
+    alone: FloatArray = kernels.lonely_centres(
+        borders.kind,
+        borders.data,
+        borders.owner,
+        borders.backwards,
+        borders.solid,
+        borders.order,
+        borders.large,
+        borders.boxes,
+        borders.box,
+        points,
+        1e-7 * borders.extent,
+    )
+    if not len(alone):
+        return alone
+    # none where another object lies around
+    around = np.c_[alone, borders.distances(alone)[0]].tolist()
+    free = [not borders.is_solid(x, y, r) for x, y, r in around]
+    return alone[np.array(free, np.bool_)]

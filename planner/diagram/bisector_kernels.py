@@ -1,0 +1,273 @@
+"""Places on the borders' bisectors: vertices, turning points, and the way along an edge.
+
+Rules and units
+- A vertex of three different pieces is where their distances agree: Newton's method on
+  ``distance_i(x) - rho = 0``, whose rows are the unit normals, started at the sampled vertex.
+- A turning point is where an edge passes from a primitive to that primitive's own corner
+  point: there both have the same foot, Newton's rows coincide, and the vertex is sought along
+  the primitive's normal instead.
+- All other places of a chain are slid onto the bisector of the two pieces beside them.
+- Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import SEGMENT, foot, segment_clearance
+from planner.shared.compile_options import BORROWING
+
+STEPS = 40
+"""Newton steps; four were enough on random scenes, near-parallel borders take more."""
+SINGULAR = 1e-7
+"""Least determinant of two differences of unit normals that Newton's step divides by."""
+FLAT = 2e-3
+"""Normals that differ by less do not define a bisector well enough to slide onto it."""
+HALVINGS = 20
+"""How often one link is halved at most; its bulge falls by four with each."""
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _normal(kind, data, i, x, y):
+    """Distance from piece i and the unit vector from its foot to (x, y)."""
+    fx, fy = foot(kind, data, i, x, y)
+    dx, dy = x - fx, y - fy
+    d = math.sqrt(dx * dx + dy * dy)
+    if d == 0.0:
+        return 0.0, 0.0, 0.0
+    return d, dx / d, dy / d
+
+
+@njit(**BORROWING, error_model="numpy")
+def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
+    """The place equidistant to three pieces near (x, y): x, y, whether it was found."""
+    sx, sy = x, y
+    for _ in range(STEPS):
+        da, ax, ay = _normal(kind, data, a, x, y)
+        db, bx, by = _normal(kind, data, b, x, y)
+        dc, cx, cy = _normal(kind, data, c, x, y)
+        f, g = da - db, da - dc
+        if abs(f) <= tolerance and abs(g) <= tolerance:
+            return x, y, True
+        px, py, qx, qy = ax - bx, ay - by, ax - cx, ay - cy
+        det = px * qy - py * qx
+        if abs(det) < SINGULAR:
+            break
+        mx, my = (f * qy - g * py) / det, (g * px - f * qx) / det
+        step = math.sqrt(mx * mx + my * my)
+        limit = 0.5 * reach
+        if step > limit:
+            mx, my = mx * limit / step, my * limit / step
+        x, y = x - mx, y - my
+        if (x - sx) ** 2 + (y - sy) ** 2 > reach * reach:
+            break
+    return sx, sy, False
+
+
+@njit(**BORROWING, error_model="numpy")
+def slide_between(kind, data, a, b, x, y, tolerance):
+    """Slide (x, y) onto the bisector of two pieces: x, y, whether it got there."""
+    sx, sy = x, y
+    for _ in range(STEPS):
+        da, ax, ay = _normal(kind, data, a, x, y)
+        db, bx, by = _normal(kind, data, b, x, y)
+        f = da - db
+        if abs(f) <= tolerance:
+            return x, y, True
+        gx, gy = ax - bx, ay - by
+        gg = gx * gx + gy * gy
+        if gg < FLAT * FLAT:
+            break
+        x, y = x - f * gx / gg, y - f * gy / gg
+    return sx, sy, False
+
+
+@njit(**BORROWING, error_model="numpy")
+def turn_at(kind, data, corner, side, c, x, y, tolerance):
+    """The place on a primitive's normal at its corner point that piece c is as near to."""
+    px, py = data[corner, 0], data[corner, 1]
+    if kind[side] == SEGMENT:
+        nx, ny = data[side, 1] - data[side, 3], data[side, 2] - data[side, 0]
+    else:
+        nx, ny = px - data[side, 0], py - data[side, 1]
+    n = math.sqrt(nx * nx + ny * ny)
+    nx, ny = nx / n, ny / n
+    s = nx * (x - px) + ny * (y - py)
+    if s < 0.0:
+        nx, ny, s = -nx, -ny, -s
+    for _ in range(STEPS):
+        qx, qy = px + s * nx, py + s * ny
+        d, ux, uy = _normal(kind, data, c, qx, qy)
+        f = d - s
+        if abs(f) <= tolerance:
+            return qx, qy, True
+        slope = ux * nx + uy * ny - 1.0
+        if slope > -SINGULAR:
+            break
+        s -= f / slope
+        if s <= 0.0:
+            break
+    return x, y, False
+
+
+@njit(**BORROWING, error_model="numpy")
+def heading(kind, data, left, right, x, y):
+    """The direction along the bisector with ``left`` to the left, and how clearance grows.
+
+    Returns the unit direction and the derivative of the clearance along it; all 0 where the
+    feet coincide.
+    """
+    lx, ly = foot(kind, data, left, x, y)
+    rx, ry = foot(kind, data, right, x, y)
+    tx, ty = ly - ry, rx - lx
+    n = math.sqrt(tx * tx + ty * ty)
+    if n == 0.0:
+        return 0.0, 0.0, 0.0
+    tx, ty = tx / n, ty / n
+    nx, ny = x - lx, y - ly
+    d = math.sqrt(nx * nx + ny * ny)
+    if d == 0.0:
+        return tx, ty, 0.0
+    return tx, ty, (nx * tx + ny * ty) / d
+
+
+@njit(**BORROWING, error_model="numpy")
+def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
+    """The bisector's least clearance between two of its places, if inside: x, y, found."""
+    lo, hi = 0.0, 1.0
+    x, y, found = x0, y0, False
+    for _ in range(50):
+        m = 0.5 * (lo + hi)
+        x, y, found = slide_between(
+            kind, data, left, right, x0 + m * (x1 - x0), y0 + m * (y1 - y0), tolerance
+        )
+        if not found:
+            return x, y, False
+        _, _, slope = heading(kind, data, left, right, x, y)
+        if abs(slope) < 1e-12:
+            break
+        if slope < 0.0:
+            lo = m
+        else:
+            hi = m
+    return x, y, found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
+    """Where the bisector's tangents at a and at b meet, between the two: x, y, found."""
+    ux, uy, _ = heading(kind, data, left, right, ax, ay)
+    vx, vy, _ = heading(kind, data, left, right, bx, by)
+    dx, dy = bx - ax, by - ay
+    turn = ux * vy - uy * vx
+    if turn == 0.0:
+        return ax, ay, False
+    ahead, back = (dx * vy - dy * vx) / turn, (ux * dy - uy * dx) / turn
+    span = math.sqrt(dx * dx + dy * dy)
+    if abs(ahead) > span or abs(back) > span or (ahead > 0.0) != (back > 0.0):
+        return ax, ay, False
+    return ax + ahead * ux, ay + ahead * uy, True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _keeps(kind, data, order, large, boxes, ax, ay, bx, by, need):
+    """Whether the straight line from a to b is ``need`` off all borders."""
+    _, _, which = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, need)
+    return which < 0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def follow(
+    kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, exact=np.inf
+):  # fmt: skip
+    """A polyline that follows the bisectors its links stand for, as closely as it must.
+
+    ``pairs`` (n, 2) are the pieces beside each link, -1 where the link is straight. A link is
+    halved on its bisector while its straight line is nearer than ``need`` to a border or
+    bulges by more than ``flatness``. Where ``exact`` is finite, what a line lacks of that is made
+    good by the corner where the bisector's tangents meet, if that keeps it: of two borders that
+    bulge towards one another the tangent at the narrowest place is nowhere nearer. Returns
+    points and pairs.
+    """
+    n = len(points)
+    room = 4 * n + 64
+    xy = np.empty((room, 2))
+    pair = np.empty((room, 2), np.int32)
+    stack = np.empty((HALVINGS + 2, 2))
+    level = np.empty(HALVINGS + 2, np.int32)
+    m = 0
+    for i in range(n):
+        if m + 1 >= room:
+            room *= 2
+            xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+        xy[m] = points[i]
+        pair[m] = pairs[i]
+        m += 1
+        if i + 1 == n or pairs[i, 0] < 0:
+            continue
+        top = 1
+        stack[0, 0], stack[0, 1], level[0] = points[i + 1, 0], points[i + 1, 1], 0
+        while top > 0:
+            ax, ay = xy[m - 1, 0], xy[m - 1, 1]
+            bx, by, deep = stack[top - 1, 0], stack[top - 1, 1], level[top - 1]
+            mx, my, found = slide_between(
+                kind, data, pairs[i, 0], pairs[i, 1], 0.5 * (ax + bx), 0.5 * (ay + by), tolerance
+            )
+            bulge = math.sqrt((mx - 0.5 * (ax + bx)) ** 2 + (my - 0.5 * (ay + by)) ** 2)
+            span = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+            split = found and deep < HALVINGS and tolerance < bulge < 0.5 * span
+            if split and bulge <= flatness:
+                if exact < np.inf and not _keeps(
+                    kind, data, order, large, boxes, ax, ay, bx, by, exact
+                ):
+                    qx, qy, met = _tangents_meet(
+                        kind, data, pairs[i, 0], pairs[i, 1], ax, ay, bx, by
+                    )
+                    if (
+                        met
+                        and _keeps(kind, data, order, large, boxes, ax, ay, qx, qy, exact)
+                        and _keeps(kind, data, order, large, boxes, qx, qy, bx, by, exact)
+                    ):
+                        if m + 2 >= room:
+                            room *= 2
+                            xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+                        xy[m, 0], xy[m, 1] = qx, qy
+                        pair[m] = pairs[i]
+                        m += 1
+                        split = False
+                if split:
+                    split = not _keeps(kind, data, order, large, boxes, ax, ay, bx, by, need)
+            if split:
+                stack[top, 0], stack[top, 1], level[top] = mx, my, deep + 1
+                level[top - 1] = deep + 1
+                top += 1
+                continue
+            top -= 1
+            if top > 0:
+                if m + 1 >= room:
+                    room *= 2
+                    xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+                xy[m, 0], xy[m, 1] = bx, by
+                pair[m] = pairs[i]
+                m += 1
+    return xy[:m], pair[:m]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _grown(a, room):
+    out = np.empty((room, 2))
+    out[: len(a)] = a
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _grown_pairs(a, room):
+    out = np.empty((room, 2), np.int32)
+    out[: len(a)] = a
+    return out

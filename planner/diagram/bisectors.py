@@ -1,0 +1,87 @@
+"""What a roadmap's edges are exactly: lines, parabolas, hyperbolas and ellipses.
+
+Rules and units
+- An edge runs along bisectors, each of two pieces of the borders; everything is in the
+  scene's units.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from planner.borders.generators import BoolArray, Borders
+from planner.scene import ARC, CIRCLE, POINT, FloatArray, IntArray, Vec
+
+__all__ = ["Curve", "Piece", "describe"]
+
+Curve: TypeAlias = Literal["line", "parabola", "hyperbola", "ellipse", "straight"]
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A part of an edge: the bisector of the pieces ``left`` and ``right`` of the borders.
+
+    ``curve`` is what it is exactly: "line", "parabola", "hyperbola", or "ellipse" (between a
+    circle and what lies inside it); "straight" where the bisector could not be proved and the
+    straight line between the ends was measured instead. ``left`` and ``right`` index
+    ``Borders.kind`` and ``Borders.data``, as seen from ``start`` to ``end``.
+    """
+
+    curve: Curve
+    left: int
+    right: int
+    start: Vec
+    end: Vec
+
+
+def describe(
+    borders: Borders, points: FloatArray, pairs: IntArray, proved: BoolArray
+) -> tuple[Piece, ...]:
+    """The runs between the same two pieces along a chain; ``pairs`` as in ``Chains``.
+
+    Every straight line that was measured stays by itself.
+    """
+    out: list[Piece] = []
+    last = len(points) - 1
+    begin = 0
+    for i in range(last):
+        same = i + 1 < last and (pairs[i + 1] == pairs[begin]).all()
+        if same and proved[i + 1] and proved[begin]:
+            continue
+        left, right = int(pairs[begin, 0]), int(pairs[begin, 1])
+        curve: Curve = "straight"
+        if proved[begin]:
+            curve = _curve(borders, left, right, points[begin])
+        a, b = points[begin], points[i + 1]
+        out.append(
+            Piece(curve, left, right, (float(a[0]), float(a[1])), (float(b[0]), float(b[1])))
+        )
+        begin = i + 1
+    return tuple(out)
+
+
+def _curve(borders: Borders, left: int, right: int, at: FloatArray) -> Curve:
+    """What the bisector of two pieces is, seen from a place on it."""
+    round_left, round_right = _radius(borders, left, at), _radius(borders, right, at)
+    if round_left is None and round_right is None:
+        return "line"
+    if round_left is None or round_right is None:
+        return "parabola"
+    if round_left == round_right:
+        return "line"
+    return "hyperbola" if round_left >= 0.0 and round_right >= 0.0 else "ellipse"
+
+
+def _radius(borders: Borders, piece: int, at: FloatArray) -> float | None:
+    """The radius of a round piece, negative as seen from inside; None for a straight one."""
+    kind = borders.kind[piece]
+    if kind == POINT:
+        return 0.0
+    if kind not in (CIRCLE, ARC):
+        return None
+    x, y, r = (float(v) for v in borders.data[piece, :3])
+    outside = np.hypot(at[0] - x, at[1] - y) >= r
+    return r if outside else -r

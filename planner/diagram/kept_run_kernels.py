@@ -1,0 +1,90 @@
+"""Runs of chains that are as they were: the same bisector between the same two places.
+
+Rules
+- A run follows the bisector of one pair of pieces from one station to the next, see
+  :mod:`planner.diagram.chain_kernels`. That curve hangs on nothing else, and neither does what is
+  proved of it as long as nothing comes near: where its ends stayed, to the last bit, so do the
+  points between.
+- Only links that are proved are taken, in either direction.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.shared.compile_options import BORROWING
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _slot(bits_x, bits_y, size):
+    """Where in a table of a power of two a place is looked for first."""
+    mixed = bits_x ^ (bits_x >> 17) ^ (bits_x >> 34) ^ (bits_y >> 7) ^ (bits_y >> 25)
+    return (mixed ^ (bits_y >> 43)) & (size - 1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def index_runs(kept, points, pieces, start, proved):
+    """The points of the chains that are not ``kept`` (m,), found by their place.
+
+    ``points`` (p, 3), ``pieces`` (p, 2), ``start`` (c + 1,) and ``proved`` (p,) are chains as
+    from :func:`planner.diagram.bisector_trace.bend_chains`. Returns what :func:`find_run` takes.
+    """
+    count = 0
+    chains = len(start) - 1
+    is_kept = np.zeros(chains, np.bool_)
+    for c in kept:
+        is_kept[c] = True
+    for c in range(chains):
+        if not is_kept[c]:
+            count += start[c + 1] - start[c]
+    size = 1
+    while size < 2 * count + 1:
+        size *= 2
+    table = np.full(size, -1, np.int32)
+    bits = points.view(np.int64)
+    for c in range(chains):
+        if is_kept[c]:
+            continue
+        for p in range(start[c], start[c + 1]):
+            h = _slot(bits[p, 0], bits[p, 1], size)
+            while table[h] >= 0:
+                h = (h + 1) & (size - 1)
+            table[h] = p
+    return points, bits, pieces, proved, table
+
+
+@njit(**BORROWING, error_model="numpy")
+def find_run(known, place, place_bits, s, left, right):
+    """The known run from place s to the next between ``left`` and ``right``: where, which way.
+
+    ``known`` as from :func:`index_runs`, ``place`` (n, 4), and the same as int64. Returns the
+    point that it begins with, and 1 where it is to be walked forwards, -1 backwards, 0 where
+    there is none.
+    """
+    points, bits, pieces, proved, table = known
+    size = len(table)
+    x_bits, y_bits = place_bits[s, 0], place_bits[s, 1]
+    h = _slot(x_bits, y_bits, size)
+    bx, by = place[s + 1, 0], place[s + 1, 1]
+    while table[h] >= 0:
+        p = np.int64(table[h])
+        if bits[p, 0] == x_bits and bits[p, 1] == y_bits:
+            for way in (1, -1):
+                a, b = (left, right) if way == 1 else (right, left)
+                q = p
+                while True:
+                    # no chain's last link is proved: no walk leaves its chain
+                    link = q if way == 1 else q - 1
+                    if link < 0 or not proved[link]:
+                        break
+                    if pieces[link, 0] != a or pieces[link, 1] != b:
+                        break
+                    q += way
+                    if points[q, 0] == bx and points[q, 1] == by:
+                        return p, way
+        h = (h + 1) & (size - 1)
+    return np.int64(-1), 0

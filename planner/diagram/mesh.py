@@ -1,0 +1,307 @@
+"""The exact generalized diagram: a triangulation of generators, solved and refined in place.
+
+Rules and units
+- The sampled topology is a proposal. Its vertices are solved on their pieces, and each must
+  prove itself by an empty circle; where one cannot, generators are added at the feet around
+  it. At an exact vertex the added generators have the same empty circle, so the proposal
+  becomes right where it was wrong. What they do not touch is not solved again.
+- Clearances below half the spacing are not refined: no robot of the radius gets there.
+- A mesh belongs to whoever made it until it is handed on; from then on nobody changes it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators
+from planner.delaunay import insertion_kernels, predicate_kernels
+from planner.delaunay.voronoi_diagram import DiagramArrays
+from planner.diagram import (
+    chain_kernels,
+    kept_run_kernels,
+    mesh_kernels,
+    trace_kernels,
+    vertex_kernels,
+)
+from planner.diagram.bisector_trace import Bent, bend_chains
+from planner.scene import FloatArray, IntArray
+
+ROUNDS = 6
+"""How often generators are added at most; one or two rounds were enough on random scenes."""
+DOUBTS = 2
+"""In how many rounds vertices that could not be solved ask for generators, too."""
+ROOM = 0.125
+"""Room for generators to add, as a share of those there are."""
+DEAD = insertion_kernels.DEAD
+ROWS = {
+    "tri": (16, DEAD), "circ": (8, np.nan), "label": (1, 0), "refined": (1, 0), "also": (1, -1),
+    "seen": (2, DEAD), "at": (2, np.nan), "place": (2, 0.0), "rho": (2, 0.0), "state": (2, 0),
+    "side": (2, 0), "mask": (2, 0), "stale": (2, 0),
+}  # fmt: skip
+"""The mesh's arrays that grow with it: rows for each site there is room for, and their filling."""
+
+
+@dataclass(frozen=True, slots=True)
+class Traced:
+    """Chains as links, see :mod:`planner.diagram.trace_kernels`; ``mask`` as it was then."""
+
+    mask: NDArray[np.uint8]
+    node: IntArray
+    ends: IntArray
+    first: IntArray
+    link: NDArray[np.int64]
+
+
+@dataclass(slots=True)
+class Mesh:
+    """A triangulation of generators with room for more, and its solved vertices.
+
+    ``xy``, ``tri``, ``circ``, ``alias`` as in :mod:`planner.delaunay.insertion_kernels`, ``label``
+    and ``also`` as in :mod:`planner.diagram.mesh_kernels`; ``refined`` are the sites that were
+    added at feet around vertices; ``used`` of the sites are taken. Per triangle
+    its centre ``at`` and the sites ``seen`` that it was computed for, and ``place``, ``rho``,
+    ``state`` as in :mod:`planner.diagram.vertex_kernels`; ``side``, whether it is free, and
+    ``mask``, its valid edges. ``vacant`` are sites that were taken out again. ``traced`` are the
+    chains as they were last, and ``bent`` where they run: those through triangles that are
+    ``stale`` have to be traced and bent anew.
+    """
+
+    xy: FloatArray
+    tri: NDArray[np.uint32]
+    circ: FloatArray
+    alias: NDArray[np.int64]
+    label: IntArray
+    refined: BoolArray
+    also: IntArray
+    used: int
+    exponent: int
+    seen: NDArray[np.uint32]
+    at: FloatArray
+    place: FloatArray
+    rho: FloatArray
+    state: NDArray[np.int8]
+    side: NDArray[np.int8]
+    mask: NDArray[np.uint8]
+    stale: BoolArray
+    vacant: list[int]
+    traced: Traced
+    bent: Bent
+
+    @property
+    def ghost(self) -> int:
+        """The site at infinity, which is also how many sites there is room for."""
+        return len(self.alias)
+
+    @property
+    def up(self) -> float:
+        """What scaled coordinates are multiplied by."""
+        return 2.0**self.exponent
+
+
+def make_mesh(generators: Generators) -> Mesh | None:
+    """Triangulate the generators; None where all of them are on one line."""
+    n = len(generators.sites)
+    room = 64 + int(ROOM * n)
+    if n < 3:
+        return None
+    if not np.isfinite(generators.sites).all():
+        raise ValueError("generators: must be finite")  # the kernel would write out of bounds
+    traced, bent = _no_chains()
+    status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
+        generators.sites, room
+    )
+    if status:
+        return None
+    ghost = n + room
+    label = np.zeros(ghost, np.int32)
+    label[:n] = generators.label[order]
+    return Mesh(
+        xy=xy,
+        tri=tri,
+        circ=circ,
+        alias=alias,
+        label=label,
+        refined=np.zeros(ghost, np.bool_),
+        also=mesh_kernels.link_coincident(alias, label, ghost),
+        used=n,
+        exponent=exponent,
+        seen=np.full((2 * ghost, 3), insertion_kernels.DEAD, np.uint32),
+        at=np.full((2 * ghost, 2), np.nan),
+        place=np.empty((2 * ghost, 2)),
+        rho=np.zeros(2 * ghost),
+        state=np.zeros(2 * ghost, np.int8),
+        side=np.zeros(2 * ghost, np.int8),
+        mask=np.zeros(2 * ghost, np.uint8),
+        stale=np.zeros(2 * ghost, np.bool_),
+        vacant=[],
+        traced=traced,
+        bent=bent,
+    )
+
+
+def _no_chains() -> tuple[Traced, Bent]:
+    """The chains of a mesh where nothing was traced yet."""
+    none = np.empty(0, np.int32)
+    zero = np.zeros(1, np.int32)
+    return (
+        Traced(
+            np.empty(0, np.uint8), none, np.empty((0, 2), np.int32), zero, np.empty(0, np.int64)
+        ),
+        Bent(np.empty((0, 3)), np.empty((0, 2), np.int32), zero, np.empty(0, np.bool_)),
+    )
+
+
+def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
+    """Solve the vertices, refine where their circles are not empty, and bend the chains.
+
+    Changes the mesh; its chains are then ``traced`` and ``bent``.
+    """
+    half, tolerance = 0.5 * spacing, borders.equal
+    pieces = borders.kind, borders.data, borders.before, borders.after
+    sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
+    flat = _flat(mesh, sag)
+    for turn in range(ROUNDS + 1):
+        changed = mark_valid(mesh, borders, spacing)
+        missing = vertex_kernels.solve_vertices(
+            flat, changed, mesh.mask, mesh.at, *pieces, borders.owner, half, half, turn < DOUBTS,
+            tolerance, mesh.place, mesh.rho, mesh.state,
+        )  # fmt: skip
+        if len(missing[0]) and turn < ROUNDS:
+            add_sites(mesh, *missing)
+            flat = _flat(mesh, sag)
+            continue
+        kept = _trace(mesh)
+        new, old = mesh.traced, mesh.bent
+        chain_kernels.solve_rings(
+            flat, new.node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
+        )  # fmt: skip
+        bent, missing = bend_chains(
+            new.first[len(kept) :], new.link, flat, mesh.at, *pieces, half, half, tolerance,
+            mesh.place, mesh.rho, mesh.state,
+            kept_run_kernels.index_runs(kept, old.points, old.pieces, old.start, old.proved),
+        )  # fmt: skip
+        if len(kept):
+            bent = Bent(
+                *trace_kernels.join_chains(
+                    kept, old.start, (old.points, old.pieces, old.proved), bent.start,
+                    (bent.points, bent.pieces, bent.proved),
+                )
+            )  # fmt: skip
+        mesh.bent = bent
+        if not len(missing[0]) or turn == ROUNDS:
+            break
+        add_sites(mesh, *missing)
+        flat = _flat(mesh, sag)
+
+
+def _trace(mesh: Mesh) -> IntArray:
+    """Trace the chains that are not as they were; which of the old ones are kept."""
+    old = mesh.traced
+    kept, *traced = trace_kernels.trace_chains(
+        mesh.tri, mesh.mask, mesh.stale, old.mask, old.node, old.ends, old.first, old.link
+    )
+    mesh.traced = Traced(mesh.mask.copy(), *traced)
+    mesh.stale[:] = False
+    return kept  # type: ignore[no-any-return]
+
+
+def _flat(mesh: Mesh, sag: float) -> tuple[Any, ...]:
+    """What :func:`planner.diagram.mesh_kernels.nearest_piece` takes."""
+    stamp, queue = np.zeros(mesh.ghost + 2, np.int32), np.empty(mesh.ghost, np.int64)
+    return mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag
+
+
+def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
+    """Bring centres, sides and valid edges of triangles that changed up to date: which did."""
+    changed: IntArray = mesh_kernels.centres(
+        mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.seen, mesh.at, mesh.state,
+        mesh.side,
+    )  # fmt: skip
+    mesh.stale[changed] = True
+    mesh_kernels.mark_sides(
+        mesh.xy, mesh.up, mesh.tri, mesh.at, changed, borders.kind, borders.data, borders.closed,
+        borders.box, spacing, mesh.side,
+    )  # fmt: skip
+    vertex_kernels.mark_valid(
+        mesh.tri, mesh.label, mesh.side, changed, borders.kind, borders.data, borders.before,
+        borders.after, borders.owner, SAME_PLACE * borders.extent, mesh.mask,
+    )  # fmt: skip
+    return changed
+
+
+def add_sites(
+    mesh: Mesh,
+    places: FloatArray,
+    labels: IntArray,
+    where: NDArray[np.int64],
+    *,
+    refined: bool = True,
+) -> None:
+    """Insert sites, each searched for from triangle ``where``."""
+    todo = _numbers(mesh, len(places))
+    mesh.refined[todo] = refined
+    vertex_kernels.add_sites(
+        mesh.xy, 1.0 / mesh.up, mesh.tri, mesh.label, mesh.also, todo, places, labels
+    )
+    w = np.empty(predicate_kernels.SCRATCH)
+    insertion_kernels.insert(w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, todo, where)
+    spare = vertex_kernels.link_aliases(mesh.label, mesh.alias, mesh.also, todo)
+    mesh.vacant.extend(spare.tolist())
+
+
+def _numbers(mesh: Mesh, count: int) -> IntArray:
+    """Numbers for new sites: vacant ones first."""
+    again, mesh.vacant = mesh.vacant[:count], mesh.vacant[count:]
+    new = count - len(again)
+    if mesh.used + new > mesh.ghost:
+        grow(mesh, new + mesh.ghost // 2)
+    mesh.used += new
+    return np.array([*again, *range(mesh.used - new, mesh.used)], np.int32)
+
+
+def grow(mesh: Mesh, more: int) -> None:
+    """Make room for ``more`` sites."""
+    ghost, room = mesh.ghost, mesh.ghost + more
+
+    def longer(array: NDArray[Any], length: int, fill: float) -> NDArray[Any]:
+        out = np.full((length, *array.shape[1:]), fill, array.dtype)
+        out[: len(array)] = array
+        return out
+
+    for name, array in (("tri", mesh.tri), ("seen", mesh.seen)):
+        moved = array.reshape(-1, 8)[:, :3] if name == "tri" else array
+        moved[moved == ghost] = room
+    mesh.xy = longer(mesh.xy[:-2], 2 * room + 2, np.nan)
+    mesh.alias = np.concatenate([mesh.alias, np.arange(ghost, room)])
+    for name, (rows, fill) in ROWS.items():
+        setattr(mesh, name, longer(getattr(mesh, name), rows * room, fill))
+
+
+def copy_mesh(mesh: Mesh) -> Mesh:
+    """A mesh of its own, to be changed."""
+    arrays = {name: getattr(mesh, name).copy() for name in ("xy", "alias", *ROWS)}
+    return replace(mesh, vacant=list(mesh.vacant), **arrays)
+
+
+def generators_of(mesh: Mesh, borders: Borders, spacing: float) -> Generators:
+    """The mesh's sites, those that were added included, in its own order."""
+    sites = mesh.xy[: 2 * mesh.used].reshape(-1, 2) * mesh.up
+    here = np.ones(mesh.used, np.bool_)
+    here[mesh.vacant] = False
+    return Generators(sites[here], mesh.label[: mesh.used][here], spacing, borders)
+
+
+def ordinary(mesh: Mesh) -> tuple[DiagramArrays, BoolArray]:
+    """The generators' own diagram and which of its edges are valid.
+
+    Sites are numbered as in :func:`generators_of`.
+    """
+    *arrays, valid = mesh_kernels.ordinary(
+        mesh.xy, mesh.ghost, mesh.exponent, mesh.tri, mesh.circ, mesh.alias, mesh.used, mesh.mask,
+        np.array(mesh.vacant, np.int32),
+    )  # fmt: skip
+    return DiagramArrays(*arrays), valid

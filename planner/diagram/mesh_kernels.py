@@ -1,0 +1,304 @@
+"""The generators' triangulation as it stands: its circles' centres, its free part, what is near.
+
+Rules and units
+- A mesh is what :func:`planner.delaunay.insertion_kernels.triangulate` leaves: sites ``xy``,
+  triangles ``tri``, circles ``circ``, in units of ``up``, a power of two. Triangles are named by
+  8 t and half-edges by 8 t + k, as there.
+- ``label`` is every site's piece. Of sites that coincide one is in the mesh; ``also`` leads
+  from it to the next one, and -1 ends the list.
+- No point of a border is further than ``half`` from a site of its own piece, along the border
+  (half a spacing; at most 0.4 radii on round pieces).
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import ARC, CIRCLE, distance
+from planner.borders.inside_kernels import in_object
+from planner.delaunay.diagram_kernels import finite_vertices, list_edges
+from planner.delaunay.insertion_kernels import DEAD
+from planner.delaunay.predicate_kernels import SCRATCH, circumcentre
+from planner.shared.compile_options import BORROWING
+
+FREE, BLOCKED, PENDING = 1, 2, 3
+LOOSE = 1e-9
+"""A centre whose circle's band is wider than this share of it is computed again exactly."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def link_coincident(alias, label, count):
+    """``also`` (count,) int32: the next site at the same place, -1 at the end.
+
+    The first one has the least ``label``, which is swapped with another's for that: where two
+    borders coincide, one of them stands for both all along, whichever site went in first.
+    """
+    also = np.full(count, -1, np.int32)
+    for p in range(count):
+        v = alias[p]
+        if v != p:
+            also[p] = also[v]
+            also[v] = p
+            if label[p] < label[v]:
+                label[p], label[v] = label[v], label[p]
+    return also
+
+
+@njit(**BORROWING, error_model="numpy")
+def _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w):
+    """:func:`centres` into ``changed`` (2 ghost,): how many; ``w`` is working space."""
+    n = 0
+    for i in range(2 * ghost):
+        t = 8 * i
+        a, b, c = tri[t], tri[t + 1], tri[t + 2]
+        if a == seen[i, 0] and (a == DEAD or (b == seen[i, 1] and c == seen[i, 2])):
+            continue
+        seen[i, 0], seen[i, 1], seen[i, 2] = a, b, c
+        state[i], side[i] = 0, 0
+        changed[n] = i
+        n += 1
+        if a == DEAD or ghost in (a, b, c):
+            at[i, 0], at[i, 1] = np.nan, np.nan
+            continue
+        q = t >> 1
+        x, y = circ[q], circ[q + 1]
+        if not circ[q + 3] - circ[q + 2] <= LOOSE * circ[q + 2]:
+            x, y = circumcentre(
+                w, xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], xy[2 * c], xy[2 * c + 1]
+            )
+        at[i, 0], at[i, 1] = x * up, y * up
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def centres(xy, ghost, up, tri, circ, seen, at, state, side):
+    """The centres of new triangles into ``at`` (2 ghost, 2), in the scene's units.
+
+    ``seen`` (2 ghost, 3) holds the sites that a row of ``at`` was computed for. A row is NaN
+    for a triangle that does not exist or reaches infinity. ``state`` and ``side`` become 0
+    where the triangle changed. Returns the rows that changed, (c,) int32.
+    """
+    changed = np.empty(2 * ghost, np.int32)
+    w = np.empty(SCRATCH)
+    n = _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w)
+    return changed[:n]
+
+
+@njit(**BORROWING, error_model="numpy")
+def _is_joined(xy, up, tri, at, i, k, j, limit):
+    """Whether the Voronoi edge from i over half-edge k to j stays off the borders."""
+    a, b = np.int64(tri[8 * i + ((9 >> (2 * k)) & 3)]), np.int64(tri[8 * i + ((18 >> (2 * k)) & 3)])
+    ax, ay = xy[2 * a] * up, xy[2 * a + 1] * up
+    bx, by = xy[2 * b] * up, xy[2 * b + 1] * up
+    if 0.25 * ((bx - ax) ** 2 + (by - ay) ** 2) > limit:
+        return True
+    x, y, u, v = at[i, 0], at[i, 1], at[j, 0], at[j, 1]
+    mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+    tx, ty = u - x, v - y
+    if (mx - x) * tx + (my - y) * ty > 0.0 and (u - mx) * tx + (v - my) * ty > 0.0:
+        return False
+    return min((ax - x) ** 2 + (ay - y) ** 2, (ax - u) ** 2 + (ay - v) ** 2) > limit
+
+
+@njit(**BORROWING, error_model="numpy")
+def _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side, queue):
+    """:func:`mark_sides` with a ``queue`` (2 ghost,) to work in."""
+    limit = (0.5 * spacing) ** 2 * (1.0 + 1e-9)
+    for first in changed:
+        if side[first] != 0:
+            continue
+        x, y = at[first, 0], at[first, 1]
+        if not (box[0] < x < box[2] and box[1] < y < box[3]):
+            side[first] = BLOCKED
+            continue
+        side[first] = PENDING
+        queue[0] = first
+        head, tail = 0, 1
+        widest, room, known = first, 0.0, 0
+        while head < tail:
+            i = queue[head]
+            head += 1
+            x, y = at[i, 0], at[i, 1]
+            s = np.int64(tri[8 * i])
+            r = (xy[2 * s] * up - x) ** 2 + (xy[2 * s + 1] * up - y) ** 2
+            if r > room:
+                widest, room = i, r
+            for k in range(3):
+                j = np.int64(tri[8 * i + 4 + k]) >> 3
+                if side[j] == PENDING or (side[j] != 0 and known != 0):
+                    continue
+                u, v = at[j, 0], at[j, 1]
+                if not (box[0] < u < box[2] and box[1] < v < box[3]):
+                    continue
+                if _is_joined(xy, up, tri, at, i, k, j, limit):
+                    if side[j] != 0:
+                        known = side[j]
+                        continue
+                    side[j] = PENDING
+                    queue[tail] = j
+                    tail += 1
+        if known == 0:
+            x, y = at[widest, 0], at[widest, 1]
+            known = FREE
+            if in_object(kind, data, closed, x, y, math.sqrt(room)):
+                known = BLOCKED
+        for m in range(tail):
+            side[queue[m]] = known
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side):
+    """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
+
+    ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge that stays
+    further than half the spacing from its generators crosses no border, so that all vertices joined
+    by such edges lie on one side. One is asked for all, the one with the most room, where none is
+    marked yet.
+    """
+    queue = np.empty(len(at), np.int32)
+    _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side, queue)
+
+
+@njit(**BORROWING, error_model="numpy")
+def _nearest_site(xy, tri, h, x, y):
+    """The half-edge opposite the site nearest to (x, y), scaled, by walking from h's site."""
+    s = np.int64(tri[h])
+    best = (xy[2 * s] - x) ** 2 + (xy[2 * s + 1] - y) ** 2
+    while True:
+        to = np.int64(-1)
+        e = h
+        while True:
+            t = (e >> 3) << 3
+            v = t + ((9 >> (2 * (e - t))) & 3)
+            s = np.int64(tri[v])
+            d = (xy[2 * s] - x) ** 2 + (xy[2 * s + 1] - y) ** 2
+            if d < best:
+                best, to = d, v
+            o = np.int64(tri[v + 4])
+            t = (o >> 3) << 3
+            e = t + ((9 >> (2 * (o - t))) & 3)
+            if e == h:
+                break
+        if to < 0:
+            return h, best
+        h = to
+
+
+@njit(**BORROWING, error_model="numpy")
+def largest_sag(kind, data, half):
+    """The largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
+    sag = 0.0
+    for i in range(len(kind)):
+        if (kind[i] == CIRCLE or kind[i] == ARC) and data[i, 2] > 0.0:
+            s = min(half, 0.4 * data[i, 2])
+            sag = max(sag, s * s / data[i, 2])
+    return sag
+
+
+@njit(**BORROWING, error_model="numpy")
+def nearest_piece(
+    mesh, kind, data, before, after, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=-1
+):  # fmt: skip
+    """Distance to and number of the primitive nearest to (x, y), if nearer than ``bound``.
+
+    (bound, -1) where none is. The primitives ``but_a``, ``but_b`` and ``but_c`` do not count.
+    ``mesh`` is xy, tri, label, also, stamp (ghost + 2,) int32, a queue (ghost,) int64, ``up``
+    and ``sag``; ``t`` a triangle to start from, with no site at infinity. Of a primitive that
+    is nearer, the site nearest to its foot is its own or its corner's and within ``half`` of
+    it, and so nearer to (x, y) than the root of bound^2 + half^2 + sag bound: on a round piece
+    of radius R the chord s to that site adds s^2 bound / R, and ``sag`` is the largest s^2 / R
+    of any. The sites in a disc are connected in the triangulation of all, so that those few
+    are all that is looked at.
+    """
+    xy, tri, label, also, stamp, queue, up, sag = mesh
+    k = len(kind) - len(before)
+    down = 1.0 / up
+    sx, sy = x * down, y * down
+    h, square = _nearest_site(xy, tri, np.int64(t), sx, sy)
+    best = bound
+    reach = min(bound, math.sqrt(square) * up)
+    which = -1
+    within = (reach * reach + half * half + sag * reach) * (1.0 + 1e-6) * down * down
+    last = len(stamp) - 1
+    stamp[last] += 1
+    query = stamp[last]
+    # half-edges opposite the sites to look at
+    queue[0] = h
+    head, tail = 0, 1
+    stamp[np.int64(tri[h])] = query
+    known = np.int32(-1)
+    while head < tail:
+        h = queue[head]
+        head += 1
+        s = np.int64(tri[h])
+        while s >= 0:
+            if label[s] != known:
+                known = label[s]
+                for end in range(2):
+                    i = known
+                    if known >= k:
+                        i = before[known - k] if end == 0 else after[known - k]
+                    elif end == 1:
+                        break
+                    # no `in`: the numbers are of different widths
+                    is_other = i != but_a and i != but_b and i != but_c
+                    if i < 0 or not is_other:
+                        continue
+                    d = distance(kind, data, i, x, y)
+                    if d < best:
+                        best, which = d, i
+            s = np.int64(also[s])
+        e = h
+        while True:
+            t = (e >> 3) << 3
+            v = t + ((9 >> (2 * (e - t))) & 3)
+            s = np.int64(tri[v])
+            if stamp[s] != query:
+                stamp[s] = query
+                if (xy[2 * s] - sx) ** 2 + (xy[2 * s + 1] - sy) ** 2 <= within:
+                    queue[tail] = v
+                    tail += 1
+            o = np.int64(tri[v + 4])
+            t = (o >> 3) << 3
+            e = t + ((9 >> (2 * (o - t))) & 3)
+            if e == h:
+                break
+    return best, which
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
+    """The sites' own diagram as arrays: see
+    :class:`planner.delaunay.voronoi_diagram.DiagramArrays`.
+
+    And which of the edges are valid by ``mask`` (2 ghost,). The ``vacant`` sites are left out
+    and the others numbered anew.
+    """
+    w = np.empty(SCRATCH)
+    tri = tri.copy()
+    label = np.zeros(ghost + 1, np.int32)
+    label[vacant] = -1
+    label[ghost] = -1
+    count = 0
+    for p in range(used):
+        if label[p] == 0:
+            label[p] = count
+            count += 1
+    representative = np.empty(count, np.int32)
+    for p in range(used):
+        if label[p] >= 0:
+            representative[label[p]] = label[alias[p]]
+    vertices, vertex_sites = finite_vertices(w, xy, ghost, exponent, tri, circ, label)
+    edges, flat, ids = list_edges(w, xy, ghost, tri, circ, label, 1, True)
+    valid = np.zeros(len(edges), np.bool_)
+    for i in range(2 * ghost):
+        for k in range(3):
+            if mask[i] >> k & 1 and ids[4 * i + k] >= 0:
+                valid[ids[4 * i + k] >> 1] = True
+    return vertices, vertex_sites, edges, flat, representative, valid

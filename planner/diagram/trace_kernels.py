@@ -1,0 +1,183 @@
+"""From valid edges to chains: who follows whom, and which chains are as they were.
+
+Rules
+- A chain runs from node to node; nodes are vertices with one, three or no two valid edges. A
+  closed run without a node gets one at one of its vertices.
+- Triangles and half-edges are named as in :mod:`planner.delaunay.insertion_kernels`. A chain is its
+  links: the half-edges crossed from inside, in order.
+- Chains that pass no stale triangle, nor one whose valid edges changed, are kept; they come
+  first, in the order they had. Only what is left of the mesh is traced.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.shared.compile_options import BORROWING
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link):
+    """Runs of valid edges through vertices with two of them.
+
+    ``mask`` (n,) holds every triangle's valid edges, ``stale`` (n,) says which triangles
+    changed. The ``old`` answer is the mask and what was returned for it; empty where there is
+    none. Returns ``kept`` (m,) int32, the old chains that are the first m of the new ones, and
+    of all of them ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node
+    numbers, and offsets ``first`` (c + 1,) into ``link`` (l,) int64.
+    """
+    n = len(mask)
+    kept, todo = _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link)
+    edges = len(old_link)
+    for i in todo:
+        edges += int(mask[i] & 1) + int((mask[i] >> 1) & 1) + int(mask[i] >> 2)
+    number = np.full(n, -1, np.int32)
+    node = np.empty(len(old_node) + len(todo), np.int32)
+    used = np.zeros(n, np.uint8)
+    ends = np.empty((edges, 2), np.int32)
+    first = np.zeros(edges + 1, np.int32)
+    link = np.empty(edges, np.int64)
+    nodes = _keep_chains(
+        tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
+    )
+    count = len(todo)
+    for m in range(count):
+        i = todo[m]
+        if number[i] < 0 and (mask[i] == 7 or mask[i] == 1 or mask[i] == 2 or mask[i] == 4):
+            number[i], node[nodes] = nodes, i
+            nodes += 1
+    chains = len(kept)
+    links = np.int64(first[chains])
+    for sweep in range(2):
+        for m in range(count):
+            i0 = todo[m]
+            if mask[i0] == used[i0] or (sweep == 0 and number[i0] < 0):
+                continue
+            if number[i0] < 0:
+                number[i0], node[nodes] = nodes, i0
+                nodes += 1
+            for j0 in range(3):
+                if not (mask[i0] & ~used[i0]) >> j0 & 1:
+                    continue
+                here, way = np.int64(i0), np.int64(j0)
+                ends[chains, 0] = number[here]
+                while True:
+                    link[links] = 8 * here + way
+                    links += 1
+                    used[here] |= np.uint8(1 << way)
+                    o = np.int64(tri[8 * here + way + 4])
+                    here, way = o >> 3, o & 3
+                    used[here] |= np.uint8(1 << way)
+                    if number[here] >= 0:
+                        break
+                    rest = mask[here] & ~(1 << way)
+                    way = np.int64(0 if rest & 1 else (1 if rest & 2 else 2))
+                ends[chains, 1] = number[here]
+                chains += 1
+                first[chains] = links
+    return kept, node[:nodes], ends[:chains], first[: chains + 1], link[:links]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link):
+    """The chains that are as they were, and the triangles where any other chain may pass."""
+    n, known = len(mask), len(old_mask)
+    changed = np.empty(n, np.bool_)
+    for i in range(known):
+        changed[i] = stale[i] | (mask[i] != old_mask[i])
+    changed[known:] = True
+    todo = np.empty(n + len(old_link) + len(old_ends), np.int32)
+    count = 0
+    for i in range(n):
+        if changed[i] and mask[i] != 0:
+            todo[count] = i
+            count += 1
+    kept = np.empty(len(old_ends), np.int32)
+    chains = 0
+    for c in range(len(old_ends)):
+        lo, hi = old_first[c], old_first[c + 1]
+        end = old_node[old_ends[c, 1]]
+        same = not changed[end]
+        for q in range(lo, hi):
+            if changed[old_link[q] >> 3]:
+                same = False
+                break
+        if same:
+            kept[chains] = c
+            chains += 1
+            continue
+        todo[count] = end
+        count += 1
+        for q in range(lo, hi):
+            todo[count] = old_link[q] >> 3
+            count += 1
+    return kept[:chains], todo[:count]
+
+
+@njit(**BORROWING, error_model="numpy")
+def _keep_chains(
+    tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
+):  # fmt: skip
+    """Write the ``kept`` chains into node, ends, first and link; returns how many nodes they have.
+
+    ``number`` gets the nodes' numbers and ``used`` the edges at which the chains leave them.
+    """
+    nodes, links = 0, 0
+    for m in range(len(kept)):
+        c = kept[m]
+        lo, hi = old_first[c], old_first[c + 1]
+        for side in range(2):
+            i = old_node[old_ends[c, side]]
+            if number[i] < 0:
+                number[i], node[nodes] = nodes, i
+                nodes += 1
+            ends[m, side] = number[i]
+        for q in range(lo, hi):
+            link[links] = old_link[q]
+            links += 1
+        used[old_link[lo] >> 3] |= np.uint8(1 << (old_link[lo] & 3))
+        o = np.int64(tri[old_link[hi - 1] + 4])
+        used[o >> 3] |= np.uint8(1 << (o & 3))
+        first[m + 1] = links
+    return nodes
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def join_chains(kept, old_start, old_arrays, start, arrays):
+    """The kept chains' points and then the new ones'.
+
+    ``arrays`` and ``old_arrays`` are out (p, 3), pair (p, 2) and proved (p,), ``start`` the
+    offsets of chains into them, as from :func:`planner.diagram.bisector_trace.bend_chains`. Returns
+    out, pair, start and proved.
+    """
+    old_out, old_pair, old_proved = old_arrays
+    new_out, new_pair, new_proved = arrays
+    m = len(kept)
+    offsets = np.empty(m + len(start), np.int32)
+    n = 0
+    for c in range(m):
+        offsets[c] = n
+        n += old_start[kept[c] + 1] - old_start[kept[c]]
+    for c in range(len(start)):
+        offsets[m + c] = n + start[c]
+    total = n + len(new_out)
+    out, pair = np.empty((total, 3)), np.empty((total, 2), np.int32)
+    proved = np.empty(total, np.bool_)
+    c = 0
+    while c < m:
+        # chains that followed each other do so again
+        last = c
+        while last + 1 < m and kept[last + 1] == kept[last] + 1:
+            last += 1
+        lo, hi = old_start[kept[c]], old_start[kept[last] + 1]
+        to = offsets[c]
+        out[to : to + hi - lo] = old_out[lo:hi]
+        pair[to : to + hi - lo] = old_pair[lo:hi]
+        proved[to : to + hi - lo] = old_proved[lo:hi]
+        c = last + 1
+    out[n:], pair[n:], proved[n:] = new_out, new_pair, new_proved
+    return out, pair, offsets, proved

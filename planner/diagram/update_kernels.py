@@ -1,0 +1,194 @@
+"""What of a solved mesh a change of objects touches.
+
+Rules and units
+- Everything is in the scene's units. A place is touched where an object that comes or goes
+  reaches into its circle, or may lie around it: judged by the objects' boxes, generously.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.delaunay.insertion_kernels import DEAD
+from planner.shared.compile_options import BORROWING
+
+SLACK = 1e-9
+"""Circles count as larger by this share."""
+
+
+@njit(**BORROWING, error_model="numpy")
+def _reaches(boxes, b, x, y, r):
+    """Whether box b comes within r of (x, y)."""
+    dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
+    dy = max(boxes[b, 1] - y, 0.0, y - boxes[b, 3])
+    return dx * dx + dy * dy <= r * r * (1.0 + SLACK)
+
+
+@njit(**BORROWING, error_model="numpy")
+def _mark_inside(boxes, at, inside):
+    """Set in ``inside`` (n,) which of the places ``at`` (n, 2) are in one of the boxes."""
+    for b in range(len(boxes)):
+        x0, y0, x1, y1 = boxes[b, 0], boxes[b, 1], boxes[b, 2], boxes[b, 3]
+        for i in range(len(at)):
+            # without branches: several places at once
+            x, y = at[i, 0], at[i, 1]
+            inside[i] |= (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)
+
+
+@njit(**BORROWING, error_model="numpy")
+def _forget_touched(
+    boxes, at, inside, place, rho, state, seen, stale, first, link, out, start, proved
+):
+    """Make everything in the ``boxes`` (b, 4) be computed again.
+
+    Triangles are forgotten (``seen``), chains with a touched point become ``stale``, and
+    nothing is ``proved`` of the links there. ``inside`` (n,) is False for every triangle, and
+    becomes True where it is forgotten.
+    """
+    _mark_inside(boxes, at, inside)
+    for i in range(len(at)):
+        if state[i] != 0 and not inside[i]:
+            for b in range(len(boxes)):
+                inside[i] |= _reaches(boxes, b, place[i, 0], place[i, 1], rho[i])
+        if inside[i]:
+            seen[i, 0], seen[i, 1], seen[i, 2] = DEAD - 1, DEAD, DEAD
+    for c in range(len(first) - 1):
+        for p in range(start[c], start[c + 1]):
+            touched = False
+            for b in range(len(boxes)):
+                touched |= _reaches(boxes, b, out[p, 0], out[p, 1], out[p, 2])
+            if touched:
+                stale[link[first[c]] >> 3] = True
+                proved[p] = False
+                if p > start[c]:
+                    proved[p - 1] = False
+
+
+@njit(**BORROWING, error_model="numpy")
+def _doubtful_sites(tri, forgotten, refined, alias, used, added, around, doubtful, goes):
+    """Sites that were added around a vertex that is forgotten: there may be no reason any more.
+
+    Nor may there be for those that were added next to them. Where borders are nearer than the
+    spacing, what was added decides what is found. Set in ``goes`` (ghost,), of which all is
+    False, as of ``added`` and ``doubtful`` (ghost + 1,); ``around`` (n,) is working space.
+    """
+    any_added = False
+    for s in range(used):
+        if refined[s]:
+            added[alias[s]] = any_added = True
+    if not any_added:
+        return
+    count = 0
+    for i in range(len(forgotten)):
+        a = np.int64(tri[8 * i])
+        if a != DEAD and (
+            added[a] or added[np.int64(tri[8 * i + 1])] or added[np.int64(tri[8 * i + 2])]
+        ):
+            around[count] = 8 * i
+            count += 1
+    found = True
+    while found:
+        found = False
+        for m in range(count):
+            t = around[m]
+            touched = forgotten[t >> 3]
+            for k in range(3):
+                touched |= doubtful[np.int64(tri[t + k])]
+            for k in range(3):
+                v = np.int64(tri[t + k])
+                if touched and added[v] and not doubtful[v]:
+                    doubtful[v] = found = True
+    for s in range(used):
+        goes[s] = refined[s] and doubtful[alias[s]]
+
+
+@njit(**BORROWING, error_model="numpy")
+def _unlink_sites(
+    label, new_label, doubtful, refined, alias, also, used, stands, gone, quiet, heirs
+):
+    """Give all sites their new labels and find out which have to go: the ``doubtful``, too.
+
+    ``new_label`` holds -1 for labels that are no more. Writes the sites that are in the
+    triangulation and go, those that go without being in it, and those that have to be put in
+    because the site that stood for them goes; returns how many. ``stands`` (used,) is False.
+    """
+    n_gone, n_quiet, n_heirs = 0, 0, 0
+    for p in range(used):
+        if label[p] >= 0:
+            stands[p] = alias[p] == p
+            label[p] = -1 if doubtful[p] else new_label[label[p]]
+    for p in range(used):
+        if not stands[p]:
+            continue
+        head = p
+        if label[p] < 0:
+            gone[n_gone] = p
+            n_gone += 1
+            head = -1
+        last, other = head, also[p]
+        also[p] = -1
+        while other >= 0:
+            after = also[other]
+            also[other] = -1
+            if label[other] < 0:
+                alias[other] = other
+                quiet[n_quiet] = other
+                n_quiet += 1
+            elif head < 0:
+                heirs[n_heirs] = other
+                n_heirs += 1
+                alias[other] = other
+                head, last = other, other
+            else:
+                alias[other] = head
+                also[last] = other
+                last = other
+                # of borders that coincide the same one takes over, wherever it goes
+                if label[p] < 0 and label[other] < label[head]:
+                    label[other], label[head] = label[head], label[other]
+                    refined[other], refined[head] = refined[head], refined[other]
+            other = after
+    return n_gone, n_quiet, n_heirs
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def unlink(
+    boxes, new_label, tri, alias, label, refined, also, used, at, place, rho, state,
+    seen, stale, first, link, points, start, pieces, proved,
+):  # fmt: skip
+    """Find the sites of pieces that are no more in a mesh, see :class:`planner.diagram.mesh.Mesh`.
+
+    Everything that reaches into the ``boxes`` (b, 4) of what changed is to be computed again.
+    ``new_label`` is where the pieces are now, -1 for those that are no more. Sites that were
+    added around what is computed again go, too. Returns the sites to be taken out of the
+    triangulation, those that were not in it and go, and those that have to be put in because
+    the site that stood for them goes; the chains' ``pieces`` (p, 2) as they are numbered now,
+    and what is still ``proved`` (p,) of them.
+    """
+    n, ghost = len(seen), len(alias)
+    proved = proved.copy()
+    forgotten = np.zeros(n, np.bool_)
+    _forget_touched(
+        boxes, at, forgotten, place, rho, state, seen, stale, first, link, points, start, proved
+    )
+    doubtful = np.zeros(ghost, np.bool_)
+    _doubtful_sites(
+        tri, forgotten, refined, alias, used, np.zeros(ghost + 1, np.bool_),
+        np.empty(n, np.int64), np.zeros(ghost + 1, np.bool_), doubtful,
+    )  # fmt: skip
+    gone, quiet = np.empty(used, np.int64), np.empty(used, np.int64)
+    heirs = np.empty(used, np.int32)
+    n_gone, n_quiet, n_heirs = _unlink_sites(
+        label, new_label, doubtful, refined, alias, also, used, np.zeros(used, np.bool_), gone,
+        quiet, heirs,
+    )  # fmt: skip
+    new_pieces = np.empty_like(pieces)
+    for p in range(len(pieces)):
+        # -1 where a chain ends stays -1
+        new_pieces[p, 0] = new_label[pieces[p, 0]]
+        new_pieces[p, 1] = new_label[pieces[p, 1]]
+    return gone[:n_gone], quiet[:n_quiet], heirs[:n_heirs], new_pieces, proved

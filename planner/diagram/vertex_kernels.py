@@ -1,0 +1,343 @@
+"""The diagram's vertices on the borders themselves: which edges are valid, and where they meet.
+
+Rules and units
+- A triangle's vertex is where its three sites' pieces are equally far. Its ``mask`` holds bit
+  k where the Voronoi edge opposite its site k is valid.
+- A vertex with two valid edges between the same two pieces is a passage: nothing is decided
+  there, and it is not solved. All other vertices with a valid edge are.
+- Nothing is believed that its empty circle does not prove; where a border lies inside, the
+  sampling got the topology wrong and has to be refined at the feet around that circle.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import ARC, POINT, distance, foot
+from planner.delaunay.insertion_kernels import DEAD, TINY
+from planner.diagram.agvd_kernels import is_end, is_valid
+from planner.diagram.bisector_kernels import meet_three, slide_between, turn_at
+from planner.diagram.mesh_kernels import FREE, nearest_piece
+from planner.shared.compile_options import BORROWING
+
+TURN_TRIES = 4
+"""Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
+WAITING, DONE = 0x80, 3
+"""In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
+NEAR, PROVED_NEAR = 4.0, 16.0
+"""How far a vertex may lie from where it was sampled, in half spacings; and a turning point whose
+circle is known to be empty: where a border leaves its tangent slowly, samples tell it late."""
+UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
+"""What is known of a vertex: nothing; that it is equidistant to its pieces and its circle is
+empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
+
+
+@njit(**BORROWING, error_model="numpy")
+def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tolerance, mask):
+    """Set in ``mask`` (t,) bit k where the edge opposite site k of a free triangle is valid.
+
+    Only the edges of the ``changed`` triangles are looked at; they may change the masks of
+    their neighbours.
+    """
+    k = len(kind) - len(before)
+    for i in changed:
+        mask[i] = WAITING
+    for i in changed:
+        done = mask[i] >> DONE
+        mask[i] &= 7
+        if side[i] != FREE or np.int64(tri[8 * i]) == DEAD:
+            if np.int64(tri[8 * i]) != DEAD:
+                for j in range(3):
+                    o = np.int64(tri[8 * i + j + 4])
+                    mask[o >> 3] &= ~np.uint8(1 << (o & 3))
+            continue
+        for j in range(3):
+            if done >> j & 1:
+                continue
+            o = np.int64(tri[8 * i + j + 4])
+            n, bit = o >> 3, np.uint8(1 << (o & 3))
+            if mask[n] & WAITING:
+                mask[n] |= bit << DONE
+            valid = False
+            if side[n] == FREE:
+                a = label[np.int64(tri[8 * i + ((9 >> (2 * j)) & 3)])]
+                b = label[np.int64(tri[8 * i + ((18 >> (2 * j)) & 3)])]
+                valid = a != b and is_valid(
+                    kind, data, a, b, k, before, after, owner, False, tolerance
+                )
+            if valid:
+                mask[i] |= np.uint8(1 << j)
+                mask[n] |= bit
+            else:
+                mask[n] &= ~bit
+
+
+@njit(**BORROWING, error_model="numpy")
+def is_passage(mask, a, b, c):
+    """Whether a vertex with labels a, b, c only passes from one edge to the next."""
+    return (mask == 3 or mask == 5 or mask == 6) and (a == b or b == c or c == a)
+
+
+@njit(**BORROWING, error_model="numpy")
+def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
+    """Whether two pieces are equally far from (x, y) because both of their feet are one corner.
+
+    They are that all round it, and no vertex of theirs is there. Within ``tolerance`` of such a
+    place a foot moves by the root of that.
+    """
+    ax, ay = foot(kind, data, a, x, y)
+    bx, by = foot(kind, data, b, x, y)
+    square = (ax - x) ** 2 + (ay - y) ** 2
+    apart = (bx - ax) ** 2 + (by - ay) ** 2
+    return square >= relevant * relevant and apart <= 16.0 * tolerance * math.sqrt(square)
+
+
+@njit(**BORROWING, error_model="numpy")
+def solve_one(
+    mesh, kind, data, before, after, owner, t, a, b, c, x, y, half, tolerance
+):  # fmt: skip
+    """The exact place of the sampled vertex (x, y) of labels a, b, c.
+
+    Returns x, y, state and whether its circle is known to be empty.
+    """
+    k = len(kind) - len(before)
+    if a in (b, c) or b == c:
+        if a == b:
+            b = c
+        if a == b:
+            return x, y, KEPT, False
+        qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
+        return qx, qy, EXACT if found else KEPT, False
+    ab = is_valid(kind, data, a, b, k, before, after, owner, False, tolerance)
+    bc = is_valid(kind, data, b, c, k, before, after, owner, False, tolerance)
+    ca = is_valid(kind, data, c, a, k, before, after, owner, False, tolerance)
+    if ab and bc and ca:
+        reach = 4.0 * half + distance(kind, data, a, x, y)
+        qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
+        if found and not (
+            _is_corner(kind, data, a, b, qx, qy, half, tolerance)
+            or _is_corner(kind, data, b, c, qx, qy, half, tolerance)
+            or _is_corner(kind, data, c, a, qx, qy, half, tolerance)
+        ):
+            return qx, qy, EXACT, False
+    elif ab + bc + ca == 2:
+        if not bc:
+            a, b, c = b, c, a
+        elif not ca:
+            a, b, c = c, a, b
+        # a point of one object may lie on another's piece: they touch
+        corner, side = (a, b) if is_end(kind, data, a, b, k, before, after, tolerance) else (b, a)
+        if kind[side] != POINT:
+            qx, qy, found = turn_at(kind, data, corner, side, c, x, y, tolerance)
+            empty = False
+            for _ in range(TURN_TRIES):
+                if not found:
+                    break
+                s = math.sqrt((qx - data[corner, 0]) ** 2 + (qy - data[corner, 1]) ** 2)
+                _, i = nearest_piece(
+                    mesh, kind, data, before, after, t, qx, qy, s - 4.0 * tolerance, half,
+                    side, c, -1,
+                )  # fmt: skip
+                empty = i < 0
+                if empty:
+                    break
+                if is_end(kind, data, corner, i, k, before, after, tolerance):
+                    # the corner's other side comes before this one all along its normal
+                    found = False
+                    break
+                c = i
+                qx, qy, found = turn_at(kind, data, corner, side, i, qx, qy, tolerance)
+            if found:
+                return qx, qy, EXACT, empty
+    elif ab + bc + ca == 1:
+        for i in (a, b, c):
+            if i < k and kind[i] == ARC:
+                gone = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2
+                if gone < (1e-3 * data[i, 2]) ** 2:
+                    return data[i, 0], data[i, 1], EXACT, False
+        if bc:
+            a, b = b, c
+        elif ca:
+            a, b = c, a
+        qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
+        return qx, qy, EXACT if found else KEPT, False
+    return x, y, KEPT, False
+
+
+@njit(**BORROWING, error_model="numpy")
+def _choose(tri, label, changed, mask, state, wanted, todo):
+    """The vertices to solve among the changed triangles and their neighbours, in order.
+
+    Writes them into ``todo`` (t,): how many. ``wanted`` (t,) bool is False at first.
+    """
+    n = len(mask)
+    every = len(changed) == n
+    for m in range(len(changed)):
+        i = np.int64(changed[m])
+        for k in range(1 if every or np.int64(tri[8 * i]) == DEAD else 4):
+            j = i if k == 0 else np.int64(tri[8 * i + 3 + k]) >> 3
+            if mask[j] == 0 or state[j] != UNUSED or wanted[j]:
+                continue
+            a, b = label[np.int64(tri[8 * j])], label[np.int64(tri[8 * j + 1])]
+            if not is_passage(mask[j], a, b, label[np.int64(tri[8 * j + 2])]):
+                wanted[j] = True
+    count = 0
+    for p in range(n):
+        if wanted[p]:
+            todo[count] = p
+            count += 1
+    return count
+
+
+@njit(**BORROWING, error_model="numpy")
+def _solve(
+    mesh, todo, at, kind, data, before, after, owner, half, relevant, doubt, tolerance, xy, rho,
+    state, bad
+):  # fmt: skip
+    """Solve the vertices ``todo``: how many rows of ``bad`` (v, 2) are set.
+
+    Those are vertices whose circles are not empty, and what they lack, see
+    :func:`solve_vertices`.
+    """
+    tri, label = mesh[1], mesh[2]
+    k = len(kind) - len(before)
+    count = 0
+    for i in todo:
+        t = 8 * np.int64(i)
+        a, b, c = label[np.int64(tri[t])], label[np.int64(tri[t + 1])], label[np.int64(tri[t + 2])]
+        px, py = at[i, 0], at[i, 1]
+        x, y, got, empty = solve_one(
+            mesh, kind, data, before, after, owner, t, a, b, c, px, py, half, tolerance
+        )  # fmt: skip
+        far = (PROVED_NEAR if empty else NEAR) * half
+        if (x - px) ** 2 + (y - py) ** 2 > far * far:
+            x, y, got, empty = px, py, KEPT, False
+        r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
+        r = min(r, distance(kind, data, c, x, y))
+        near, which = r, -1
+        if not empty:
+            near, which = nearest_piece(
+                mesh, kind, data, before, after, t, x, y, r - 4.0 * tolerance, half, a, b, c
+            )
+        if which >= 0:
+            r = near
+            got = INTRUDED
+            overshot = (a in (b, c) or b == c) and not (
+                is_valid(kind, data, which, a, k, before, after, owner, False, tolerance)
+                and is_valid(kind, data, which, b, k, before, after, owner, False, tolerance)
+                and is_valid(kind, data, which, c, k, before, after, owner, False, tolerance)
+            )
+            if r >= relevant and not overshot:
+                bad[count, 0], bad[count, 1] = i, which
+                count += 1
+        elif got == KEPT and r >= relevant:
+            # the pieces do not meet here: one that is nearer than they are has too few sites
+            far = max(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
+            far = max(far, distance(kind, data, c, x, y))
+            if doubt:
+                _, which = nearest_piece(
+                    mesh, kind, data, before, after, t, x, y, far, half, a, b, c
+                )
+            if which < 0 and far - r > 4.0 * tolerance:
+                # or the nearest of them has: a circle reached through it to what is behind
+                which = a
+                if distance(kind, data, b, x, y) == r:
+                    which = b
+                elif distance(kind, data, c, x, y) == r:
+                    which = c
+            if which >= 0:
+                bad[count, 0], bad[count, 1] = i, which
+                count += 1
+        xy[i, 0], xy[i, 1], rho[i], state[i] = x, y, r, got
+    return count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_vertices(
+    mesh, changed, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
+    xy, rho, state
+):  # fmt: skip
+    """Exact places of the vertices that valid edges meet, passages left out.
+
+    Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
+    that is UNUSED; the others are as they were. Only the ``changed`` triangles and their
+    neighbours, whose valid edges may have, are looked at. Returns sites that are missing
+    around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
+    labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
+    of them is nearer than its sites and, with ``doubt``, because another one is.
+    """
+    tri, label = mesh[1], mesh[2]
+    k = len(kind) - len(before)
+    n = len(mask)
+    todo = np.empty(n, np.int32)
+    todo = todo[: _choose(tri, label, changed, mask, state, np.zeros(n, np.bool_), todo)]
+    bad = np.empty((len(todo), 2), np.int32)
+    count = _solve(
+        mesh, todo, at, kind, data, before, after, owner, half, relevant, doubt, tolerance, xy,
+        rho, state, bad,
+    )  # fmt: skip
+    extra = np.empty((4 * count, 2))
+    extra_label = np.empty(4 * count, np.int32)
+    where = np.empty(4 * count, np.int64)
+    n = 0
+    for j in range(count):
+        i = bad[j, 0]
+        for m in range(4):
+            lab = bad[j, 1] if m == 3 else label[np.int64(tri[8 * i + m])]
+            if lab >= k:
+                continue
+            fx, fy = foot(kind, data, lab, xy[i, 0], xy[i, 1])
+            extra[n, 0], extra[n, 1], extra_label[n], where[n] = fx, fy, lab, 8 * i
+            n += 1
+        xy[i, 0], xy[i, 1] = at[i, 0], at[i, 1]
+        rho[i], _ = nearest_piece(
+            mesh, kind, data, before, after, 8 * i, at[i, 0], at[i, 1], np.inf, half, -1, -1, -1
+        )
+    return extra[:n], extra_label[:n], where[:n]
+
+
+@njit(**BORROWING, error_model="numpy")
+def add_sites(xy, down, tri, label, also, todo, places, labels):
+    """Write the sites ``todo``, which the mesh does not have yet, into xy and label."""
+    for j in range(len(todo)):
+        p = np.int64(todo[j])
+        x, y = places[j, 0] * down, places[j, 1] * down
+        if abs(x) < TINY:
+            x = (x + TINY) - TINY
+        if abs(y) < TINY:
+            y = (y + TINY) - TINY
+        xy[2 * p], xy[2 * p + 1] = x, y
+        label[p] = labels[j]
+        also[p] = -1
+        tri[16 * p], tri[16 * p + 8] = DEAD, DEAD
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def link_aliases(label, alias, also, todo):
+    """Append sites that turned out to coincide with others to those sites' lists.
+
+    Returns the sites that are not needed, because a site of the same piece is there already.
+    """
+    spare = np.empty(len(todo), np.int32)
+    n = 0
+    for p in todo:
+        v = alias[p]
+        if v == p:
+            continue
+        q = v
+        while q >= 0 and label[q] != label[p]:
+            q = np.int64(also[q])
+        if q >= 0:
+            alias[p], label[p] = p, -1
+            spare[n] = p
+            n += 1
+        else:
+            also[p] = also[v]
+            also[v] = p
+    return spare[:n]

@@ -1,0 +1,1 @@
+"""Scenes and maps as files: scene texts, ROS maps, MovingAI maps."""

@@ -1,0 +1,72 @@
+"""Scene and map files in and out: the planner's only door to the disk.
+
+``load_scene`` tells by the content what a file is: the scene text of ``scene_text.py``, the
+YAML of a ROS map, or a MovingAI ``.map`` (``map_files.py``). A picture is not a scene: it has
+to be looked at first, which is the work of ``vision.extract``.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from planner.formats.map_files import ReadPicture, decode, parse_movingai, read_bytes, read_ros_map
+from planner.formats.scene_text import HEADER, read_scene_text, write_scene_text
+from planner.scene import Scene, SceneError
+
+__all__ = ["is_picture", "load_scene", "read_scene_text", "save_scene", "write_scene_text"]
+
+_PICTURE_STARTS = (
+    *(b"\x89PNG", b"\xff\xd8\xff", b"BM", b"GIF8", b"II*\x00", b"MM\x00*"),
+    *(b"\xff\x4f\xff\x51", b"\x59\xa6\x6a\x95", b"#?RADIANCE", b"#?RGBE"),
+)
+
+
+def load_scene(path: str | os.PathLike[str], *, read_picture: ReadPicture | None = None) -> Scene:
+    """The scene in a file; ``read_picture`` reads the pictures of ROS maps that are not PGM.
+
+    Raises :class:`SceneError` naming the file and, where there is one, the line and column.
+    """
+    file = Path(path)
+    data = read_bytes(file)
+    if is_picture(data):
+        raise SceneError(
+            f"{file}: a picture, not a scene: give it to vision.extract, or, for the picture of"
+            " a ROS map, load its YAML file"
+        )
+    text = decode(data, str(file))
+    if file.suffix.lower() in (".yaml", ".yml") or _looks_like_map_header(text):
+        return read_ros_map(file, read_picture)
+    if re.match(r"\s*type\s+\w+\s*\n", text):
+        return parse_movingai(text, str(file))
+    return read_scene_text(text, str(file))
+
+
+def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """Write the scene as text; :class:`SceneError` where the file cannot be written."""
+    text = write_scene_text(scene)
+    try:
+        Path(path).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise SceneError(f"{os.fspath(path)}: {error.strerror or error}") from None
+
+
+def is_picture(data: bytes) -> bool:
+    """Whether a file that begins so is a picture.
+
+    PNG, JPEG, BMP, GIF, TIFF, WebP, AVIF, JPEG 2000, Netpbm, PFM, PAM, Radiance, Sun raster.
+    """
+    if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
+        return True
+    if data[4:11] == b"ftypavi" or data[4:8] == b"jP  ":
+        return True
+    words = re.match(rb"P[1-6Ff]\s+[\d#]|P7\s+[A-Z#]", data)
+    return data.startswith(_PICTURE_STARTS) or words is not None
+
+
+def _looks_like_map_header(text: str) -> bool:
+    if text.startswith(HEADER):
+        return False
+    keys = set(re.findall(r"^(\w+)\s*:", text, flags=re.MULTILINE))
+    return {"image", "resolution", "origin"} <= keys

@@ -1,0 +1,234 @@
+"""Rounds a path's corners inside the free corridor, and proves the clearance again.
+
+A corner is cut from a point before it to a point after it by a parabola that leaves and joins
+the path along its own directions (a quadratic Bezier curve: its control point is where the two
+tangents meet). The sharpest corners come first. A cut begins as long as the cuts beside it
+allow and is halved until the exact clearance of the new piece is enough; where even the
+shortest is not, the corner stays. For a robot with a turning radius cuts are arcs of at least
+that radius, and a corner without room for one stays, to be turned on the spot.
+Nothing is sampled: the clearance is that of the whole new polyline against every border, by the
+callable that is given.
+
+Units are the scene's.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
+from planner.motion.smooth_kernels import bend, parabola
+from planner.path import Path
+from planner.scene import FloatArray, Vec
+
+CORNER_RAD = math.radians(3.0)
+"""A smaller turn is no corner: the samples of a smooth bisector turn less."""
+LONGEST_CUT = 4.0
+"""Robot radii before and after a corner: what lies further does not feel the corner."""
+LONGEST_BEND = 2.0
+"""The same in turning radii, where that is more: right angles take one."""
+HALVINGS = 7
+SIMPLIFY = 0.01
+"""Corners are sought on the path simplified within this part of the robot's radius."""
+CURVE_TOLERANCE = 0.002
+"""How far the chords may leave the parabola, as a part of the robot's radius."""
+
+ROUNDING = 1e-12
+"""A line cut in two may measure this part of its coordinates nearer than whole."""
+
+
+class SmoothError(ValueError):
+    """The path cannot be smoothed as asked; the message says why."""
+
+
+class LeastClearance(Protocol):
+    """The least clearance of a polyline and where it is, as ``Roadmap.path_clearance`` tells."""
+
+    @property
+    def distance(self) -> float:
+        """The exact distance to the nearest border or wall."""
+        ...
+
+    @property
+    def at(self) -> Vec:
+        """The point of the polyline where it is."""
+        ...
+
+
+PathClearance = Callable[[FloatArray], LeastClearance]
+PointClearance = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, slots=True)
+class _Cut:
+    """A stretch of the path, by lengths, and the points that replace it."""
+
+    begin: float
+    end: float
+    points: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Rules:
+    """What every cut must keep: ``floor``, but for a path that is ``nearer`` than it already."""
+
+    radius: float
+    floor: float
+    nearer: bool
+    path_clearance: PathClearance
+    turning_radius: float
+
+
+def smooth_path(
+    path: Path,
+    path_clearance: PathClearance,
+    clearance: PointClearance,
+    *,
+    keep: float | None = None,
+    turning_radius: float = 0.0,
+) -> Path:
+    """The path with its corners rounded; stations stay where they are.
+
+    ``keep`` is the clearance that every changed piece must have, or what the piece that it replaces
+    had where that is less: the path's own least clearance where None. It is never less than the
+    robot's radius, but for a path that is nearer by rounding. The answer's clearances are computed
+    again. Alternatives are smoothed too. Raises :class:`SmoothError` where ``keep`` is below the
+    radius or not finite.
+    """
+    floor = path.min_clearance if keep is None else keep
+    radius = min(path.robot_radius, path.min_clearance)
+    if not (math.isfinite(floor) and floor >= radius * (1.0 - 1e-9)):
+        raise SmoothError(
+            f"keep = {floor:g}: must be finite and >= the robot's radius {path.robot_radius:g}"
+        )
+    if not (math.isfinite(turning_radius) and turning_radius >= 0.0):
+        raise SmoothError(f"turning_radius = {turning_radius:g}: must be >= 0 and finite")
+    rules = _Rules(
+        path.robot_radius, floor, floor > path.min_clearance, path_clearance, turning_radius
+    )
+    pieces = [path.points[:1]]
+    stations = [0]
+    for a, b in pairwise(path.stations):
+        leg = _smooth_leg(path.points[a : b + 1], rules)
+        pieces.append(leg[1:])
+        stations.append(stations[-1] + len(leg) - 1)
+    points = np.concatenate(pieces)
+    least = path_clearance(points)
+    rounding = ROUNDING * float(np.abs(points).max())
+    lowest = max(min(floor, path.min_clearance) - rounding, radius)
+    if least.distance < lowest:
+        return path
+    clearances = np.array(clearance(points), dtype=np.float64)
+    for array in (points, clearances):
+        array.setflags(write=False)
+    return replace(
+        path,
+        points=points,
+        clearances=clearances,
+        length=float(arc_lengths(points)[-1]),
+        min_clearance=float(least.distance),
+        min_clearance_at=(float(least.at[0]), float(least.at[1])),
+        stations=tuple(stations),
+        alternatives=tuple(
+            smooth_path(other, path_clearance, clearance, turning_radius=turning_radius)
+            for other in path.alternatives
+        ),
+    )
+
+
+def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
+    """One stretch between stations, corner after corner. O(n log n)."""
+    if len(points) < 3:
+        return points
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    lengths = arc_lengths(points)
+    kept = fewer_vertices(points, SIMPLIFY * rules.radius)
+    steps = np.diff(points[kept], axis=0)
+    direction = np.arctan2(steps[:, 1], steps[:, 0])
+    turns = np.abs(math.pi - np.mod(math.pi - np.diff(direction), math.tau))
+    sharpest = np.argsort(-turns, kind="stable")
+    longest = max(LONGEST_CUT * rules.radius, LONGEST_BEND * rules.turning_radius)
+    begins: list[float] = []
+    cuts: list[_Cut] = []
+    for k in sharpest[turns[sharpest] > CORNER_RAD]:
+        corner = float(lengths[kept[k + 1]])
+        after = bisect_right(begins, corner)
+        reach = min(_room(corner, cuts, after, float(lengths[-1])), longest)
+        cut = _round_corner(points, lengths, corner, reach, rules)
+        if cut is not None:
+            begins.insert(after, cut.begin)
+            cuts.insert(after, cut)
+    return _with_cuts(points, lengths, cuts)
+
+
+def _room(corner: float, cuts: list[_Cut], after: int, length: float) -> float:
+    """How far a cut may reach to either side before it meets another one or the leg's end.
+
+    The ``cuts`` are in order, and the first that begins beyond the corner is number ``after``.
+    """
+    room = min(corner, length - corner)
+    if after > 0:
+        room = min(room, max(corner - cuts[after - 1].end, 0.0))
+    if after < len(cuts):
+        room = min(room, cuts[after].begin - corner)
+    return room
+
+
+def _round_corner(
+    points: FloatArray, lengths: FloatArray, corner: float, reach: float, rules: _Rules
+) -> _Cut | None:
+    """The longest cut whose clearance is proved, None where there is none."""
+    tolerance = CURVE_TOLERANCE * rules.radius
+    for _ in range(HALVINGS):
+        if reach <= tolerance:
+            return None
+        if rules.turning_radius > 0.0:
+            curve = bend(points, lengths, corner, reach, tolerance, rules.turning_radius)
+        else:
+            curve = parabola(points, lengths, corner, reach, tolerance)
+        if len(curve) and _is_wide(curve, points, lengths, corner, reach, rules):
+            return _Cut(corner - reach, corner + reach, curve)
+        reach *= 0.5
+    return None
+
+
+def _is_wide(
+    curve: FloatArray,
+    points: FloatArray,
+    lengths: FloatArray,
+    corner: float,
+    reach: float,
+    rules: _Rules,
+) -> bool:
+    """Whether the curve has the clearance asked for, or what it replaces where that has less."""
+    gap = rules.path_clearance(curve).distance
+    if gap >= rules.floor or not rules.nearer:
+        return gap >= rules.floor
+    begin, end = corner - reach, corner + reach
+    inner = slice(*np.searchsorted(lengths, [begin, end], side="right").tolist())
+    a, b = points_at(points, lengths, np.array([begin, end]))
+    return gap >= rules.path_clearance(np.concatenate([a[None], points[inner], b[None]])).distance
+
+
+def _with_cuts(points: FloatArray, lengths: FloatArray, cuts: list[_Cut]) -> FloatArray:
+    """The points with the cuts put in, which are in order."""
+    pieces = []
+    done = 0
+    for cut in cuts:
+        pieces.append(points[done : np.searchsorted(lengths, cut.begin, side="left")])
+        pieces.append(cut.points)
+        done = int(np.searchsorted(lengths, cut.end, side="right"))
+    pieces.append(points[done:])
+    if done == len(points):
+        pieces.append(points[-1:])
+    joined = np.concatenate(pieces)
+    moved = np.concatenate([[True], np.any(np.diff(joined, axis=0) != 0.0, axis=1)])
+    result: FloatArray = joined[moved]
+    return result

@@ -1,0 +1,325 @@
+"""The roadmap as a ``networkx.Graph``: what a robot of the radius can use, without spurs.
+
+Rules
+- What of a chain keeps the radius is in the graph: one that is too narrow in places is cut there,
+  see ``clip.py``, and the cuts are nodes.
+- A dead end is a spur, and left out, where the disc at its end reaches less than ``REACH``
+  radii beyond the disc at its junction, or where it only runs into a corner: there the
+  clearance falls by more than ``TAPER`` a step. Whatever a spur leads to is reached from its
+  junction. The branches into a U, or into a room whose wall is one object, stay.
+- Chains that meet two by two are one edge. A ``Graph`` holds one edge a pair of nodes and no
+  loop: of two edges between the same nodes one is halved by a node of its own, and an edge
+  that returns to its node is cut in three.
+- An edge's polyline leaves its bisectors by little, and is as wide as the edge but for
+  ``NARROWER``, never less than the radius but for ``TIGHT``: where chords cut in, they are halved.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.borders import clear_kernels
+from planner.borders.distance_kernels import polyline_clearance
+from planner.borders.generators import BoolArray, Borders
+from planner.diagram import bisector_kernels
+from planner.diagram.agvd import Chains
+from planner.diagram.bisectors import describe
+from planner.roadmap.clip import Clipped
+from planner.scene import FloatArray, IntArray
+
+REACH = 1.0
+"""What a dead end must reach beyond its junction, in robot radii (lambda in the literature)."""
+TAPER = 0.3
+"""Sine of half the angle of a corner that counts as one: 35 degrees between its sides."""
+NARROWER = 1e-4
+"""An edge's polyline may come nearer to the borders than the edge by this part of its clearance."""
+TIGHT = 1e-7
+"""A bend exactly as wide as the robot is followed in chords that take so much of the radius."""
+ALIKE = 1e-5
+"""Dead ends whose lengths differ by so small a part of the scene are equally long."""
+BULGE = 0.05
+"""How far the polyline's chords may leave the bisectors, in spacings."""
+SAME = 1e-9
+"""A node is equidistant to what is as near within this share of the scene's extent."""
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+    from planner.roadmap.roadmap import Roadmap
+
+
+@dataclass(frozen=True, slots=True)
+class Strand:
+    """Chains that are one edge from node ``u`` to node ``v``: (chain, walked forwards)."""
+
+    u: int
+    v: int
+    chains: tuple[tuple[int, bool], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A strand's points (n, 2) and clearances (n,), and of each link to the next point.
+
+    ``pairs`` (n, 2), ``gap``, ``step`` and ``proved`` (n,) as in
+    :class:`planner.diagram.agvd.Chains`.
+    """
+
+    points: FloatArray
+    rho: FloatArray
+    pairs: IntArray
+    gap: FloatArray
+    step: FloatArray
+    proved: BoolArray
+
+    def part(self, first: int, last: int) -> Run:
+        """From one point to another, both included."""
+        s = slice(first, last + 1)
+        return Run(
+            self.points[s], self.rho[s], self.pairs[s], self.gap[s], self.step[s], self.proved[s]
+        )
+
+
+def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
+    """The chains that keep the radius as a graph."""
+    clipped, borders = roadmap.clipped, roadmap.borders
+    chains = clipped.chains
+    import networkx as nx  # late: a plan counts the graph without it, and it takes 0.2 s
+
+    graph: nx.Graph[int] = nx.Graph(radius=roadmap.radius)
+    owners: defaultdict[int, set[int]] = defaultdict(set)
+    bulge = BULGE * roadmap.spacing
+    new = len(chains.node_xy)
+    for strand in lay_strands(clipped, roadmap.radius):
+        u, v = strand.u, strand.v
+        run = _run(chains, strand)
+        owners[u] |= _owners(borders, run.pairs[:1])
+        owners[v] |= _owners(borders, run.pairs[-2:-1])
+        for n in (u, v):
+            _add_node(graph, n, chains.node_xy[n], max(chains.node_rho[n], roadmap.radius))
+        if len(run.points) == 1:
+            continue
+        parts = 3 if u == v else 2 if graph.has_edge(u, v) else 1
+        run = _divisible(borders, run, parts)
+        last = len(run.points) - 1
+        cuts = [round(last * i / parts) for i in range(parts + 1)]
+        nodes = [u, *range(new, new + parts - 1), v]
+        new += parts - 1
+        for i in range(1, parts):
+            _add_node(graph, nodes[i], run.points[cuts[i]], max(run.rho[cuts[i]], roadmap.radius))
+            owners[nodes[i]] |= _owners(borders, run.pairs[cuts[i] - 1 : cuts[i] + 1])
+        for i in range(parts):
+            part = _followed(borders, run.part(cuts[i], cuts[i + 1]), roadmap.radius, bulge)
+            _add_edge(graph, borders, nodes[i], nodes[i + 1], part, roadmap.radius)
+    for n, data in graph.nodes(data=True):
+        reach = data["clearance"] + SAME * borders.extent
+        x, y = data["pos"]
+        around = clear_kernels.within(*borders.tree, x, y, reach)
+        data["owners"] = tuple(sorted(owners[n] | set(borders.owner[around].tolist())))
+    return graph
+
+
+def count_graph(clipped: Clipped, radius: float) -> tuple[int, int]:
+    """How many nodes and edges the graph has, without making it."""
+    chains = clipped.chains
+    nodes: set[int] = set()
+    pairs: set[tuple[int, int]] = set()
+    extra_nodes, edges = 0, 0
+    for strand in lay_strands(clipped, radius):
+        nodes |= {strand.u, strand.v}
+        c = strand.chains[0][0]
+        if chains.first[c + 1] - chains.first[c] == 1:
+            continue
+        pair = min(strand.u, strand.v), max(strand.u, strand.v)
+        parts = 3 if strand.u == strand.v else 2 if pair in pairs else 1
+        pairs.add(pair)
+        extra_nodes += parts - 1
+        edges += parts
+    return len(nodes) + extra_nodes, edges
+
+
+def lay_strands(clipped: Clipped, radius: float) -> list[Strand]:
+    """The edges: maximal rows of the chains that are kept, joined where only two meet."""
+    chains = clipped.chains
+    kept = without_spurs(clipped, radius)
+    around: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
+    ends = chains.ends.tolist()
+    for c in kept:
+        for end in range(2):
+            around[ends[c][end]].append((c, end))
+    joints = {n for n, met in around.items() if len(met) == 2 and met[0][0] != met[1][0]}
+    done: set[int] = set()
+    strands = []
+    # closed rows without a junction begin anywhere, and so come last
+    for c, end in sorted(
+        ((c, end) for c in kept for end in range(2)), key=lambda ce: ends[ce[0]][ce[1]] in joints
+    ):
+        if c in done:
+            continue
+        first = ends[c][end]
+        row = []
+        while True:
+            done.add(c)
+            row.append((c, end == 0))
+            here = ends[c][1 - end]
+            if here not in joints or here == first:
+                break
+            one, other = around[here]
+            c, end = other if one[0] == c else one
+        strands.append(Strand(first, here, tuple(row)))
+    return strands
+
+
+def without_spurs(clipped: Clipped, radius: float) -> list[int]:
+    """The wide chains, less the dead ends that lead nowhere of their own."""
+    chains = clipped.chains
+    kept = set(np.flatnonzero(clipped.wide).tolist())
+    ends, length = chains.ends.tolist(), chains.length.tolist()
+    rho = chains.node_rho.tolist()
+    around: defaultdict[int, set[int]] = defaultdict(set)
+    for c in kept:
+        for n in ends[c]:
+            around[n].add(c)
+    # the shortest first, of those as long the lowest: nothing hangs on the chains' order
+    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max(initial=0.0)), radius)
+    place = np.rint(chains.node_xy / step).tolist()
+    ready = [
+        (round(length[c] / step), place[n], n)
+        for n, cs in around.items()
+        if len(cs) == 1
+        for c in cs
+    ]
+    heapify(ready)
+    while ready:
+        _, _, tip = heappop(ready)
+        if len(around[tip]) != 1:
+            continue
+        (c,) = around[tip]
+        u, v = ends[c]
+        junction = v if tip == u else u
+        if u == v or len(around[junction]) == 1:
+            continue
+        fall = rho[junction] - rho[tip]
+        if length[c] - fall >= REACH * radius and fall <= TAPER * length[c]:
+            continue
+        kept.discard(c)
+        around[tip].discard(c)
+        around[junction].discard(c)
+        if len(around[junction]) == 1:
+            (other,) = around[junction]
+            heappush(ready, (round(length[other] / step), place[junction], junction))
+    return sorted(kept)
+
+
+def _run(chains: Chains, strand: Strand) -> Run:
+    """The strand's chains as one line."""
+    runs = []
+    for c, forwards in strand.chains:
+        s = slice(int(chains.first[c]), int(chains.first[c + 1]))
+        points, rho, proved = chains.points[s], chains.rho[s], chains.proved[s]
+        pairs, gap, step = chains.pieces[s], chains.gap[s], chains.step[s]
+        if not forwards:
+            points, rho, pairs = points[::-1], rho[::-1], _turned(pairs)[:, ::-1]
+            gap, step, proved = _turned(gap), _turned(step), _turned(proved)
+        runs.append((points, rho, pairs, gap, step, proved))
+    columns = [[*(a[:-1] for a in arrays[:-1]), arrays[-1]] for arrays in zip(*runs, strict=True)]
+    return Run(*(np.concatenate(column) for column in columns))
+
+
+def _turned(of_links: NDArray[Any]) -> NDArray[Any]:
+    """What belongs to the links, the other way round; the last row stays the last."""
+    return np.concatenate([of_links[:-1][::-1], of_links[-1:]])
+
+
+def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
+    """The run with its proved links halved on their bisectors, where chords leave them too far."""
+    keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
+    pairs = np.where(run.proved[:, None], run.pairs, -1)
+    points, _ = bisector_kernels.follow(
+        *borders.tree, run.points, pairs, keep, bulge, borders.equal
+    )
+    if len(points) == len(run.points):
+        return run
+    # every point of the run is still there, in order
+    link = np.zeros(len(points), np.int32)
+    at = 0
+    for i in range(1, len(run.points)):
+        at += 1
+        while (points[at] != run.points[i]).any():
+            link[at] = i - 1
+            at += 1
+        link[at] = i
+    return _with_points(borders, run, points, link)
+
+
+def _divisible(borders: Borders, run: Run, parts: int) -> Run:
+    """The run with at least ``parts`` links: each is divided evenly where there are fewer."""
+    links = len(run.points) - 1
+    if links >= parts:
+        return run
+    points, link = [], []
+    for i in range(links):
+        a, step = run.points[i], run.points[i + 1] - run.points[i]
+        for share in np.linspace(0.0, 1.0, parts, endpoint=False):
+            place = a + share * step
+            if run.proved[i] and share > 0.0:
+                left, right = run.pairs[i].tolist()
+                x, y, _ = bisector_kernels.slide_between(
+                    borders.kind, borders.data, left, right, place[0], place[1],
+                    borders.equal,
+                )  # fmt: skip
+                place = np.array([x, y])
+            points.append(place)
+            link.append(i)
+    return _with_points(
+        borders, run, np.array([*points, run.points[-1]]), np.array([*link, links], np.int32)
+    )
+
+
+def _with_points(borders: Borders, run: Run, points: FloatArray, link: IntArray) -> Run:
+    """The run through more points: ``link`` (m,) says in or at the start of which link each lies.
+
+    A part of a proved link is as wide as its narrower end, that of another as is measured.
+    """
+    rho = borders.distances(np.ascontiguousarray(points))[0]
+    proved = run.proved[link]
+    gap, step = np.full(len(points), np.inf), np.zeros(len(points))
+    step[:-1] = np.hypot(*np.diff(points, axis=0).T)
+    for i in range(len(points) - 1):
+        gap[i] = min(rho[i], rho[i + 1])
+        if not proved[i]:
+            gap[i] = polyline_clearance(*borders.tree, points[i : i + 2])[0]
+    return Run(points, rho, run.pairs[link], gap, step, proved)
+
+
+def _owners(borders: Borders, pairs: IntArray) -> set[int]:
+    labels = pairs.ravel()
+    return set(borders.owner[labels[labels >= 0]].tolist())
+
+
+def _add_node(graph: nx.Graph[int], n: int, xy: FloatArray, clearance: float) -> None:
+    if n not in graph:
+        graph.add_node(n, pos=(float(xy[0]), float(xy[1])), clearance=float(clearance))
+
+
+def _add_edge(
+    graph: nx.Graph[int], borders: Borders, u: int, v: int, run: Run, radius: float
+) -> None:
+    """Add a run, which is wide: where it is narrower than ``radius``, it is so by rounding."""
+    polyline = np.array(run.points)
+    polyline.setflags(write=False)
+    graph.add_edge(
+        u,
+        v,
+        polyline=polyline,
+        geometry=describe(borders, run.points, run.pairs, run.proved),
+        length=float(run.step[:-1].sum()),
+        clearance=max(float(run.gap[:-1].min()), radius),
+        owners=tuple(sorted(_owners(borders, run.pairs[:-1]))),
+    )

@@ -1,0 +1,270 @@
+"""The roadmap: the diagram's chains as a graph with exact clearances, and plans on it.
+
+Rules and units
+- Everything is in the scene's units. The clearance of a place is its distance to the nearest
+  border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
+- A roadmap is built for a robot of one radius: its graph holds what that robot can use.
+- The stages are functions of their own, so that a caller with a clock can time them:
+  ``gather_borders``, ``place_generators``, then ``make_mesh``, ``solve_chains``, or in the
+  paper's mode ``diagram``, ``omit_invalid``, ``join_chains``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.borders import distance_kernels
+from planner.borders.generators import (
+    Borders,
+    HasPrimitives,
+    Mode,
+    check_radius,
+    choose_spacing,
+    count_generators,
+    gather_borders,
+    place_generators,
+)
+from planner.diagram.agvd import Agvd, Chains, diagram, join_chains, omit_invalid, solve_chains
+from planner.diagram.mesh import make_mesh
+from planner.path import NoPath, Path
+from planner.roadmap.clip import Clipped, clip_chains
+from planner.route.no_way import Blocked, explain, walled_in
+from planner.route.plan_request import Request
+from planner.route.route import plan_request
+from planner.scene import FloatArray, Scene, Vec
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+
+FINER = 4.0
+"""How much denser the generators are when the widest way is narrower than their spacing."""
+FINER_MOST = 200_000
+"""No denser than so many generators, which take about 0.2 s: a refusal is an answer, too."""
+NOT_FINER = "ways narrower than the generators' spacing were not looked for: the limit was reached"
+
+
+@dataclass(frozen=True, slots=True)
+class Clearance:
+    """The least clearance of a polyline, where it is, on which piece, and to which object.
+
+    ``owner`` is the object's index in ``Scene.objects``, -1 for the bounds.
+    """
+
+    distance: float
+    at: Vec
+    piece: int
+    owner: int
+
+
+@dataclass(frozen=True, slots=True)
+class Roadmap:
+    """The AGVD roadmap of a scene for a robot of ``radius``; see :func:`build_roadmap`."""
+
+    radius: float
+    spacing: float
+    mode: Mode
+    scene: HasPrimitives
+    agvd: Agvd
+    chains: Chains
+    _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def borders(self) -> Borders:
+        """The scene's borders, indexed for distance queries."""
+        return self.agvd.borders
+
+    @property
+    def clipped(self) -> Clipped:
+        """The chains, cut where their clearance passes the radius."""
+        if "clipped" not in self._made:
+            self._made["clipped"] = clip_chains(self.borders, self.chains, self.radius)
+        return self._made["clipped"]  # type: ignore[no-any-return]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Plain sentences: objects that touch, cross, nest or coincide; an empty roadmap."""
+        if "remarks" not in self._made:
+            from planner.roadmap.remarks import remarks_on
+
+            self._made["remarks"] = remarks_on(self.borders, self.clipped, self.radius)
+        return self._made["remarks"]  # type: ignore[no-any-return]
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """generators, voronoi_vertices, roadmap_nodes, roadmap_edges."""
+        from planner.roadmap.graph import count_graph
+
+        generators, vertices = self.agvd.counts
+        nodes, edges = count_graph(self.clipped, self.radius)
+        return {
+            "generators": generators,
+            "voronoi_vertices": vertices,
+            "roadmap_nodes": nodes,
+            "roadmap_edges": edges,
+        }
+
+    @property
+    def graph(self) -> nx.Graph[int]:
+        """The roadmap as a ``networkx.Graph``, made when first asked for.
+
+        Nodes have ``pos`` (x, y), ``clearance`` and ``owners``; edges ``geometry``
+        (:class:`planner.diagram.bisectors.Piece` in order), ``polyline`` (n, 2) through exact
+        places, which leaves it by 5 % of the spacing at most, ``length`` (the polyline's),
+        ``clearance`` (its minimum, exact, never below the radius; the polyline's is at most 1e-4
+        less) and ``owners``.
+        """
+        if "graph" not in self._made:
+            from planner.roadmap.graph import make_graph
+
+            self._made["graph"] = make_graph(self)
+        return self._made["graph"]  # type: ignore[no-any-return]
+
+    def updated(self, scene: Scene) -> Roadmap:
+        """The roadmap of a scene that differs by a few objects, several times faster than anew.
+
+        Finds by itself which objects came, went or moved, see :mod:`planner.roadmap.update`. This
+        roadmap does not change.
+        """
+        from planner.roadmap.update import update_roadmap
+
+        return update_roadmap(self, scene)
+
+    def clearance(self, points: ArrayLike) -> FloatArray:
+        """Exact clearance of every point (n, 2), negative in obstacles and out of bounds.
+
+        ``ValueError`` where a point is not finite.
+        """
+        return self.borders.signed_distances(_places("points", points))
+
+    def path_clearance(self, polyline: ArrayLike) -> Clearance:
+        """The least distance of a polyline (n, 2) to any border: exact, nothing is sampled."""
+        xy = _places("polyline", polyline)
+        if not len(xy):
+            raise ValueError("polyline: must have at least one point")
+        gap, x, y, piece, which = distance_kernels.polyline_clearance(*self.borders.tree, xy)
+        return Clearance(gap, (x, y), piece, int(self.borders.owner[which]))
+
+    def plan(
+        self,
+        start: Sequence[float],
+        goal: Sequence[float],
+        *,
+        prefer: str | float = "balanced",
+        via: Sequence[Sequence[float]] = (),
+        order: Literal["fixed", "best"] = "fixed",
+        alternatives: int = 0,
+        margin: float = 0.0,
+        relaxed: bool = False,
+        near: Path | NoPath | None = None,
+    ) -> Path | NoPath:
+        """A path from start to goal for this roadmap's robot, or why there is none.
+
+        Stations are (x, y) or (x, y, heading_rad), anywhere in free space. ``prefer`` is
+        "clearance" (the widest way, along the middle; of ways as wide within 1e-9 the cheapest),
+        "length" (the shortest that keeps the radius), "balanced", or a number from 0 (length) to 1
+        (clearance). ``order`` "best" visits the stations so that the whole path is shortest, of
+        legs planned as preferred; the goal stays the last. A leg is the same there and back.
+        ``margin`` is kept on top of the radius. No path ever comes nearer to a border than the
+        radius and the margin; with ``relaxed``, a station that lies within the margin is left
+        and come to on a short straight line out of it, which a remark says, and which keeps the
+        radius. ``alternatives`` are so many other paths, where there are, none a
+        shift of another: the best, once taut, of the cheapest routes without a loop, at least twice
+        as many. ``near`` is the last path, on which the robot is: while it is clear, and within
+        2 % as good as the best, the answer is that path from here on, so that noise does not make
+        plans jump; a refusal is no path to stay on. Raises ``ValueError`` on options that make no
+        sense.
+        """
+        request = Request.of(start, goal, prefer, via, order, alternatives, margin, relaxed=relaxed)
+        units = str(getattr(self.scene, "units", ""))
+        answer = plan_request(
+            self.borders,
+            self.chains,
+            self.radius,
+            request,
+            units,
+            chains_only=self.mode == "paper",
+            near=near,
+        )
+        return self._explain(answer, units) if isinstance(answer, Blocked) else answer
+
+    def _finer(self) -> Roadmap:
+        """The same roadmap from denser generators, made when a refusal hangs on narrow places.
+
+        With generators every delta, ways narrower than delta are not told from walls.
+        """
+        if "finer" not in self._made:
+            spacing = self.spacing / FINER
+            self._made["finer"] = build_roadmap(
+                self.scene, self.radius, spacing=spacing, mode=self.mode
+            )
+        return self._made["finer"]  # type: ignore[no-any-return]
+
+    def _explain(self, blocked: Blocked, units: str) -> NoPath:
+        """Where the widest way is too narrow, or that there is none for any robot."""
+        told = explain(self.borders, self.chains, blocked, self.radius, units)
+        if told and told.bottleneck and told.bottleneck.width >= self.spacing:
+            return told
+        if count_generators(self.borders, self.spacing / FINER) > FINER_MOST:
+            told = told or walled_in(blocked, self.spacing, units)
+            return replace(told, remarks=(*told.remarks, NOT_FINER))
+        finer = self._finer()
+        told = explain(finer.borders, finer.chains, blocked, self.radius, units)
+        return told or walled_in(blocked, finer.spacing, units)
+
+
+def _places(name: str, points: ArrayLike) -> FloatArray:
+    """Points (n, 2) as the kernels take them; ``ValueError`` where one is not finite."""
+    xy = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2)
+    if not np.isfinite(xy).all():
+        at = int(np.flatnonzero(~np.isfinite(xy).all(axis=1))[0])
+        raise ValueError(f"{name}[{at}] = {tuple(xy[at].tolist())}: must be finite")
+    return xy
+
+
+def build_roadmap(
+    scene: HasPrimitives,
+    radius: float,
+    *,
+    spacing: float | None = None,
+    mode: Mode = "exact",
+    lap: Callable[[str], None] | None = None,
+) -> Roadmap:
+    """Build the roadmap of a scene for a disc-like robot.
+
+    ``radius`` > 0 and ``spacing`` < 2 radius (one radius where None) are in the scene's units;
+    ``ValueError`` otherwise. ``mode="paper"`` follows the paper's section 2.3.1 to the letter:
+    edges between generators of one object are omitted. ``lap`` is called with the name of each
+    stage as it ends: geometry, voronoi, roadmap. O(n) on average for n generators.
+    """
+    done = lap or (lambda stage: None)
+    size = check_radius(radius)
+    delta = choose_spacing(size, spacing)
+    if mode not in ("exact", "paper"):
+        raise ValueError(f"mode = {mode!r}: must be 'exact' or 'paper'")
+    borders = gather_borders(scene, mode)
+    generators = place_generators(borders, delta)
+    done("geometry")
+    if mode == "exact":
+        mesh = make_mesh(generators)
+        done("voronoi")
+        agvd, chains = solve_chains(mesh, generators)
+    else:
+        agvd = omit_invalid(diagram(generators), generators, mode)
+        done("voronoi")
+        chains = join_chains(agvd)
+    roadmap = finish_roadmap(scene, size, mode, agvd, chains)
+    done("roadmap")
+    return roadmap
+
+
+def finish_roadmap(
+    scene: HasPrimitives, radius: float, mode: Mode, agvd: Agvd, chains: Chains
+) -> Roadmap:
+    """Put the stages' results together; for callers that time the stages."""
+    return Roadmap(radius, agvd.spacing, mode, scene, agvd, chains)

@@ -1,0 +1,185 @@
+"""The roadmap for other programs, as text: GraphML, GeoJSON for Nav2's route server, node-link.
+
+- GraphML and node-link JSON carry the graph as it is: nodes with x, y, clearance and owners,
+  edges with length, clearance, owners and their polyline.
+- Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node
+  and reads an edge as one way. So every edge is cut where it bends, each straight piece keeps
+  the robot's radius, and both ways are written. Node and edge numbers are unsigned and never
+  the same; ``cost`` is the length; a piece's clearance stands in its ``metadata``, which may
+  hold numbers but no nested lists. A route server's frame is in metres, y up.
+
+Coordinates and lengths are in the scene's units; no text holds NaN or infinity.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from planner.borders.polyline import fewer_vertices
+from planner.scene import FloatArray
+
+if TYPE_CHECKING:
+    from planner.roadmap.roadmap import Roadmap
+
+STRAIGHT_TOLERANCE = 0.02
+"""How far a straight piece may leave the roadmap, as a part of the robot's radius."""
+
+
+class ExchangeError(ValueError):
+    """A roadmap cannot be written in a format; the message says why."""
+
+
+def to_graphml(roadmap: Roadmap) -> str:
+    """The graph as GraphML; a polyline is "x,y x,y ...", owners are "1 2"."""
+    import networkx as nx
+
+    plain: nx.Graph[int] = nx.Graph(**_graph_fields(roadmap))
+    for node, data in _nodes(roadmap):
+        plain.add_node(node, **data | {"owners": _joined(data["owners"])})
+    for u, v, data in _edges(roadmap):
+        points = " ".join(f"{x!r},{y!r}" for x, y in data["polyline"])
+        plain.add_edge(u, v, **data | {"owners": _joined(data["owners"]), "polyline": points})
+    return "\n".join(nx.generate_graphml(plain)) + "\n"
+
+
+def to_node_link(roadmap: Roadmap) -> str:
+    """The graph as node-link JSON: ``networkx.node_link_graph(data, edges="edges")`` reads it."""
+    document = {
+        "directed": False,
+        "multigraph": False,
+        "graph": _graph_fields(roadmap),
+        "nodes": [{"id": node, **data} for node, data in _nodes(roadmap)],
+        "edges": [{"source": u, "target": v, **data} for u, v, data in _edges(roadmap)],
+    }
+    return json.dumps(document, allow_nan=False, indent=1) + "\n"
+
+
+def to_geojson(roadmap: Roadmap, frame: str = "map") -> str:
+    """The graph as GeoJSON that Nav2's route server loads; ``frame`` is its TF frame.
+
+    Raises :class:`ExchangeError` where the graph has no edge, since the server refuses that.
+    """
+    number = {node: k for k, (node, _) in enumerate(_nodes(roadmap))}
+    if not number or roadmap.graph.number_of_edges() == 0:
+        raise ExchangeError("the roadmap has no edges: Nav2's route server loads no empty graph")
+    points = [_feature_point(number[n], data, frame) for n, data in _nodes(roadmap)]
+    pieces: list[tuple[int, int, FloatArray]] = []
+    for u, v, data in _edges(roadmap):
+        line = _from_to(roadmap, u, np.array(data["polyline"]))
+        kept = line[_straight(roadmap, line)]
+        ids = [number[u]]
+        for x, y in kept[1:-1].tolist():
+            ids.append(len(points))
+            clearance = float(roadmap.path_clearance([(x, y)]).distance)
+            points.append(_feature_point(ids[-1], {"x": x, "y": y, "clearance": clearance}, frame))
+        ids.append(number[v])
+        pieces += zip(ids[:-1], ids[1:], np.stack([kept[:-1], kept[1:]], axis=1), strict=True)
+    edges: list[dict[str, Any]] = []
+    for start, end, ends in pieces:
+        clearance = float(roadmap.path_clearance(ends).distance)
+        for a, b, way in ((start, end, ends), (end, start, ends[::-1])):
+            edges.append(_feature_edge(len(points) + len(edges), a, b, way, clearance))
+    document = {
+        "type": "FeatureCollection",
+        "name": "clearway_roadmap",
+        "features": [*points, *edges],
+    }
+    return json.dumps(document, allow_nan=False, indent=1) + "\n"
+
+
+def _straight(roadmap: Roadmap, line: FloatArray) -> list[int]:
+    """Vertices to keep, so that every straight piece keeps the robot's radius."""
+    tolerance = STRAIGHT_TOLERANCE * roadmap.radius
+    kept: list[int] = fewer_vertices(line, tolerance).tolist()
+    result = kept[:1]
+    for a, b in pairwise(kept):
+        tight = roadmap.path_clearance(line[[a, b]]).distance < roadmap.radius
+        result += range(a + 1, b + 1) if tight else [b]
+    return result
+
+
+def _from_to(roadmap: Roadmap, u: int, line: FloatArray) -> FloatArray:
+    """The polyline turned so that it begins at node ``u``."""
+    x, y = roadmap.graph.nodes[u]["pos"]
+    ends = np.hypot(*(line[[0, -1]] - (x, y)).T)
+    return line if ends[0] <= ends[1] else line[::-1]
+
+
+def _feature_point(number: int, data: dict[str, Any], frame: str) -> dict[str, Any]:
+    return {
+        "type": "Feature",
+        "properties": {
+            "id": number,
+            "frame": frame,
+            "metadata": {"clearance": data["clearance"]},
+        },
+        "geometry": {"type": "Point", "coordinates": [data["x"], data["y"]]},
+    }
+
+
+def _feature_edge(
+    number: int, start: int, end: int, ends: FloatArray, clearance: float
+) -> dict[str, Any]:
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    return {
+        "type": "Feature",
+        "properties": {
+            "id": number,
+            "startid": start,
+            "endid": end,
+            "cost": length,
+            "overridable": True,
+            "metadata": {"length": length, "clearance": clearance},
+        },
+        "geometry": {"type": "MultiLineString", "coordinates": [ends.tolist()]},
+    }
+
+
+def _graph_fields(roadmap: Roadmap) -> dict[str, Any]:
+    units = getattr(roadmap.scene, "units", None)
+    fields = {"radius": float(roadmap.radius), "spacing": float(roadmap.spacing)}
+    return fields | ({"units": units} if units else {})
+
+
+def _nodes(roadmap: Roadmap) -> Iterator[tuple[int, dict[str, Any]]]:
+    for node, data in roadmap.graph.nodes(data=True):
+        x, y = data["pos"]
+        yield (
+            int(node),
+            {
+                "x": _finite(x),
+                "y": _finite(y),
+                "clearance": _finite(data["clearance"]),
+                "owners": [int(o) for o in data["owners"]],
+            },
+        )
+
+
+def _edges(roadmap: Roadmap) -> Iterator[tuple[int, int, dict[str, Any]]]:
+    for u, v, data in roadmap.graph.edges(data=True):
+        yield (
+            int(u),
+            int(v),
+            {
+                "length": _finite(data["length"]),
+                "clearance": _finite(data["clearance"]),
+                "owners": [int(o) for o in data["owners"]],
+                "polyline": np.asarray(data["polyline"], dtype=np.float64).tolist(),
+            },
+        )
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not np.isfinite(number):
+        raise ExchangeError(f"the roadmap holds {number}: only finite numbers can be written")
+    return number
+
+
+def _joined(owners: list[int]) -> str:
+    return " ".join(str(o) for o in owners)

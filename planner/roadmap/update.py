@@ -1,0 +1,159 @@
+"""A roadmap for a scene that differs from the last one by a few objects, without a rebuild.
+
+Rules and units
+- Objects that are the same in both scenes, wherever they stand in the list, keep their
+  generators and whatever of the diagram nothing new comes near. The others' generators are
+  taken out or put in, and the diagram is solved there only.
+- The answer is the one that building anew gives, up to the order of nodes and edges and to
+  where the polylines of the edges have their points. Where the bounds change, or most of the
+  objects, it is built anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from planner.borders import border_kernels
+from planner.borders.generators import JOINT, NO_LENGTH, Borders, as_borders
+from planner.delaunay import insertion_kernels, predicate_kernels, removal_kernels
+from planner.diagram import update_kernels
+from planner.diagram.agvd import Agvd, mesh_chains
+from planner.diagram.mesh import Mesh, add_sites, copy_mesh
+from planner.roadmap.roadmap import Roadmap, build_roadmap, finish_roadmap
+from planner.scene import (
+    ArcRecord,
+    Flattener,
+    FloatArray,
+    IntArray,
+    PolygonRecord,
+    Scene,
+    SceneObject,
+)
+
+MOST = 0.34
+"""More changed objects than this share are a scene to be built anew."""
+
+
+def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
+    """The roadmap of ``scene`` with the radius, spacing and mode of ``roadmap``.
+
+    Finds by itself which objects came, went or moved; ``roadmap`` itself does not change.
+    O(n) copies and scans for n generators, and the work of building for what changed.
+    """
+    old_scene = roadmap.scene
+    mesh = roadmap.agvd.mesh
+    if mesh is None or not isinstance(old_scene, Scene) or old_scene.bounds != scene.bounds:
+        return _anew(roadmap, scene)
+    kept = match_objects(old_scene.objects, scene.objects)
+    came = [j for j, i in enumerate(kept) if i < 0]
+    went = len(old_scene.objects) - len(kept) + len(came)
+    if len(came) + went > MOST * (len(scene.objects) + len(old_scene.objects)):
+        return _anew(roadmap, scene)
+    borders, new_label, places, labels, touched = _change_borders(
+        roadmap, scene, len(old_scene.objects), kept, came
+    )
+    mesh = copy_mesh(mesh)
+    fits = not len(places) or float(abs(places).max()) <= mesh.up
+    if not (fits and _take_out(mesh, new_label, touched)):
+        return _anew(roadmap, scene)
+    if len(places):
+        nowhere = np.full(len(places), -1, np.int64)
+        add_sites(mesh, places, labels, nowhere, refined=False)
+    agvd = Agvd(borders, roadmap.spacing, mesh)
+    chains = mesh_chains(mesh, borders, roadmap.spacing)
+    return finish_roadmap(scene, roadmap.radius, "exact", agvd, chains)
+
+
+def _anew(roadmap: Roadmap, scene: Scene) -> Roadmap:
+    return build_roadmap(scene, roadmap.radius, spacing=roadmap.spacing, mode=roadmap.mode)
+
+
+def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> list[int]:
+    """Which old object every new one is, -1 where it is none; each old one once at most."""
+    # most share their records with those where they were, or moved up by one
+    ahead = _first_other(old, new)
+    behind = _first_other(old[ahead:][::-1], new[ahead:][::-1])
+    kept = [*range(ahead), *[-1] * (len(new) - ahead - behind), *range(len(old) - behind, len(old))]
+    left = set(range(ahead, len(old) - behind))
+    unknown = list(range(ahead, len(new) - behind))
+    if left and unknown:
+        shared = {id(old[i].records): i for i in left}
+        for k in unknown:
+            i = shared.get(id(new[k].records), -1)
+            if i in left and old[i].holes == new[k].holes:
+                kept[k] = i
+                left.discard(i)
+        unknown = [k for k in unknown if kept[k] < 0]
+    if left and unknown:
+        alike: dict[Hashable, list[int]] = {}
+        for i in left:
+            alike.setdefault(_mark(old[i]), []).append(i)
+        for k in unknown:
+            candidates = alike.get(_mark(new[k]), [])
+            for i in candidates:
+                if old[i].records == new[k].records and old[i].holes == new[k].holes:
+                    kept[k] = i
+                    candidates.remove(i)
+                    break
+    return kept
+
+
+def _mark(item: SceneObject) -> Hashable:
+    """What equal objects share, and hardly any others: all their edges take long to hash."""
+    record = item.records[0] if item.records else None
+    if isinstance(record, ArcRecord | PolygonRecord) and record.edges:
+        return record.edges[0]
+    return record
+
+
+def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
+    """How many objects at the beginning of both share their records, and have no holes."""
+    n = 0
+    for a, b in zip(old, new, strict=False):
+        if a is not b and not (a.records is b.records and a.holes is b.holes):
+            break
+        n += 1
+    return n
+
+
+def _change_borders(
+    roadmap: Roadmap, scene: Scene, old_objects: int, kept: list[int], came: list[int]
+) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
+    """The scene's borders, and the rest of what :func:`border_kernels.change_borders` returns.
+
+    The objects that ``came`` are flattened and joined, the ``kept`` ones' pieces copied.
+    """
+    old = roadmap.borders
+    flat = Flattener(scene.y_down)
+    for n, j in enumerate(came):
+        flat.add_object(scene.objects[j], n)
+    pieces, found, *rest = border_kernels.change_borders(
+        np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes,
+        np.array(flat.kind, np.int8), np.array(flat.rows, np.float64).reshape(-1, 6),
+        np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),
+        NO_LENGTH * old.extent, JOINT * old.extent, roadmap.spacing,
+    )  # fmt: skip
+    new_label, places, labels, touched = rest
+    return as_borders(pieces, found, old.box), new_label, places, labels, touched
+
+
+def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
+    """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
+    traced, bent = mesh.traced, mesh.bent
+    gone, quiet, heirs, pieces, proved = update_kernels.unlink(
+        touched, new_label, mesh.tri, mesh.alias, mesh.label, mesh.refined, mesh.also, mesh.used,
+        mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
+        traced.first, traced.link, bent.points, bent.start, bent.pieces, bent.proved,
+    )  # fmt: skip
+    done = not len(gone) or removal_kernels.remove(mesh.xy, mesh.ghost, mesh.tri, mesh.circ, gone)
+    mesh.bent = replace(bent, pieces=pieces, proved=proved)
+    mesh.vacant += [*gone.tolist(), *quiet.tolist()]
+    if done and len(heirs):
+        w, nowhere = np.empty(predicate_kernels.SCRATCH), np.empty(0, np.int64)
+        insertion_kernels.insert(
+            w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, heirs, nowhere
+        )
+    return bool(done)

@@ -1,0 +1,242 @@
+"""The shortest way along a route: a funnel through the free corridor around it.
+
+Rules and units
+- A corridor is what a route leaves free on both sides until the borders it runs between. The
+  shortest way in it that keeps ``keep`` off them is taut: straight, and around corners.
+- A portal is a line across the corridor, from ``keep`` off the left border to ``keep`` off the
+  right one through a place of the route; where there is no room it is that place alone.
+- Left and right are those of ``cross(along, left - right) > 0``.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.clear_kernels import keeps
+from planner.borders.distance_kernels import ARC, CIRCLE, foot
+from planner.diagram.bisector_kernels import slide_between
+from planner.shared.compile_options import BORROWING
+
+DENSER = 12
+"""How often a link is halved at most for its feet to turn slowly enough."""
+TURNS_RAD = (0.2, 0.05)
+"""How far a border's foot may turn from one portal to the next: tried in this order."""
+
+
+@njit(**BORROWING)
+def _look(kind, data, left, right, x, y, out):
+    """Write a place and, from the feet on both sides, the vectors to it and their lengths."""
+    out[0], out[1] = x, y
+    fx, fy = foot(kind, data, left, x, y)
+    dx, dy = x - fx, y - fy
+    out[2], out[3], out[4] = dx, dy, math.sqrt(dx * dx + dy * dy)
+    fx, fy = foot(kind, data, right, x, y)
+    dx, dy = x - fx, y - fy
+    out[5], out[6], out[7] = dx, dy, math.sqrt(dx * dx + dy * dy)
+
+
+@njit(**BORROWING)
+def _portal(seen, keep, out):
+    """Write left x, y and right x, y of the portal at a place that was looked from."""
+    s = 1.0 - keep / seen[4] if seen[4] > keep else 0.0
+    t = 1.0 - keep / seen[7] if seen[7] > keep else 0.0
+    out[0], out[1] = seen[0] - s * seen[2], seen[1] - s * seen[3]
+    out[2], out[3] = seen[0] - t * seen[5], seen[1] - t * seen[6]
+
+
+@njit(**BORROWING)
+def _turns_little(a, b, round_left, round_right, least_cosine):
+    """Whether the directions from both pieces' feet turn by little from one place to another.
+
+    A chord around a circle of radius R, ``keep`` off it, bulges by 1 + R / keep times more
+    than one around a point: its angle counts as so much larger (``round_left`` and the like).
+    """
+    n, e = a[4] * b[4], a[7] * b[7]
+    bulge = round_left * (n - a[2] * b[2] - a[3] * b[3])
+    other = round_right * (e - a[5] * b[5] - a[6] * b[6])
+    return bulge <= (1.0 - least_cosine) * n and other <= (1.0 - least_cosine) * e
+
+
+@njit(**BORROWING)
+def _roundness(kind, data, piece, keep):
+    """How much more a chord around a piece bulges than one around a point."""
+    if kind[piece] == CIRCLE or kind[piece] == ARC:
+        return 1.0 + data[piece, 2] / keep
+    return 1.0
+
+
+@njit(cache=True, nogil=True)
+def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
+    """The portals (n, 4) of a route, so dense that feet turn by little from one to the next.
+
+    Where the pieces beside a link are unknown (-1) its ends are portals without a width.
+    """
+    out = np.empty((4 * len(points) + 64, 4))
+    here = np.empty(8)
+    stack = np.empty((DENSER + 2, 8))
+    level = np.empty(DENSER + 2, np.int32)
+    m = 0
+    round_left, round_right = 1.0, 1.0
+    for i in range(len(points) - 1):
+        left, right = pairs[i, 0], pairs[i, 1]
+        as_before = i > 0 and left == pairs[i - 1, 0] and right == pairs[i - 1, 1]
+        if m + 4 >= len(out):
+            out = _grown(out)
+        if left < 0:
+            for k in range(1 if as_before else 0, 2):
+                out[m, 0], out[m, 1] = points[i + k, 0], points[i + k, 1]
+                out[m, 2], out[m, 3] = points[i + k, 0], points[i + k, 1]
+                m += 1
+            continue
+        if not as_before:
+            round_left = _roundness(kind, data, left, keep)
+            round_right = _roundness(kind, data, right, keep)
+            _look(kind, data, left, right, points[i, 0], points[i, 1], here)
+            _portal(here, keep, out[m])
+            m += 1
+        _look(kind, data, left, right, points[i + 1, 0], points[i + 1, 1], stack[0])
+        level[0] = 0
+        top = 1
+        while top > 0:
+            there, deep = stack[top - 1], level[top - 1]
+            if deep < DENSER and not _turns_little(
+                here, there, round_left, round_right, least_cosine
+            ):
+                mx, my, found = slide_between(
+                    kind, data, left, right,
+                    0.5 * (here[0] + there[0]), 0.5 * (here[1] + there[1]), tolerance,
+                )  # fmt: skip
+                if found:
+                    _look(kind, data, left, right, mx, my, stack[top])
+                    level[top - 1], level[top] = deep + 1, deep + 1
+                    top += 1
+                    continue
+            top -= 1
+            here[:] = there
+            if m + 1 >= len(out):
+                out = _grown(out)
+            _portal(here, keep, out[m])
+            m += 1
+    return out[:m]
+
+
+@njit(cache=True, nogil=True)
+def _grown(table):
+    more = np.empty((2 * len(table), 4))
+    more[: len(table)] = table
+    return more
+
+
+@njit(**BORROWING)
+def _side(ax, ay, bx, by, cx, cy):
+    return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+
+
+@njit(**BORROWING)
+def between(gates, sx, sy, gx, gy):
+    """The first and last portal that the way from s to g has to pass: first, last + 1.
+
+    Portals that s has passed already, or lies on, are left out, and so are those beyond g:
+    the first ones of a route often lie behind its start, which retraction moved sideways.
+    """
+    first, last = 0, len(gates)
+    while first < last:
+        q = gates[first]
+        if _side(q[2], q[3], q[0], q[1], sx, sy) > 0.0:
+            break
+        if q[0] == q[2] and q[1] == q[3] and (q[0] != sx or q[1] != sy):
+            break
+        first += 1
+    while last > first:
+        q = gates[last - 1]
+        if _side(q[2], q[3], q[0], q[1], gx, gy) < 0.0:
+            break
+        if q[0] == q[2] and q[1] == q[3] and (q[0] != gx or q[1] != gy):
+            break
+        last -= 1
+    return first, last
+
+
+@njit(cache=True, nogil=True)
+def funnel(gates, sx, sy, gx, gy):
+    """The shortest polyline from s to g through all portals in order.
+
+    The funnel algorithm of Lee and Preparata (1984) in its short form, which starts anew at
+    each corner it fixes.
+    """
+    n = len(gates)
+    gate = np.empty((n + 1, 4))
+    gate[:n] = gates
+    gate[n, 0], gate[n, 1], gate[n, 2], gate[n, 3] = gx, gy, gx, gy
+    out = np.empty((2 * n + 8, 2))
+    out[0, 0], out[0, 1] = sx, sy
+    m = 1
+    px, py = sx, sy
+    lx, ly, rx, ry = sx, sy, sx, sy
+    left_at, right_at = -1, -1
+    i = 0
+    while i <= n:
+        qx, qy, wx, wy = gate[i, 0], gate[i, 1], gate[i, 2], gate[i, 3]
+        # narrow on the right: a new right point must not lie to the right of the old
+        if _side(px, py, rx, ry, wx, wy) >= 0.0 or (rx == px and ry == py):
+            if (rx == px and ry == py) or _side(px, py, lx, ly, wx, wy) <= 0.0:
+                rx, ry, right_at = wx, wy, i
+            else:
+                px, py = lx, ly
+                if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
+                    out[m, 0], out[m, 1] = px, py
+                    m += 1
+                i = left_at + 1
+                rx, ry, lx, ly = px, py, px, py
+                right_at = left_at
+                continue
+        if _side(px, py, lx, ly, qx, qy) <= 0.0 or (lx == px and ly == py):
+            if (lx == px and ly == py) or _side(px, py, rx, ry, qx, qy) >= 0.0:
+                lx, ly, left_at = qx, qy, i
+            else:
+                px, py = rx, ry
+                if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
+                    out[m, 0], out[m, 1] = px, py
+                    m += 1
+                i = right_at + 1
+                lx, ly, rx, ry = px, py, px, py
+                left_at = right_at
+                continue
+        i += 1
+    out[m, 0], out[m, 1] = gx, gy
+    return out[: m + 1]
+
+
+@njit(cache=True, nogil=True)
+def pull_taut(kind, data, order, large, boxes, points, pairs, keep, need, tolerance):
+    """The taut polyline along a route; empty where it cannot be proved to keep ``need``.
+
+    ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the
+    route itself is kept, but for its ends, where a station lies in the first or last disc.
+    ``keep`` >= ``need`` is kept where there is room. Borders are kept off by so much more that
+    the chord between two portals does not come nearer. The proof is against all borders.
+    """
+    lo, hi = 0, len(points) - 1
+    while lo <= hi and pairs[lo, 0] < 0:
+        lo += 1
+    while hi > lo and pairs[hi, 0] < 0:
+        hi -= 1
+    sx, sy = points[0, 0], points[0, 1]
+    gx, gy = points[-1, 0], points[-1, 1]
+    if lo <= hi:
+        for turn in TURNS_RAD:
+            gates = portals(
+                kind, data, points[lo : hi + 2], pairs[lo : hi + 2],
+                keep / math.cos(0.5 * turn), math.cos(turn), tolerance,
+            )  # fmt: skip
+            first, last = between(gates, sx, sy, gx, gy)
+            way = funnel(gates[first:last], sx, sy, gx, gy)
+            if keeps(kind, data, order, large, boxes, way, need):
+                return way.copy()
+    return np.empty((0, 2))

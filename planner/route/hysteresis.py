@@ -1,0 +1,125 @@
+"""Staying with the way that is driven: a plan that is asked for again with the last one at hand.
+
+Rules and units
+- Two ways may cost the same but for noise, and a scene seen again differs by noise: without
+  memory the plan would jump from one to the other.
+- The last way is continued from where the robot stands now. It stays the answer while it keeps
+  what is needed and no other way is cheaper by more than ``STAY``; where it is blocked, so does
+  the cheapest way on the same sides of the obstacles. Lengths are in the scene's units.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from planner.borders import clear_kernels, distance_kernels
+from planner.borders.generators import Borders
+from planner.borders.polyline import arc_lengths, points_at
+from planner.path import NoPath, Path
+from planner.route.taut import judge
+from planner.scene import FloatArray, Vec
+from planner.search.homotopy import anchors, word
+
+STAY = 0.02
+"""A new way must be cheaper by this share to be taken."""
+MERGE = 4.0
+"""Beside its last way the robot comes back to it within so many times its distance from it."""
+
+
+def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]:
+    """The path's last ``count`` stretches between stations, after None for any that it lacks.
+
+    A refusal has none. Stations that are behind the robot are no longer asked for: what is left
+    of both ends alike.
+    """
+    legs: list[FloatArray | None] = [None] * count
+    if isinstance(path, Path):
+        legs += [path.points[a : b + 1] if a < b else None for a, b in pairwise(path.stations)]
+    return legs[len(legs) - count :]
+
+
+def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: float) -> FloatArray:
+    """The last way (n, 2) from its place nearest to the start on, to its place nearest to the goal.
+
+    Both ends are joined to it with little of a turn, where ``need`` is kept on the way there, and
+    straight across where it is not. It need not keep ``need``.
+    """
+    lengths = arc_lengths(last)
+    begin = _nearest(last, lengths, start, 0.0)
+    end = _nearest(last, lengths, goal, begin)
+    first = _joined(borders, last, lengths, start, begin, end, need)
+    final = _joined(borders, last, lengths, goal, end, first, need)
+    inner = last[(lengths > first) & (lengths < final)]
+    ends = points_at(last, lengths, np.array([first, final]))
+    way = np.concatenate([[start], ends[:1], inner, ends[1:], [goal]])
+    moved = np.concatenate([[True], np.any(np.diff(way, axis=0) != 0.0, axis=1)])
+    return np.ascontiguousarray(way[moved])
+
+
+def _nearest(line: FloatArray, lengths: FloatArray, place: Vec, least: float) -> float:
+    """The length along the line, at least ``least``, at which it is nearest to the place."""
+    a, step = line[:-1], np.diff(line, axis=0)
+    squared = np.maximum((step**2).sum(axis=1), 1e-300)
+    part = np.clip(((np.array(place) - a) * step).sum(axis=1) / squared, 0.0, 1.0)
+    at = np.maximum(lengths[:-1] + part * np.diff(lengths), least)
+    away = np.hypot(*(points_at(line, lengths, at) - place).T)
+    return float(at[np.argmin(away)])
+
+
+def _joined(
+    borders: Borders,
+    line: FloatArray,
+    lengths: FloatArray,
+    place: Vec,
+    at: float,
+    towards: float,
+    need: float,
+) -> float:
+    """Where a place beside the line joins it: a few of its distances on, if that is clear."""
+    (near,) = points_at(line, lengths, np.array([at]))
+    reach = min(MERGE * math.dist(near, place), abs(towards - at))
+    for part in (1.0, 0.5, 0.25):
+        there = at + math.copysign(part * reach, towards - at)
+        ends = np.array([place, *points_at(line, lengths, np.array([there]))])
+        if clear_kernels.keeps(*borders.tree, ends, need):
+            return there
+    return at
+
+
+def is_kept(borders: Borders, way: FloatArray, need: float) -> bool:
+    """Whether the way is nowhere nearer to a border than is needed."""
+    return bool(clear_kernels.keeps(*borders.tree, way, need - borders.equal))
+
+
+def preferred(
+    borders: Borders, last: FloatArray, ways: Sequence[FloatArray], need: float, preference: float
+) -> FloatArray:
+    """The last way, one of the ``ways`` on the same sides of the obstacles, or else the first.
+
+    ``ways`` are the ways found, the best first, and ``last`` the last way continued.
+    """
+    most = _cost(borders, ways[0], need, preference) * (1.0 + STAY)
+    if is_kept(borders, last, need):
+        return last if _cost(borders, last, need, preference) <= most else ways[0]
+    places = anchors(borders)
+    side = word(places, last)
+    return next(
+        (
+            way
+            for way in sorted(ways, key=lambda way: _cost(borders, way, need, preference))
+            if word(places, way) == side and _cost(borders, way, need, preference) <= most
+        ),
+        ways[0],
+    )
+
+
+def _cost(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
+    """What a way costs; for the widest way how narrow it is."""
+    if preference < 1.0:
+        return judge(borders, way, need, preference)
+    gap = float(distance_kernels.polyline_clearance(*borders.tree, way)[0])
+    return math.inf if gap <= 0.0 else 1.0 / gap

@@ -1,0 +1,109 @@
+"""Out of the margin: from a station that lies within it, straight to where it is kept.
+
+Rules and units
+- The margin is a wish on top of the radius, the radius is not. A station between the two from a
+  border is left, or come to, on the shortest straight line that ends where radius and margin are
+  kept, and is nowhere nearer to a border than the station is; if there is none, nowhere nearer
+  than the radius.
+- Such a line is no longer than ``REACH`` radii and margins: the margin is given up nowhere else.
+  Lengths are in the scene's units.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.borders import clear_kernels, distance_kernels
+from planner.borders.generators import Borders
+from planner.scene import FloatArray, Vec
+from planner.search.chain_search import ROUNDING
+
+REACH = 2.0
+"""How far from its station a way out may end, in radii and margins: the robot's own width."""
+DIRECTIONS = 64
+"""Directions tried, the first straight away from the nearest border."""
+DISTANCES = 32
+"""Distances tried in each, from the least that can do to the farthest."""
+HALVINGS = 30
+"""How often the last step to where the margin is kept is halved."""
+
+
+@dataclass(frozen=True, slots=True)
+class WayOut:
+    """Where the margin is kept again, and the remark that says where it is not."""
+
+    place: Vec
+    remark: str
+
+
+def lies_within(borders: Borders, place: Vec, need: float) -> bool:
+    """Whether the place is nearer to a border than ``need``, by more than rounding."""
+    distance = float(borders.distances(np.array([place]))[0][0])
+    return distance < need - ROUNDING * borders.extent
+
+
+def way_out(
+    borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
+) -> WayOut | None:
+    """The shortest straight way out of the margin, None where none is short enough."""
+    need, reach = radius + margin, REACH * (radius + margin)
+    standing, which = distance_kernels.nearest(*borders.tree, *place, np.inf)
+    fx, fy = distance_kernels.foot(borders.kind, borders.data, which, *place)
+    least = max(need - standing, ROUNDING * borders.extent)
+    for keep in (standing, radius):
+        away = math.atan2(place[1] - fy, place[0] - fx)
+        found = _shortest(borders, place, away, least, reach, need, keep)
+        if found is not None:
+            length = math.dist(place, found)
+            gap = distance_kernels.polyline_clearance(*borders.tree, np.array([place, found]))[0]
+            return WayOut(
+                found,
+                f"the margin of {_sized(margin, units)} is given up within {_sized(length, units)} "
+                f"of {name} ({place[0]:g}, {place[1]:g}): {_sized(gap, units)} from the nearest "
+                f"border, the radius is {_sized(radius, units)}",
+            )
+    return None
+
+
+def _shortest(
+    borders: Borders, place: Vec, away: float, least: float, reach: float, need: float, keep: float
+) -> Vec | None:
+    """The end of the shortest straight line out that keeps ``keep``, directions near ``away``
+    first where they are as good."""
+    turn = np.arange(DIRECTIONS)
+    angle = away + (turn + 1) // 2 * np.where(turn % 2 == 1, 1.0, -1.0) * math.tau / DIRECTIONS
+    steps = np.geomspace(least, reach, DISTANCES) if least < reach else np.array([least])
+    way = np.c_[np.cos(angle), np.sin(angle)]
+    places = np.array(place) + steps[:, None, None] * way
+    room = borders.signed_distances(np.ascontiguousarray(places.reshape(-1, 2)))
+    enough = room.reshape(len(steps), DIRECTIONS) >= need - 0.5 * ROUNDING * borders.extent
+    for i, k in np.argwhere(enough).tolist():
+        end = _nearest_end(
+            borders, place, way[k], float(steps[max(i - 1, 0)]), float(steps[i]), need
+        )
+        line = np.array([place, end])
+        if clear_kernels.keeps(*borders.tree, line, keep - ROUNDING * borders.extent):
+            return end
+    return None
+
+
+def _nearest_end(
+    borders: Borders, place: Vec, way: FloatArray, low: float, high: float, need: float
+) -> Vec:
+    """The place along ``way``, between two distances, from which on ``need`` is kept."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        end = np.array(place) + middle * way
+        if float(borders.signed_distances(end[None])[0]) >= need:
+            high = middle
+        else:
+            low = middle
+    x, y = np.array(place) + high * way
+    return float(x), float(y)
+
+
+def _sized(length: float, units: str) -> str:
+    return f"{length:.3g} {units}".rstrip()

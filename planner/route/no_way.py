@@ -1,0 +1,138 @@
+"""Why there is no path: who stands where it cannot, where it is too narrow, what would fit.
+
+Rules and units
+- The widest robot is that of the widest way over the chains, exact where the way is wider than
+  the generators' spacing: narrower ones are not told from walls.
+- A reason is a sentence with the scene's units in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from planner.borders import distance_kernels
+from planner.borders.generators import Borders
+from planner.diagram.agvd import Chains
+from planner.path import Bottleneck, NoPath
+from planner.route.taut import certain
+from planner.scene import Vec
+from planner.search.chain_search import ROUNDING, Network, attach, routes, widest_gap
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """No way for a disc of radius ``need`` leads from ``start`` to ``goal``.
+
+    ``stations`` are all that were asked for, in order. ``reason`` is what keeps it from standing
+    at one of them, None where the way is at fault. ``names`` are those of the two ends, and
+    ``remarks`` what the search could not make certain.
+    """
+
+    start: Vec
+    goal: Vec
+    need: float
+    stations: tuple[Vec, ...]
+    reason: str | None = None
+    names: tuple[str, str] = ("the start", "the goal")
+    remarks: tuple[str, ...] = ()
+
+
+def explain(
+    borders: Borders, chains: Chains, blocked: Blocked, radius: float, units: str = ""
+) -> NoPath | None:
+    """Where the widest way is too narrow; None where the chains have no way for any robot."""
+    found = widest_way(borders, chains, blocked.stations)
+    if found is None:
+        return None
+    wide, (x, y) = found
+    fits = max(wide - (blocked.need - radius), 0.0)
+    reason = blocked.reason
+    if reason is None:
+        reason = f"{_no_way(blocked, units)}: the widest is {_sized(2.0 * wide, units)} wide at "
+        reason += f"({x:.6g}, {y:.6g})"
+    return NoPath(reason, Bottleneck(x, y, 2.0 * wide), fits, blocked.remarks)
+
+
+def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
+    """No robot fits between generators ``spacing`` apart: borders lie between the stations."""
+    if blocked.reason is not None:
+        return NoPath(blocked.reason, remarks=blocked.remarks)
+    gaps = f"borders lie between them, with no gap wider than {_sized(spacing, units)}"
+    return NoPath(f"{_no_way(blocked, units)}: {gaps}", remarks=blocked.remarks)
+
+
+def _no_way(blocked: Blocked, units: str) -> str:
+    width = _sized(2.0 * blocked.need, units)
+    start, goal = _at(blocked.start), _at(blocked.goal)
+    if len(blocked.stations) > 2:
+        start, goal = f"{blocked.names[0]} {start}", f"{blocked.names[1]} {goal}"
+    return f"no way from {start} to {goal} is {width} wide throughout"
+
+
+def widest_way(
+    borders: Borders, chains: Chains, stations: Sequence[Vec]
+) -> tuple[float, Vec] | None:
+    """The largest radius that can make the journey, and where it is narrowest, or None."""
+    narrowest: tuple[float, Vec] | None = None
+    network = Network.of(chains, 1.0, 0.0)
+    least = ROUNDING * borders.extent
+    for a, b in pairwise(stations):
+        if a == b:
+            wide = float(borders.distances(np.array([a]))[0][0])
+            if narrowest is None or wide < narrowest[0]:
+                narrowest = (wide, a)
+            continue
+        entries, exits = attach(borders, network, a, least), attach(borders, network, b, least)
+        gap = widest_gap(network, entries, exits)
+        if gap <= least:
+            return None
+        least_gap = gap * (1.0 - 1e-12)
+        route = routes(network, entries, exits, least_gap, least_gap, 1)
+        if not len(route):
+            return None
+        way = certain(borders, route, gap)
+        line = route.points if way is None else way
+        wide, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, line)
+        if wide <= least:
+            return None
+        if narrowest is None or wide < narrowest[0]:
+            narrowest = (wide, (x, y))
+    return narrowest
+
+
+def why_not(
+    borders: Borders, name: str, place: Vec, need: float, units: str = "", what: str = "the radius"
+) -> str | None:
+    """Why a disc of radius ``need`` cannot stand there, or None where it can.
+
+    ``what`` says what is needed.
+    """
+    x, y = place
+    box = borders.box
+    if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
+        return f"{name} {_at(place)} lies outside the bounds"
+    distance, which = distance_kernels.nearest(*borders.tree, x, y, np.inf)
+    if borders.is_solid(x, y, distance):
+        inside = np.flatnonzero(borders.owners_around(x, y, distance))
+        if len(inside):
+            return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
+    if distance < need - ROUNDING * borders.extent:
+        owner = borders.owner[which]
+        border = "the bounds" if owner < 0 else f"obstacle {owner}"
+        return (
+            f"{name} {_at(place)} is {_sized(distance, units)} from {border}, "
+            f"nearer than {what} of {_sized(need, units)}"
+        )
+    return None
+
+
+def _at(place: Vec) -> str:
+    return f"({place[0]:g}, {place[1]:g})"
+
+
+def _sized(length: float, units: str) -> str:
+    return f"{length:.6g} {units}".rstrip()

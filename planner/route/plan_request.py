@@ -1,0 +1,102 @@
+"""What is asked of the planner, parsed: stations, preference, order, alternatives, margin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from planner.scene import Vec
+from planner.shared.numbers import as_float
+
+PREFERENCES = {"length": 0.0, "balanced": 0.5, "clearance": 1.0}
+"""The names of ``prefer`` and the numbers they stand for."""
+
+MOST_ALTERNATIVES = 1_000_000
+"""More are refused: their routes would take gigabytes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is asked for: ``stations`` are start, every via, goal, with a heading or None.
+
+    ``relaxed``: the margin is given up around stations that lie within it.
+    """
+
+    stations: tuple[Vec, ...]
+    headings_rad: tuple[float | None, ...]
+    preference: float
+    best_order: bool
+    alternatives: int
+    margin: float
+    relaxed: bool = False
+
+    def in_order(self, order: Sequence[int]) -> Request:
+        """The same request with its vias in another order."""
+        picked = (0, *(i + 1 for i in order), len(self.stations) - 1)
+        return replace(
+            self,
+            stations=tuple(self.stations[i] for i in picked),
+            headings_rad=tuple(self.headings_rad[i] for i in picked),
+        )
+
+    @classmethod
+    def of(
+        cls,
+        start: Sequence[float],
+        goal: Sequence[float],
+        prefer: str | float,
+        via: Sequence[Sequence[float]],
+        order: str,
+        alternatives: int,
+        margin: float,
+        *,
+        relaxed: bool = False,
+    ) -> Request:
+        """Parse the arguments of ``Roadmap.plan``; ``ValueError`` says what is wrong."""
+        named = [("start", start), *((f"via[{i}]", v) for i, v in enumerate(via)), ("goal", goal)]
+        parsed = [_station(name, value) for name, value in named]
+        if order not in ("fixed", "best"):
+            raise ValueError(f"order = {order!r}: must be 'fixed' or 'best'")
+        spare = as_float(margin)
+        if not (math.isfinite(spare) and spare >= 0.0):
+            raise ValueError(f"margin = {margin}: must be >= 0 and finite")
+        return cls(
+            tuple(p[0] for p in parsed),
+            tuple(p[1] for p in parsed),
+            _preference(prefer),
+            order == "best",
+            _count(alternatives),
+            spare,
+            relaxed,
+        )
+
+
+def _count(alternatives: int) -> int:
+    try:
+        wanted = as_float(alternatives)
+    except (TypeError, ValueError):
+        wanted = math.nan
+    if not wanted >= 0.0 or math.isinf(wanted) or wanted != int(wanted):
+        raise ValueError(f"alternatives = {alternatives}: must be a whole number >= 0")
+    if wanted > MOST_ALTERNATIVES:
+        raise ValueError(f"alternatives = {alternatives}: must be at most {MOST_ALTERNATIVES}")
+    return int(wanted)
+
+
+def _station(name: str, value: Sequence[float]) -> tuple[Vec, float | None]:
+    numbers = [as_float(v) for v in value]
+    if len(numbers) not in (2, 3) or not all(math.isfinite(v) for v in numbers):
+        raise ValueError(f"{name} = {tuple(value)}: must be x, y or x, y, heading, all finite")
+    return (numbers[0], numbers[1]), numbers[2] if len(numbers) == 3 else None
+
+
+def _preference(prefer: str | float) -> float:
+    if isinstance(prefer, str):
+        if prefer not in PREFERENCES:
+            raise ValueError(f"prefer = {prefer!r}: must be one of {', '.join(PREFERENCES)}")
+        return PREFERENCES[prefer]
+    value = as_float(prefer)
+    if not 0.0 <= value <= 1.0:
+        raise ValueError(f"prefer = {prefer}: must be from 0 (length) to 1 (clearance)")
+    return value

@@ -1,0 +1,395 @@
+"""From a request to a path: attach the stations, search the chains, prove the answer.
+
+Rules and units
+- Routes over the roadmap's chains are made taut (``finish.py``). The shortest way that keeps
+  the radius need not follow a chain: it is searched for over tangents (``shortest.py``).
+- Every answer is proved at the end: the exact distance of the whole polyline to every border
+  is at least the radius and the margin, or it is no answer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice, pairwise
+
+import numpy as np
+
+from planner.borders import distance_kernels
+from planner.borders.generators import Borders
+from planner.diagram.agvd import Chains
+from planner.path import NoPath, Path
+from planner.route.hysteresis import continued, is_kept, last_legs, preferred
+from planner.route.margin import REACH, lies_within, way_out
+from planner.route.no_way import Blocked, why_not
+from planner.route.plan_request import Request
+from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
+from planner.scene import FloatArray, Vec
+from planner.search.chain_search import (
+    ROUNDING,
+    Gates,
+    Network,
+    attach,
+    cheapest_routes,
+    routes,
+    widest_gap,
+)
+from planner.search.homotopy import Word, anchors, word
+from planner.search.shortest import shortest_way
+from planner.search.tour import best_tour
+
+ROUTES = 4
+"""Routes over different chains that are compared."""
+SPARE_ROUTES = 2
+"""Routes made taut for every alternative wanted, so that the best of them are told."""
+MOST_ROUTES = 512
+"""No more routes are compared than so many, or what the alternatives wanted take."""
+OTHERS_WORK = 40_000_000
+"""Steps over chains that the search for a leg's alternatives takes at most: about 0.2 s."""
+TAUT_POINTS = 200_000
+"""Points of routes that are made taut for them at most: about 0.2 s."""
+AS_WIDE = 1e-9
+"""Routes whose clearances differ by so small a part of them are equally wide."""
+OTHERS = 3
+"""Ways looked at besides the best for one on the sides of the last one."""
+SECOND_OPINION = 4_000_000
+"""Tangents tried before it is believed that there is no way: about 0.2 s."""
+GAVE_UP = "the search for the shortest path reached its limit: there may be a shorter one"
+FEWER = "the search for other paths reached its limit: there may be more, or better ones"
+UNSURE = "the search for a path by tangents reached its limit: there may be one"
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """Polylines between two stations, the preferred one first, and what must be said of them."""
+
+    lines: tuple[FloatArray, ...]
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """From one station to the next, for a disc of radius ``need``."""
+
+    borders: Borders
+    network: Network
+    start: Vec
+    goal: Vec
+    need: float
+    preference: float
+
+
+def plan_request(
+    borders: Borders,
+    chains: Chains,
+    radius: float,
+    request: Request,
+    units: str = "",
+    *,
+    chains_only: bool = False,
+    near: Path | NoPath | None = None,
+) -> Path | NoPath | Blocked:
+    """Answer a request on measured chains, for a disc of ``radius``.
+
+    ``chains_only`` believes the chains where they have no way, as the paper does. ``near`` is the
+    last answer, which is stayed with as ``hysteresis.py`` says.
+    """
+    need = radius + request.margin
+    asked = request
+    vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
+    names = ["the start", *vias, "the goal"]
+    request, ways_out, refused = _stand(borders, radius, request, names, units)
+    if refused is not None:
+        return refused
+    network = Network.of(chains, need, request.preference)
+    order = tuple(range(len(request.stations) - 2))
+    if request.best_order and len(order) > 1:
+        order = _best_order(borders, network, request, need, chains_only=chains_only)
+    request, asked = request.in_order(order), asked.in_order(order)
+    legs: list[Ways] = []
+    lasts = last_legs(near, len(request.stations) - 1)
+    visited = [names[0], *(names[1 + i] for i in order), names[-1]]
+    for k, ((a, b), last) in enumerate(zip(pairwise(request.stations), lasts, strict=True)):
+        leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
+        found = plan_leg(leg, request.alternatives, chains_only=chains_only)
+        if not found.lines:
+            ends = visited[k], visited[k + 1]
+            return Blocked(a, b, need, request.stations, names=ends, remarks=found.remarks)
+        if last is not None and a != b:
+            found = _staying(leg, last, found, request.alternatives)
+        legs.append(found)
+    legs = [replace(leg, lines=_from_stations(asked, k, leg.lines)) for k, leg in enumerate(legs)]
+    best = _as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
+    said = [*ways_out, *(r for leg in legs for r in leg.remarks)]
+    best = replace(best, remarks=tuple(dict.fromkeys(said)))
+    if not request.alternatives:
+        return best
+    others = (_as_path(borders, choice, radius, request, order) for choice in _others(legs))
+    return replace(best, alternatives=tuple(islice(others, request.alternatives)))
+
+
+def _stand(
+    borders: Borders, radius: float, request: Request, names: list[str], units: str
+) -> tuple[Request, list[str], NoPath | Blocked | None]:
+    """The request from places that keep the margin, what is said of that, or why there is none.
+
+    Only a ``relaxed`` request's stations may lie within the margin, see
+    :mod:`planner.route.margin`.
+    """
+    need = radius + request.margin
+    what = "the radius and margin" if request.margin > 0.0 else "the radius"
+    least = [(0.0, ""), (radius, "the radius")] if request.relaxed else [(0.0, ""), (need, what)]
+    ends = request.stations[0], request.stations[-1]
+    for keep, of_what in least:
+        for name, place in zip(names, request.stations, strict=True):
+            if reason := why_not(borders, name, place, keep, units, of_what):
+                if keep == 0.0:
+                    return request, [], NoPath(reason)
+                return request, [], Blocked(*ends, keep, request.stations, reason)
+    stations, said = list(request.stations), []
+    for i, (name, place) in enumerate(zip(names, request.stations, strict=True)):
+        if not request.relaxed or not lies_within(borders, place, need):
+            continue
+        out = way_out(borders, name, place, radius, request.margin, units)
+        if out is None:
+            reason = why_not(borders, name, place, need, units, what)
+            reason = f"{reason}, and no straight way of {REACH:g} times that leads out of it"
+            return request, [], Blocked(*ends, need, request.stations, reason)
+        stations[i] = out.place
+        said.append(out.remark)
+    return replace(request, stations=tuple(stations)), said, None
+
+
+def _from_stations(
+    asked: Request, leg: int, lines: tuple[FloatArray, ...]
+) -> tuple[FloatArray, ...]:
+    """The leg's lines from and to the very stations, where they lie within the margin."""
+    begin, end = (np.array([place]) for place in asked.stations[leg : leg + 2])
+    out = []
+    for line in lines:
+        parts = [line]
+        if not np.array_equal(line[0], begin[0]):
+            parts.insert(0, begin)
+        if not np.array_equal(line[-1], end[0]):
+            parts.append(end)
+        out.append(np.concatenate(parts))
+    return tuple(out)
+
+
+def _kept(borders: Borders, start: Vec, goal: Vec, need: float) -> float:
+    """What the way keeps: what is needed, or less where a station stands nearer by rounding."""
+    return min(need, float(borders.distances(np.array([start, goal]))[0].min()))
+
+
+def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
+    """Ways that differ from the best in one leg, the next best of each leg first."""
+    for rank in range(1, max(len(leg.lines) for leg in legs)):
+        for i, leg in enumerate(legs):
+            if rank < len(leg.lines):
+                yield [
+                    leg.lines[rank] if j == i else other.lines[0] for j, other in enumerate(legs)
+                ]
+
+
+def _best_order(
+    borders: Borders, network: Network, request: Request, need: float, *, chains_only: bool
+) -> tuple[int, ...]:
+    """The order of the vias that makes the way shortest: of legs planned as they will be.
+
+    Where no order leads to all of them, the order they were asked for in.
+    """
+    stations = request.stations
+    matrix = np.zeros((len(stations), len(stations)))
+    for i in range(len(stations)):
+        for j in range(i + 1, len(stations)):
+            a, b = stations[i], stations[j]
+            leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
+            lines = plan_leg(leg, chains_only=chains_only).lines
+            matrix[i, j] = matrix[j, i] = _length(lines[0]) if lines else math.inf
+    tour = best_tour(matrix)
+    if not math.isfinite(tour.cost):
+        return tuple(range(len(stations) - 2))
+    return tuple(i - 1 for i in tour.order)
+
+
+def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> Ways:
+    """As :func:`_plan_leg`, and the same there and back.
+
+    A leg is planned from the end with more room on: that turns and moves with the scene.
+    """
+    room = leg.borders.distances(np.array([leg.start, leg.goal]))[0].tolist()
+    apart = room[0] - room[1]
+    even = abs(apart) <= ROUNDING * leg.borders.extent
+    if apart > 0.0 if not even else leg.start <= leg.goal:
+        return _certified(leg, _plan_leg(leg, alternatives, chains_only=chains_only))
+    back = replace(leg, start=leg.goal, goal=leg.start)
+    found = _plan_leg(back, alternatives, chains_only=chains_only)
+    lines = tuple(np.ascontiguousarray(line[::-1]) for line in found.lines)
+    return _certified(leg, replace(found, lines=lines))
+
+
+def _certified(leg: Leg, found: Ways) -> Ways:
+    """Those of the ways whose exact clearance, as a whole, is what is needed."""
+    least = leg.need - ROUNDING * leg.borders.extent
+    proved = tuple(
+        line
+        for line in found.lines
+        if distance_kernels.polyline_clearance(*leg.borders.tree, line)[0] >= least
+    )
+    return replace(found, lines=proved)
+
+
+def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
+    """Polylines from start to goal with clearance >= ``need``, the preferred one first.
+
+    Every further one passes some obstacle on another side than those before it. With the
+    preference 0 the first is the shortest there is; up to 1, a corridor's shortest that keeps
+    ``1 + ROOM * preference`` radii off the borders where there is room; with 1 the widest
+    route itself, of those as wide within ``AS_WIDE`` the cheapest. None where there is no way.
+    """
+    borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
+    if start == goal:
+        return Ways((np.array([start, goal]),))
+    clear = is_clear(borders, start, goal, need, leg.preference)
+    if clear and not alternatives:
+        return Ways((np.array([start, goal]),))
+    routed = _routes(leg, alternatives)
+    found = list(routed.lines)
+    if clear:
+        found.insert(0, np.array([start, goal]))
+    if not found and chains_only:
+        return Ways(())
+    if not found:
+        # the chains tell ways of this width: a second opinion of another method, and its bound
+        exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
+        if exact.way is None:
+            return Ways((), () if exact.certain else (UNSURE,))
+        return Ways((exact.way,))
+    if leg.preference > 0.0 or clear:
+        return Ways(_distinct(borders, found, alternatives), routed.remarks)
+    exact = shortest_way(borders, start, goal, need, _length(found[0]))
+    if exact.way is not None:
+        found.insert(0, exact.way)
+    unsure = () if exact.certain else (GAVE_UP,)
+    return Ways(_distinct(borders, found, alternatives), (*routed.remarks, *unsure))
+
+
+def _routes(leg: Leg, alternatives: int) -> Ways:
+    """Ways over different chains, the preferred one first; some may be the same but for a shift.
+
+    The first may be cut short across to another side of an obstacle. For alternatives the
+    cheapest routes of all are made taut, and come the best first.
+    """
+    borders, network, need, preference = leg.borders, leg.network, leg.need, leg.preference
+    floor = need - ROUNDING * borders.extent
+    for anywhere in (False, True):
+        entries = attach(borders, network, leg.start, floor, anywhere)
+        exits = attach(borders, network, leg.goal, floor, anywhere)
+        if not (len(entries) and len(exits)):
+            continue
+        best = None
+        if preference >= 1.0:
+            least = max(floor, widest_gap(network, entries, exits) * (1.0 - AS_WIDE))
+            best = as_wide(borders, routes(network, entries, exits, least, floor, 1), need, least)
+        else:
+            lines = routes(network, entries, exits, floor, floor, ROUTES)
+            ways, first = finish(borders, lines, need, preference)
+            if len(first) > 1:
+                best = best_cut(borders, ways, first, need, preference)
+        if best is None:
+            continue
+        if not alternatives:
+            return Ways((best,))
+        others = _others_than(leg, best, entries, exits, alternatives)
+        return replace(others, lines=(best, *others.lines))
+    return Ways(())
+
+
+def _others_than(
+    leg: Leg, best: FloatArray, entries: Gates, exits: Gates, alternatives: int
+) -> Ways:
+    """The cheapest routes made taut, the best first: enough for so many that are distinct.
+
+    Routes that begin or end on different chains may be shifts of one another, though they are
+    not the same: more are sought until there are enough, or no more, or ``MOST_ROUTES``, or one
+    of the limits ``OTHERS_WORK`` and ``TAUT_POINTS``, which is said.
+    """
+    borders, need, preference = leg.borders, leg.need, leg.preference
+    floor = need - ROUNDING * borders.extent
+    wanted = ROUTES + SPARE_ROUTES * alternatives
+    found: list[FloatArray] = []
+    done, left, points_left = 0, OTHERS_WORK, TAUT_POINTS
+    while True:
+        lines, work = cheapest_routes(borders, leg.network, entries, exits, floor, wanted, left)
+        left -= work
+        fresh = lines.after(done, points_left)
+        points_left -= len(fresh.points)
+        ways, first = finish(borders, fresh, need, preference)
+        found += [ways[a:b] for a, b in pairwise(first.tolist())]
+        bounded = left < 0 or done + len(fresh) < len(lines)
+        enough = len(_distinct(borders, [best, *found], alternatives)) > alternatives
+        if enough or bounded or len(lines) < wanted or wanted >= MOST_ROUTES:
+            found.sort(key=lambda way: judge(borders, way, need, preference))
+            return Ways(tuple(found), (FEWER,) if bounded and not enough else ())
+        done = len(lines)
+        wanted *= 2
+
+
+def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways:
+    """The ways found, behind the last way continued where that is as good."""
+    borders, need = leg.borders, leg.need
+    way = continued(borders, last, leg.start, leg.goal, need)
+    lines = found.lines
+    if len(lines) == 1 and not is_kept(borders, way, need):
+        lines = plan_leg(leg, OTHERS).lines
+    best = preferred(borders, way, lines, need, leg.preference)
+    return replace(found, lines=_distinct(borders, [best, *lines], alternatives))
+
+
+def _distinct(
+    borders: Borders, ways: Sequence[FloatArray], alternatives: int
+) -> tuple[FloatArray, ...]:
+    """The first way, and up to ``alternatives`` that no way before them can be shifted into."""
+    if not alternatives:
+        return tuple(ways[:1])
+    places = anchors(borders)
+    kept: dict[Word, FloatArray] = {}
+    for way in ways:
+        kept.setdefault(word(places, way), way)
+    return tuple(islice(kept.values(), alternatives + 1))
+
+
+def _length(way: FloatArray) -> float:
+    return float(np.hypot(*np.diff(way, axis=0).T).sum())
+
+
+def _as_path(
+    borders: Borders,
+    legs: list[FloatArray],
+    radius: float,
+    request: Request,
+    order: tuple[int, ...],
+) -> Path:
+    """The legs as one proved path."""
+    points = [legs[0][:1]]
+    stations = [0]
+    for leg in legs:
+        points.append(leg[1:])
+        stations.append(stations[-1] + len(leg) - 1)
+    polyline = np.concatenate(points)
+    gap, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, polyline)
+    rho, _ = borders.distances(polyline)
+    for array in (polyline, rho):
+        array.setflags(write=False)
+    return Path(
+        points=polyline,
+        clearances=rho,
+        length=_length(polyline),
+        min_clearance=gap,
+        min_clearance_at=(x, y),
+        robot_radius=radius,
+        stations=tuple(stations),
+        headings_rad=request.headings_rad,
+        order=order,
+    )

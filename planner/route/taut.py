@@ -1,0 +1,101 @@
+"""From routes over the chains to polylines: taut, cut short, and proved.
+
+Rules and units
+- Every answer is proved against all borders: the exact distance of the whole polyline is at
+  least what is needed, or it is no answer.
+- A preference above 0 asks for more clearance than is needed, where there is room.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from planner.borders import distance_kernels
+from planner.borders.generators import Borders
+from planner.route import taut_kernels
+from planner.scene import FloatArray, IntArray, Vec
+from planner.search.chain_search import DETOUR, ROUNDING, Lines
+
+ROOM = 2.0
+"""Radii of clearance kept on top of the first, where there is room, per unit of preference."""
+TIGHT = 1e-9
+"""A bend exactly as wide as needed is followed in chords that take so much of the radius."""
+WIDE = 1e-6
+"""The widest way's polyline may be narrower than the way itself by so much of its clearance."""
+FLATNESS = 0.02
+"""How far a path may leave the bisector it follows, in radii, where there is room."""
+
+
+def is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: float) -> bool:
+    """Whether the straight line is as far off the borders as the preference asks.
+
+    That is ``1 + ROOM * preference`` radii, or what its ends have where that is less. The widest
+    way (preference 1) is never cut short.
+    """
+    if preference >= 1.0:
+        return False
+    ends = np.array([start, goal])
+    standing = float(borders.distances(ends)[0].min())
+    gap, *_ = distance_kernels.polyline_clearance(*borders.tree, ends)
+    wish = min(need * (1.0 + ROOM * preference), standing)
+    rounding = ROUNDING * borders.extent
+    return bool(gap >= max(need - borders.equal, wish - rounding))
+
+
+def finish(
+    borders: Borders, lines: Lines, need: float, preference: float
+) -> tuple[FloatArray, IntArray]:
+    """The routes as proved polylines: taut, or as they are where that cannot be proved.
+
+    Those that cannot even be proved as they are are left out. The widest way (preference 1) is
+    not pulled taut. Returns all points (n, 2), and where each way begins (m + 1,).
+    """
+    wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
+    return _proved(borders, lines, need, wish, FLATNESS * need)
+
+
+def as_wide(borders: Borders, lines: Lines, need: float, wide: float) -> FloatArray | None:
+    """The first route's polyline, ``wide`` but for a little, or at least ``need``; else None."""
+    for keep in (max(need, wide * (1.0 - WIDE)), need):
+        ways, first = _proved(borders, lines, keep, math.inf, FLATNESS * need)
+        if len(first) > 1:
+            return ways
+    return None
+
+
+def _proved(
+    borders: Borders, lines: Lines, need: float, wish: float, flatness: float
+) -> tuple[FloatArray, IntArray]:
+    ways: FloatArray
+    ways, first = taut_kernels.finish(
+        *borders.tree, lines.points, lines.pairs, lines.begin, wish, need, flatness,
+        borders.equal, borders.equal + TIGHT * need,
+    )  # fmt: skip
+    return ways, first
+
+
+def best_cut(
+    borders: Borders, ways: FloatArray, first: IntArray, need: float, preference: float
+) -> FloatArray:
+    """The cheapest of the ways with straight lines put in where they keep their distance.
+
+    They may change to another side of an obstacle. Never longer.
+    """
+    best: FloatArray = taut_kernels.best_cut(
+        *borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
+        borders.equal,
+    )  # fmt: skip
+    return best
+
+
+def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
+    """What a way costs: its length, and more where it is narrow."""
+    return float(taut_kernels.judge(*borders.tree, way, need, DETOUR * preference, math.inf))
+
+
+def certain(borders: Borders, lines: Lines, need: float) -> FloatArray | None:
+    """The first route's polyline, close enough to the bisectors to keep ``need``, or None."""
+    ways, first = finish(borders, lines, need, 1.0)
+    return ways if len(first) > 1 else None

@@ -1,0 +1,195 @@
+"""From routes to polylines: taut, cut short, judged, on flat arrays.
+
+Rules and units
+- Every polyline is proved against all borders: its exact distance is at least what is needed.
+- A straight line is kept where its exact distance to every border is at least what is asked.
+- A way's points stand where they stand: where both ends of a line are nearer to a border than is
+  wished for, the line may be as near as they are, but never nearer than is needed.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.clear_kernels import blocker, keeps, spare
+from planner.borders.distance_kernels import nearest, segment_clearance
+from planner.diagram.bisector_kernels import follow
+from planner.route.corridor_kernels import pull_taut
+
+UNEQUAL = 1e-2
+"""What corners may be short of, in parts of what is equal: rounding."""
+FOLD = 0.25
+"""A way never turns back within so much of what it needs, where it can go straight on."""
+
+
+@njit(cache=True, nogil=True)
+def certain(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding):
+    """The route as it is, so close to its bisectors that it keeps ``need``; else empty.
+
+    A way through a bend that is no wider than needed goes round it in corners outside it; where
+    both borders bend alike it falls short by its chords' bulge: by ``rounding`` at most.
+    """
+    keep = need - 0.5 * rounding
+    way, _ = follow(
+        kind, data, order, large, boxes, points, pairs, keep, flatness, tolerance,
+        need - UNEQUAL * tolerance,
+    )  # fmt: skip
+    if keeps(kind, data, order, large, boxes, way, need - rounding):
+        return way.copy()
+    return np.empty((0, 2))
+
+
+@njit(cache=True, nogil=True)
+def unfolded(kind, data, order, large, boxes, way, reach, tolerance):
+    """The way (n, 2) without turns back by more than a right angle before or after ``reach``.
+
+    Where the way came onto a chain, or changed to another, it may overshoot by a hair. A turn
+    stays where the straight line past it would be narrower than the way is there.
+    """
+    out = np.empty((len(way), 2))
+    m = 0
+    for i in range(len(way)):
+        x, y = way[i, 0], way[i, 1]
+        while m >= 2:
+            px, py, qx, qy = out[m - 2, 0], out[m - 2, 1], out[m - 1, 0], out[m - 1, 1]
+            ux, uy, vx, vy = qx - px, qy - py, x - qx, y - qy
+            short = min(ux * ux + uy * uy, vx * vx + vy * vy)
+            if ux * vx + uy * vy >= 0.0 or short > reach * reach:
+                break
+            old, _, _ = segment_clearance(kind, data, order, large, boxes, px, py, qx, qy, np.inf)
+            old, _, _ = segment_clearance(kind, data, order, large, boxes, qx, qy, x, y, old)
+            _, _, which = segment_clearance(
+                kind, data, order, large, boxes, px, py, x, y, old - tolerance
+            )
+            if which >= 0:
+                break
+            m -= 1
+        out[m, 0], out[m, 1] = x, y
+        m += 1
+    return out[:m].copy()
+
+
+@njit(cache=True, nogil=True)
+def finish(
+    kind, data, order, large, boxes, line, pair, begin, wish, need, flatness, tolerance, rounding
+):
+    """Every route taut, or as it is where that cannot be proved, one behind the other.
+
+    Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``; those that cannot be proved
+    at all are left out. Taut ways keep ``wish`` where there is room; none is pulled taut where
+    ``wish`` is infinite. Returns the points (n, 2) and where each way begins (m + 1,).
+    """
+    out = np.empty((256, 2))
+    first = np.zeros(len(begin), np.int32)
+    count = 0
+    for i in range(len(begin) - 1):
+        points, pairs = line[begin[i] : begin[i + 1]], pair[begin[i] : begin[i + 1]]
+        way = np.empty((0, 2))
+        if wish < np.inf:
+            way = pull_taut(kind, data, order, large, boxes, points, pairs, wish, need, tolerance)
+        if len(way) == 0:
+            way = certain(
+                kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding
+            )
+        if len(way) == 0:
+            continue
+        way = unfolded(kind, data, order, large, boxes, way, FOLD * need, tolerance)
+        lo, hi = first[count], first[count] + len(way)
+        if hi > len(out):
+            more = np.empty((2 * hi, 2))
+            more[:lo] = out[:lo]
+            out = more
+        out[lo:hi] = way
+        count += 1
+        first[count] = hi
+    return out[: first[count]].copy(), first[: count + 1].copy()
+
+
+@njit(cache=True, nogil=True)
+def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
+    """The way (n, 2) with straight lines put in, from its start on and then from its end.
+
+    From each point the line to the last one is tried, then to one half as far, and so on:
+    O(n log n) lines for n points. A line keeps ``wish``, or what its ends have where that is
+    less, but no less than ``need``; all of it less ``rounding``.
+    """
+    xy = way.copy()
+    rho = np.empty(len(way))
+    for i in range(len(way)):
+        rho[i] = spare(kind, data, order, large, boxes, xy[i, 0], xy[i, 1], wish)
+    n = len(way)
+    guess = -1
+    for _ in range(2):
+        here, m = 0, 1
+        while here < n - 1:
+            step = n - 1 - here
+            while step > 1:
+                there = here + step
+                met = blocker(
+                    kind, data, order, large, boxes,
+                    xy[here, 0], xy[here, 1], xy[there, 0], xy[there, 1],
+                    max(need, min(rho[here], rho[there])) - rounding, guess,
+                )  # fmt: skip
+                if met < 0:
+                    break
+                guess = met
+                step //= 2
+            here += step
+            xy[m, 0], xy[m, 1], rho[m] = xy[here, 0], xy[here, 1], rho[here]
+            m += 1
+        n = m
+        for i in range(n // 2):  # the other way round: after both turns it is as it was
+            j = n - 1 - i
+            for c in range(2):
+                xy[i, c], xy[j, c] = xy[j, c], xy[i, c]
+            rho[i], rho[j] = rho[j], rho[i]
+    return xy[:n].copy()
+
+
+@njit(cache=True, nogil=True)
+def judge(kind, data, order, large, boxes, way, need, weight, most):
+    """The way's length, each step 1 + ``weight * need / clearance`` as dear, there >= need.
+
+    Infinity where that is ``most`` or more, found as soon as it is sure.
+    """
+    total = 0.0
+    for i in range(len(way) - 1):
+        total += math.hypot(way[i + 1, 0] - way[i, 0], way[i + 1, 1] - way[i, 1])
+    for i in range(len(way) - 1):
+        if total >= most:
+            return np.inf
+        if weight <= 0.0:
+            break
+        ax, ay, bx, by = way[i, 0], way[i, 1], way[i + 1, 0], way[i + 1, 1]
+        x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
+        rho, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
+        total += math.hypot(bx - ax, by - ay) * weight * need / max(rho, need)
+    return total if total < most else np.inf
+
+
+@njit(cache=True, nogil=True)
+def best_cut(kind, data, order, large, boxes, ways, first, need, wish, weight, rounding):
+    """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` when they are cut short.
+
+    A cut may change to another side of an obstacle; it is never longer. The cheapest is cut from
+    its end on, too: what a way costs should not hang on where it begins.
+    """
+    best, least, which = ways[:0].copy(), np.inf, 0
+    for i in range(len(first) - 1):
+        way = cut_short(
+            kind, data, order, large, boxes, ways[first[i] : first[i + 1]], need, wish, rounding
+        )
+        cost = judge(kind, data, order, large, boxes, way, need, weight, least)
+        if cost < least:
+            best, least, which = way, cost, i
+    back = ways[first[which] : first[which + 1]][::-1].copy()
+    way = cut_short(kind, data, order, large, boxes, back, need, wish, rounding)
+    if judge(kind, data, order, large, boxes, way, need, weight, least) < least:
+        best = way[::-1].copy()
+    return best

@@ -1,0 +1,1 @@
+"""Searches along chains, around corners, and through several stations."""

@@ -1,0 +1,158 @@
+"""Attaching a place to the roadmap's chains, on flat arrays.
+
+Rules and units
+- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
+  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- A place attaches by retraction: straight away from the nearest border until a second one is as
+  near, and then onto the chain.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import foot, nearest, point_to_segment, polyline_clearance
+from planner.diagram.bisector_kernels import slide_between
+from planner.shared.compile_options import BORROWING
+
+SHRINKS = 60
+"""Steps of the shrinking ball; it took at most 12 on random scenes."""
+
+
+@njit(cache=True, nogil=True)
+def retract(kind, data, order, large, boxes, x, y, reach):
+    """Move (x, y) away from the nearest border until a second border is as near.
+
+    The shrinking ball of Ma, Bae and Choi (2012): a ball through the nearest foot, centred
+    on the ray from it through (x, y), shrinks until no border is inside. Returns the centre,
+    its radius and the two primitives. ``reach`` is the first ball's radius, larger than any
+    clearance in the scene.
+    """
+    d, a = nearest(kind, data, order, large, boxes, x, y, np.inf)
+    fx, fy = foot(kind, data, a, x, y)
+    if d <= 0.0:
+        return x, y, d, a, a
+    nx, ny = (x - fx) / d, (y - fy) / d
+    r, b = max(reach, d), a
+    for _ in range(SHRINKS):
+        cx, cy = fx + r * nx, fy + r * ny
+        _, i = nearest(kind, data, order, large, boxes, cx, cy, r * (1.0 - 1e-12))
+        if i < 0:
+            break
+        qx, qy = foot(kind, data, i, cx, cy)
+        wx, wy = qx - fx, qy - fy
+        along = nx * wx + ny * wy
+        if along <= 0.0:
+            break
+        smaller = 0.5 * (wx * wx + wy * wy) / along
+        if smaller < d:
+            r, b = d, i
+            break
+        if smaller >= r:
+            break
+        r, b = smaller, i
+    return fx + r * nx, fy + r * ny, r, a, b
+
+
+@njit(cache=True, nogil=True)
+def nearest_links(points, first, x, y, count):
+    """The links nearest to (x, y), at most one a chain: chain, point index, part, distance."""
+    chain = np.full(count, -1, np.int32)
+    link = np.zeros(count, np.int32)
+    part = np.zeros(count)
+    away = np.full(count, np.inf)
+    for c in range(len(first) - 1):
+        best, bi, bt = away[count - 1], -1, 0.0
+        for i in range(first[c], max(first[c] + 1, first[c + 1] - 1)):
+            j = min(i + 1, first[c + 1] - 1)
+            ax, ay, bx, by = points[i, 0], points[i, 1], points[j, 0], points[j, 1]
+            dx = max(min(ax, bx) - x, x - max(ax, bx))
+            dy = max(min(ay, by) - y, y - max(ay, by))
+            if dx >= best or dy >= best:
+                continue
+            d, t = point_to_segment(x, y, ax, ay, bx, by)
+            if d < best:
+                best, bi, bt = d, i, t
+        if bi < 0:
+            continue
+        k = count - 1
+        while k > 0 and away[k - 1] > best:
+            chain[k], link[k], part[k], away[k] = (
+                chain[k - 1],
+                link[k - 1],
+                part[k - 1],
+                away[k - 1],
+            )
+            k -= 1
+        chain[k], link[k], part[k], away[k] = c, bi, bt, best
+    return chain, link, part, away
+
+
+@njit(**BORROWING)
+def _to_ends(first, rho, gap, cost, proved, chain, link, part, out):
+    """Write cost and clearance from a place inside a chain to its first and to its last point.
+
+    A proved link grows or shrinks all along: a part of it is as wide as the narrower of its ends,
+    and the place's own clearance is that of the access.
+    """
+    lo, hi = first[chain], first[chain + 1] - 1
+    if lo == hi:
+        out[0], out[1], out[2], out[3] = 0.0, rho[lo], 0.0, rho[lo]
+        return
+    out[0], out[1] = part * cost[link], rho[link] if proved[link] else gap[link]
+    for i in range(lo, link):
+        out[0] += cost[i]
+        out[1] = min(out[1], gap[i])
+    out[2], out[3] = (1.0 - part) * cost[link], rho[link + 1] if proved[link] else gap[link]
+    for i in range(link + 1, hi):
+        out[2] += cost[i]
+        out[3] = min(out[3], gap[i])
+
+
+@njit(cache=True, nogil=True)
+def attach(
+    kind, data, order, large, boxes, points, first, pieces, proved, rho, gap, cost,
+    x, y, floor, within, rounding, tolerance, reach, most,
+):  # fmt: skip
+    """Ways from (x, y) onto at most ``most`` chains, with clearance >= ``floor``, nearest first.
+
+    Where retraction ends nearer than ``within`` to a chain that chain is the way, and those as
+    near but for ``rounding``; else any of the nearest chains that a straight line reaches.
+    Returns ``where`` (m, 2), chain and link; ``access`` (m, 3, 2), from the place over the
+    retracted one to that on the chain; and ``price`` (m, 7): the part of the link gone, length
+    and clearance of the access, cost and clearance to the chain's first end, and to its last.
+    """
+    rx, ry, _, _, _ = retract(kind, data, order, large, boxes, x, y, reach)
+    chain, link, part, away = nearest_links(points, first, rx, ry, most)
+    where = np.empty((most, 2), np.int32)
+    access = np.empty((most, 3, 2))
+    price = np.empty((most, 7))
+    met = away[0] <= within
+    m = 0
+    for k in range(most):
+        c, i = chain[k], link[k]
+        if c < 0 or (met and m > 0 and away[k] > away[0] + rounding):
+            break
+        j = min(i + 1, first[c + 1] - 1)
+        px = points[i, 0] + part[k] * (points[j, 0] - points[i, 0])
+        py = points[i, 1] + part[k] * (points[j, 1] - points[i, 1])
+        if proved[i]:
+            px, py, _ = slide_between(kind, data, pieces[i, 0], pieces[i, 1], px, py, tolerance)
+        access[m, 0, 0], access[m, 0, 1] = x, y
+        access[m, 1, 0], access[m, 1, 1] = rx, ry
+        access[m, 2, 0], access[m, 2, 1] = px, py
+        clear = polyline_clearance(kind, data, order, large, boxes, access[m])[0]
+        if clear < floor:
+            continue
+        where[m, 0], where[m, 1] = c, i
+        price[m, 0], price[m, 2] = part[k], clear
+        price[m, 1] = math.sqrt((rx - x) ** 2 + (ry - y) ** 2) + away[k]
+        _to_ends(first, rho, gap, cost, proved, c, i, part[k], price[m, 3:])
+        m += 1
+    return where[:m].copy(), access[:m].copy(), price[:m].copy()

@@ -1,0 +1,178 @@
+"""Ways onto the roadmap's chains and over them: what one costs, how wide it is, its line.
+
+Rules and units
+- Stations attach inside a chain, by retraction: straight away from the nearest border until a
+  second one is as near, and then onto the chain.
+- A way costs its length, and more where it is narrow; clearances are exact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from planner.borders.generators import BoolArray, Borders
+from planner.diagram.agvd import Chains
+from planner.scene import FloatArray, IntArray, Vec
+from planner.search import alternative_kernels, attach_kernels, route_kernels, search_kernels
+
+Graph: TypeAlias = tuple[
+    IntArray, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray,
+    IntArray, BoolArray, FloatArray, FloatArray,
+]  # fmt: skip
+"""What the kernels that search for routes begin with."""
+DETOUR = 4.0
+"""How much longer a step at a clearance of one radius may be, at the preference just below 1."""
+NEAR = 0.25
+"""A retracted place this near to a chain, in radii, has met it."""
+ENTRIES = 8
+"""Chains tried as a station's way onto the roadmap."""
+ROUNDING = 1e-9
+"""Clearances are equal within this share of the scene's extent."""
+PENALTY = 1.4
+"""How much dearer a chain becomes with every route that took it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """The chains, what every link and chain costs, and which chains leave which node."""
+
+    chains: Chains
+    cost: FloatArray
+    total: FloatArray
+    around: IntArray
+    leaving: IntArray
+
+    @classmethod
+    def of(cls, chains: Chains, need: float, preference: float) -> Network:
+        """Costs for a disc of radius ``need``. O(points)."""
+        cost, total = search_kernels.chain_costs(
+            chains.rho, chains.gap, chains.step, chains.first, chains.length,
+            need, DETOUR * preference,
+        )  # fmt: skip
+        around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
+        return cls(chains, cost, total, around, leaving)
+
+
+@dataclass(frozen=True, slots=True)
+class Gates:
+    """A station's m ways onto the chains, the nearest first.
+
+    ``where`` (m, 2) are chain and link; ``access`` (m, 3, 2) runs from the station over the
+    retracted place to the one on the chain; ``price`` (m, 7) is the part of the link gone, the
+    access's length and exact clearance, and cost and clearance to the chain's two ends.
+    """
+
+    where: IntArray
+    access: FloatArray
+    price: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.where)
+
+    def costs(self, network: Network, floor: float) -> tuple[IntArray, FloatArray]:
+        """Node and cost (2 m,) of both ways along the chain, infinity below ``floor``."""
+        same = np.ones(len(network.total))
+        gates: tuple[IntArray, FloatArray] = route_kernels.gates_of(
+            self.where, self.price, network.chains.ends, floor, same
+        )
+        return gates
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Routes laid out, one behind the other: route i is ``points[begin[i] : begin[i + 1]]``.
+
+    ``pairs`` (n, 2) are the pieces left and right of the link to the next point, -1 where that
+    is straight.
+    """
+
+    points: FloatArray
+    pairs: IntArray
+    begin: IntArray
+
+    def __len__(self) -> int:
+        return len(self.begin) - 1
+
+    def after(self, first: int, most_points: int) -> Lines:
+        """The routes from number ``first`` on, as many as have ``most_points`` together."""
+        here = int(self.begin[min(first, len(self))])
+        last = int(np.searchsorted(self.begin, here + most_points, side="right"))
+        begin = self.begin[first:last]
+        end = int(begin[-1]) if len(begin) else here
+        begin = begin - here if len(begin) else np.zeros(1, np.int32)
+        return Lines(self.points[here:end], self.pairs[here:end], begin)
+
+
+def attach(
+    borders: Borders, network: Network, place: Vec, floor: float, anywhere: bool = False
+) -> Gates:
+    """Ways from a place onto the chains, each with clearance >= ``floor``.
+
+    Where retraction meets a chain that chain is the way; with ``anywhere``, or where it meets
+    none, any of the nearest chains that a straight line reaches.
+    """
+    chains, extent = network.chains, borders.extent
+    found = attach_kernels.attach(
+        *borders.tree, chains.points, chains.first, chains.pieces, chains.proved, chains.rho,
+        chains.gap, network.cost, *place, floor, -1.0 if anywhere else NEAR * floor,
+        ROUNDING * extent, borders.equal, 2.0 * extent, ENTRIES,
+    )  # fmt: skip
+    return Gates(*found)
+
+
+def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
+    """The largest clearance a way from any entry to any exit can keep, -inf where none leads."""
+    chains = network.chains
+    best = route_kernels.widest_way(
+        network.around, network.leaving, chains.ends, chains.clearance, chains.first, chains.rho,
+        chains.gap, network.cost, chains.proved, start.where, start.price, goal.where, goal.price,
+    )  # fmt: skip
+    return float(best)
+
+
+def routes(
+    network: Network, start: Gates, goal: Gates, least: float, floor: float, tries: int
+) -> Lines:
+    """The cheapest route that keeps ``least``, and then others that keep ``floor``.
+
+    A chain gets dearer with every route that took it: ``tries`` searches find as many routes or
+    fewer.
+    """
+    found = route_kernels.routes(
+        *_graph(network), least, floor, start.where, start.access, start.price,
+        goal.where, goal.access, goal.price, tries, PENALTY,
+    )  # fmt: skip
+    return Lines(*found)
+
+
+def cheapest_routes(
+    borders: Borders,
+    network: Network,
+    start: Gates,
+    goal: Gates,
+    floor: float,
+    wanted: int,
+    budget: int,
+) -> tuple[Lines, int]:
+    """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
+
+    Fewer only where there are no more, or where the ``budget`` is spent: so many steps over
+    chains. The second value is what was spent, more than the budget in that case only.
+    """
+    *found, work = alternative_kernels.cheapest_routes(
+        *_graph(network), floor, start.where, start.access, start.price,
+        goal.where, goal.access, goal.price, wanted, ROUNDING * borders.extent, budget,
+    )  # fmt: skip
+    return Lines(*found), int(work)
+
+
+def _graph(network: Network) -> Graph:
+    """What every search for routes starts with."""
+    c = network.chains
+    return (
+        network.around, network.leaving, c.ends, network.total, network.cost, c.clearance,
+        c.points, c.first, c.pieces, c.proved, c.rho, c.gap,
+    )  # fmt: skip

@@ -1,0 +1,384 @@
+"""Routes over the roadmap's chains: searched for, and laid out as lines, on flat arrays.
+
+Rules and units
+- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
+  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- A station's entries are what :func:`planner.search.attach_kernels.attach` returns; gate 2 i + end
+  leads over entry i to that end of its chain.
+- A laid route is points (n, 2) and pairs (n, 2): the pieces left and right of the link to the
+  next point, -1 where the link is straight.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.search.search_kernels import costs_from, pop, push, pushed
+from planner.shared.compile_options import BORROWING
+
+CLEARED = 8
+"""So many nodes are made ready for a search in the time of one step of it."""
+
+
+@njit(cache=True, nogil=True)
+def gates_of(where, price, ends, floor, dearer):
+    """Node and cost of every gate, infinity where its clearance is below ``floor``."""
+    m = len(where)
+    node = np.empty(2 * m, np.int32)
+    cost = np.empty(2 * m)
+    for i in range(m):
+        c = where[i, 0]
+        for end in range(2):
+            node[2 * i + end] = ends[c, end]
+            wide = min(price[i, 2], price[i, 4 + 2 * end]) >= floor
+            cost[2 * i + end] = price[i, 1] + dearer[c] * price[i, 3 + 2 * end] if wide else np.inf
+    return node, cost
+
+
+@njit(**BORROWING)
+def between(first, rho, gap, cost, proved, where, price, i, other_where, other_price, j):
+    """Clearance and cost of the way within one chain from one station's entry to another's.
+
+    Of a proved link only the part between counts, which grows or shrinks all along.
+    """
+    c, a, b = where[i, 0], where[i, 1], other_where[j, 1]
+    lo, hi = min(a, b), max(a, b)
+    wide = min(price[i, 2], other_price[j, 2])
+    if first[c + 1] - first[c] == 1:
+        return min(wide, rho[lo]), 0.0
+    apart = other_price[j, 0] * cost[b] - price[i, 0] * cost[a]
+    total = 0.0
+    for k in range(lo, hi):
+        total += cost[k]
+        if k > lo:
+            wide = min(wide, gap[k])
+    if lo < hi:
+        wide = min(wide, rho[lo + 1] if proved[lo] else gap[lo])
+        wide = min(wide, rho[hi] if proved[hi] else gap[hi])
+    elif not proved[lo]:
+        wide = min(wide, gap[lo])
+    return wide, abs(apart + (total if b > a else -total))
+
+
+@njit(cache=True, nogil=True)
+def search(
+    around, leaving, ends, total, clearance, dearer, ahead, floor, s_node, s_cost, g_node, g_cost,
+    shut, barred,
+):  # fmt: skip
+    """The cheapest way from the start's gates to the goal's, not over ``shut`` nodes (n,).
+
+    A* over the chains not below ``floor``, each ``dearer`` (>= 1) times its cost; ``ahead`` (n,)
+    is what is left at least from each node, as :func:`costs_from` says of the goal. No step is
+    walked that is ``barred`` (2 chains,). Returns the cost, infinity where there is none, the
+    start's and the goal's gate, the chains in order as chain * 2 + end walked from, and the work:
+    steps looked at, and what clearing the nodes costs in them.
+    """
+    n = len(around) - 1
+    far = np.full(n, np.inf)
+    came = np.full(n, -1, np.int32)
+    gate = np.full(n, -1, np.int32)
+    keys = np.empty(64)
+    items = np.empty(64, np.int32)
+    size, work = 0, n // CLEARED
+    best, out, exit_node = np.inf, -1, -1
+    for i in range(len(s_node)):
+        u = s_node[i]
+        if s_cost[i] < far[u]:
+            far[u], gate[u] = s_cost[i], i
+            keys, items = pushed(keys, items, size, far[u] + ahead[u], u)
+            size += 1
+    while size > 0:
+        key, u = pop(keys, items, size)
+        size -= 1
+        d = far[u]
+        if key > d + ahead[u]:
+            continue
+        if key >= best:
+            break
+        work += 1 + around[u + 1] - around[u]
+        for i in range(len(g_node)):
+            if g_node[i] == u and d + g_cost[i] < best:
+                best, out, exit_node = d + g_cost[i], i, u
+        for k in range(around[u], around[u + 1]):
+            c, end = leaving[k] // 2, leaving[k] % 2
+            v = ends[c, 1 - end]
+            if clearance[c] < floor or shut[v] or barred[leaving[k]]:
+                continue
+            there = d + total[c] * dearer[c]
+            if there < far[v]:
+                far[v], came[v], gate[v] = there, leaving[k], -1
+                if there + ahead[v] < best:
+                    keys, items = pushed(keys, items, size, there + ahead[v], v)
+                    size += 1
+    steps = np.empty(n, np.int32)
+    count = 0
+    u = exit_node
+    while u >= 0 and gate[u] < 0:
+        steps[count] = came[u]
+        count += 1
+        u = ends[came[u] // 2, came[u] % 2]
+    entry = gate[u] if u >= 0 else -1
+    return best, entry, out, steps[:count][::-1].copy(), work
+
+
+@njit(cache=True, nogil=True)
+def left_to(around, leaving, ends, total, clearance, floor, s_where, s_price, g_where, g_price):
+    """What is left at least from every node to the goal, for :func:`search`."""
+    same = np.ones(len(total))
+    s_node, s_cost = gates_of(s_where, s_price, ends, floor, same)
+    g_node, g_cost = gates_of(g_where, g_price, ends, floor, same)
+    return costs_from(
+        around, leaving, ends, total, clearance, floor, g_node, g_cost, s_node, s_cost
+    )
+
+
+@njit(**BORROWING)
+def _add(line, pair, m, x, y, left, right):
+    """Write one point and the pair of its link; a repeated point takes the later link."""
+    if m > 0 and line[m - 1, 0] == x and line[m - 1, 1] == y:
+        m -= 1
+    line[m, 0], line[m, 1] = x, y
+    pair[m, 0], pair[m, 1] = left, right
+    return m + 1
+
+
+@njit(**BORROWING)
+def _beside(pieces, proved, link, forwards):
+    """The pieces left and right of a link walked that way, -1 where it is straight."""
+    if not proved[link]:
+        return -1, -1
+    if forwards:
+        return pieces[link, 0], pieces[link, 1]
+    return pieces[link, 1], pieces[link, 0]
+
+
+@njit(**BORROWING)
+def _add_points(points, pieces, proved, a, b, forwards, through, line, pair, m):
+    """Write the points from a to b, both included, none where b lies behind a.
+
+    ``through``: the link after b is walked on, too.
+    """
+    step = 1 if forwards else -1
+    for k in range((b - a) * step + 1):
+        i = a + step * k
+        left, right = -1, -1
+        if i != b or through:
+            left, right = _beside(pieces, proved, i if forwards else i - 1, forwards)
+        m = _add(line, pair, m, points[i, 0], points[i, 1], left, right)
+    return m
+
+
+@njit(**BORROWING)
+def _walk(points, first, pieces, proved, chain, entered, left_at, forwards, line, pair, m):
+    """Write the points of a chain between two of its links; -1 stands for its end there."""
+    lo, hi = first[chain], first[chain + 1] - 1
+    if forwards:
+        a = lo if entered < 0 else entered + 1
+        b = hi if left_at < 0 else left_at
+    else:
+        a = hi if entered < 0 else entered
+        b = lo if left_at < 0 else left_at + 1
+    if entered >= 0 and lo == hi:
+        return m
+    return _add_points(points, pieces, proved, a, b, forwards, left_at >= 0, line, pair, m)
+
+
+@njit(cache=True, nogil=True)
+def lay(
+    points, first, pieces, proved, s_where, s_access, s_price, s_gate, steps,
+    g_where, g_access, g_price, g_gate,
+):  # fmt: skip
+    """The route in through gate ``s_gate``, over ``steps`` and out through ``g_gate``.
+
+    Gates below 0 stand for the entries -1 - gate, both on one chain, and the way within it.
+    """
+    inside = s_gate < 0
+    a = -1 - s_gate if inside else s_gate // 2
+    b = -1 - g_gate if inside else g_gate // 2
+    c, e = s_where[a, 0], g_where[b, 0]
+    room = 8 + first[c + 1] - first[c] + first[e + 1] - first[e]
+    for k in range(len(steps)):
+        room += first[steps[k] // 2 + 1] - first[steps[k] // 2]
+    line = np.empty((room, 2))
+    pair = np.empty((room, 2), np.int32)
+    la, lb = s_where[a, 1], g_where[b, 1]
+    forwards = s_gate % 2 == 1
+    if inside:
+        forwards = la < lb or (la == lb and s_price[a, 0] <= g_price[b, 0])
+    m = 0
+    for k in range(2):
+        m = _add(line, pair, m, s_access[a, k, 0], s_access[a, k, 1], -1, -1)
+    left, right = _beside(pieces, proved, la, forwards)
+    m = _add(line, pair, m, s_access[a, 2, 0], s_access[a, 2, 1], left, right)
+    if inside:
+        if la != lb:
+            m = _walk(points, first, pieces, proved, c, la, lb, forwards, line, pair, m)
+    else:
+        m = _walk(points, first, pieces, proved, c, la, -1, forwards, line, pair, m)
+        for k in range(len(steps)):
+            s, onwards = steps[k] // 2, steps[k] % 2 == 0
+            m = _walk(points, first, pieces, proved, s, -1, -1, onwards, line, pair, m)
+        forwards = g_gate % 2 == 0
+        if first[e + 1] - first[e] > 1:
+            m = _walk(points, first, pieces, proved, e, -1, lb, forwards, line, pair, m)
+    for k in range(2, -1, -1):
+        m = _add(line, pair, m, g_access[b, k, 0], g_access[b, k, 1], -1, -1)
+    return line[:m].copy(), pair[:m].copy()
+
+
+@njit(cache=True, nogil=True)
+def one_route(
+    around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, proved, floor, dearer,
+    s_where, s_price, g_where, g_price,
+):  # fmt: skip
+    """The cheapest route of that clearance: its cost, both gates as :func:`lay` takes them, steps.
+
+    The cost is infinite where there is none.
+    """
+    s_node, s_cost = gates_of(s_where, s_price, ends, floor, dearer)
+    g_node, g_cost = gates_of(g_where, g_price, ends, floor, dearer)
+    best, entry, out = np.inf, -1, -1
+    steps = np.empty(0, np.int32)
+    if len(s_where) == 0 or len(g_where) == 0:
+        return best, entry, out, steps
+    best, entry, out, steps, _ = search(
+        around, leaving, ends, total, clearance, dearer, ahead, floor,
+        s_node, s_cost, g_node, g_cost,
+        np.zeros(len(around) - 1, np.bool_), np.zeros(2 * len(ends), np.bool_),
+    )  # fmt: skip
+    for i in range(len(s_where)):
+        for j in range(len(g_where)):
+            if s_where[i, 0] != g_where[j, 0]:
+                continue
+            wide, apart = between(
+                first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
+            )
+            here = s_price[i, 1] + g_price[j, 1] + apart * dearer[s_where[i, 0]]
+            if wide >= floor and here < best:
+                best, entry, out = here, -1 - i, -1 - j
+                steps = np.empty(0, np.int32)
+    return best, entry, out, steps
+
+
+@njit(cache=True, nogil=True)
+def widest_way(
+    around, leaving, ends, clearance, first, rho, gap, cost, proved, s_where, s_price, g_where,
+    g_price,
+):  # fmt: skip
+    """The largest least clearance of any way from the start's entries to the goal's, or -inf."""
+    n = len(around) - 1
+    wide = np.full(n, -np.inf)
+    room = len(leaving) + 2 * len(s_where) + 1
+    keys = np.empty(room)
+    items = np.empty(room, np.int32)
+    size = 0
+    best = -np.inf
+    for i in range(len(s_where)):
+        for end in range(2):
+            u, w = ends[s_where[i, 0], end], min(s_price[i, 2], s_price[i, 4 + 2 * end])
+            if w > wide[u]:
+                wide[u] = w
+                push(keys, items, size, -w, u)
+                size += 1
+        for j in range(len(g_where)):
+            if s_where[i, 0] == g_where[j, 0]:
+                w, _ = between(
+                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
+                )
+                best = max(best, w)
+    while size > 0:
+        key, u = pop(keys, items, size)
+        size -= 1
+        if -key < wide[u]:
+            continue
+        if -key <= best:
+            break
+        for j in range(len(g_where)):
+            for end in range(2):
+                if ends[g_where[j, 0], end] == u:
+                    best = max(best, min(-key, g_price[j, 2], g_price[j, 4 + 2 * end]))
+        for k in range(around[u], around[u + 1]):
+            c, end = leaving[k] // 2, leaving[k] % 2
+            v = ends[c, 1 - end]
+            w = min(-key, clearance[c])
+            if w > wide[v]:
+                wide[v] = w
+                push(keys, items, size, -w, v)
+                size += 1
+    return best
+
+
+@njit(**BORROWING)
+def _known(used, count):
+    """Whether row ``count`` is one of those before it."""
+    for k in range(count):
+        same = True
+        for c in range(used.shape[1]):
+            if used[k, c] != used[count, c]:
+                same = False
+                break
+        if same:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def routes(
+    around, leaving, ends, total, cost, clearance, points, first, pieces, proved, rho, gap,
+    least, floor, s_where, s_access, s_price, g_where, g_access, g_price, tries, penalty,
+):  # fmt: skip
+    """The cheapest route, and then others: a chain gets dearer with every route that took it.
+
+    The first keeps ``least``, the others ``floor``. ``tries`` searches are made; what they find
+    again is left out. Returns all lines' points and pairs, and where each line begins (n + 1,).
+    """
+    dearer = np.ones(len(total))
+    ahead = left_to(
+        around, leaving, ends, total, clearance, floor, s_where, s_price, g_where, g_price
+    )
+    used = np.zeros((tries, len(total)), np.bool_)
+    begin = np.zeros(tries + 1, np.int32)
+    line = np.empty((64, 2))
+    pair = np.empty((64, 2), np.int32)
+    count = 0
+    for t in range(tries):
+        best, entry, out, steps = one_route(
+            around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, proved,
+            least if t == 0 else floor, dearer, s_where, s_price, g_where, g_price,
+        )  # fmt: skip
+        if best == np.inf:
+            break
+        used[count] = False
+        used[count, s_where[-1 - entry if entry < 0 else entry // 2, 0]] = True
+        used[count, g_where[-1 - out if out < 0 else out // 2, 0]] = True
+        for k in range(len(steps)):
+            used[count, steps[k] // 2] = True
+        for c in range(len(total)):
+            if used[count, c]:
+                dearer[c] *= penalty
+        if _known(used, count):
+            continue
+        xy, beside = lay(
+            points, first, pieces, proved, s_where, s_access, s_price, entry, steps,
+            g_where, g_access, g_price, out,
+        )  # fmt: skip
+        line, pair = put_behind(line, pair, begin[count], xy, beside)
+        count += 1
+        begin[count] = begin[count - 1] + len(xy)
+    return line[: begin[count]], pair[: begin[count]], begin[: count + 1].copy()
+
+
+@njit(cache=True, nogil=True)
+def put_behind(line, pair, size, xy, beside):
+    """The first ``size`` points and pairs, and then others behind them, with room to spare."""
+    end = size + len(xy)
+    if end > len(line):
+        longer, wider = np.empty((2 * end, 2)), np.empty((2 * end, 2), np.int32)
+        longer[:size], wider[:size] = line[:size], pair[:size]
+        line, pair = longer, wider
+    line[size:end], pair[size:end] = xy, beside
+    return line, pair

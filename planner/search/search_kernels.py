@@ -1,0 +1,134 @@
+"""The roadmap's chains as a graph with costs, and how far everything is, on flat arrays.
+
+Rules and units
+- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
+  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- A gate is a way onto the roadmap's nodes: ``node``, what it costs to get there, and the
+  clearance on the way.
+- Costs are lengths, or lengths weighted where the clearance is small; never negative.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from planner.shared.compile_options import BORROWING
+
+
+@njit(cache=True, nogil=True)
+def chain_costs(rho, gap, step, first, length, radius, weight):
+    """The cost of every link and chain: length times 1 + weight * radius / clearance."""
+    cost = np.zeros(len(step))
+    total = np.zeros(len(length))
+    for c in range(len(length)):
+        for i in range(first[c], first[c + 1] - 1):
+            near = max(gap[i], 1e-12)
+            cost[i] = step[i] * (1.0 + weight * radius / near)
+            total[c] += cost[i]
+    return cost, total
+
+
+@njit(cache=True, nogil=True)
+def adjacency(ends, nodes):
+    """Chains around every node: offsets (nodes + 1,) and chain * 2 + end leaving it."""
+    first = np.zeros(nodes + 1, np.int32)
+    for c in range(len(ends)):
+        first[ends[c, 0] + 1] += 1
+        first[ends[c, 1] + 1] += 1
+    for n in range(nodes):
+        first[n + 1] += first[n]
+    fill = first[:-1].copy()
+    leaving = np.empty(2 * len(ends), np.int32)
+    for c in range(len(ends)):
+        for end in range(2):
+            n = ends[c, end]
+            leaving[fill[n]] = 2 * c + end
+            fill[n] += 1
+    return first, leaving
+
+
+@njit(**BORROWING)
+def push(keys, items, size, key, item):
+    """Put an item into the heap; ``size`` is the number of entries before."""
+    i = size
+    while i > 0 and keys[(i - 1) // 2] > key:
+        keys[i], items[i] = keys[(i - 1) // 2], items[(i - 1) // 2]
+        i = (i - 1) // 2
+    keys[i], items[i] = key, item
+
+
+@njit(**BORROWING)
+def pop(keys, items, size):
+    """Take the least; ``size`` is the number of entries before. Returns key, item."""
+    key, item = keys[0], items[0]
+    last_key, last_item = keys[size - 1], items[size - 1]
+    i, n = 0, size - 1
+    while True:
+        child = 2 * i + 1
+        if child >= n:
+            break
+        if child + 1 < n and keys[child + 1] < keys[child]:
+            child += 1
+        if keys[child] >= last_key:
+            break
+        keys[i], items[i] = keys[child], items[child]
+        i = child
+    keys[i], items[i] = last_key, last_item
+    return key, item
+
+
+@njit(cache=True, nogil=True)
+def pushed(keys, items, size, key, item):
+    """Put an item into the heap, which grows where it is full; the heap."""
+    if size == len(keys):
+        more, others = np.empty(2 * size + 8), np.empty(2 * size + 8, np.int32)
+        more[:size], others[:size] = keys, items
+        keys, items = more, others
+    push(keys, items, size, key, item)
+    return keys, items
+
+
+@njit(cache=True, nogil=True)
+def costs_from(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_node, g_cost):
+    """What the cheapest way from the gates to every node costs (n,), inf where there is none.
+
+    Dijkstra. Where there are goal's gates the search ends at the first of them, and what lies
+    farther is said to cost as much as the farthest that was reached: no more than it does.
+    """
+    n = len(around) - 1
+    far = np.full(n, np.inf)
+    keys = np.empty(n + 8)
+    items = np.empty(n + 8, np.int32)
+    size = 0
+    best = np.inf
+    for i in range(len(s_node)):
+        if s_cost[i] < far[s_node[i]]:
+            far[s_node[i]] = s_cost[i]
+            keys, items = pushed(keys, items, size, s_cost[i], s_node[i])
+            size += 1
+    while size > 0:
+        d, u = pop(keys, items, size)
+        size -= 1
+        if d > far[u]:
+            continue
+        for i in range(len(g_node)):
+            if g_node[i] == u:
+                best = min(best, d + g_cost[i])
+        if d >= best:
+            for v in range(n):
+                far[v] = min(far[v], d)
+            break
+        for k in range(around[u], around[u + 1]):
+            c, end = leaving[k] // 2, leaving[k] % 2
+            if clearance[c] < floor:
+                continue
+            v = ends[c, 1 - end]
+            if d + cost[c] < far[v]:
+                far[v] = d + cost[c]
+                keys, items = pushed(keys, items, size, far[v], v)
+                size += 1
+    return far

@@ -1,0 +1,102 @@
+"""The shortest way that keeps a clearance, exact: straight lines and arcs around corners.
+
+Rules and units
+- The borders moved outwards by the clearance leave arcs around corners and round borders; the
+  shortest way is made of their common tangents and of the arcs between them.
+- The answer is a polyline whose chords lie outside the arcs, so that it keeps the clearance,
+  which is proved against all borders. It is longer than the way itself by less than
+  ``CHORD_RAD ** 2 / 12`` of its arcs.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from planner.borders import distance_kernels
+from planner.borders.generators import JOINT, Borders
+from planner.scene import FloatArray, Vec
+from planner.search import tangent_kernels
+
+CHORD_RAD = 0.05
+"""An arc's chords turn by at most so much; below the least turn that smoothing rounds."""
+FINER = (1.0, 0.25, 0.0625)
+"""Parts of ``CHORD_RAD`` tried in turn, where chords outside an arc come too near to others."""
+SPARE = 1e-9
+"""Kept on top of the clearance, as a share of the scene's extent, so that rounding costs none."""
+BUDGET = 8_000_000
+"""Tangents tried before the search gives up: about 0.3 s (`benchmarks/routes.py`). Among 1,000
+obstacles it took 2,200,000 at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shortest:
+    """The way (n, 2), or None where none is shorter than asked.
+
+    ``certain`` is False where the search gave up, so that there may be a shorter one.
+    """
+
+    way: FloatArray | None
+    certain: bool
+
+
+def shortest_way(
+    borders: Borders,
+    start: Vec,
+    goal: Vec,
+    keep: float,
+    longest: float = math.inf,
+    budget: int | None = None,
+) -> Shortest:
+    """The shortest way from start to goal that keeps ``keep``, if shorter than ``longest``.
+
+    Where a station stands nearer to a border by rounding, so may the way. The work is bounded:
+    ``budget`` tangents tried, ``BUDGET`` where None.
+    """
+    ends = np.array([start, goal])
+    standing = float(borders.distances(ends)[0].min())
+    spare = SPARE * borders.extent
+    radius = min(keep + spare, standing)
+    k = borders.primitive_count
+    discs = tangent_kernels.discs_around(
+        borders.kind[:k],
+        borders.data[:k],
+        radius,
+        JOINT * borders.extent,
+        ends[0],
+        ends[1],
+        longest,
+    )
+    outcome, _, tangents, _ = tangent_kernels.shortest(
+        *borders.tree, discs, radius - 0.25 * spare, longest, BUDGET if budget is None else budget
+    )
+    if outcome != tangent_kernels.FOUND:
+        return Shortest(None, outcome == tangent_kernels.NONE)
+    for part in FINER:
+        way = _polyline(discs, tangents, part * CHORD_RAD)
+        gap = distance_kernels.polyline_clearance(*borders.tree, way)[0]
+        if gap >= radius - 0.5 * spare:
+            return Shortest(way, certain=True)
+    return Shortest(None, certain=False)
+
+
+def _polyline(discs: FloatArray, tangents: FloatArray, chord_rad: float) -> FloatArray:
+    """The tangents and chords around the arcs between them, no chord turning by more."""
+    points = [discs[tangent_kernels.START, None, :2]]
+    for arrived, left in pairwise(tangents):
+        disc, side, a = int(arrived[3]), arrived[4], arrived[5]
+        x, y, r = discs[disc, :3]
+        sweep = (side * (left[2] - a)) % math.tau
+        if sweep > math.tau - tangent_kernels.ANGLE:
+            sweep = 0.0
+        count = max(1, math.ceil(sweep / chord_rad))
+        turned = a + side * sweep * (np.arange(count) + 0.5) / count
+        out = r / math.cos(0.5 * sweep / count)
+        points.append(np.c_[x + out * np.cos(turned), y + out * np.sin(turned)])
+    points.append(discs[tangent_kernels.GOAL, None, :2])
+    way = np.concatenate(points)
+    moved = np.concatenate([[True], np.any(np.diff(way, axis=0) != 0.0, axis=1)])
+    return np.ascontiguousarray(way[moved])

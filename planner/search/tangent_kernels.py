@@ -1,0 +1,310 @@
+"""The shortest way that keeps a distance: a search over tangents and arcs, on flat arrays.
+
+Rules and units
+- The borders, moved outwards by ``keep``, are arcs and straight sides. A shortest way runs along
+  arcs that the free space goes round, and straight along common tangents of two of them.
+- A disc is such an arc: centre, radius, and the directions in which its border is exposed, as
+  ``cone`` = first angle and width. Disc 0 is the start and disc 1 the goal, of radius 0.
+- A side is +1 where the way runs counter-clockwise round a disc (angles grow), -1 clockwise.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.borders.distance_kernels import ARC, POINT, SEGMENT, TAU, segment_clearance
+from planner.search.search_kernels import pop, push
+from planner.shared.compile_options import BORROWING
+
+ANGLE = 1e-7
+"""Angles nearer than this are equal."""
+STEP_RAD = 0.2
+"""An arc is proved free in chords around it of at most this angle, shorter where it is narrow."""
+SHORTEST_RAD = STEP_RAD / 64.0
+"""Where even a chord of this angle is not free, the arc ends."""
+START, GOAL = 0, 1
+FOUND, NONE, OUT_OF_BUDGET = 0, 1, 2
+CHECK, ENTRY = 60, 10
+"""What a clearance query and an entry in the queue cost, in tangents tried."""
+
+
+@njit(**BORROWING)
+def _turn(a, b, side):
+    """The angle from a to b towards ``side``, in [0, 2 pi), rounding taken for none."""
+    t = (side * (b - a)) % TAU
+    return 0.0 if t > TAU - ANGLE else t
+
+
+@njit(**BORROWING)
+def _ends(kind, data, i, out):
+    """Both ends of a segment or arc, each with the direction from it along the piece."""
+    if kind[i] == SEGMENT:
+        a = math.atan2(data[i, 3] - data[i, 1], data[i, 2] - data[i, 0])
+        out[0, 0], out[0, 1], out[0, 2] = data[i, 0], data[i, 1], a
+        out[1, 0], out[1, 1], out[1, 2] = data[i, 2], data[i, 3], a + math.pi
+        return
+    for end in range(2):
+        a = data[i, 3] + end * data[i, 4]
+        out[end, 0] = data[i, 0] + data[i, 2] * math.cos(a)
+        out[end, 1] = data[i, 1] + data[i, 2] * math.sin(a)
+        out[end, 2] = a + (0.5 - end) * math.pi
+
+
+@njit(cache=True, nogil=True)
+def discs_around(kind, data, keep, joint, start, goal, longest):
+    """The discs (n, 5) that a way shorter than ``longest`` from start to goal can touch.
+
+    Columns: centre x, y, radius, cone's first angle, cone's width. Ends of pieces nearer than
+    ``joint`` are one corner, exposed where none of its pieces is nearer: in the directions at a
+    right angle or more to each of them.
+    """
+    k = len(kind)
+    out = np.empty((2 + 3 * k, 5))
+    out[START, 0], out[START, 1], out[GOAL, 0], out[GOAL, 1] = start[0], start[1], goal[0], goal[1]
+    out[:2, 2:4] = 0.0
+    out[:2, 4] = TAU
+    n = 2
+    ends = np.empty((2 * k, 3))
+    two = np.empty((2, 3))
+    m = 0
+    for i in range(k):
+        if kind[i] == SEGMENT or kind[i] == ARC:
+            _ends(kind, data, i, two)
+            ends[m : m + 2] = two
+            m += 2
+        if kind[i] == SEGMENT:
+            continue
+        out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = (
+            data[i, 0],
+            data[i, 1],
+            keep,
+            0.0,
+            TAU,
+        )
+        if kind[i] != POINT:
+            out[n, 2] = data[i, 2] + keep
+        if kind[i] == ARC:
+            out[n, 3], out[n, 4] = data[i, 3], min(data[i, 4], TAU)
+        n += 1
+    key = np.empty(m, np.int64)
+    for j in range(m):
+        key[j] = (math.floor(ends[j, 0] / joint) << 32) ^ (
+            math.floor(ends[j, 1] / joint) & 0xFFFFFFFF
+        )
+    order = np.argsort(key)
+    j = 0
+    while j < m:
+        first = order[j]
+        low, width = ends[first, 2] + 0.5 * math.pi, math.pi
+        j += 1
+        while j < m and key[order[j]] == key[first]:
+            shift = math.pi - (math.pi - (ends[order[j], 2] + 0.5 * math.pi - low)) % TAU
+            begin, end = max(0.0, shift), min(width, shift + math.pi)
+            low, width = low + begin, end - begin
+            j += 1
+        if width <= ANGLE:
+            continue
+        out[n, 0], out[n, 1], out[n, 2] = ends[first, 0], ends[first, 1], keep
+        out[n, 3], out[n, 4] = low, width
+        n += 1
+    kept = 2
+    for i in range(2, n):
+        x, y = out[i, 0], out[i, 1]
+        to = math.hypot(x - start[0], y - start[1]) + math.hypot(x - goal[0], y - goal[1])
+        if to - 2.0 * out[i, 2] < longest:
+            out[kept] = out[i]
+            kept += 1
+    return out[:kept]
+
+
+@njit(**BORROWING)
+def _exposed(discs, i, a):
+    """Whether direction ``a`` lies in disc i's cone."""
+    if discs[i, 4] >= TAU:
+        return True
+    t = (a - discs[i, 3]) % TAU
+    return t <= discs[i, 4] + ANGLE or t >= TAU - ANGLE
+
+
+@njit(**BORROWING)
+def _tangent(discs, i, si, j, sj, out):
+    """Write the tangent from disc i on side si to disc j on side sj; False where there is none.
+
+    ``out``: length, the angle at which it leaves disc i, the angle at which it meets disc j.
+    """
+    vx, vy = discs[j, 0] - discs[i, 0], discs[j, 1] - discs[i, 1]
+    d = math.sqrt(vx * vx + vy * vy)
+    bend = si * discs[i, 2] - sj * discs[j, 2]
+    if d <= 0.0 or abs(bend) > d * (1.0 + 1e-9):
+        return False
+    s = min(1.0, max(-1.0, bend / d))
+    c = math.sqrt(1.0 - s * s)
+    if c < 1e-4 and si == sj:
+        # one disc touches the other from within: an arc and its own end
+        c = 0.0
+    wx, wy = (s * vx + c * vy) / d, (s * vy - c * vx) / d
+    out[0] = c * d
+    out[1] = math.atan2(si * wy, si * wx)
+    out[2] = math.atan2(sj * wy, sj * wx)
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _reach(tree, discs, i, side, a, most, floor):
+    """How far the way can go round disc i from direction a: an angle of at most ``most``."""
+    kind, data, order, large, boxes = tree
+    cx, cy, r = discs[i, 0], discs[i, 1], discs[i, 2]
+    if discs[i, 4] < TAU:
+        last = discs[i, 3] + (discs[i, 4] if side > 0 else 0.0)
+        most = min(most, _turn(a, last, side))
+    gone, step = 0.0, STEP_RAD
+    while gone < most:
+        step = min(step, most - gone)
+        b, e = a + side * gone, a + side * (gone + step)
+        out = r / math.cos(0.5 * step)
+        mx, my = cx + out * math.cos(0.5 * (b + e)), cy + out * math.sin(0.5 * (b + e))
+        _, _, w1 = segment_clearance(
+            kind, data, order, large, boxes,
+            cx + r * math.cos(b), cy + r * math.sin(b), mx, my, floor
+        )  # fmt: skip
+        w2 = -1
+        if w1 < 0:
+            _, _, w2 = segment_clearance(
+                kind, data, order, large, boxes,
+                mx, my, cx + r * math.cos(e), cy + r * math.sin(e), floor
+            )  # fmt: skip
+        if w1 < 0 and w2 < 0:
+            gone += step
+            step = min(STEP_RAD, 2.0 * step)
+        elif step > SHORTEST_RAD:
+            step *= 0.5
+        else:
+            break
+    return gone
+
+
+@njit(cache=True, nogil=True)
+def _grown(array):
+    out = np.empty((2 * len(array), array.shape[1]), array.dtype)
+    out[: len(array)] = array
+    return out
+
+
+@njit(cache=True, nogil=True)
+def shortest(kind, data, order, large, boxes, discs, floor, longest, budget):
+    """The shortest way from disc 0 to disc 1 among those shorter than ``longest``.
+
+    A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved as they are
+    taken from the queue, against all borders, with a clearance of ``floor``. Returns what
+    became of it (FOUND, NONE where no way is shorter, OUT_OF_BUDGET after the work of trying
+    ``budget`` tangents), the length, the tangents in order, each as disc and side left, angle
+    left, disc and side met, angle met (n, 6), and the work done.
+    """
+    tree = (kind, data, order, large, boxes)
+    n = len(discs)
+    gx, gy = discs[GOAL, 0], discs[GOAL, 1]
+    room = 1024
+    # per item: cost at its end; disc, side, angle met; disc, side, angle left; item before
+    item = np.empty((room, 8))
+    keys = np.empty((room, 1))
+    items = np.empty((room, 1), np.int32)
+    # per place reached: item's angle, reach, cost, next place round the same disc and side
+    place = np.empty((256, 4))
+    places = 0
+    around = np.full(2 * n, -1, np.int32)
+    item[0] = 0.0
+    item[0, 1], item[0, 2], item[0, 7] = START, 1.0, -1.0
+    made, size = 1, 1
+    keys[0, 0], items[0, 0] = math.hypot(gx - discs[START, 0], gy - discs[START, 1]), 0
+    t3 = np.empty(3)
+    outcome, last, length, work = NONE, -1, np.inf, 0
+    while size > 0:
+        if work > budget:
+            outcome = OUT_OF_BUDGET
+            break
+        key, t = pop(keys[:, 0], items[:, 0], size)
+        size -= 1
+        if key >= longest:
+            break
+        cost, j, side, a = item[t, 0], int(item[t, 1]), int(item[t, 2]), item[t, 3]
+        r = discs[j, 2]
+        slot = 2 * j + (1 if side > 0 else 0)
+        p = around[slot]
+        worse = False
+        while p >= 0 and not worse:
+            turn = _turn(place[p, 0], a, side)
+            worse = turn <= place[p, 1] and place[p, 2] + r * turn <= cost * (1.0 + 1e-12)
+            p = int(place[p, 3])
+        if worse:
+            continue
+        x, y = discs[j, 0] + r * math.cos(a), discs[j, 1] + r * math.sin(a)
+        if t > 0:
+            i, b = int(item[t, 4]), item[t, 6]
+            ox, oy = (
+                discs[i, 0] + discs[i, 2] * math.cos(b),
+                discs[i, 1] + discs[i, 2] * math.sin(b),
+            )
+            work += CHECK
+            _, _, hit = segment_clearance(kind, data, order, large, boxes, ox, oy, x, y, floor)
+            if hit >= 0:
+                continue
+        if j == GOAL:
+            outcome, last, length = FOUND, t, cost
+            break
+        reach = 0.0
+        if j == START:
+            reach = TAU
+        elif r > 0.0:
+            # round the disc at most until nothing shorter than the longest is left
+            reach = _reach(tree, discs, j, side, a, min(TAU, (longest - cost) / r), floor)
+            work += CHECK * int(2.0 + 2.0 * reach / STEP_RAD)
+        if places == len(place):
+            place = _grown(place)
+        place[places, 0], place[places, 1], place[places, 2] = a, reach, cost
+        place[places, 3] = around[slot]
+        around[slot] = places
+        places += 1
+        work += 2 * n
+        for m in range(1, n):
+            if m == j:
+                continue
+            for sm in (1, -1):
+                if m == GOAL and sm < 0:
+                    continue
+                if not _tangent(discs, j, side, m, sm, t3):
+                    continue
+                turn = 0.0 if j == START else _turn(a, t3[1], side)
+                if turn > reach + ANGLE or not _exposed(discs, m, t3[2]):
+                    continue
+                far = cost + r * turn + t3[0]
+                ex = discs[m, 0] + discs[m, 2] * math.cos(t3[2])
+                ey = discs[m, 1] + discs[m, 2] * math.sin(t3[2])
+                key = far + math.hypot(gx - ex, gy - ey)
+                if key >= longest:
+                    continue
+                work += ENTRY
+                if made == len(item):
+                    item = _grown(item)
+                    keys, items = _grown(keys), _grown(items)
+                item[made, 0], item[made, 1], item[made, 2], item[made, 3] = far, m, sm, t3[2]
+                item[made, 4], item[made, 5], item[made, 6], item[made, 7] = j, side, t3[1], t
+                push(keys[:, 0], items[:, 0], size, key, made)
+                made += 1
+                size += 1
+    count, t = 0, last
+    while t > 0:
+        count += 1
+        t = int(item[t, 7])
+    way = np.empty((count, 6))
+    t = last
+    for c in range(count - 1, -1, -1):
+        way[c, 0], way[c, 1], way[c, 2] = item[t, 4], item[t, 5], item[t, 6]
+        way[c, 3], way[c, 4], way[c, 5] = item[t, 1], item[t, 2], item[t, 3]
+        t = int(item[t, 7])
+    return outcome, length, way, work
