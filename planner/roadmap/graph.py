@@ -51,8 +51,6 @@ SAME = 1e-9
 if TYPE_CHECKING:
     import networkx as nx
 
-    from planner.roadmap.roadmap import Roadmap
-
 
 @dataclass(frozen=True, slots=True)
 class Strand:
@@ -86,23 +84,22 @@ class Run:
         )
 
 
-def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
+def make_graph(clipped: Clipped, borders: Borders, radius: float, spacing: float) -> nx.Graph[int]:
     """The chains that keep the radius as a graph."""
-    clipped, borders = roadmap.clipped, roadmap.borders
     chains = clipped.chains
     import networkx as nx  # late: a plan counts the graph without it, and it takes 0.2 s
 
-    graph: nx.Graph[int] = nx.Graph(radius=roadmap.radius)
+    graph: nx.Graph[int] = nx.Graph(radius=radius)
     owners: defaultdict[int, set[int]] = defaultdict(set)
-    bulge = BULGE * roadmap.spacing
+    bulge = BULGE * spacing
     new = len(chains.node_xy)
-    for strand in lay_strands(clipped, roadmap.radius):
+    for strand in lay_strands(clipped, radius):
         u, v = strand.u, strand.v
         run = _run(chains, strand)
         owners[u] |= _owners(borders, run.pairs[:1])
         owners[v] |= _owners(borders, run.pairs[-2:-1])
         for n in (u, v):
-            _add_node(graph, n, chains.node_xy[n], max(chains.node_rho[n], roadmap.radius))
+            _add_node(graph, n, chains.node_xy[n], max(chains.node_rho[n], radius))
         if len(run.points) == 1:
             continue
         parts = 3 if u == v else 2 if graph.has_edge(u, v) else 1
@@ -112,11 +109,11 @@ def make_graph(roadmap: Roadmap) -> nx.Graph[int]:
         nodes = [u, *range(new, new + parts - 1), v]
         new += parts - 1
         for i in range(1, parts):
-            _add_node(graph, nodes[i], run.points[cuts[i]], max(run.rho[cuts[i]], roadmap.radius))
+            _add_node(graph, nodes[i], run.points[cuts[i]], max(run.rho[cuts[i]], radius))
             owners[nodes[i]] |= _owners(borders, run.pairs[cuts[i] - 1 : cuts[i] + 1])
         for i in range(parts):
-            part = _followed(borders, run.part(cuts[i], cuts[i + 1]), roadmap.radius, bulge)
-            _add_edge(graph, borders, nodes[i], nodes[i + 1], part, roadmap.radius)
+            part = _followed(borders, run.part(cuts[i], cuts[i + 1]), radius, bulge)
+            _add_edge(graph, borders, nodes[i], nodes[i + 1], part, radius)
     for n, data in graph.nodes(data=True):
         reach = data["clearance"] + SAME * borders.extent
         x, y = data["pos"]

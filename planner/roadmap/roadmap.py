@@ -29,7 +29,15 @@ from planner.borders.generators import (
     gather_borders,
     place_generators,
 )
-from planner.diagram.agvd import Agvd, Chains, diagram, join_chains, omit_invalid, solve_chains
+from planner.diagram.agvd import (
+    Agvd,
+    Chains,
+    diagram,
+    join_chains,
+    mesh_chains,
+    omit_invalid,
+    solve_chains,
+)
 from planner.diagram.mesh import make_mesh
 from planner.path import NoPath, Path
 from planner.roadmap.clip import Clipped, clip_chains
@@ -122,18 +130,24 @@ class Roadmap:
         if "graph" not in self._made:
             from planner.roadmap.graph import make_graph
 
-            self._made["graph"] = make_graph(self)
+            self._made["graph"] = make_graph(self.clipped, self.borders, self.radius, self.spacing)
         return self._made["graph"]  # type: ignore[no-any-return]
 
     def updated(self, scene: Scene) -> Roadmap:
         """The roadmap of a scene that differs by a few objects, several times faster than anew.
 
-        Finds by itself which objects came, went or moved, see :mod:`planner.roadmap.update`. This
+        Finds by itself which objects came, went or moved, see :mod:`planner.diagram.update`. This
         roadmap does not change.
         """
-        from planner.roadmap.update import update_roadmap
+        from planner.diagram.update import update_diagram
 
-        return update_roadmap(self, scene)
+        agvd = None
+        if isinstance(self.scene, Scene):
+            agvd = update_diagram(self.agvd, self.scene, scene)
+        if agvd is None or agvd.mesh is None:
+            return build_roadmap(scene, self.radius, spacing=self.spacing, mode=self.mode)
+        chains = mesh_chains(agvd.mesh, agvd.borders, agvd.spacing)
+        return finish_roadmap(scene, self.radius, "exact", agvd, chains)
 
     def clearance(self, points: ArrayLike) -> FloatArray:
         """Exact clearance of every point (n, 2), negative in obstacles and out of bounds.

@@ -12,10 +12,10 @@ from planner.borders import generator_kernels
 from planner.borders.distance_kernels import ARC, CIRCLE
 from planner.borders.generators import Borders
 from planner.delaunay import insertion_kernels, removal_kernels
+from planner.diagram.update import match_objects
 from planner.path import Path
 from planner.roadmap.graph import lay_strands
 from planner.roadmap.roadmap import Roadmap
-from planner.roadmap.update import match_objects, update_roadmap
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
 from tests.support.planner_scenes import box, hand_made, polygon, scene_of
 
@@ -100,7 +100,7 @@ def test_objects_that_come_go_and_move_give_the_roadmap_built_anew(seed: int) ->
         else:
             others.append(objects[at])
             objects[at] = others.pop(0)
-        roadmap = update_roadmap(roadmap, scene_of(*_numbered(objects)))
+        roadmap = roadmap.updated(scene_of(*_numbered(objects)))
         _judge(roadmap, rng)
 
 
@@ -109,9 +109,9 @@ def test_an_object_put_into_a_difficult_scene_and_taken_out_again(name: str) -> 
     scene = hand_made()[name]
     before = planner.build_roadmap(scene, 2.5)
     more = replace(scene, objects=(*scene.objects, SceneObject(99, (box(10, 55, 14, 61),))))
-    within = update_roadmap(before, more)
+    within = before.updated(more)
     _judge(within, np.random.default_rng(0))
-    after = update_roadmap(within, scene)
+    after = within.updated(scene)
     _judge(after, np.random.default_rng(1))
 
 
@@ -120,7 +120,7 @@ def test_the_old_roadmap_stays_as_it_was() -> None:
     roadmap = planner.build_roadmap(scene, 2.5)
     before = _edges(roadmap)
     counts = dict(roadmap.counts)
-    update_roadmap(roadmap, replace(scene, objects=scene.objects[1:]))
+    roadmap.updated(replace(scene, objects=scene.objects[1:]))
     assert (_edges(roadmap) == before).all()
     assert dict(roadmap.counts) == counts
 
@@ -128,8 +128,8 @@ def test_the_old_roadmap_stays_as_it_was() -> None:
 def test_other_bounds_and_the_papers_mode_are_built_anew() -> None:
     scene = hand_made()["one box"]
     wider = scene.with_bounds(Bounds(-0.5, -0.5, 200.0, 150.0))
-    assert update_roadmap(planner.build_roadmap(scene, 4.0), wider).scene is wider
-    paper = update_roadmap(planner.build_roadmap(scene, 4.0, mode="paper"), scene)
+    assert planner.build_roadmap(scene, 4.0).updated(wider).scene is wider
+    paper = planner.build_roadmap(scene, 4.0, mode="paper").updated(scene)
     assert paper.mode == "paper"
 
 
@@ -174,9 +174,7 @@ def _triangles(tri: np.ndarray, number: np.ndarray, ghost: int) -> set[frozenset
 def test_an_object_on_the_hull_is_taken_out_by_building_anew() -> None:
     scene: Scene = scene_of(box(-30, 40, 60, 80), box(90, 60, 100, 70))
     roadmap = planner.build_roadmap(scene, 4.0)
-    _judge(
-        update_roadmap(roadmap, replace(scene, objects=scene.objects[1:])), np.random.default_rng(0)
-    )
+    _judge(roadmap.updated(replace(scene, objects=scene.objects[1:])), np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("radius", [1e-6, 0.1, 2.0, 30.0])
@@ -234,7 +232,7 @@ def test_what_was_refined_for_an_object_goes_with_it(goes: str, stays: str, radi
     head = "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
     before = planner.read_scene_text(head + "#@ object 1\n" + goes + "#@ object 9\n" + stays)
     after = planner.read_scene_text(head + "#@ object 9\n" + stays)
-    updated = update_roadmap(planner.build_roadmap(before, radius), after)
+    updated = planner.build_roadmap(before, radius).updated(after)
     rebuilt = planner.build_roadmap(after, radius)
     assert _places(updated) == _places(rebuilt)
     assert _edges(updated)[:, :5] == pytest.approx(_edges(rebuilt)[:, :5], abs=1e-3)
@@ -252,7 +250,7 @@ def test_one_of_three_objects_that_coincide_is_taken_out(goes: int) -> None:
     head = "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"
     scene = planner.read_scene_text(head + "".join(f"#@ object {i}\n{arc}" for i in range(3)))
     left = tuple(o for i, o in enumerate(scene.objects) if i != goes)
-    updated = update_roadmap(planner.build_roadmap(scene, 16.3), replace(scene, objects=left))
+    updated = planner.build_roadmap(scene, 16.3).updated(replace(scene, objects=left))
     one = planner.build_roadmap(replace(scene, objects=left[:1]), 16.3)
     assert len(updated.chains) == len(one.chains)
     # the polylines' points may differ, within their tolerance of the bisectors

@@ -1,4 +1,4 @@
-"""A roadmap for a scene that differs from the last one by a few objects, without a rebuild.
+"""The diagram of a scene that differs from the last one by a few objects, without a rebuild.
 
 Rules and units
 - Objects that are the same in both scenes, wherever they stand in the list, keep their
@@ -20,9 +20,8 @@ from planner.borders import border_kernels
 from planner.borders.generators import JOINT, NO_LENGTH, Borders, as_borders
 from planner.delaunay import insertion_kernels, predicate_kernels, removal_kernels
 from planner.diagram import update_kernels
-from planner.diagram.agvd import Agvd, mesh_chains
+from planner.diagram.agvd import Agvd
 from planner.diagram.mesh import Mesh, add_sites, copy_mesh
-from planner.roadmap.roadmap import Roadmap, build_roadmap, finish_roadmap
 from planner.scene import (
     ArcRecord,
     Flattener,
@@ -37,38 +36,31 @@ MOST = 0.34
 """More changed objects than this share are a scene to be built anew."""
 
 
-def update_roadmap(roadmap: Roadmap, scene: Scene) -> Roadmap:
-    """The roadmap of ``scene`` with the radius, spacing and mode of ``roadmap``.
+def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
+    """The diagram of ``scene`` from that of ``old``; None where it is to be built anew.
 
-    Finds by itself which objects came, went or moved; ``roadmap`` itself does not change.
+    Finds by itself which objects came, went or moved; ``agvd`` itself does not change.
     O(n) copies and scans for n generators, and the work of building for what changed.
     """
-    old_scene = roadmap.scene
-    mesh = roadmap.agvd.mesh
-    if mesh is None or not isinstance(old_scene, Scene) or old_scene.bounds != scene.bounds:
-        return _anew(roadmap, scene)
-    kept = match_objects(old_scene.objects, scene.objects)
+    mesh = agvd.mesh
+    if mesh is None or old.bounds != scene.bounds:
+        return None
+    kept = match_objects(old.objects, scene.objects)
     came = [j for j, i in enumerate(kept) if i < 0]
-    went = len(old_scene.objects) - len(kept) + len(came)
-    if len(came) + went > MOST * (len(scene.objects) + len(old_scene.objects)):
-        return _anew(roadmap, scene)
+    went = len(old.objects) - len(kept) + len(came)
+    if len(came) + went > MOST * (len(scene.objects) + len(old.objects)):
+        return None
     borders, new_label, places, labels, touched = _change_borders(
-        roadmap, scene, len(old_scene.objects), kept, came
+        agvd, scene, len(old.objects), kept, came
     )
     mesh = copy_mesh(mesh)
     fits = not len(places) or float(abs(places).max()) <= mesh.up
     if not (fits and _take_out(mesh, new_label, touched)):
-        return _anew(roadmap, scene)
+        return None
     if len(places):
         nowhere = np.full(len(places), -1, np.int64)
         add_sites(mesh, places, labels, nowhere, refined=False)
-    agvd = Agvd(borders, roadmap.spacing, mesh)
-    chains = mesh_chains(mesh, borders, roadmap.spacing)
-    return finish_roadmap(scene, roadmap.radius, "exact", agvd, chains)
-
-
-def _anew(roadmap: Roadmap, scene: Scene) -> Roadmap:
-    return build_roadmap(scene, roadmap.radius, spacing=roadmap.spacing, mode=roadmap.mode)
+    return Agvd(borders, agvd.spacing, mesh)
 
 
 def match_objects(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> list[int]:
@@ -120,13 +112,13 @@ def _first_other(old: Sequence[SceneObject], new: Sequence[SceneObject]) -> int:
 
 
 def _change_borders(
-    roadmap: Roadmap, scene: Scene, old_objects: int, kept: list[int], came: list[int]
+    agvd: Agvd, scene: Scene, old_objects: int, kept: list[int], came: list[int]
 ) -> tuple[Borders, IntArray, FloatArray, IntArray, FloatArray]:
     """The scene's borders, and the rest of what :func:`border_kernels.change_borders` returns.
 
     The objects that ``came`` are flattened and joined, the ``kept`` ones' pieces copied.
     """
-    old = roadmap.borders
+    old = agvd.borders
     flat = Flattener(scene.y_down)
     for n, j in enumerate(came):
         flat.add_object(scene.objects[j], n)
@@ -134,7 +126,7 @@ def _change_borders(
         np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes,
         np.array(flat.kind, np.int8), np.array(flat.rows, np.float64).reshape(-1, 6),
         np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),
-        NO_LENGTH * old.extent, JOINT * old.extent, roadmap.spacing,
+        NO_LENGTH * old.extent, JOINT * old.extent, agvd.spacing,
     )  # fmt: skip
     new_label, places, labels, touched = rest
     return as_borders(pieces, found, old.box), new_label, places, labels, touched
