@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.support.boards import marker_patch, pose_bound, render
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.marker_search import dictionary_by_name, dictionary_names
-from vision.markers import MarkedRobot, MarkerTracker
-from vision.tracking import TrackLimits
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.markers.marker_search import dictionary_by_name, dictionary_names
+from vision.markers.markers import MarkedRobot, MarkerTracker
+from vision.markers.tracking import TrackLimits
 
 RESULT = Path(__file__).parent / "results" / "markers.md"
 SEED = 20240501

@@ -22,13 +22,13 @@ from numpy.typing import NDArray
 
 import vision
 from planner.scene import Bounds
-from vision.board import BoardSpec, find_boards
-from vision.calibration import Calibration
-from vision.change import SceneWatcher
-from vision.lens import Lens, estimate_lens
-from vision.refit import KnownScene
-from vision.sources import read_picture
-from vision.survey import Survey, fit_arena
+from vision.calibrate.board import BoardSpec, find_boards
+from vision.calibrate.lens import Lens, estimate_lens
+from vision.calibrate.survey import Survey, fit_arena
+from vision.calibration.calibration import Calibration
+from vision.camera.sources import read_picture
+from vision.watch.change import SceneWatcher
+from vision.watch.refit import KnownScene
 
 RESULT = Path(__file__).parent / "results" / "watching.md"
 SEED = 20240601

@@ -51,9 +51,9 @@ from navigation.witness import NO_EVIDENCE, Witness
 from planner.path import NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, Scene
-from vision.camera import Frame
-from vision.latest_frame import CameraStatus
-from vision.markers import MarkerTracker, RobotPose
+from vision.camera.camera import Frame
+from vision.camera.latest_frame import CameraStatus
+from vision.markers.markers import MarkerTracker, RobotPose
 
 if TYPE_CHECKING:
     from navigation.recorder import Recorder

@@ -16,8 +16,8 @@ from navigation.watch import Verdict
 from navigation.witness import NO_EVIDENCE, Evidence
 from planner.path import Path, Trajectory
 from planner.roadmap.roadmap import Roadmap
-from vision.camera import Frame
-from vision.markers import RobotPose
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
 
 
 @dataclass(frozen=True, slots=True)

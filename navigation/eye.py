@@ -15,13 +15,13 @@ import numpy as np
 
 import vision
 from planner.scene import Bounds, FloatArray, Scene
-from vision.binarise import Method, Polarity
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.change import Change, SceneWatcher
-from vision.marker_search import grey_of
-from vision.markers import MarkerTracker, RobotPose, body_discs_px
-from vision.refit import KnownScene
+from vision.binarise.binarise import Method, Polarity
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.markers.marker_search import grey_of
+from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px
+from vision.watch.change import Change, SceneWatcher
+from vision.watch.refit import KnownScene
 
 Poses: TypeAlias = Mapping[int, RobotPose]
 """By marker id."""

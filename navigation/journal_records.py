@@ -26,7 +26,7 @@ from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.mission import Mission, State, Station
 from navigation.targets import Target
 from planner.scene import Bounds, printable
-from vision.sources import without_password
+from vision.camera.sources import without_password
 
 MOST_TARGETS: Final = 1_000_000
 """Waypoints of one plan: far more than a robot takes, and still a bounded text."""

@@ -10,7 +10,7 @@ from typing import Final
 
 from navigation.track import Track
 from navigation.traffic import LOST_S, Mover
-from vision.markers import RobotPose
+from vision.markers.markers import RobotPose
 
 TRACK_ROWS: Final = 20_000
 TRACK_STEP_M: Final = 0.005

@@ -1,6 +1,6 @@
 """What the control loop needs of camera, planner, link and world: each runs in two kinds of time.
 
-In real time they are threads (`vision.latest_frame`, `planning.PlannerThread`,
+In real time they are threads (`vision.camera.latest_frame`, `planning.PlannerThread`,
 `serial_link.SerialLink`); in virtual time (`run.virtual_world`) the same code without
 threads, so that a run takes a fraction of its time and is the same every time. Seconds of the
 world's clock, metres, radians.
@@ -18,9 +18,9 @@ from navigation.cycle import PlanAnswer, PlanRequest
 from navigation.link_snapshot import LinkSnapshot
 from navigation.planning import ArenaPlanner, SceneCheck
 from planner.scene import FloatArray, Scene
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.latest_frame import CameraStatus
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.camera.latest_frame import CameraStatus
 
 if TYPE_CHECKING:
     from navigation.simulator.truth import Truth

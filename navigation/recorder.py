@@ -34,10 +34,10 @@ from navigation.recording.events import (
 )
 from navigation.recording.files import RecordingError, RecordingFiles
 from navigation.recording.json_bodies import LINK, configuration_body
-from vision.calibration import Calibration
-from vision.calibration_file import calibration_text
-from vision.camera import Frame
-from vision.markers import RobotPose
+from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_file import calibration_text
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
 
 if TYPE_CHECKING:
     from navigation.daemon_state import DaemonState

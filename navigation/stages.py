@@ -20,7 +20,7 @@ from navigation.watch import SafetyLimits
 from navigation.witness import WitnessLimits
 from navigation.witness.agreement import AgreementLimits
 from planner.scene import Bounds
-from vision.markers import MarkedRobot
+from vision.markers.markers import MarkedRobot
 
 SETTLE_S: Final = 0.4
 RETRY_S: Final = 1.0

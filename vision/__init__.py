@@ -10,16 +10,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from vision.calibration import Calibration, CalibrationError
-    from vision.calibration_file import load_calibration, save_calibration
-    from vision.camera import Camera, CameraError, Frame
-    from vision.change import Change, SceneWatcher
+    from vision.binarise.grey import PictureError
+    from vision.calibration.calibration import Calibration, CalibrationError
+    from vision.calibration.calibration_file import load_calibration, save_calibration
+    from vision.camera.camera import Camera, CameraError, Frame
+    from vision.camera.latest_frame import LatestFrame
+    from vision.camera.sources import camera_for
     from vision.doubts import doubts_about
-    from vision.grey import PictureError
-    from vision.latest_frame import LatestFrame
-    from vision.markers import MarkedRobot, MarkerTracker, RobotPose
-    from vision.observe import extract
-    from vision.sources import camera_for
+    from vision.markers.markers import MarkedRobot, MarkerTracker, RobotPose
+    from vision.pipeline import extract
+    from vision.watch.change import Change, SceneWatcher
 
 __all__ = [
     "Calibration",
@@ -42,23 +42,23 @@ __all__ = [
 ]
 
 _HOME = {
-    "Calibration": "vision.calibration",
-    "CalibrationError": "vision.calibration",
-    "Camera": "vision.camera",
-    "CameraError": "vision.camera",
-    "Change": "vision.change",
-    "Frame": "vision.camera",
-    "LatestFrame": "vision.latest_frame",
-    "MarkedRobot": "vision.markers",
-    "MarkerTracker": "vision.markers",
-    "PictureError": "vision.binarise",
-    "RobotPose": "vision.markers",
-    "SceneWatcher": "vision.change",
-    "camera_for": "vision.sources",
+    "Calibration": "vision.calibration.calibration",
+    "CalibrationError": "vision.calibration.calibration",
+    "Camera": "vision.camera.camera",
+    "CameraError": "vision.camera.camera",
+    "Change": "vision.watch.change",
+    "Frame": "vision.camera.camera",
+    "LatestFrame": "vision.camera.latest_frame",
+    "MarkedRobot": "vision.markers.markers",
+    "MarkerTracker": "vision.markers.markers",
+    "PictureError": "vision.binarise.grey",
+    "RobotPose": "vision.markers.markers",
+    "SceneWatcher": "vision.watch.change",
+    "camera_for": "vision.camera.sources",
     "doubts_about": "vision.doubts",
-    "extract": "vision.observe",
-    "load_calibration": "vision.calibration_file",
-    "save_calibration": "vision.calibration_file",
+    "extract": "vision.pipeline",
+    "load_calibration": "vision.calibration.calibration_file",
+    "save_calibration": "vision.calibration.calibration_file",
 }
 
 

@@ -15,7 +15,7 @@ import yaml
 from benchmarks.adversary.processes import ROOT
 from navigation.config import Config, load_config
 from navigation.simulator.pinhole import pinhole_of
-from vision.calibration_file import save_calibration
+from vision.calibration.calibration_file import save_calibration
 
 CONFIGS = ROOT / "configs"
 CAMERA_RATE_HZ = 25.0

@@ -15,8 +15,8 @@ from navigation.draw.shapes import OBSTACLE, OBSTACLE_EDGE, Area
 from planner.borders.generators import gather_borders, place_generators
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, CircleRecord, PolygonRecord, Scene, Segment
-from vision.binarise import binarise
-from vision.contours import laplacian_border
+from vision.binarise.binarise import binarise
+from vision.borders.contours import laplacian_border
 
 OUTSIDE = Bounds(-0.5, -0.5, inputs.PICTURE_SIZE[0] - 0.5, inputs.PICTURE_SIZE[1] - 0.5)
 

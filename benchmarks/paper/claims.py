@@ -91,7 +91,7 @@ def _pictures(m: Measured) -> list[Claim]:
         Claim(
             "3.1",
             "Threshold, then border pixels where the Laplacian M answers",
-            "vision/contours.py::laplacian_border",
+            "vision/borders/contours.py::laplacian_border",
             "tests/vision/test_contours.py::test_the_walk_visits_exactly_the_pixels_of_the_papers_laplacian",
             "Confirmed; its pixels lie inside the object, so that records shrink by half a pixel"
             " and more",
@@ -101,7 +101,7 @@ def _pictures(m: Measured) -> list[Claim]:
         Claim(
             "3.1",
             "Follow contours clockwise, 8-connected",
-            "vision/contours.py::follow_borders",
+            "vision/borders/contours.py::follow_borders",
             "tests/vision/test_contours.py::test_outlines_run_clockwise_on_the_screen",
             "Confirmed; holes are not spoken of",
             "holes are followed too and belong to the object around them",
@@ -109,7 +109,7 @@ def _pictures(m: Measured) -> list[Claim]:
         Claim(
             "3.1, eq. 6-13",
             "lambda_S of the covariance over i - k .. i + k, k = 7",
-            "vision/corners.py::small_eigenvalues",
+            "vision/paper/corners.py::small_eigenvalues",
             "tests/vision/test_corners.py::test_the_sliding_sums_are_the_covariance_of_equations_6_to_13",
             "The set S_k is written with 2 k pixels (to i + k - 1), the sums with 2 k + 1: the"
             " sums are right",
@@ -118,7 +118,7 @@ def _pictures(m: Measured) -> list[Claim]:
         Claim(
             "3.1",
             "A corner where lambda_S > 0.1, at least k apart",
-            "vision/corners.py::find_corners",
+            "vision/paper/corners.py::find_corners",
             f"{PAPER}::test_the_threshold_lies_on_the_floor_of_digital_lines",
             f"0.1 lies on the floor: a perfect digital line reaches {m.line_floor:.4f}, and a"
             f" right angle {m.corner_values[90.0]:.2f}. {calm.false} false corners among"
@@ -139,7 +139,7 @@ def _pictures(m: Measured) -> list[Claim]:
         Claim(
             "3.1",
             "An arc is the polygonal line through its corner pixels",
-            "vision/paper.py::paper_objects",
+            "vision/paper/paper.py::paper_objects",
             f"{PAPER}::test_arcs_of_the_papers_mode_cut_into_the_obstacle",
             f"The line lies inside the obstacle: its true edge stands out by up to {wide:.1f} px,"
             " on the side where a robot drives",
@@ -161,7 +161,7 @@ def _circles_and_records(m: Measured) -> list[Claim]:
         Claim(
             "3.2, eq. 14",
             "A closed digital curve is a circle if every pixel is within half a pixel in y",
-            "vision/circles.py::digital_circle",
+            "vision/paper/circles.py::digital_circle",
             "tests/vision/test_circles.py::test_sauers_test_takes_a_digital_disc_and_finds_its_centre",
             "The bound in y alone fails where the circle is steep: of perfect discs of 12 px"
             f" {m.literal_discs.circles} of {m.literal_discs.shown} pass; x and y must change"
@@ -228,7 +228,7 @@ def _costs(m: Measured) -> list[Claim]:
         Claim(
             "3.3",
             "Corner detection must be counted too (the paper's own caveat)",
-            "vision/paper.py::paper_objects",
+            "vision/paper/paper.py::paper_objects",
             f"{PAPER}::test_table_1_counts_what_the_paper_counts",
             f"With a diagram at {1e3 * last.full_diagram_ms / last.border_pixels:.2f} us a pixel"
             f" the corners cost more than they save: {last.full_chain_ms:.0f} ms full,"

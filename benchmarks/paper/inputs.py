@@ -23,8 +23,8 @@ from planner.scene import (
     Segment,
 )
 from tests.support.render import coverage, cut_disc, draw, outline_points, polygon, rounded
-from vision.binarise import binarise
-from vision.contours import laplacian_border
+from vision.binarise.binarise import binarise
+from vision.borders.contours import laplacian_border
 
 Points = NDArray[np.float64]
 Shape = PolygonRecord | CircleRecord

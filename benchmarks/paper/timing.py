@@ -27,10 +27,10 @@ from planner.borders.generators import gather_borders, place_generators
 from planner.delaunay.voronoi_diagram import voronoi_arrays
 from planner.diagram.agvd import diagram, omit_invalid
 from planner.scene import Bounds, Primitives, Scene
-from vision.binarise import binarise
-from vision.contours import follow_borders
-from vision.corners import find_corners
-from vision.paper import paper_objects
+from vision.binarise.binarise import binarise
+from vision.borders.contours import follow_borders
+from vision.paper.corners import find_corners
+from vision.paper.paper import paper_objects
 
 PAPER_TABLE = (
     (260, 2690, 24, 110),

@@ -20,10 +20,10 @@ from benchmarks.paper.inputs import SEED
 from navigation.draw.layers import chain_points
 from planner.scene import CircleRecord, PolygonRecord, Scene
 from tests.support.render import draw, outline_points, polygon, rounded
-from vision.binarise import binarise
-from vision.circles import SLACK_PX
-from vision.contours import follow_borders
-from vision.corners import SUPPORT
+from vision.binarise.binarise import binarise
+from vision.borders.contours import follow_borders
+from vision.paper.circles import SLACK_PX
+from vision.paper.corners import SUPPORT
 
 Points = NDArray[np.float64]
 Mode = Literal["paper", "exact"]

@@ -11,10 +11,10 @@ import click
 from navigation.cli.outputs import keep_apart
 
 if TYPE_CHECKING:
-    from vision.board import BoardSpec, BoardView
-    from vision.camera import Image
-    from vision.lens import Lens
-    from vision.survey import Survey
+    from vision.calibrate.board import BoardSpec, BoardView
+    from vision.calibrate.lens import Lens
+    from vision.calibrate.survey import Survey
+    from vision.camera.camera import Image
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _LIVE_PICTURES = 20
@@ -101,7 +101,7 @@ def board_spec(
     dictionary: str | None,
 ) -> BoardSpec:
     """The board that the options describe."""
-    from vision.board import BoardSpec
+    from vision.calibrate.board import BoardSpec
 
     if board != "charuco" and (dictionary or marker_mm is not None):
         option = "--dictionary" if dictionary else "--marker-mm"
@@ -128,9 +128,9 @@ def _pair(text: str, option: str) -> tuple[int, int]:
 def _read(path: Path) -> Image:
     """The picture as its sensor saw it; ``CameraError`` where it is none, or a damaged one."""
     from navigation.cli.decoder_lines import caught_decoder_lines
-    from vision.camera import CameraError
-    from vision.picture_turn import orientation
-    from vision.sources import read_picture
+    from vision.camera.camera import CameraError
+    from vision.camera.picture_turn import orientation
+    from vision.camera.sources import read_picture
 
     with caught_decoder_lines() as said:
         picture = read_picture(path)
@@ -149,8 +149,8 @@ def _read(path: Path) -> Image:
 
 def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
     """The pictures named, and those of the folders named; damaged ones are told, left out."""
-    from vision.camera import CameraError
-    from vision.sources import PICTURE_SUFFIXES
+    from vision.camera.camera import CameraError
+    from vision.camera.sources import PICTURE_SUFFIXES
 
     files: list[Path] = []
     for path in paths:
@@ -173,8 +173,8 @@ def _take_live(source: str, spec: BoardSpec) -> list[tuple[str, Image]]:
     """Pictures from a camera, one whenever the board has moved, until there are enough."""
     import time
 
-    from vision.board import BoardView, find_board
-    from vision.sources import camera_for
+    from vision.calibrate.board import BoardView, find_board
+    from vision.camera.sources import camera_for
 
     camera = camera_for(source, clock=time.monotonic)
     camera.open()
@@ -207,8 +207,8 @@ def _moved(last: BoardView | None, view: BoardView) -> bool:
 
 
 def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) -> Lens:
-    from vision.board import find_boards
-    from vision.lens import estimate_lens
+    from vision.calibrate.board import find_boards
+    from vision.calibrate.lens import estimate_lens
 
     views, without = find_boards(taken, spec)
     for missing in without:
@@ -228,9 +228,9 @@ def _known_lens(path: Path) -> Lens:
     """The lens of a calibration made before, for a camera that was moved."""
     import numpy as np
 
-    from vision.calibration import CalibrationError, nominal_camera_matrix
-    from vision.calibration_file import load_calibration
-    from vision.lens import Lens
+    from vision.calibrate.lens import Lens
+    from vision.calibration.calibration import CalibrationError, nominal_camera_matrix
+    from vision.calibration.calibration_file import load_calibration
 
     known = load_calibration(path)
     supposed = np.array_equal(known.camera_matrix, nominal_camera_matrix(known.size))
@@ -253,9 +253,9 @@ def _survey(
     spec: BoardSpec | None,
     floor_at: str | None,
 ) -> Survey:
-    from vision.board import NoBoard, find_board
-    from vision.calibration import CalibrationError
-    from vision.survey import board_survey, read_survey
+    from vision.calibrate.board import NoBoard, find_board
+    from vision.calibrate.survey import board_survey, read_survey
+    from vision.calibration.calibration import CalibrationError
 
     if points is not None:
         return read_survey(points)
@@ -298,8 +298,8 @@ def _place(
     residual_map: Path | None,
     floor: Image | None,
 ) -> None:
-    from vision.calibration_file import save_calibration
-    from vision.survey import draw_residuals, fit_arena
+    from vision.calibrate.survey import draw_residuals, fit_arena
+    from vision.calibration.calibration_file import save_calibration
 
     fit = fit_arena(survey, size, lens, camera_height_m)
     calibration = fit.calibration

@@ -15,7 +15,7 @@ from navigation.config.marks import Location, read_document
 from navigation.config.secrets import hide
 
 if TYPE_CHECKING:
-    from vision.calibration import Calibration
+    from vision.calibration.calibration import Calibration
 
 
 @click.command(short_help="Check a configuration; tell every error.")
@@ -74,8 +74,8 @@ def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
 
 def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
     from navigation.simulator.pinhole import pinhole_of
-    from vision.calibration import Calibration, CalibrationError
-    from vision.calibration_file import load_calibration
+    from vision.calibration.calibration import Calibration, CalibrationError
+    from vision.calibration.calibration_file import load_calibration
 
     camera = config.camera
     where: Location = ("camera", "calibration")
@@ -102,7 +102,7 @@ def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
 
 
 def _markers_are_below(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
-    from vision.calibration import CalibrationError
+    from vision.calibration.calibration import CalibrationError
 
     marked: list[tuple[Location, float]] = [(("robot",), config.robot.marker_height_m)]
     marked += [

@@ -44,6 +44,6 @@ def serial_ports() -> list[dict[str, str]]:
 
 def cameras_here() -> list[dict[str, str]]:
     """Each V4L2 device's stable path and name."""
-    from vision.sources import list_devices
+    from vision.camera.sources import list_devices
 
     return [{"path": path, "name": name} for path, name in list_devices()]

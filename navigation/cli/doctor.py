@@ -151,8 +151,8 @@ def _first_picture(config: Config) -> Finding:
     import time
 
     from navigation.machine.doctor import Finding
-    from vision.camera import CameraError
-    from vision.sources import camera_for
+    from vision.camera.camera import CameraError
+    from vision.camera.sources import camera_for
 
     wanted = config.camera
     try:

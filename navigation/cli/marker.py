@@ -47,7 +47,7 @@ def command(
     for path in output:
         if path.suffix.lower() not in (".pdf", ".png"):
             raise click.UsageError(f"-o {path}: must end in .pdf or .png")
-    from vision.sheet import board_sheet, marker_sheet, pdf_bytes, png_bytes
+    from vision.calibrate.sheet import board_sheet, marker_sheet, pdf_bytes, png_bytes
 
     if marker_id is not None:
         name = dictionary or "DICT_4X4_50"

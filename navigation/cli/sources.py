@@ -95,7 +95,7 @@ def decode_picture(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ..
     It is turned as its EXIF orientation asks, as viewers and ``cv2.imread`` do. Raises
     :class:`SceneError`, naming the file, where ``data`` is no picture or a damaged one.
     """
-    from vision.picture_turn import orientation, turned
+    from vision.camera.picture_turn import orientation, turned
 
     image, remarks = _decode(data, path)
     told = orientation(data)
@@ -109,7 +109,7 @@ def _decode(data: bytes, path: Path) -> tuple[NDArray[Any], tuple[str, ...]]:
     import cv2
 
     from navigation.cli.decoder_lines import caught_decoder_lines
-    from vision.picture_size import oversize
+    from vision.camera.picture_size import oversize
 
     if not data:
         raise SceneError(f"{path}: the file is empty: must hold a picture")

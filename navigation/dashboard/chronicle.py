@@ -16,7 +16,7 @@ from navigation.daemon_state import DaemonState
 from navigation.dashboard.rings import Ring
 from navigation.track import is_jump
 from navigation.trust import Level
-from vision.latest_frame import CameraStatus
+from vision.camera.latest_frame import CameraStatus
 
 LOG_LINES: Final = 500
 TRACK_POINTS: Final = 6000

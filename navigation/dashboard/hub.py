@@ -34,8 +34,8 @@ from navigation.mission import Station
 from planner.path import NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
-from vision.camera import Frame
-from vision.markers import RobotPose
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
 
 LOOK_EVERY_S: Final = 1.0 / 60.0
 IDLE_EVERY_S: Final = 0.1

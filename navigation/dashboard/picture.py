@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.markers import RobotPose
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
 
 RIM = 0.04
 """How much of the arena's longer side is shown around it."""

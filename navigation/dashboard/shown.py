@@ -11,8 +11,8 @@ from navigation.cycle import PlanAnswer
 from navigation.daemon import Daemon
 from navigation.daemon_state import DaemonState
 from navigation.mission import Station
-from vision.calibration import Calibration
-from vision.latest_frame import CameraStatus
+from vision.calibration.calibration import Calibration
+from vision.camera.latest_frame import CameraStatus
 
 
 class Shown(Commanded, Protocol):

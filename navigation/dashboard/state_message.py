@@ -19,8 +19,8 @@ from navigation.mission import Station
 from navigation.serial_link import LinkSnapshot
 from navigation.witness import Evidence
 from planner.path import NoPath
-from vision.latest_frame import CameraStatus
-from vision.markers import RobotPose
+from vision.camera.latest_frame import CameraStatus
+from vision.markers.markers import RobotPose
 
 
 def greeting(config: Config, view: TopView) -> dict[str, Any]:

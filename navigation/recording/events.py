@@ -13,8 +13,8 @@ from typing import Any, Literal, TypeAlias
 from navigation.cycle import PlanAnswer, PlanRequest
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
-from vision.camera import Frame
-from vision.markers import RobotPose
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
 
 Level: TypeAlias = Literal["debug", "info", "warning", "error"]
 

@@ -33,8 +33,8 @@ from navigation.recording.border_points import border_polylines
 from navigation.recording.events import Level
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray, Scene
-from vision.camera import Frame
-from vision.markers import RobotPose
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
 
 ARENA_FRAME: Final = "arena"
 NANOSECONDS: Final = 1_000_000_000

@@ -1,7 +1,8 @@
 """The JSON messages of a recording: what `clearway replay` needs, without loss.
 
 Every message is one object; floats are written so that they read back the same. The scene is
-the text of `planner.formats.scene_text`, the calibration that of `vision.calibration_file`.
+the text of `planner.formats.scene_text`, the calibration that of
+`vision.calibration.calibration_file`.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from navigation.cycle import PlanRequest
 from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
 from planner.formats.scene_text import write_scene_text
 from planner.path import NoPath
-from vision.sources import without_password
+from vision.camera.sources import without_password
 
 SCHEMA: Final = "clearway.recording/1"
 CONFIGURATION: Final = "/clearway/configuration"

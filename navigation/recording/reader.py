@@ -25,9 +25,9 @@ from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
 from planner.formats.scene_text import read_scene_text
 from planner.scene import Scene, SceneError
-from vision.calibration import Calibration
-from vision.calibration_file import parse_calibration
-from vision.camera import Image
+from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_file import parse_calibration
+from vision.camera.camera import Image
 
 CAMERA: Final = "/camera"
 _DATA_FIELD: Final = 2

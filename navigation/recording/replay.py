@@ -33,8 +33,8 @@ from navigation.recording.compare import (
 from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
 from navigation.stages import eye_settings, marked_robots, plan_settings
 from planner.scene import Scene
-from vision.camera import Frame
-from vision.markers import MarkerTracker
+from vision.camera.camera import Frame
+from vision.markers.markers import MarkerTracker
 
 SCENE_LAG_S: Final = 1.0
 SEARCH_S: Final = 0.6

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from navigation.daemon import Daemon
     from navigation.daemon_state import DaemonState
     from navigation.recorder import Recorder
-    from vision.latest_frame import CameraStatus
+    from vision.camera.latest_frame import CameraStatus
 
 
 RECORDER_SILENT_S: Final = 3.0

@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from navigation.simulator.drive_model import TruePose
-from vision.camera import Camera, CameraError, Frame, Image, SourceState
+from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
 
 Place: TypeAlias = tuple[float, float, float]
 NOWHERE: Place = (-9.0, -9.0, 0.0)

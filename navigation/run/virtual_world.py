@@ -43,8 +43,8 @@ from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
 from navigation.supervisor import in_words
 from navigation.track import Track
 from planner.scene import FloatArray, Scene
-from vision.camera import Camera, CameraError, Frame
-from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits
+from vision.camera.camera import Camera, CameraError, Frame
+from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 
 LATENCIES_KEPT = 10_000
 WATCH_EVERY_S = 0.005

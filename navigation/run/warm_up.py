@@ -40,10 +40,10 @@ from planner.scene import (
     SceneObject,
     Segment,
 )
-from vision.binarise import warm_up as warm_up_binarisation
-from vision.calibration import Calibration
-from vision.camera import Frame, Image
-from vision.markers import MarkedRobot, MarkerTracker, dictionary_by_name
+from vision.binarise.binarise import warm_up as warm_up_binarisation
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame, Image
+from vision.markers.markers import MarkedRobot, MarkerTracker, dictionary_by_name
 
 SIZE_PX = (400, 300)
 METRES_PER_PIXEL = 0.005

@@ -32,11 +32,11 @@ from navigation.simulator.settings import (
 )
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from navigation.simulator.truth import Truth
-from vision.calibration import Calibration
-from vision.calibration_file import load_calibration
-from vision.camera import Camera, CameraError
-from vision.latest_frame import LatestFrame
-from vision.sources import camera_for
+from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_file import load_calibration
+from vision.camera.camera import Camera, CameraError
+from vision.camera.latest_frame import LatestFrame
+from vision.camera.sources import camera_for
 
 Clock = Callable[[], float]
 

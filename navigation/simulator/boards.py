@@ -25,7 +25,7 @@ from navigation.config import Config, load_config
 from navigation.simulator.drawing import ArenaPainter, Look, blurred, box_around, looked_up
 from navigation.simulator.pinhole import Pinhole, pinhole_of
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
-from vision.camera import Image
+from vision.camera.camera import Image
 
 TEXELS_PER_SQUARE = 200
 BOARD_SAMPLES = 4

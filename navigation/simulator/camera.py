@@ -1,6 +1,6 @@
 """The simulated overhead camera: pictures of the arena and its robots, 30 a second.
 
-It gives `vision.camera.Frame` like any other camera, and nothing in them says that they are
+It gives `vision.camera.camera.Frame` like any other camera, and nothing in them says that they are
 simulated: dark obstacles lie flat on a light, unevenly lit floor; a robot is an upright
 cylinder with its marker on top, seen in perspective through a distorting lens; then come the
 lens's blur and the sensor's noise.
@@ -28,7 +28,7 @@ from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.drawing import ArenaPainter, Look, RobotPainter
 from navigation.simulator.pinhole import Pinhole, pinhole_of
 from planner.scene import Scene
-from vision.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+from vision.camera.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
 
 TruePose: TypeAlias = tuple[float, float, float]
 """x, y in metres and the heading in radians."""
@@ -56,7 +56,7 @@ class SimulatedBody:
 
 
 class SimulatedCamera:
-    """A camera above a simulated arena; `vision.camera.Camera` says what its members mean.
+    """A camera above a simulated arena; `vision.camera.camera.Camera` says what its members mean.
 
     ``clock`` gives monotonic seconds and ``wait`` lets them pass: real ones in a run, the
     simulation's own in virtual time. ``seed`` makes the noise repeatable.

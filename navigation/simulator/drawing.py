@@ -30,7 +30,7 @@ from planner.scene import (
     SceneObject,
     record_edges,
 )
-from vision.camera import Image
+from vision.camera.camera import Image
 
 FloatImage: TypeAlias = NDArray[np.float32]
 

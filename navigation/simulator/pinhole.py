@@ -15,7 +15,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.simulation import SimulatedCameraSection
 from planner.scene import FloatArray
-from vision.calibration import Calibration
+from vision.calibration.calibration import Calibration
 
 UNDISTORT_STEPS = 20
 """Newton steps when a distorted point is traced back; 4 suffice for mild lenses."""

@@ -16,7 +16,7 @@ from navigation.witness.agreement import Agreement, AgreementLimits, Parting
 from navigation.witness.evidence import FREE_LATENCY_S, Evidence
 from navigation.witness.latency import Latency, LatencyEstimate
 from navigation.witness.wheels import WheelTrack
-from vision.markers import RobotPose
+from vision.markers.markers import RobotPose
 
 LONGEST_LOSS_S: Final = 0.5
 """Poses farther apart than this are not compared: what happened between them is for the proof."""

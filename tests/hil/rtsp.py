@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from vision.latest_frame import CameraStatus, LatestFrame
-from vision.sources import camera_for
+from vision.camera.latest_frame import CameraStatus, LatestFrame
+from vision.camera.sources import camera_for
 
 SERVER = Path(__file__).parents[1] / "support" / "rtsp_server.py"
 RATE_HZ = 25

@@ -14,8 +14,8 @@ from navigation.simulator.camera import SimulatedCamera, make_camera
 from navigation.simulator.pinhole import pinhole_of
 from navigation.stages import eye_settings, marked_robots
 from planner.scene import CircleRecord, SceneObject
-from vision.camera import Frame
-from vision.markers import MarkerTracker
+from vision.camera.camera import Frame
+from vision.markers.markers import MarkerTracker
 
 CONFIG = load_config(Path(__file__).parents[2] / "configs" / "simulation.yaml", environment={})
 TRUTH = load_arena(CONFIG)

@@ -7,7 +7,7 @@ import pytest
 
 from navigation.other_robots import OtherRobots
 from navigation.traffic import LOST_S
-from vision.markers import RobotPose
+from vision.markers.markers import RobotPose
 
 
 def pose(marker_id: int, time_s: float, x: float, vx: float = 0.0) -> RobotPose:

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibration import Calibration
+from vision.calibration.calibration import Calibration
 
 LIGHT, DARK = 200.0, 35.0
 

@@ -23,9 +23,9 @@ _running = [""]
 def pytest_configure(config: pytest.Config) -> None:
     """Put the judge behind ``vision.extract`` before any test module takes it."""
     import vision
-    from vision import observe
+    from vision import pipeline
 
-    plain = observe.extract
+    plain = pipeline.extract
 
     @functools.wraps(plain)
     def judged(image: Any, **options: Any) -> Scene:
@@ -37,7 +37,7 @@ def pytest_configure(config: pytest.Config) -> None:
             _judge(image, scene, options)
         return scene
 
-    observe.extract = judged
+    pipeline.extract = judged
     vision.__dict__["extract"] = judged
 
 

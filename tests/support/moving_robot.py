@@ -22,7 +22,7 @@ from firmware_protocol.wire.messages import (
 )
 from navigation.witness import Evidence, Witness, WitnessLimits
 from navigation.witness.agreement import AgreementLimits
-from vision.markers import RobotPose
+from vision.markers.markers import RobotPose
 
 FINE_S = 0.001
 REPORT_S = 0.05

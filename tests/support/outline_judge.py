@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from planner.scene import Arc, CircleRecord, PointRecord, PolygonRecord, Record, Scene, record_edges
-from vision.binarise import Method, Polarity
-from vision.colour import binarise_by_colour
-from vision.grey import as_array
-from vision.room import Room
+from vision.binarise.binarise import Method, Polarity
+from vision.binarise.colour import binarise_by_colour
+from vision.binarise.grey import as_array
+from vision.shared.scratch import Room
 
 FEW_PX = 4.0
 """What an outline and its border may be apart, but for a pointed corner: the light crosses the half

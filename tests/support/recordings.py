@@ -23,8 +23,8 @@ from navigation.simulator.camera import make_camera
 from navigation.simulator.settings import true_start_of
 from navigation.stages import eye_settings, marked_robots, plan_settings
 from tests.support.waiting import wait_until
-from vision.calibration_file import load_calibration
-from vision.markers import MarkerTracker
+from vision.calibration.calibration_file import load_calibration
+from vision.markers.markers import MarkerTracker
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 BEGAN = datetime(2026, 3, 4, 5, 6, 7)

@@ -21,10 +21,10 @@ from navigation.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.latest_frame import CameraStatus
-from vision.markers import RobotPose
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.camera.latest_frame import CameraStatus
+from vision.markers.markers import RobotPose
 
 ROOT = Path(__file__).parents[2]
 RADIUS_M = 0.09

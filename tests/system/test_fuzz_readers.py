@@ -16,11 +16,11 @@ from planner.scene import SceneError
 from tests.support.picture_formats import chunk, png
 from tests.support.pictures import call
 from tests.support.reader_fuzz import Reader, campaign, damaged, seeds, wrong_answer
-from vision.calibration import CalibrationError
-from vision.calibration_file import load_calibration
-from vision.camera import CameraError
-from vision.files import read_picture
-from vision.grey import PictureError
+from vision.binarise.grey import PictureError
+from vision.calibration.calibration import CalibrationError
+from vision.calibration.calibration_file import load_calibration
+from vision.camera.camera import CameraError
+from vision.camera.files import read_picture
 
 NO_WHOLE_NUMBERS = ("float.tif", ".pfm", ".hdr")
 READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]
@@ -123,7 +123,7 @@ def test_a_file_without_end_is_refused(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("planner.formats.map_files.MOST_BYTES", 1 << 20)
-    monkeypatch.setattr("vision.files.MOST_BYTES", 1 << 20)
+    monkeypatch.setattr("vision.camera.files.MOST_BYTES", 1 << 20)
     path = tmp_path / name
     with path.open("wb") as file:
         file.truncate((1 << 20) + 1)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from vision.arrival_clock import DRIFT, ArrivalClock
+from vision.camera.arrival_clock import DRIFT, ArrivalClock
 
 
 def test_held_up_messages_are_dated_by_their_stamps() -> None:

@@ -10,11 +10,11 @@ import pytest
 
 from planner.scene import CircleRecord
 from tests.support.render import coverage, draw, outline_points, polygon, ramp
-from vision.binarise import binarise
-from vision.binarise_kernels import noise_sigma
-from vision.grey import PictureError, as_grey
-from vision.light import light_surface
-from vision.observe import extract
+from vision.binarise.binarise import binarise
+from vision.binarise.binarise_kernels import noise_sigma
+from vision.binarise.grey import PictureError, as_grey
+from vision.binarise.light import light_surface
+from vision.pipeline import extract
 
 SIZE = (320, 240)
 

@@ -10,9 +10,9 @@ import pytest
 from planner.scene import PolygonRecord
 from tests.support.render import Points, draw, polygon
 from vision import extract
-from vision.joint_kernels import edge_end
-from vision.shape_kernels import fit_line
-from vision.sharpen_kernels import sharpen
+from vision.outline.corners.dropped_side_kernels import sharpen
+from vision.outline.corners.joint_kernels import edge_end
+from vision.outline.fit.shape_kernels import fit_line
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)

@@ -8,7 +8,7 @@ import pickle
 import pytest
 
 from planner.scene import Arc, PolygonRecord, SceneObject, Segment
-from vision.bulk_records import new_arcs, new_object, new_polygon, new_segments
+from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 
 STARTS = [(0.0, 1.0), (2.0, 3.0), (4.0, 5.0)]
 ENDS = [(2.0, 3.0), (4.0, 5.0), (0.0, 1.0)]

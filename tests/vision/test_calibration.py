@@ -14,17 +14,17 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tests.support.boards import chessboard_patch, render
-from vision.board import BoardSpec, BoardView, NoBoard, find_board, find_boards
-from vision.calibration import Calibration, CalibrationError, camera_center
-from vision.calibration_file import (
+from vision.calibrate.board import BoardSpec, BoardView, NoBoard, find_board, find_boards
+from vision.calibrate.lens import Lens, estimate_lens
+from vision.calibrate.survey import Survey, board_survey, draw_residuals, fit_arena, read_survey
+from vision.calibration.calibration import Calibration, CalibrationError, camera_center
+from vision.calibration.calibration_file import (
     calibration_text,
     load_calibration,
     parse_calibration,
     save_calibration,
 )
-from vision.lens import Lens, estimate_lens
-from vision.sources import read_picture
-from vision.survey import Survey, board_survey, draw_residuals, fit_arena, read_survey
+from vision.camera.sources import read_picture
 
 SIZE = (640, 480)
 CAMERA = np.array([[620.0, 0.0, 325.0], [0.0, 622.0, 236.0], [0.0, 0.0, 1.0]])
@@ -487,7 +487,7 @@ def test_files_as_spreadsheets_write_them_are_read_and_those_without_end_refused
         read = read_survey(path)
         np.testing.assert_array_equal(read.pixels, [(10.0, 20.0)])
         np.testing.assert_array_equal(read.places_m, [(0.5, 0.25)])
-    monkeypatch.setattr("vision.calibration_file.MOST_BYTES", 1000)
+    monkeypatch.setattr("vision.calibration.calibration_file.MOST_BYTES", 1000)
     for reader in (read_survey, load_calibration):
         with pytest.raises(CalibrationError, match="/dev/zero: more than 1000 bytes"):
             reader("/dev/zero")

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from vision.binarise_kernels import sampled_histogram
-from vision.look import BINOMIAL, MEAN, NO_CALMING, WIDE, Calming, Look, calming_of
+from vision.binarise.binarise_kernels import sampled_histogram
+from vision.binarise.grey_picture import BINOMIAL, MEAN, NO_CALMING, WIDE, Calming, Look, calming_of
 
 PICTURES = arrays.arrays(np.uint8, st.tuples(st.integers(1, 12), st.integers(1, 40)))
 WHOLE = {MEAN: lambda p: cv2.blur(p, (3, 3)), BINOMIAL: lambda p: cv2.GaussianBlur(p, (5, 5), 0.0)}

@@ -14,10 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.waiting import wait_until
-from vision import capture
-from vision.camera import Camera, CameraError, CameraHeldError, Frame, RateMeter, SourceState
-from vision.latest_frame import MOST_LEFT_BEHIND, LatestFrame, WatchLimits
-from vision.sources import camera_for, driver_time_s, read_picture, without_password
+from vision.camera import capture
+from vision.camera.camera import Camera, CameraError, CameraHeldError, Frame, RateMeter, SourceState
+from vision.camera.latest_frame import MOST_LEFT_BEHIND, LatestFrame, WatchLimits
+from vision.camera.sources import camera_for, driver_time_s, read_picture, without_password
 
 
 class Clock:

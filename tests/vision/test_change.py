@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from vision.change import Change, SceneWatcher
+from vision.watch.change import Change, SceneWatcher
 
 WIDTH, HEIGHT = 640, 480
 NOBODY = np.empty((0, 3))

@@ -10,9 +10,9 @@ import pytest
 
 from planner.scene import CircleRecord
 from tests.support.render import draw, polygon
-from vision.circles import digital_circle
-from vision.contours import follow_borders
-from vision.observe import extract
+from vision.borders.contours import follow_borders
+from vision.paper.circles import digital_circle
+from vision.pipeline import extract
 
 
 def contour_of(mask: np.ndarray) -> np.ndarray:

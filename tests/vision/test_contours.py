@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from vision.contours import Borders, follow_borders, laplacian_border
+from vision.borders.contours import Borders, follow_borders, laplacian_border
 
 MASKS = arrays(
     np.uint8,

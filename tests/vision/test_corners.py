@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vision.corners import SUPPORT, THRESHOLD, find_corners, small_eigenvalues
+from vision.paper.corners import SUPPORT, THRESHOLD, find_corners, small_eigenvalues
 
 
 def square(side: int) -> np.ndarray:

@@ -9,7 +9,7 @@ import pytest
 
 from tests.support.render import cut_disc, draw, polygon
 from vision import extract
-from vision.edge_prices import LEAST_LINE, edge_prices, saving_of_noise
+from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices, saving_of_noise
 
 
 def saved_by_one_number(dead_zone: float, sigma: float, spread: float) -> float:

@@ -9,7 +9,7 @@ import pytest
 from planner.scene import CircleRecord
 from tests.support.render import coverage, draw, outline_points, polygon
 from vision import extract
-from vision.binarise import binarise
+from vision.binarise.binarise import binarise
 
 SIZE = (320, 240)
 PLACES = [(55, 60), (160, 60), (265, 60), (55, 180), (160, 180), (265, 180)]

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tests.support.boards import LIGHT, Patch, marker_patch, pose_bound, render
-from vision.calibration import Calibration
-from vision.marker_pattern import fit_pattern, pattern_bits
-from vision.markers import dictionary_by_name
+from vision.calibration.calibration import Calibration
+from vision.markers.marker_pattern import fit_pattern, pattern_bits
+from vision.markers.markers import dictionary_by_name
 
 SIZE = (160, 160)
 BOOK = dictionary_by_name("DICT_4X4_50")

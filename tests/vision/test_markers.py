@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from tests.support.boards import DARK, LIGHT, Patch, marker_patch, render
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.markers import (
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.camera.sources import read_picture
+from vision.markers.markers import (
     MarkedRobot,
     MarkerError,
     MarkerTracker,
@@ -27,8 +28,7 @@ from vision.markers import (
     marker_pose,
     robot_pose,
 )
-from vision.sources import read_picture
-from vision.tracking import Pose, wrap
+from vision.markers.tracking import Pose, wrap
 
 SIZE = (360, 300)
 DICTIONARY = cv2.aruco.DICT_4X4_50

@@ -13,11 +13,11 @@ from planner.scene import Arc, CircleRecord, PolygonRecord, Record
 from tests.vision.test_cover import blob, drawn_by_opencv, ellipse, rings, star
 from tests.vision.test_unusual_shapes import walls
 from vision import extract
-from vision.binarise import binarise
-from vision.contours import Borders, follow_borders
-from vision.crisp_kernels import pixels_lost_to_circle
-from vision.mend_kernels import mend, straight_ways
-from vision.separation_kernels import find_lost, middles
+from vision.binarise.binarise import binarise
+from vision.borders.contours import Borders, follow_borders
+from vision.outline.drawn.separating_chord_kernels import mend, straight_ways
+from vision.outline.drawn.separation_kernels import find_lost, middles
+from vision.outline.fit.separating_fit_kernels import pixels_lost_to_circle
 
 Mask = np.ndarray
 Cracks = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]

@@ -101,7 +101,7 @@ def test_the_records_of_a_moved_picture_are_the_moved_records(
 ) -> None:
     """``noise`` None: drawn in black and white."""
     if noise:
-        monkeypatch.setattr("vision.look.noise_sigma", lambda grey: noise)
+        monkeypatch.setattr("vision.binarise.grey_picture.noise_sigma", lambda grey: noise)
     own = np.stack(np.meshgrid(np.arange(SIZE), np.arange(SIZE))).astype(np.float64)
     for seed in range(3):
         rng = np.random.default_rng([seed, len(shape)])

@@ -16,9 +16,9 @@ import vision
 from planner.formats.scene_io import write_scene_text
 from planner.path import Path as PlannedPath
 from tests.support.boards import marker_patch, render
-from vision.calibration import Calibration
-from vision.camera import Frame
-from vision.markers import MarkedRobot, MarkerTracker
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.markers.markers import MarkedRobot, MarkerTracker
 
 THREADS, ROUNDS = 4, 6
 

@@ -11,7 +11,7 @@ import pytest
 from planner.scene import Arc, CircleRecord, PolygonRecord, Segment, object_records
 from tests.support.render import outline_points
 from vision import extract
-from vision.clipping import clip_circle, clip_polygon
+from vision.records.clipping import clip_circle, clip_polygon
 
 SIDE = 80
 BOUNDS = (-0.5, -0.5, 79.5, 79.5)

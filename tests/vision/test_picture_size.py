@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.picture_formats import chunk, formats, png
-from vision.camera import CameraError
-from vision.files import read_picture
-from vision.picture_size import MOST_PIXELS, oversize, picture_size
+from vision.camera.camera import CameraError
+from vision.camera.files import read_picture
+from vision.camera.picture_size import MOST_PIXELS, oversize, picture_size
 
 
 @pytest.mark.parametrize("name", [name for name, _ in formats()])

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.picture_formats import chunk, exif, formats, grey_picture, png, turned_jpeg
-from vision.files import read_picture
-from vision.picture_turn import orientation, turned
+from vision.camera.files import read_picture
+from vision.camera.picture_turn import orientation, turned
 
 FORMATS = dict(formats())
 

@@ -21,9 +21,9 @@ from planner.scene import (
     record_edges,
 )
 from tests.support.render import draw, polygon
-from vision.calibration import Calibration
+from vision.calibration.calibration import Calibration
 from vision.doubts import doubts_about
-from vision.refit import KnownScene
+from vision.watch.refit import KnownScene
 
 SIZE = (480, 360)
 SCALE = 0.005

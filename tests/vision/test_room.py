@@ -8,9 +8,9 @@ import numpy as np
 
 from tests.support.render import draw, polygon
 from vision import extract
-from vision.binarise import binarise
-from vision.contours import follow_borders
-from vision.room import Room
+from vision.binarise.binarise import binarise
+from vision.borders.contours import follow_borders
+from vision.shared.scratch import Room
 
 
 def test_a_smaller_picture_after_a_larger_one_is_extracted_as_if_it_were_the_first() -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from vision.rounding_kernels import (
+from vision.outline.corners.blurred_corner_kernels import (
     ALONG_X,
     CORNER_ROOM,
     STEEPNESS,

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from tests.support.mjpeg_server import RATE_HZ, MjpegServer, mjpeg_server
-from vision.arrival_clock import ArrivalClock
-from vision.camera import Image
-from vision.capture import StreamCamera
-from vision.latest_frame import CameraStatus, LatestFrame, WatchLimits
-from vision.sources import camera_for
+from vision.camera.arrival_clock import ArrivalClock
+from vision.camera.camera import Image
+from vision.camera.capture import StreamCamera
+from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
+from vision.camera.sources import camera_for
 
 QUICK = WatchLimits(stalled_s=0.4, frozen_s=0.4, hung_s=2.0, first_pause_s=0.1, longest_pause_s=0.4)
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vision.tracking import Pose, Track, TrackLimits, wrap
+from vision.markers.tracking import Pose, Track, TrackLimits, wrap
 
 
 def circle(time_s: float, speed: float = 0.4, radius: float = 0.5) -> Pose:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from vision.latest_frame import WatchLimits
+from vision.camera.latest_frame import WatchLimits
 
 SOURCE = Path(__file__).parents[1] / "support" / "v4l2_camera.c"
 
@@ -22,8 +22,8 @@ READ = """
 import json, sys, time
 import cv2
 cv2.VideoCapture()  # whatever OpenCV reads when it is loaded, it has read
-from vision.camera import CameraError
-from vision.capture import DeviceCamera
+from vision.camera.camera import CameraError
+from vision.camera.capture import DeviceCamera
 camera = DeviceCamera(sys.argv[1], time.monotonic, 20.0, (640, 480))
 said = []
 camera.open()
@@ -37,8 +37,8 @@ print(json.dumps({"said": said, "took_s": time.monotonic() - began_s}))
 
 WATCH = """
 import json, os, sys, time
-from vision.capture import DeviceCamera
-from vision.latest_frame import LatestFrame, WatchLimits
+from vision.camera.capture import DeviceCamera
+from vision.camera.latest_frame import LatestFrame, WatchLimits
 open_camera = lambda: DeviceCamera(sys.argv[1], time.monotonic, None, None)
 said, end_s = [], time.monotonic() + 30.0
 with LatestFrame(open_camera, time.monotonic, WatchLimits(hung_s=0.5)) as reader:

@@ -12,7 +12,7 @@ COUNT = """
 import sys
 from vision import binarise_kernels as b, calm_kernels as c, dot_kernels as d
 from vision import support_kernels as s
-from vision.binarise import warm_up
+from vision.binarise.binarise import warm_up
 warm_up(sys.argv[1])
 kernels = (b.sampled_histogram, b.noise_sigma, b.split_histogram, b.steepest_level,
            b.flat_histogram, c.calmed_histogram, d.mark_below_but_dots, d.mark_dots,

@@ -12,8 +12,8 @@ import hashlib, warnings
 import numpy as np
 # indices that count backwards wrap around on purpose
 warnings.filterwarnings("ignore", "overflow encountered in scalar add", RuntimeWarning)
-from vision.binarise import binarise
-from vision.contours import follow_borders
+from vision.binarise.binarise import binarise
+from vision.borders.contours import follow_borders
 whole = hashlib.sha256()
 rng = np.random.default_rng(5)
 for sigma in (0.0, 6.0, 20.0):

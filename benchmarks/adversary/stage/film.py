@@ -17,7 +17,7 @@ from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.camera import SimulatedBody, SimulatedCamera, TruePose
 from navigation.simulator.drawing import Look
 from navigation.simulator.pinhole import Pinhole, pinhole_of
-from vision.camera import Image
+from vision.camera.camera import Image
 
 AWAY: TruePose = (-50.0, -50.0, 0.0)
 """Out of every picture."""

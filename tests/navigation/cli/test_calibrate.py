@@ -12,8 +12,8 @@ import pytest
 from navigation.cli.main import run
 from tests.support.boards import chessboard_patch, render
 from tests.support.picture_formats import chunk, exif
-from vision.calibration import Calibration
-from vision.calibration_file import load_calibration
+from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_file import load_calibration
 
 SIZE = (480, 360)
 CAMERA = [[460.0, 0.0, 242.0], [0.0, 461.0, 178.0], [0.0, 0.0, 1.0]]

@@ -12,8 +12,8 @@ from navigation.cli.main import run
 from navigation.config import load_config
 from navigation.config.reference import json_schema, reference_markdown
 from navigation.config.sections import Config
-from vision.calibration import Calibration
-from vision.calibration_file import save_calibration
+from vision.calibration.calibration import Calibration
+from vision.calibration.calibration_file import save_calibration
 
 ROOT = Path(__file__).parents[3]
 

@@ -13,7 +13,7 @@ import pytest
 
 from navigation.cli import main as entry
 from planner.scene import SceneError
-from vision.camera import CameraError
+from vision.camera.camera import CameraError
 
 
 def _install(monkeypatch: pytest.MonkeyPatch, body: Callable[[], object]) -> None:

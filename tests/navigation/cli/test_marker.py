@@ -14,8 +14,8 @@ import pytest
 from numpy.typing import NDArray
 
 from navigation.cli.main import run
-from vision.board import BoardSpec, BoardView, find_board
-from vision.markers import find_markers
+from vision.calibrate.board import BoardSpec, BoardView, find_board
+from vision.markers.markers import find_markers
 
 MM = 72.0 / 25.4
 DOTS_PER_MM = 12.0

@@ -12,7 +12,7 @@ from navigation.config import load_config
 from navigation.simulator.arena import load_arena
 from navigation.simulator.pinhole import pinhole_of
 from planner.formats.scene_io import load_scene
-from vision.calibration_file import load_calibration
+from vision.calibration.calibration_file import load_calibration
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 RUNS = sorted(

@@ -10,8 +10,8 @@ import pytest
 from navigation.cli.main import COMMANDS
 from navigation.config.reference import json_schema
 from tests.support.pictures import call
-from vision.camera import Camera, CameraError
-from vision.latest_frame import LatestFrame
+from vision.camera.camera import Camera, CameraError
+from vision.camera.latest_frame import LatestFrame
 
 ROOT = Path(__file__).parents[3]
 GUIDES = ["first_hour", "troubleshooting", "writing_a_robot_port", "writing_a_camera_source"]

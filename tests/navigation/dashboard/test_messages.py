@@ -29,8 +29,8 @@ from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
 from tests.support.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
-from vision.calibration import Calibration
-from vision.markers import RobotPose
+from vision.calibration.calibration import Calibration
+from vision.markers.markers import RobotPose
 
 ARENA = Bounds(0.0, 0.0, 2.4, 1.8)
 

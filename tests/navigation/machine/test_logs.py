@@ -19,7 +19,7 @@ from navigation.mission import Mission, State, Station
 from navigation.recorder import RecordingCounts
 from navigation.run.attendance import Attendance
 from navigation.serial_link import LinkSnapshot, LinkState
-from vision.latest_frame import CameraStatus
+from vision.camera.latest_frame import CameraStatus
 
 NOW = datetime(2026, 3, 4, 5, 6, 7, 891000, tzinfo=timezone(timedelta(hours=2)))
 

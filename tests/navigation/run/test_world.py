@@ -11,7 +11,7 @@ from navigation.config import Config, load_config
 from navigation.run.world import World
 from navigation.simulator.shared_pose import PoseFileError, PoseWriter
 from tests.support.waiting import wait_until
-from vision.camera import CameraError
+from vision.camera.camera import CameraError
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

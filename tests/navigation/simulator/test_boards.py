@@ -20,7 +20,7 @@ from navigation.simulator.boards import (
 from navigation.simulator.drawing import Look
 from navigation.simulator.pinhole import pinhole_of
 from planner.scene import Bounds, FloatArray, Scene
-from vision.camera import Image
+from vision.camera.camera import Image
 
 BOUNDS = Bounds(0.0, 0.0, 2.4, 1.8)
 BOARD = Board()

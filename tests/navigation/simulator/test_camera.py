@@ -30,8 +30,8 @@ from planner.scene import (
     Segment,
     SegmentRecord,
 )
-from vision.camera import CameraError, Image
-from vision.latest_frame import LatestFrame
+from vision.camera.camera import CameraError, Image
+from vision.camera.latest_frame import LatestFrame
 
 PLACES = [(0.25, 0.25), (1.2, 0.95), (2.2, 1.6), (2.2, 0.2), (0.2, 1.6), (1.3, 0.55)]
 

@@ -9,7 +9,7 @@ import pytest
 
 from navigation.witness import Evidence, Witness
 from tests.support.moving_robot import LIMITS, MovingRobot, Sight, status
-from vision.markers import RobotPose
+from vision.markers.markers import RobotPose
 
 Place = tuple[float, float, float]
 

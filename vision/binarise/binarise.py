@@ -1,0 +1,345 @@
+"""Black and white: which pixels are obstacle, by which method and why.
+
+Rules and units
+- Grey values are 0 .. 255, obstacles dark, once ``as_grey`` has looked at the picture: a
+  16-bit picture is scaled by its brightest pixel, light obstacles are turned into dark ones.
+- A pixel is obstacle where its grey value lies below the level.
+- Methods: ``otsu`` (one level, from the histogram), ``fixed`` (the caller's), ``adaptive``
+  (the mean of the neighbourhood), ``background`` (division by a fitted surface of the light).
+- ``auto`` takes one level where the light is even, and divides by the light where it is not.
+- ``Binary.grey`` is what the mask was made from, with one level for the whole picture: the
+  sub-pixel edges are measured in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Literal, TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Binarisation
+from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
+from vision.binarise.binary import Binary, black_and_white
+from vision.binarise.edge_evidence import Support, follows_edges, leaves_out
+from vision.binarise.faint_regions import Judged, without_faint
+from vision.binarise.grey import PictureError, as_array, as_grey, scaled_threshold
+from vision.binarise.grey_classes import (
+    LEAST_CONTRAST,
+    Classes,
+    classes_of,
+    grey_spread,
+    least_room,
+    significant_dark,
+    split_classes,
+)
+from vision.binarise.grey_picture import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
+from vision.binarise.light import light_surface
+from vision.binarise.missed_obstacles import with_left_out
+from vision.shared.scratch import Room
+
+Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
+Polarity: TypeAlias = Literal["dark", "light", "auto"]
+METHODS: tuple[Method, ...] = ("auto", "otsu", "fixed", "adaptive", "background")
+POLARITIES: tuple[Polarity, ...] = ("dark", "light", "auto")
+
+EVEN_MARGIN = 0.25
+"""Least distance of the darkest free pixels from the level, as a share of the contrast, at
+which light is even: the edge itself is measured against its own surroundings."""
+SURE_MARGIN = 0.35
+"""The same where noise, or the glow around light obstacles, hides the edges that are left out."""
+UNEVEN_MARGIN = 0.12
+"""Share of the contrast that is left between one level and a class where light is uneven."""
+FEWEST_PAIRS = 256
+"""Pairs of pixels across a level from which a sample of them is enough to judge it by."""
+DIVISION_IS_AS_GOOD = 0.95
+"""What speaks for a division by the light, as a share of what speaks for a level, from which it
+is taken: the edges are measured nearer to half-way then."""
+EVEN_IS_AS_GOOD = 1.25
+"""What speaks for a level that even light would have counts so many times: it is half-way too,
+and the picture need not be changed."""
+LIT_SHARE = 0.95
+"""Where in its histogram the best lit part of a picture without edges is."""
+FREE_LEVEL = 200.0
+"""Grey value that free pixels get when the picture is divided by its light."""
+MOSTLY = 0.65
+"""Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles."""
+
+
+def binarise(
+    image: NDArray[Any] | Sequence[Any],
+    *,
+    polarity: Polarity = "dark",
+    method: Method = "auto",
+    threshold: float | None = None,
+    ignore: NDArray[np.bool_] | None = None,
+    room: Room | None = None,
+) -> Binary:
+    """Decide for every pixel whether it is obstacle.
+
+    ``threshold`` (0 .. 255, or 0 .. 65535 for 16 bits) is the level of method ``fixed``: a
+    dark obstacle's pixels lie below it, a light one's at it or above. Pixels of ``ignore``
+    (h, w) are free whatever they look like. ``room`` is where the mask is made, which then
+    stays only until the room is used again. Raises ``PictureError`` where there is no free
+    pixel, or an option is wrong. O(pixels).
+    """
+    if method not in METHODS:
+        raise PictureError(f"method {method!r}: must be one of {', '.join(METHODS)}")
+    if polarity not in POLARITIES:
+        raise PictureError(f"polarity {polarity!r}: must be one of {', '.join(POLARITIES)}")
+    image = as_array(image)
+    grey = as_grey(image)
+    if threshold is not None:
+        if method not in ("auto", "fixed"):
+            raise PictureError(f"threshold {threshold}: only method fixed takes one, not {method}")
+        method = "fixed"
+        threshold = scaled_threshold(threshold, image)
+    if ignore is not None and ignore.shape != grey.shape:
+        raise PictureError(f"ignore has shape {ignore.shape}: must be the picture's {grey.shape}")
+    side, why_side = _side(grey, polarity)
+    if side == "light":
+        grey = cv2.bitwise_not(grey) if grey.dtype == np.uint8 else 255 - grey
+        threshold = None if threshold is None else 255.0 - threshold + 1e-6
+    binary = _by_method(Look(grey, room), side, method, threshold)
+    if why_side:
+        how = binary.how
+        how = Binarisation(how.method, how.threshold, side, f"{how.reason}; {why_side}")
+        binary = replace(binary, how=how)
+    if ignore is not None:
+        width = grey.shape[1]
+        binary.mask[1:-1, 1 : width + 1][ignore] = 0
+        binary = replace(binary, by_level=False)
+    # where the first row has a free pixel the others need not be looked at
+    first_row = binary.inside[0]
+    if first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
+        raise PictureError(
+            f"the picture has no free space: all {grey.shape[1]} x {grey.shape[0]} pixels are "
+            f"{'black' if side == 'dark' else 'white'}, which is what obstacles are"
+        )
+    return binary
+
+
+def warm_up(polarity: Polarity = "dark") -> None:
+    """Compile, or load, the kernels that only uneven light, noise and thin walls ask for.
+
+    A run's first shadow must not wait for seconds.
+    """
+    ground = np.full((96, 128), 200.0)
+    ground[20:60, 20:50] = 40.0
+    ground[30:33, 70:120] = 40.0
+    light = np.linspace(1.0, 0.25, 128)
+    walls = np.full((96, 128), 200.0)
+    walls[20:80:20] = walls[21:80:20] = walls[22:80:20] = 40.0
+    noise = np.random.default_rng(0).normal(0.0, 1.0, ground.shape)
+    blurred = cv2.GaussianBlur(walls, (0, 0), 0.7)
+    uneven = ground * light
+    wild = 0.7 * ground + 50.0 + 60.0 * noise
+    lighter = ground.copy()
+    lighter[70:90, 20:50] = 150.0
+    drawn = (ground, ground + 20.0 * noise, wild, uneven, uneven + 8.0 * noise, blurred, lighter)
+    for each in drawn:
+        shown = each if polarity != "light" else 255.0 - each
+        picture = np.clip(np.rint(shown), 0.0, 255.0).astype(np.uint8)
+        # as a frame is, and as the part of one in which something changed: kernels are compiled
+        # for one kind each
+        around = np.pad(picture, 8, mode="edge")
+        for kind in (picture, around[8:-8, 8:-8]):
+            kind.setflags(write=False)
+            binarise(kind, polarity=polarity)
+
+
+def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:
+    """Which side of the level obstacles lie on: the rarer, where it is ours to find out."""
+    if polarity != "auto":
+        return polarity, ""
+    classes = split_classes(sampled_histogram(grey), noise_sigma(grey))
+    if classes is None or classes.dark_share <= MOSTLY:
+        share = 0.0 if classes is None else classes.dark_share
+        return "dark", f"obstacles are dark: dark pixels are {share:.1%} of the picture"
+    share = 1.0 - classes.dark_share
+    return "light", f"obstacles are light: light pixels are {share:.1%} of the picture"
+
+
+def _by_method(
+    look: Look, side: Literal["dark", "light"], method: Method, threshold: float | None
+) -> Binary:
+    classes = classes_of(look)
+    if method == "fixed":
+        level = 127.5 if threshold is None else threshold
+        contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
+        how = Binarisation("fixed", _shown(level, side), side, "the level was given")
+        return black_and_white(look, level, contrast, how)
+    if method == "adaptive":
+        return _adaptive(look, classes, side)
+    if method == "background":
+        return _divided(look, side, "asked for")
+    if method == "otsu":
+        if classes is None:
+            return _uniform(look, side)
+        level = _otsu(look.grey) + 0.5
+        how = Binarisation("otsu", _shown(level, side), side, "asked for")
+        return black_and_white(look, level, classes.contrast, how)
+    return _auto(look, classes, side)
+
+
+def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+    """One level where the light is even; else the level or the division that edges speak for."""
+    spread = grey_spread(look.counts) if classes is None else classes.light_spread
+    if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
+        return _uniform(look, side)
+    even = classes
+    room = 0.0 if classes is None else least_room(look, classes, side)
+    if room < EVEN_MARGIN:
+        even = None
+    # noise hides the edges that a level leaves out, and so does the glow around light obstacles
+    surely = room >= SURE_MARGIN or (side == "dark" and look.noise < CALM_NOISE)
+    if even is not None and surely and follows_edges(look, even, side):
+        binary = _even(look, even, side)
+        if not leaves_out(look, even, side):
+            return binary
+        return with_left_out(Judged(binary), Support(look, side), side)
+    support = Support(look, side)
+    best = support.best_level(look.counts, even)
+    if best.pairs < FEWEST_PAIRS:
+        # what is so rare the sample may have missed
+        support = Support(look, side, 2 * look.grey.size)
+        best = support.best_level(look.counts, even)
+    why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
+    divided = without_faint(_divided(look, side, why, support), support.grey, support.noise, side)
+    judged = [(divided, 1.0)]
+    levels = () if best.classes is None else (best.classes, *best.others)
+    for each in levels if even is None or even in levels else (even, *levels):
+        # each in a room of its own: masks are compared
+        level = (_even if each is even else _level)(Look(look.grey), each, side)
+        sure = each is even and room >= SURE_MARGIN
+        as_good = EVEN_IS_AS_GOOD if sure else DIVISION_IS_AS_GOOD
+        judged.append((without_faint(level, support.grey, support.noise, side), as_good))
+    judged = [one for one in judged if support.of_mask(one[0].binary.mask) > 0.0]
+    if not judged:
+        return _edgeless(look, side)
+    typical = max(one.typical for one, _ in judged)
+    best_of_all = max(judged, key=lambda one: one[1] * one[0].worth(typical))[0]
+    return with_left_out(best_of_all, support, side)
+
+
+def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+    reason = (
+        f"even light: obstacles at {classes.dark:.0f}, free at {classes.light:.0f}, "
+        f"noise {look.noise:.1f} grey levels; the level lies half-way"
+    )
+    how = Binarisation("otsu", _shown(classes.level, side), side, reason)
+    return black_and_white(look, classes.level, classes.contrast, how)
+
+
+def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
+    reason = (
+        f"uneven light, but edges are sharpest at one level: obstacles at {classes.dark:.0f}, "
+        f"free at {classes.light:.0f}, noise {look.noise:.1f} grey levels"
+    )
+    how = Binarisation("otsu", _shown(classes.level, side), side, reason)
+    # where there is least light there is least between the classes
+    margin = UNEVEN_MARGIN * classes.contrast
+    return black_and_white(look, classes.level, classes.contrast, how, margin=margin)
+
+
+def _uniform(look: Look, side: Literal["dark", "light"]) -> Binary:
+    """A picture without contrast is all free or all obstacle."""
+    mean = float(cv2.mean(look.grey)[0])
+    why = f"no contrast: every pixel is within noise of {mean:.0f}"
+    return _all_alike(look, side, mean, why)
+
+
+def _edgeless(look: Look, side: Literal["dark", "light"]) -> Binary:
+    """So is one whose grey changes, but nowhere suddenly: it is what its best lit part is."""
+    running = np.cumsum(look.counts)
+    lit = float(np.searchsorted(running, LIT_SHARE * running[-1]))
+    return _all_alike(look, side, lit, f"no edges: the light runs up to {lit:.0f} and is uneven")
+
+
+def _all_alike(look: Look, side: Literal["dark", "light"], grey: float, why: str) -> Binary:
+    dark = grey < 127.5
+    reason = f"{why}, {'darker' if dark else 'lighter'} than half"
+    how = Binarisation("fixed", 127.5, side, reason)
+    return black_and_white(look, 256.0 if dark else -1.0, 255.0, how)
+
+
+def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+    grey = look.grey
+    block = (min(grey.shape) // 4) | 1
+    mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
+    contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
+    # as far below the mean as noise never is, once it is smoothed as far as it may be
+    at_least = SAFE_MARGIN_SIGMAS * CALMINGS[-1].left * look.noise
+    offset = max(LEAST_CONTRAST, 0.1 * contrast, at_least)
+    centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
+    how = Binarisation(
+        "adaptive",
+        offset,
+        side,
+        f"a pixel is obstacle {offset:.0f} grey levels below the mean of {block} x {block} pixels",
+    )
+    centred = centred.astype(np.float32, copy=False)
+    return black_and_white(
+        Look(centred, look.room), 127.5, contrast, how, noise=look.noise, margin=offset
+    )
+
+
+def _divided(
+    look: Look, side: Literal["dark", "light"], why: str, support: Support | None = None
+) -> Binary:
+    """The picture divided by the light, at the level that ``support`` is larger for."""
+    light, top = light_surface(look.grey, side), 0.0
+    if side == "light":
+        # light multiplies what the camera saw, not its negative
+        ratio = (np.float32(255.0) - look.grey) / light
+        top = max(float(cv2.blur(ratio, (3, 3)).max()), 1.0 + LEAST_CONTRAST / FREE_LEVEL)
+        flat = np.clip((top - ratio) * np.float32(FREE_LEVEL / (top - 1.0)), 0.0, 255.0)
+    else:
+        flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
+    scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
+    flat = flat.astype(np.float32, copy=False)
+    # a room of its own: its mask is compared with another
+    divided = Look(flat)
+    divided.noise = float(noise_sigma(flat))
+    # where there is little light, division makes the noise stronger
+    noise = np.float32(noise_sigma(look.grey) * scale) / light
+    strongest = max(divided.noise, float(noise.max()))
+    why = (
+        f"{why}; divided by a quadratic surface of the light, which runs from "
+        f"{float(light.min()):.0f} to {float(light.max()):.0f}"
+    )
+
+    def at(level: float, contrast: float) -> Binary:
+        shown = top - level / scale if side == "light" else level / FREE_LEVEL
+        how = Binarisation("background", round(shown, 4), side, why)
+        return black_and_white(divided, level, contrast, how, strongest_noise=strongest)
+
+    classes = classes_of(divided, strongest)
+    plain = (
+        at(0.5 * FREE_LEVEL, FREE_LEVEL) if classes is None else at(classes.level, classes.contrast)
+    )
+    if strongest < CALM_NOISE:
+        return plain
+    dark = significant_dark(divided, noise, FREE_LEVEL)
+    if dark is None:
+        return plain
+    support = Support(look, side) if support is None else support
+    # masks are in one room: what speaks for the first is asked before the second is made
+    for_plain = support.of_mask(plain.mask)
+    other = at(0.5 * (FREE_LEVEL + dark), FREE_LEVEL - dark)
+    if support.of_mask(other.mask) > for_plain:
+        return other
+    return at(plain.level, plain.contrast)
+
+
+def _otsu(grey: NDArray[Any]) -> float:
+    eight = grey if grey.dtype == np.uint8 else np.rint(grey).astype(np.uint8)
+    return float(cv2.threshold(eight, 0, 1, cv2.THRESH_BINARY | cv2.THRESH_OTSU)[0])
+
+
+def _shown(level: float, side: Literal["dark", "light"]) -> float:
+    """The level in the values of the picture as it came, where light may be obstacle."""
+    return round(level if side == "dark" else 255.0 - level, 3)

@@ -1,0 +1,273 @@
+"""What a picture's grey values look like: their histogram and their noise, from a sample.
+
+Grey values are 0 .. 255, integer or floating point. They look at no more than about
+``SAMPLE`` pixels, spread evenly over the picture; the noise at ``SAMPLED`` rows and columns.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from vision.shared.compile_options import LEAF
+
+SAMPLE = 32768
+"""Pixels looked at, about."""
+SAMPLED = 90
+"""Rows, and columns, in which the noise is looked at, about."""
+BINS = 4096
+PARTS = np.int64(4)
+"""Second differences of what is no whole grey value are counted by such parts of a grey level."""
+ONE = np.uint32(1)
+TWO = np.int64(2)
+FOUR = np.uint64(4)
+FIRST, LAST = np.int64(0), np.int64(256)
+REFINEMENTS = 3
+"""Times that the level moves half-way between the middles of what it splits."""
+
+
+@njit(cache=True, nogil=True)
+def sampled_histogram(grey):
+    """How many of the sampled pixels have each grey value: (256,) int64."""
+    height, width = grey.shape
+    # four counters for a value: runs of the same grey need not wait for each other
+    counters = np.zeros((4, 256), np.uint32)
+    rows, columns = sample_steps(height, width)
+    for y in range(0, height, rows):
+        count_greys(grey[y, (y // rows) % columns :], columns, counters)
+    return summed(counters)
+
+
+@njit(**LEAF)
+def sample_steps(height, width):
+    """Every how many rows and columns a pixel is looked at."""
+    step = max(1, height * width // SAMPLE)
+    rows = 1
+    while rows * rows < step:
+        rows += 1
+    return rows, max(1, step // rows)
+
+
+@njit(**LEAF)
+def count_greys(line, columns, counters):
+    """Add every ``columns``-th pixel of a line to the counters (4, 256)."""
+    # nothing for whole numbers, which need no rounding
+    half = line.dtype.type(0.5)
+    first, second, third, fourth = counters
+    # unsigned: no index counts from the end
+    step = np.uint64(columns)
+    end = np.uint64(line.shape[0])
+    together = np.uint64(max(0, line.shape[0] - 3 * columns))
+    x = np.uint64(0)
+    while x < together:
+        first[np.uint64(line[x] + half)] += ONE
+        second[np.uint64(line[x + step] + half)] += ONE
+        third[np.uint64(line[x + step + step] + half)] += ONE
+        fourth[np.uint64(line[x + step + step + step] + half)] += ONE
+        x += FOUR * step
+    while x < end:
+        first[np.uint64(line[x] + half)] += ONE
+        x += step
+
+
+@njit(cache=True, nogil=True)
+def summed(counters):
+    """The histogram (256,) int64 of what was counted."""
+    histogram = np.empty(256, np.int64)
+    for v in range(256):
+        histogram[v] = np.int64(counters[0, v]) + counters[1, v] + counters[2, v] + counters[3, v]
+    return histogram
+
+
+@njit(cache=True, nogil=True)
+def noise_sigma(grey):
+    """The noise's standard deviation, from the median absolute second difference.
+
+    The median makes it blind to edges; a ramp has no second difference at all. Those along rows
+    and along columns are counted alike, and the pixels looked at lie alike from all sides: the
+    same picture mirrored, turned or transposed has the same noise, to the last bit.
+    """
+    height, width = grey.shape
+    counters = np.zeros((2, BINS), np.uint32)
+    rows = max(1, height // SAMPLED)
+    columns = max(1, width // SAMPLED)
+    total = 0
+    for first in range(rows // 2, (height + 1) // 2, rows):
+        last = height - 1 - first
+        total += _count_row(grey, first, columns, counters)
+        if last != first:
+            total += _count_row(grey, last, columns, counters)
+    # whole grey values have whole differences, others are counted by quarters
+    parts = np.int64(1) if grey.dtype.type(0.5) == 0 else PARTS
+    seen = 0
+    for i in range(BINS):
+        here = np.int64(counters[0, i]) + counters[1, i]
+        if seen + here >= 0.5 * total:
+            inside = (0.5 * total - seen) / here if here > 0 else 0.0
+            low = 0.0 if i == 0 else i - 0.5
+            median = (low + inside * (i + 0.5 - low)) / parts
+            return median / (0.6744898 * 2.4494897) if i > 0 else 0.0
+        seen += here
+    return 0.0
+
+
+@njit(**LEAF)
+def _count_row(grey, y, columns, counters):
+    """Count the second differences at every ``columns``-th pixel of a row, and its mirror's."""
+    height, width = grey.shape
+    here = grey[y]
+    total = 0
+    first = columns // 2
+    begin = first if first > 0 else columns
+    if width >= 3:
+        total += count_bends(here, here[1:], here[2:], begin - 1, columns, width - 2, counters)
+    if 1 <= y < height - 1:
+        total += count_bends(grey[y - 1], here, grey[y + 1], first, columns, width, counters)
+    return total
+
+
+@njit(**LEAF)
+def count_bends(before, here, behind, first, step, length, counters):
+    """Count second differences from ``first`` to the middle and their mirrors' into (2, BINS).
+
+    Of whole grey values as they are, of others by quarters; how many.
+    """
+    half = here.dtype.type(0.5)
+    parts = np.int64(1) if half == 0 else PARTS
+    one_way, other_way = counters
+    last = np.uint64(BINS - 1)
+    count = 0
+    for x in range(first, (length + 1) // 2, step):
+        bend = abs(before[x] - TWO * here[x] + behind[x])
+        one_way[min(np.uint64(parts * bend + half), last)] += ONE
+        count += 1
+        mirrored = length - 1 - x
+        if mirrored != x:
+            bend = abs(before[mirrored] - TWO * here[mirrored] + behind[mirrored])
+            other_way[min(np.uint64(parts * bend + half), last)] += ONE
+            count += 1
+    return count
+
+
+@njit(**LEAF)
+def steepest_level(grey, least):
+    """The mean grey value where it changes most, or -1 where no step is ``least`` grey levels.
+
+    A symmetric edge is steepest half-way. A step weighs by its third power, so that what is
+    not quite steep hardly counts.
+    """
+    height, width = grey.shape
+    rows, _ = sample_steps(height, width)
+    weights = 0.0
+    levels = 0.0
+    for y in range(0, height - 1, rows):
+        here, below = grey[y], grey[y + 1]
+        for x in range(width - 1):
+            a = np.float64(here[x])
+            for b in (np.float64(here[x + 1]), np.float64(below[x])):
+                step = abs(b - a)
+                if step >= least:
+                    weights += step**3
+                    levels += step**3 * 0.5 * (a + b)
+    return levels / weights if weights > 0.0 else -1.0
+
+
+@njit(cache=True, nogil=True)
+def flat_histogram(grey, most):
+    """How many of the sampled pixels that are no edge have each grey value: (256,) int64.
+
+    Across none of them, in either direction, does the grey value change by more than ``most``:
+    plateaus, and the ridges of what is too thin to have one.
+    """
+    height, width = grey.shape
+    histogram = np.zeros(256, np.int64)
+    rows, columns = sample_steps(height, width)
+    for y in range(1, height - 1, rows):
+        above, here, below = grey[y - 1], grey[y], grey[y + 1]
+        for x in range(1 + (y // rows) % columns, width - 1, columns):
+            across = abs(np.float64(here[x + 1]) - np.float64(here[x - 1]))
+            down = abs(np.float64(below[x]) - np.float64(above[x]))
+            if across <= most and down <= most:
+                histogram[int(here[x] + 0.5)] += 1
+    return histogram
+
+
+@njit(cache=True, nogil=True)
+def split_histogram(histogram, noise, least):
+    """The two classes of a histogram (256,) by minimum error, ``least`` grey levels apart.
+
+    Kittler and Illingworth, 1986. No class is narrower than ``noise`` and a grey level.
+    Returns ``(found, dark, light, light_spread, dark_share)``: the classes' medians, the light
+    one's quartile distance as a normal distribution's sigma, and the dark one's share.
+    """
+    total = 0.0
+    whole = 0.0
+    squares = 0.0
+    for v in range(256):
+        n = np.float64(histogram[v])
+        total += n
+        whole += n * v
+        squares += n * v * v
+    floor = noise * noise + 1.0
+    split = -1
+    cheapest = np.inf
+    n0 = 0.0
+    s0 = 0.0
+    q0 = 0.0
+    for v in range(255):
+        n = np.float64(histogram[v])
+        n0 += n
+        s0 += n * v
+        q0 += n * v * v
+        n1 = total - n0
+        if n0 <= 0.0 or n1 <= 0.0:
+            continue
+        m0 = s0 / n0
+        m1 = (whole - s0) / n1
+        if m1 - m0 < least:
+            continue
+        v0 = max(q0 / n0 - m0 * m0, floor)
+        v1 = max((squares - q0) / n1 - m1 * m1, floor)
+        p0 = n0 / total
+        p1 = n1 / total
+        cost = p0 * math.log(v0) + p1 * math.log(v1) - 2.0 * (p0 * math.log(p0) + p1 * math.log(p1))
+        if cost < cheapest:
+            cheapest = cost
+            split = v
+    if split < 0:
+        return False, 0.0, 0.0, 0.0, 0.0
+    dark = _quantile(histogram, FIRST, split + 1, 0.5)
+    light = _quantile(histogram, split + 1, LAST, 0.5)
+    for _ in range(REFINEMENTS):
+        # half-way between the middles, whatever tail the split has cut off
+        above = int(0.5 * (dark + light)) + 1
+        dark = _quantile(histogram, FIRST, above, 0.5)
+        light = _quantile(histogram, above, LAST, 0.5)
+    if light - dark < least:
+        return False, 0.0, 0.0, 0.0, 0.0
+    level = 0.5 * (dark + light)
+    above = int(level) + 1
+    spread = _quantile(histogram, above, LAST, 0.75) - _quantile(histogram, above, LAST, 0.25)
+    below = 0.0
+    for v in range(256):
+        if v < level:
+            below += histogram[v]
+    return True, dark, light, spread / 1.349, below / total
+
+
+@njit(cache=True, nogil=True)
+def _quantile(histogram, first, last, share):
+    """The grey value in first .. last - 1 below which ``share`` of their pixels lie."""
+    total = 0.0
+    for v in range(first, last):
+        total += histogram[v]
+    running = 0.0
+    for v in range(first, last):
+        running += histogram[v]
+        if running >= share * total:
+            return float(v)
+    return float(last)

@@ -1,0 +1,167 @@
+"""Obstacles that their colour tells from the floor, though their grey does not.
+
+Rules and units
+- Red on green of the same grey, yellow on white: a grey picture shows nothing of them. What
+  differs from the floor in any channel, to the obstacles' side, is obstacle.
+- The floor's colour is the most frequent one. Light multiplies all channels alike, so that a
+  shadow is a multiple of the floor's colour and no colour of its own.
+- Each pixel then counts by the channel in which it is farthest from the floor, as a picture
+  whose floor is one grey everywhere; edges are measured in that picture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Binarisation
+from vision.binarise.binarise import Method, Polarity, binarise
+from vision.binarise.binary import Binary
+from vision.binarise.grey import PictureError
+from vision.shared.scratch import Room
+
+SAMPLE = 65536
+"""About so many pixels are looked at for colours."""
+LEAST_DEPTH = 40.0
+"""Distance from the floor, in grey levels of one channel, that light does not explain."""
+FLOOR_STEP = 4
+"""For the floor's own colour each such pixel of the sample is enough, both ways."""
+BIN = 16
+"""Width of a bin of the colours' histogram: more than the noise of one colour."""
+FLOOR_GREY = 215.0
+"""Grey value that the floor gets: room above it for noise and for what is lighter."""
+BLUR_PX = 3
+"""So near to an obstacle a pixel's colour may be part of its rim."""
+
+
+def binarise_by_colour(
+    image: NDArray[Any],
+    *,
+    polarity: Polarity,
+    method: Method,
+    threshold: float | None,
+    ignore: NDArray[np.bool_] | None,
+    room: Room,
+) -> Binary:
+    """``vision.binarise.binarise.binarise``; method ``auto`` sees obstacles by their colours, too.
+
+    Where colours tell more the method is ``colour`` and the level one of the distance to the
+    floor. Raises ``PictureError`` as ``binarise`` does. O(pixels).
+    """
+    found = None
+    if method == "auto" and threshold is None and image.ndim == 3 and image.shape[2] in (3, 4):
+        found = _Colours.of(image, ignore)
+    if found is None or not (found.darker.any() or found.lighter.any()):
+        return binarise(
+            image, polarity=polarity, method=method, threshold=threshold, ignore=ignore, room=room
+        )
+    try:
+        grey = binarise(image, polarity=polarity, ignore=ignore)
+        side = grey.how.polarity
+    except PictureError:
+        # of one grey all over: only colours can tell
+        grey, side = None, "light" if polarity == "light" else "dark"
+    unseen = found.unseen_in(grey, side)
+    if unseen > 0:
+        apart = binarise(found.beside_the_floor(side), polarity=side, ignore=ignore, room=room)
+        if found.unseen_in(apart, side) < unseen:
+            return replace(apart, how=_how(apart.how, found.floor))
+    # once more, for the picture's own error, and in the caller's room
+    return binarise(image, polarity=polarity, ignore=ignore, room=room)
+
+
+def _how(how: Binarisation, floor: NDArray[np.float64]) -> Binarisation:
+    blue, green, red = (round(float(value)) for value in floor)
+    reason = (
+        f"by colour: grey does not tell all obstacles from the floor of red {red}, green {green}, "
+        f"blue {blue}, so each pixel counts by its channel farthest from it; {how.reason}"
+    )
+    return Binarisation("colour", how.threshold, how.polarity, reason)
+
+
+class _Colours:
+    """A colour picture (h, w, 3) uint8, its floor's colour, and what light does not explain."""
+
+    def __init__(self, picture: NDArray[np.uint8], ignore: NDArray[np.bool_] | None) -> None:
+        self.picture = picture
+        height, width = picture.shape[:2]
+        self.step = max(1, int(np.sqrt(height * width / SAMPLE)))
+        sample = np.ascontiguousarray(picture[:: self.step, :: self.step])
+        self.floor = _most_frequent(sample)
+        self.darker, self.lighter = _unexplained(sample, self.floor)
+        if ignore is not None:
+            looked_at = ~ignore[:: self.step, :: self.step]
+            self.darker &= looked_at
+            self.lighter &= looked_at
+
+    @classmethod
+    def of(cls, image: NDArray[Any], ignore: NDArray[np.bool_] | None) -> _Colours | None:
+        """None for what is no colour picture that can be used."""
+        if image.dtype not in (np.uint8, np.uint16) or image.size == 0:
+            return None
+        picture = image[:, :, :3]
+        if image.dtype == np.uint16:
+            picture = cv2.convertScaleAbs(picture, alpha=255.0 / max(int(picture.max()), 1))
+        if image.shape[2] == 4:
+            alpha = image[:, :, 3:].astype(np.float32) / np.iinfo(image.dtype).max
+            picture = np.rint(picture * alpha + 255.0 * (1.0 - alpha)).astype(np.uint8)
+        return cls(np.ascontiguousarray(picture), ignore)
+
+    def unseen_in(self, binary: Binary | None, side: Literal["dark", "light"]) -> int:
+        """How many pixels have colours of their own and are no obstacle there, nor beside one."""
+        pixels = self.darker if side == "dark" else self.lighter
+        if binary is None:
+            return int(np.count_nonzero(pixels))
+        seen = np.ascontiguousarray(binary.inside[:: self.step, :: self.step])
+        reach = 2 * (1 + (BLUR_PX - 1) // self.step) + 1
+        around = cv2.dilate(seen, np.ones((reach, reach), np.uint8))
+        return int(np.count_nonzero(_without_specks(pixels & (around == 0))))
+
+    def beside_the_floor(self, side: Literal["dark", "light"]) -> NDArray[np.uint8]:
+        """The picture (h, w), by the channel that is farthest from the floor to that side."""
+        values = np.arange(256.0)[:, None]
+        scale = FLOOR_GREY / 255.0
+        base = FLOOR_GREY if side == "dark" else 255.0 - FLOOR_GREY
+        table = np.clip(np.rint(base + scale * (values - self.floor)), 0.0, 255.0)
+        apart = cv2.LUT(self.picture, table.astype(np.uint8)[:, None, :])
+        blue, green, red = cv2.split(apart)
+        farthest = cv2.min if side == "dark" else cv2.max
+        return np.asarray(farthest(farthest(blue, green), red), dtype=np.uint8)
+
+
+def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """The colour (3,) of the fullest bin: the median of what is near its middle."""
+    pixels = sample[::FLOOR_STEP, ::FLOOR_STEP].reshape(-1, 3)
+    bins = (pixels // BIN).astype(np.int32) @ np.array([1, 16, 256], dtype=np.int32)
+    fullest = int(np.bincount(bins, minlength=4096).argmax())
+    middle = np.array([fullest % 16, fullest // 16 % 16, fullest // 256]) * BIN + (BIN - 1) / 2.0
+    near = (np.abs(pixels - middle) <= BIN).all(axis=1)
+    return np.asarray(np.median(pixels[near], axis=0), dtype=np.float64)
+
+
+def _unexplained(
+    sample: NDArray[np.uint8], floor: NDArray[np.float64]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """What no light makes of the floor, darker in some channel, and lighter (h, w) each."""
+    # a channel at a time: sums over an axis of three are slow
+    values = [sample[:, :, c].astype(np.float32) for c in range(3)]
+    light = [np.float32(value) for value in floor]
+    ratios = [(v + 1.0) * (1.0 / (f + 1.0)) for v, f in zip(values, light, strict=True)]
+    shade = np.minimum(np.maximum(np.maximum(ratios[0], ratios[1]), ratios[2]), 1.0)
+    glare = np.maximum(np.minimum(np.minimum(ratios[0], ratios[1]), ratios[2]), 1.0)
+    darker = np.zeros(shade.shape, dtype=np.bool_)
+    lighter = np.zeros(shade.shape, dtype=np.bool_)
+    for value, f in zip(values, light, strict=True):
+        darker |= shade * f - value >= LEAST_DEPTH
+        lighter |= value - np.minimum(glare * f, np.float32(255.0)) >= LEAST_DEPTH
+    return _without_specks(darker), _without_specks(lighter)
+
+
+def _without_specks(pixels: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Only what is three pixels wide: noise and the fringes of a compressed picture are not."""
+    opened = cv2.morphologyEx(pixels.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    return np.asarray(opened, dtype=np.bool_)

@@ -1,0 +1,279 @@
+"""How well the border between black and white follows edges: steps across it.
+
+Rules and units
+- A step is how much lighter a pixel is than another that lies ``REACH`` rows or columns away,
+  counted by ``worth`` (256,), which grows with the grey value. Pairs of pixels are taken from a
+  sample of rows.
+- A pair speaks for a border between its two pixels with its step less ``cost``, and so
+  against it where it has hardly any. It does so too where the step is soft: where it is hardly
+  more than its share of the step from ``OUTER`` before it to ``OUTER`` behind it.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from vision.shared.compile_options import LEAF, SUMS
+
+REACH = 4
+"""Pixels from one end of a step to the other: the width of a blurred edge."""
+OUTER = 6
+SOFT = 0.4
+"""A light that changes evenly has a quarter of the outer step, a sharp edge all of it."""
+SEGMENT = 128
+"""Pixels of a row that are looked at together."""
+SAMPLED_PAIRS = 65536
+"""Pairs of pixels that are looked at, about, where a whole picture is judged."""
+
+
+@njit(**LEAF)
+def _row_step(height, width, pairs):
+    """Every how many rows pairs are looked at."""
+    return max(1, 2 * height * width // pairs)
+
+
+@njit(**LEAF)
+def steps_across_level(grey, level, weak, strong, plain, pairs):
+    """How many pairs lie across a level, with a weak step and with a strong one; and beside it.
+
+    Returns ``(all, weak, strong, beside)``: the pairs across the level, those of them whose
+    step is less than ``weak`` and more than ``strong`` grey levels, and the pairs on one side of
+    it whose step is plain all the same. ``plain`` is ``(share, least, end, sign)``: the step is
+    more than ``share`` of how far the pixel that is farther from ``end``, where ``sign`` times
+    grey values begin, lies from it, and ``least``.
+    """
+    height, width = grey.shape
+    length = min(width - REACH, SEGMENT)
+    segments = max(1, (width - REACH) // SEGMENT)
+    step = max(1, 2 * height * segments * length // pairs)
+    every, weaks, strongs, besides = 0.0, 0.0, 0.0, 0.0
+    for i in range(0, (height - REACH) * segments, step):
+        # the next segment each time, so that no column is left out
+        y = i // segments
+        x = SEGMENT * ((i + y) % segments)
+        here = grey[y, x : x + length]
+        for down in (False, True):
+            there = grey[y + REACH, x : x + length] if down else grey[y, x + REACH :]
+            a, b, c, d = _steps(here, there, level, weak, strong, plain)
+            every += a
+            weaks += b
+            strongs += c
+            besides += d
+    return every, weaks, strongs, besides
+
+
+@njit(**SUMS)
+def _steps(here, there, level, weak, strong, plain):
+    """The same of one stretch of pairs."""
+    nothing, one = np.float32(0.0), np.float32(1.0)
+    share, least, end, sign = plain
+    every, weaks, strongs, besides = nothing, nothing, nothing, nothing
+    for x in range(here.shape[0]):
+        a = np.float32(here[x])
+        b = np.float32(there[x])
+        step = abs(a - b)
+        across = one if (a < level) != (b < level) else nothing
+        every += across
+        weaks += across if step < weak else nothing
+        strongs += across if step > strong else nothing
+        lit = max(sign * a, sign * b) - sign * end
+        besides += one - across if step > share * lit + least else nothing
+    return every, weaks, strongs, besides
+
+
+@njit(**LEAF)
+def steps_off_level(grey, level, clear, pairs):
+    """How many pixels begin a clear step on the light side of a level, nothing across it near by.
+
+    ``clear`` is ``(share, least, end, sign)``: the step is at least ``least`` and ``share`` of how
+    far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies from
+    it. The pixels ``REACH`` away from the step, on all sides, lie on that side of the level too:
+    the foot of an edge across the level is no edge of its own.
+    """
+    height, width = grey.shape
+    length = min(width - 3 * REACH, SEGMENT)
+    segments = max(1, (width - 3 * REACH) // SEGMENT)
+    step = max(1, 2 * height * segments * length // pairs)
+    found = 0.0
+    for i in range(REACH * segments, (height - 2 * REACH) * segments, step):
+        y = i // segments
+        x = REACH + SEGMENT * ((i + y) % segments)
+        found += _clear_steps(grey[y - REACH : y + 2 * REACH + 1], x, length, level, clear)
+    return found
+
+
+@njit(**SUMS)
+def _clear_steps(rows, first, length, level, clear):
+    """The same of one stretch of pixels, to the right and down."""
+    nothing, one = np.float32(0.0), np.float32(1.0)
+    share, least, end, sign = clear
+    above, here = rows[0, first:], rows[REACH, first:]
+    below, beyond = rows[2 * REACH, first:], rows[3 * REACH, first:]
+    before = rows[:, first - REACH :]
+    found = nothing
+    for x in range(length):
+        value = np.float32(here[x])
+        right = np.float32(here[x + REACH])
+        down = np.float32(below[x])
+        side = value < level
+        # around the pixel, and around the square that both pairs have in common
+        across = (right < level) != side
+        across |= (down < level) != side
+        across |= (np.float32(above[x]) < level) != side
+        across |= (np.float32(before[REACH, x]) < level) != side
+        across |= (np.float32(below[x + REACH]) < level) != side
+        across |= (np.float32(above[x + REACH]) < level) != side
+        across |= (np.float32(before[2 * REACH, x]) < level) != side
+        across |= (np.float32(here[x + 2 * REACH]) < level) != side
+        across |= (np.float32(beyond[x]) < level) != side
+        lit = max(sign * value, sign * right) - sign * end
+        steep = abs(value - right) >= max(share * lit, least)
+        lit = max(sign * value, sign * down) - sign * end
+        steep |= abs(value - down) >= max(share * lit, least)
+        found += one if steep & (not (across | side)) else nothing
+    return found
+
+
+@njit(**LEAF)
+def _pair(grey, y, x, down):
+    """The four grey values of a pair: its two pixels, and those OUTER before and behind it."""
+    height, width = grey.shape
+    if down:
+        before = grey[max(y - OUTER, 0), x]
+        behind = grey[min(y + REACH + OUTER, height - 1), x]
+        return before, grey[y, x], grey[y + REACH, x], behind
+    before = grey[y, max(x - OUTER, 0)]
+    behind = grey[y, min(x + REACH + OUTER, width - 1)]
+    return before, grey[y, x], grey[y, x + REACH], behind
+
+
+@njit(**LEAF)
+def _sharp_step(worth, before, a, b, behind):
+    """The step from ``a`` to ``b``, and how much of it is sharp: both signed alike."""
+    step = worth[int(b + 0.5)] - worth[int(a + 0.5)]
+    outer = worth[int(behind + 0.5)] - worth[int(before + 0.5)]
+    if step >= 0.0:
+        return step, step - SOFT * max(outer, 0.0)
+    return step, step - SOFT * min(outer, 0.0)
+
+
+@njit(**LEAF)
+def typical_step(grey, worth, pairs):
+    """The step of the strongest sharp edges: the mean of all, weighed by their squares."""
+    height, width = grey.shape
+    squares = 0.0
+    cubes = 0.0
+    for y in range(0, height, _row_step(height, width, pairs)):
+        for down in (False, True):
+            if down and y + REACH >= height:
+                continue
+            for x in range(width if down else width - REACH):
+                before, a, b, behind = _pair(grey, y, x, down)
+                step, sharp = _sharp_step(worth, before, a, b, behind)
+                if step * sharp > 0.0:
+                    squares += sharp * sharp
+                    cubes += abs(sharp) * sharp * sharp
+    return cubes / squares if squares > 0.0 else 0.0
+
+
+@njit(**LEAF)
+def _support(worth, before, a, b, behind, cost):
+    """What a pair says for a border between its pixels, whichever is the darker."""
+    step, sharp = _sharp_step(worth, before, a, b, behind)
+    if step < 0.0:
+        step = -step
+        sharp = -sharp
+    return min(step - cost, sharp)
+
+
+@njit(cache=True, nogil=True)
+def support_by_level(grey, shut, worth, cost, pairs):
+    """What speaks for a border at each level, and how many pairs lie across it: 2 x (257,).
+
+    Pixels below the level are obstacle. Pairs with a pixel where ``shut`` (h, w) is not 0 are
+    left out; it may have no pixels at all: nothing is.
+    """
+    height, width = grey.shape
+    whole = shut.size == 0
+    changes = np.zeros((2, 258))
+    for y in range(0, height, _row_step(height, width, pairs)):
+        for down in (False, True):
+            if down and y + REACH >= height:
+                continue
+            for x in range(width if down else width - REACH):
+                if not whole and (
+                    shut[y, x] or (shut[y + REACH, x] if down else shut[y, x + REACH])
+                ):
+                    continue
+                before, a, b, behind = _pair(grey, y, x, down)
+                low = int(min(a, b) + 0.5)
+                high = int(max(a, b) + 0.5)
+                if low < high:
+                    support = _support(worth, before, a, b, behind, cost)
+                    changes[0, low + 1] += support
+                    changes[1, low + 1] += 1.0
+                    changes[0, high + 1] -= support
+                    changes[1, high + 1] -= 1.0
+    return np.cumsum(changes[0])[:257], np.cumsum(changes[1])[:257]
+
+
+@njit(**LEAF)
+def support_of_mask(grey, mask, worth, cost, pairs):
+    """What speaks for the borders of a padded mask (h + 2, w')."""
+    height, width = grey.shape
+    total = 0.0
+    for y in range(0, height, _row_step(height, width, pairs)):
+        for down in (False, True):
+            if down and y + REACH >= height:
+                continue
+            for x in range(width if down else width - REACH):
+                inside = mask[y + 1, x + 1]
+                there = mask[y + 1 + REACH, x + 1] if down else mask[y + 1, x + 1 + REACH]
+                if inside == there:
+                    continue
+                before, a, b, behind = _pair(grey, y, x, down)
+                if (a <= b) == (inside == 1):
+                    total += _support(worth, before, a, b, behind, cost)
+                else:
+                    # the obstacle's is the lighter pixel
+                    total -= abs(worth[int(b + 0.5)] - worth[int(a + 0.5)]) + cost
+    return total
+
+
+@njit(cache=True, nogil=True)
+def steps_of_regions(grey, labels, count, end, sign):
+    """The steps across the border of each region: ``(steps, light, sharp, pairs)``, (count,) each.
+
+    ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. Sums over all pairs
+    with one pixel in a region: of how much lighter the other one is; of the light, which is
+    how far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies
+    from it; and of how much of the step is sharp.
+    """
+    height, width = grey.shape
+    steps = np.zeros(count)
+    light = np.zeros(count)
+    sharp = np.zeros(count)
+    pairs = np.zeros(count, np.int64)
+    for y in range(height):
+        for x in range(width):
+            here = labels[y, x]
+            for down in (False, True):
+                there_y, there_x = (y + REACH, x) if down else (y, x + REACH)
+                if there_y >= height or there_x >= width:
+                    continue
+                there = labels[there_y, there_x]
+                if (here > 0) == (there > 0):
+                    continue
+                before, one, other, behind = _pair(grey, y, x, down)
+                a, b = np.float64(one), np.float64(other)
+                outer = np.float64(behind) - np.float64(before)
+                inward = 1.0 if here > 0 else -1.0
+                region = max(here, there)
+                steps[region] += inward * (b - a)
+                light[region] += max(sign * a, sign * b) - sign * end
+                sharp[region] += inward * (b - a) - SOFT * max(inward * outer, 0.0)
+                pairs[region] += 1
+    return steps, light, sharp, pairs

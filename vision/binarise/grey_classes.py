@@ -1,0 +1,188 @@
+"""Light and dark: the two classes of a picture's grey values, and how safely they stand apart.
+
+Grey values are 0 .. 255, free pixels light and obstacles dark.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.binarise.binarise_kernels import flat_histogram, split_histogram, steepest_level
+from vision.binarise.grey_picture import (
+    BUSY_NOISE,
+    CALM_NOISE,
+    MEAN,
+    NO_CALMING,
+    SAFE_MARGIN_SIGMAS,
+    Look,
+    calming_of,
+)
+
+LEAST_CONTRAST = 8.0
+"""Grey levels between light and dark below which nothing is taken for an obstacle."""
+LEAST_CONTRAST_SIGMAS = 5.0
+"""The same in standard deviations of the noise."""
+DARKEST_SIGMAS = 2.0
+"""How far below the middle the darkest free pixels are taken to be, in spreads of the light."""
+PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
+"""How far from a class's middle its pixels lie that blur has left alone: as a share of the
+contrast, and in standard deviations of the noise."""
+MOST_ON_PLATEAU = 0.7
+"""The share of a class's pixels that do so where the class is what it looks like."""
+STEEP = 0.25
+"""Least step from pixel to pixel, as a share of the contrast, that is taken for an edge's."""
+FLAT, FLAT_SIGMAS = 0.1, 4.0
+"""Most that the grey value changes by over two pixels where there is no edge: as a share of the
+contrast, and in standard deviations of the noise."""
+FEWEST_FLAT = 0.02
+"""Least share of a class that has to be no edge for its spread to be known."""
+SIGNIFICANT_SIGMAS = 6.0
+"""How far a smoothed pixel stands out of the noise that hardly one does by chance."""
+FEWEST_SIGNIFICANT = 9
+"""Fewest such pixels that have a middle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Classes:
+    """Two classes of grey values: their middles, how wide each is, and how many are dark.
+
+    ``dark_spread`` is known only where it is not simply that of all dark pixels.
+    """
+
+    dark: float
+    light: float
+    light_spread: float
+    dark_share: float
+    dark_spread: float | None = None
+
+    @property
+    def level(self) -> float:
+        """Half-way between the classes."""
+        return 0.5 * (self.dark + self.light)
+
+    @property
+    def contrast(self) -> float:
+        """Grey levels between the classes."""
+        return self.light - self.dark
+
+
+def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
+    """The two classes of a picture, seen through a little smoothing where it is noisy."""
+    strongest = look.noise if strongest is None else strongest
+    calming = MEAN if CALM_NOISE <= strongest < BUSY_NOISE else calming_of(strongest)
+    counts = look.counts_after(calming)
+    found = split_classes(counts, look.noise * calming.left)
+    if found is None:
+        found = _rare_pixels(look.grey_after(calming), strongest * calming.left)
+    else:
+        found = _sharpened(found, look, counts, look.noise * calming.left)
+    if found is None or calming is NO_CALMING:
+        return found
+    # the spread that noise explains, as the unsmoothed picture would have it
+    explained = float(np.hypot(look.noise, found.light_spread))
+    return replace(found, light_spread=explained)
+
+
+def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: float) -> Classes:
+    """The classes, the rarer one set right where most of its pixels are edge.
+
+    Walls a few pixels wide have hardly a pixel that blur has left as dark as it is: the middle
+    of those there are lies too near the other class, and they spread as if the light were
+    uneven. The level is where edges are steepest then, and the spread that of what is no edge.
+    ``counts`` are the classes' own, ``noise`` is what is left in them.
+    """
+    dark_side = np.arange(256) < found.level
+    rare = dark_side if found.dark_share < 0.5 else ~dark_side
+    middle = found.dark if found.dark_share < 0.5 else found.light
+    reach = max(PLATEAU * found.contrast, PLATEAU_SIGMAS * noise)
+    on_plateau = rare & (np.abs(np.arange(256) - middle) <= reach)
+    if counts[on_plateau].sum() >= MOST_ON_PLATEAU * counts[rare].sum():
+        return found
+    flat = flat_histogram(look.grey, max(FLAT * found.contrast, FLAT_SIGMAS * look.noise))
+    if flat[rare].sum() < FEWEST_FLAT * counts[rare].sum():
+        return found
+    spread = grey_spread(np.where(rare, flat, 0))
+    if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
+        return found
+    least = max(STEEP * found.contrast, LEAST_CONTRAST_SIGMAS * look.noise)
+    level = float(steepest_level(look.grey, least))
+    if level < 0.0:
+        return found
+    if found.dark_share < 0.5:
+        dark = min(max(2.0 * level - found.light, 0.0), found.dark)
+        return replace(found, dark=dark, dark_spread=spread)
+    light = max(min(2.0 * level - found.dark, 255.0), found.light)
+    return replace(found, light=light, light_spread=spread)
+
+
+def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
+    """The two classes of a histogram (256,), or None where it has one class only.
+
+    Minimum error thresholding (Kittler and Illingworth, 1986), which does not mind a class
+    of one pixel in a thousand; no class is narrower than the noise and a grey level.
+    """
+    least = max(LEAST_CONTRAST, LEAST_CONTRAST_SIGMAS * noise)
+    found, dark, light, spread, dark_share = split_histogram(histogram, noise, least)
+    return Classes(dark, light, spread, dark_share) if found else None
+
+
+def room_left(classes: Classes, noise: float) -> float:
+    """How far the darkest free pixels stay from the level, as a share of the contrast."""
+    uneven = np.sqrt(max(classes.light_spread**2 - noise**2, 0.0))
+    return float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast)
+
+
+def least_room(look: Look, classes: Classes, side: Literal["dark", "light"]) -> float:
+    """The same for light obstacles too, which uneven light spreads more than it does the ground."""
+    room = room_left(classes, look.noise)
+    if side == "dark":
+        return room
+    obstacles = classes.dark_spread
+    if obstacles is None:
+        obstacles = grey_spread(look.counts[: math.ceil(classes.level)])
+    uneven = max(obstacles**2 - look.noise**2, 0.0) ** 0.5
+    return min(room, float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast))
+
+
+def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> float | None:
+    """The middle of what is darker than free pixels of one grey value, whatever the noise there.
+
+    ``noise`` (h, w) is its standard deviation from place to place, which a histogram of all does
+    not know: where there is little light the noise alone has two classes. What counts is each
+    pixel of the smoothed picture that stands out by ``SIGNIFICANT_SIGMAS``, and then what is
+    nearer to those than to free pixels. None where hardly a pixel does.
+    """
+    calming = calming_of(float(noise.max()))
+    calmed = look.grey_after(calming)
+    least = np.maximum(noise * np.float32(SIGNIFICANT_SIGMAS * calming.left), 0.15 * light)
+    found = calmed[light - calmed > least]
+    for _ in range(2):
+        if found.size < FEWEST_SIGNIFICANT:
+            return None
+        found = found[found < 0.5 * (light + float(np.median(found)))]
+    return float(np.median(found)) if found.size else None
+
+
+def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
+    """Dark pixels so rare that no sample shows them: look at the extremes of all pixels."""
+    lowest, highest, _, _ = cv2.minMaxLoc(grey)
+    middle = float(np.median(grey[:: max(1, grey.shape[0] // 64)]))
+    least = max(LEAST_CONTRAST, 2.0 * SAFE_MARGIN_SIGMAS * noise)
+    if middle - lowest >= least and middle - lowest >= highest - middle:
+        return Classes(lowest, middle, 0.0, 0.0)
+    if highest - middle >= least:
+        return Classes(middle, highest, 0.0, 1.0)
+    return None
+
+
+def grey_spread(counts: NDArray[np.int64]) -> float:
+    """The grey values' spread: the quartiles' distance, as a normal distribution's sigma."""
+    running = np.cumsum(counts)
+    low, high = np.searchsorted(running, running[-1] * np.array([0.25, 0.75]))
+    return float(high - low) / 1.349

@@ -1,0 +1,119 @@
+"""A first look at a picture: its noise, its histogram, and itself with less noise.
+
+Grey values are 0 .. 255; noise is its standard deviation in grey levels.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
+from vision.binarise.dot_kernels import dots_left_out, mark_below_but_dots, mark_dots
+from vision.binarise.smoothing_kernels import calmed_histogram
+from vision.shared.scratch import Room
+
+SAFE_MARGIN_SIGMAS = 6.0
+"""From here on no pixel of a whole picture crosses the level by noise alone."""
+CALM_NOISE, WILD_NOISE = 4.0, 25.0
+"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px where noise counts."""
+BUSY_NOISE = 12.0
+"""Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper."""
+
+
+@dataclass(frozen=True, slots=True)
+class Calming:
+    """A smoothing: its ``sigma_px``, and the share of white noise that it leaves.
+
+    ``kernel``: the weights and their norm, as in ``vision.binarise.smoothing_kernels``, where it
+    has them.
+    """
+
+    sigma_px: float
+    left: float
+    kernel: tuple[tuple[np.uint16, np.uint16, np.uint16], int] | None = None
+
+
+NO_CALMING = Calming(0.0, 1.0)
+MEAN = Calming(0.8165, 1.0 / 3.0, ((np.uint16(1), np.uint16(1), np.uint16(0)), 9))
+"""The mean of 3 x 3 pixels."""
+BINOMIAL = Calming(1.0, 0.2734, ((np.uint16(6), np.uint16(4), np.uint16(1)), 256))
+"""The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time."""
+WIDE = Calming(2.0, 0.1411)
+"""A Gaussian."""
+CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
+"""Those that a level is applied after: the first that leaves little enough noise."""
+
+
+def calming_of(noise: float) -> Calming:
+    """The smoothing after which noise that strong hardly crosses a level."""
+    if noise < CALM_NOISE:
+        return NO_CALMING
+    return BINOMIAL if noise < WILD_NOISE else WIDE
+
+
+class Look:
+    """A grey picture, its noise and its histogram; smoothed as far as it is asked for."""
+
+    def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
+        self.grey = grey
+        self.room = Room() if room is None else room
+        self.counts: NDArray[np.int64] = sampled_histogram(grey)
+        # two values only: drawn, not taken; what looks like noise is texture
+        drawn = np.count_nonzero(self.counts) <= 2
+        self.noise = 0.0 if drawn else float(noise_sigma(grey))
+
+    def counts_after(self, calming: Calming) -> NDArray[np.int64]:
+        """The smoothed picture's histogram (256,), from a sample."""
+        if calming is NO_CALMING:
+            return self.counts
+        if calming.kernel is not None and self.grey.dtype == np.uint8:
+            counts: NDArray[np.int64] = calmed_histogram(self.grey, *calming.kernel)
+            return counts
+        counts = sampled_histogram(self.grey_after(calming))
+        return counts
+
+    def grey_after(self, calming: Calming) -> NDArray[Any]:
+        """The smoothed picture (h, w)."""
+        if calming is NO_CALMING:
+            return self.grey
+        if calming is MEAN:
+            return cv2.blur(self.grey, (3, 3))
+        if calming is BINOMIAL:
+            return cv2.GaussianBlur(self.grey, (5, 5), 0.0)
+        return cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px)
+
+    def mask_below(self, level: float, calming: Calming, noise: float) -> NDArray[np.uint8]:
+        """Where the smoothed picture lies below the level: 1 in a padded mask (h + 2, w').
+
+        With dots that are too small for the smoothed picture and stand out of such ``noise``.
+        The mask has a margin of zeros and rows of a multiple of eight bytes; it stays until
+        the room is used again.
+        """
+        height, width = self.grey.shape
+        stride = (width + 2 + 7) // 8 * 8
+        mask = self.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
+        mask[0] = mask[-1] = 0
+        mask[:, 0] = 0
+        mask[:, width + 1 :] = 0
+        inside = mask[1:-1, 1 : width + 1]
+        whole = self.grey.dtype == np.uint8
+        bound = min(max(math.ceil(level) - 1, -1), 255)
+        if whole and calming.kernel is not None:
+            places = mark_below_but_dots(self.grey, bound, *calming.kernel, mask)
+            mark_dots(self.grey, noise, places, mask)
+            return mask
+        smoothed = self.grey_after(calming)
+        if whole:
+            cv2.threshold(smoothed, float(bound), 1, cv2.THRESH_BINARY_INV, dst=inside)
+        else:
+            inside[:] = smoothed < level
+        if calming is not NO_CALMING:
+            of_its_kind = np.uint8(min(bound + 1, 255)) if whole else self.grey.dtype.type(level)
+            mark_dots(self.grey, noise, dots_left_out(self.grey, of_its_kind, mask), mask)
+        return mask

@@ -1,0 +1,137 @@
+"""Obstacles that the level taken has left out, for they are lighter, or lie in a deep shadow.
+
+Rules and units
+- Grey values are 0 .. 255, obstacles dark. No level is right for obstacles of 40 and of 180 on
+  a floor of 215, nor for what lies in full light and in a shadow of 70 %.
+- The edges that are neither in nor near the mask are asked once more for their best levels, and
+  what lies below one of them is an obstacle too where it touches nothing of the mask, and where
+  its border is sharp, stands out of the noise and has at least ``LEAST_SHARE`` of the light: a
+  shadow's rim is soft, and noise has less.
+- What is thin besides is left out: the joints of a floor look like faint walls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, Literal
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.binarise.binary import Binary
+from vision.binarise.edge_evidence import Support
+from vision.binarise.edge_evidence_kernels import REACH
+from vision.binarise.faint_regions import Judged, regions_of, stand_out
+
+LEAST_SHARE = 0.1
+"""Share of the light that the step across a border has at least: 180 on 215 has 0.11."""
+LEAST_SHARP = 0.2
+"""How much of it is sharp at least: 0.6 where nothing else is near, 0 in a shadow's rim."""
+THICK_PX = 3.0
+"""How far the middle of an obstacle lies from its border at least: joints are thinner."""
+SPECKS = 0.2
+"""Share of an obstacle's pixels below which those in the mask already are no obstacle."""
+SAID = 0.05
+"""The share from which a region is said to have been left out."""
+ROUNDS = 3
+"""How often edges are asked: each time without what is found."""
+
+
+def with_left_out(judged: Judged, support: Support, side: Literal["dark", "light"]) -> Binary:
+    """The mask with the obstacles that other levels show, and remarks on them and on the rest.
+
+    The rest is what is no noise, but is left out of the mask. The mask itself is changed.
+    O(pixels).
+    """
+    binary = judged.binary
+    inside = binary.inside
+    if min(inside.shape) <= 2 * REACH:
+        return binary
+    left = np.zeros(inside.shape, np.bool_) if judged.left_out is None else judged.left_out
+    found = 0
+    for _ in range(ROUNDS):
+        before = found
+        # levels go on to be asked for what the others have not found
+        shut = _around(inside)
+        for level in support.levels_outside(shut):
+            found += _add_obstacles_below(level, inside, shut, left, support, side)
+        if found == before:
+            break
+    remarks = binary.remarks
+    if found:
+        many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
+        one = "an obstacle that is lighter, or shaded, is seen at a level of its own"
+        remarks += (one if found == 1 else many,)
+    remarks += _said(left, inside, support, side)
+    return replace(binary, by_level=binary.by_level and not found, remarks=remarks)
+
+
+def _around(inside: NDArray[Any]) -> NDArray[np.uint8]:
+    """A mask (h, w) and what is near it."""
+    near = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
+    return np.asarray(cv2.dilate(inside, near), dtype=np.uint8)
+
+
+def _add_obstacles_below(
+    level: float,
+    inside: NDArray[np.uint8],
+    shut: NDArray[np.uint8],
+    left: NDArray[np.bool_],
+    support: Support,
+    side: Literal["dark", "light"],
+) -> int:
+    """Mark the obstacles below a level that ``inside`` (h, w) has not yet; how many.
+
+    They touch nothing of ``shut``, which is the mask and what is near, but specks of themselves.
+    What else is no noise is marked in ``left``.
+    """
+    below = (support.grey < level).astype(np.uint8)
+    regions = regions_of(support.grey, below, 8, side)
+    labels = regions.labels
+    significant = stand_out(regions, support.noise) & (regions.pairs > 0)
+    away = cv2.distanceTransform(below, cv2.DIST_L2, 3)
+    thick = np.zeros(significant.size, dtype=np.bool_)
+    thick[labels[(away >= THICK_PX) & (shut == 0)]] = True
+    touching = np.zeros(significant.size, dtype=np.bool_)
+    touching[labels[shut != 0]] = True
+    # a level that an obstacle's own noise crosses leaves specks of it
+    area = np.bincount(labels.ravel(), minlength=significant.size)
+    known = np.bincount(labels[inside != 0], minlength=significant.size)
+    specks = (known > 0) & (known < SPECKS * area)
+    specks[labels[cv2.distanceTransform(inside, cv2.DIST_L2, 3) >= THICK_PX]] = False
+    free = ~touching | specks
+    free[0] = False
+    kept = significant & free & thick
+    kept &= (regions.shares >= LEAST_SHARE) & (regions.sharp >= LEAST_SHARP)
+    left |= (significant & free & ~kept)[labels]
+    more = kept[labels]
+    inside[more] = 1
+    shut |= _around(more.astype(np.uint8))
+    return int(np.count_nonzero(kept))
+
+
+def _said(
+    left: NDArray[np.bool_],
+    inside: NDArray[np.uint8],
+    support: Support,
+    side: Literal["dark", "light"],
+) -> tuple[str, ...]:
+    """A sentence on the regions that are in the mask (h, w) in no part; none without any."""
+    if not left.any():
+        return ()
+    regions = regions_of(support.grey, left.astype(np.uint8), 8, side)
+    labels = regions.labels
+    missing = regions.shares >= SAID
+    missing[labels[inside != 0]] = False
+    missing[0] = False
+    count = int(np.count_nonzero(missing))
+    if not count:
+        return ()
+    y, x = np.unravel_index(int(np.argmax(missing[labels])), labels.shape)
+    share = float(regions.shares[labels[y, x]])
+    what = "region was" if count == 1 else "regions were"
+    return (
+        f"{count} faint {what} taken for uneven light or the floor's own pattern: the first "
+        f"begins at ({x}, {y}) px, its border has {share:.0%} of the light there",
+    )

@@ -1,0 +1,332 @@
+"""Contour following along the cracks between obstacle and free pixels, and sub-pixel edges.
+
+Rules and units
+- The mask has one free pixel of margin on every side and rows of a multiple of eight bytes:
+  1 is obstacle, 0 free. Coordinates given out are the picture's own (margin taken off).
+- A crack is the side of an obstacle pixel behind which a free pixel lies. A border is the
+  closed sequence of cracks around one component (clockwise as seen on the screen) or around
+  one hole (counter-clockwise): the obstacle is always on the right hand. Obstacles are
+  8-connected and free space is 4-connected. The pixels of the cracks in their order, without
+  repetition, are the contour of clockwise 8-connected contour following.
+- A crack's direction is that of the walk: 0 east (the free pixel lies north), 1 south (it
+  lies east), 2 west (south), 3 north (west).
+- Everything is O(pixels / 8) for the search and O(border) for the rest.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from vision.shared.compile_options import LEAF
+
+OBSTACLE = np.uint8(1)
+"""Bit 0 of a mask byte: the pixel belongs to an obstacle."""
+SEEN = np.uint8(2)
+"""Bit 1 of a mask byte: the west crack of this pixel has been walked."""
+LOW_BITS = np.uint64(0x0101010101010101)
+BYTE = np.uint64(8)
+LAST_BYTE = np.uint64(56)
+ONE = np.uint64(1)
+TWO = np.uint64(2)
+NORTH, EAST_OF_IT = np.uint64(12), np.uint64(4)
+"""The walk's directions 3 and 1, times four; in the latter the free pixel lies in the east."""
+AT_A_TIME = 32
+"""Words of eight pixels that are looked at for new borders together."""
+
+
+@njit(cache=True, nogil=True)
+def follow_borders(mask, xs, ys, directions):
+    """Walk every border of the padded mask (h + 2, w') uint8, which is left as it was.
+
+    ``xs``, ``ys``, ``directions`` are room for the cracks; where it does not do, there is more.
+    Returns ``(x, y, direction, starts, area)``: per crack the obstacle pixel and the walk's
+    direction, per border the index of its first crack (one more entry than borders) and the
+    pixels it encloses, negative for a hole.
+    """
+    height, stride = mask.shape
+    flat = mask.reshape(-1)
+    words = flat.view(np.uint64)
+    per_row = stride // 8
+    tables = _walk_tables(stride)
+    room = xs.shape[0]
+    count = np.int64(0)
+    border_room = 64
+    starts = np.empty(border_room + 1, np.int64)
+    areas = np.empty(border_room, np.int64)
+    borders = 0
+
+    for row in range(1, height - 1):
+        row_end = (row + 1) * per_row
+        for begin in range(row * per_row, row_end, AT_A_TIME):
+            end = min(begin + AT_A_TIME, row_end)
+            if not _any_new(words[begin - 1 : end]):
+                continue
+            for start in range(8 * begin, 8 * end):
+                if flat[start] & 3 != 1 or flat[start - 1] & 1 != 0:
+                    continue
+                if borders == border_room:
+                    border_room *= 2
+                    starts = _grown_long(starts, border_room + 1)
+                    areas = _grown_long(areas, border_room)
+                starts[borders] = count
+                x = start - row * stride - 1
+                last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
+                while last < 0:
+                    # no room: walk it again where there is
+                    room *= 2
+                    xs = _grown_int(xs, room)
+                    ys = _grown_int(ys, room)
+                    directions = _grown_byte(directions, room)
+                    last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
+                count = last
+                areas[borders] = area
+                borders += 1
+    starts[borders] = count
+    _forget_seen(mask, xs, ys, directions, count)
+    return (
+        xs[:count],
+        ys[:count],
+        directions[:count],
+        starts[: borders + 1],
+        areas[:borders],
+    )
+
+
+@njit(**LEAF)
+def _any_new(words):
+    """Whether a west crack that was not walked yet lies in any word but the first."""
+    before = words[:-1]
+    here = words[1:]
+    new = np.uint64(0)
+    for i in range(here.shape[0]):
+        word = here[i]
+        new |= word & ~((word << BYTE) | (before[i] >> LAST_BYTE) | (word >> ONE))
+    return new & LOW_BITS != 0
+
+
+@njit(**LEAF)
+def _forget_seen(mask, xs, ys, directions, count):
+    """Take the marks of the walk off the mask again."""
+    for i in range(count):
+        if directions[i] == 3:
+            mask[ys[i] + 1, xs[i] + 1] = OBSTACLE
+
+
+@njit(**LEAF)
+def _walk(flat, start, x, y, tables, xs, ys, directions, count):
+    """Walk one border: ``(where its cracks end, area)``, or -1 where the room does not do."""
+    move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front = tables
+    room = xs.shape[0]
+    # unsigned: no index counts from the end
+    at = np.uint64(start)
+    begin = at
+    left_at = at + begin_left
+    front_at = at + begin_front
+    state = NORTH
+    area = 0
+    while count < room:
+        # the walk's direction times four; the two pixels ahead decide the next one
+        xs[count] = x
+        ys[count] = y
+        directions[count] = state >> TWO
+        count += 1
+        flat[at] |= seen[state]
+        area += area_of_x[state] * (x + 1) + (state == EAST_OF_IT)
+        left = np.uint64(flat[left_at] & OBSTACLE)
+        front = np.uint64(flat[front_at] & OBSTACLE)
+        case = state | left << ONE | front
+        left_at = at + to_left[case]
+        front_at = at + to_front[case]
+        at += move[case]
+        x += step_x[case]
+        y += step_y[case]
+        state = turn[case]
+        if at == begin and state == NORTH:
+            return count, area
+    return -1, area
+
+
+@njit(cache=True, nogil=True)
+def _walk_tables(stride):
+    """The walk without branches: what follows from a direction and the two pixels ahead.
+
+    By direction * 4 + left * 2 + ahead: how far to move, in bytes; from where the walk was, the
+    two pixels to look at next, the one ahead on the left and the one ahead, so that they need not
+    wait for the next direction to be looked up; how far to move in x and y; the next direction
+    * 4. By direction * 4: the bit to set, the factor of x in the area. Then the two pixels to look
+    at first, from the first one, northwards. Offsets are unsigned and wrap.
+    """
+    ahead = (1, stride, -1, -stride)
+    across = (1, 0, -1, 0)
+    down = (0, 1, 0, -1)
+    to_left = np.zeros(16, np.uint64)
+    to_front = np.zeros(16, np.uint64)
+    seen = np.zeros(16, np.uint8)
+    area_of_x = np.zeros(16, np.int64)
+    move = np.zeros(16, np.uint64)
+    step_x = np.zeros(16, np.int64)
+    step_y = np.zeros(16, np.int64)
+    turn = np.empty(16, np.uint64)
+    seen[12] = SEEN
+    area_of_x[4] = 1
+    area_of_x[12] = -1
+    for way in range(4):
+        left = (way + 3) & 3
+        diagonal = ahead[way] + ahead[left]
+        for pixels in range(4):
+            case = 4 * way + pixels
+            onward = (way + 1) & 3
+            moved = 0
+            if pixels >= 2:
+                moved = diagonal
+                step_x[case] = across[way] + across[left]
+                step_y[case] = down[way] + down[left]
+                onward = left
+            elif pixels == 1:
+                moved = ahead[way]
+                step_x[case] = across[way]
+                step_y[case] = down[way]
+                onward = way
+            next_front = moved + ahead[onward]
+            move[case] = np.uint64(np.int64(moved))
+            to_front[case] = np.uint64(np.int64(next_front))
+            to_left[case] = np.uint64(np.int64(next_front + ahead[(onward + 3) & 3]))
+            turn[case] = 4 * onward
+    begin_left = np.uint64(np.int64(ahead[3] + ahead[2]))
+    begin_front = np.uint64(np.int64(ahead[3]))
+    return move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front
+
+
+@njit(cache=True, nogil=True)
+def hole_owners(mask, xs, ys, directions, starts, areas):
+    """The outline that each border belongs to: its own index, or for a hole its object's.
+
+    From the first crack of a hole, which is the west crack in the hole's topmost row, the
+    object lies to the left behind the hole; its run of pixels begins with a west crack that
+    an earlier border walked.
+    """
+    borders = areas.shape[0]
+    owners = np.arange(borders)
+    holes = 0
+    for b in range(borders):
+        if areas[b] < 0:
+            holes += 1
+    if holes == 0:
+        return owners
+    size = 4
+    while size < 4 * holes:
+        size *= 2
+    keys = np.full(size, -1, np.int64)
+    found = np.full(size, -1, np.int64)
+    asked = np.full(borders, -1, np.int64)
+    stride = mask.shape[1]
+    for b in range(borders):
+        if areas[b] >= 0:
+            continue
+        x = xs[starts[b]] + 1
+        y = ys[starts[b]] + 1
+        x -= 1
+        while mask[y, x] & 1 == 0:
+            x -= 1
+        while mask[y, x - 1] & 1:
+            x -= 1
+        key = np.int64(y) * stride + x
+        asked[b] = key
+        slot = _slot(key, size)
+        while keys[slot] >= 0 and keys[slot] != key:
+            slot = (slot + 1) & (size - 1)
+        keys[slot] = key
+    for b in range(borders):
+        for i in range(starts[b], starts[b + 1]):
+            if directions[i] != 3:
+                continue
+            key = np.int64(ys[i] + 1) * stride + xs[i] + 1
+            slot = _slot(key, size)
+            while keys[slot] >= 0:
+                if keys[slot] == key:
+                    found[slot] = b
+                    break
+                slot = (slot + 1) & (size - 1)
+    for b in range(borders):
+        if areas[b] >= 0:
+            continue
+        slot = _slot(asked[b], size)
+        while keys[slot] != asked[b]:
+            slot = (slot + 1) & (size - 1)
+        owners[b] = owners[found[slot]]
+    return owners
+
+
+@njit(**LEAF)
+def count_contour_pixels(xs, ys, starts):
+    """How many pixels ``contour_pixels`` gives, but for a turn at a border's very end."""
+    count = 0
+    for b in range(starts.shape[0] - 1):
+        first = starts[b]
+        n = starts[b + 1] - first
+        x = xs[first : first + n]
+        y = ys[first : first + n]
+        count += 1
+        for i in range(1, n):
+            count += (x[i] != x[i - 1]) | (y[i] != y[i - 1])
+    return count
+
+
+@njit(cache=True, nogil=True)
+def contour_pixels(xs, ys, starts):
+    """The 8-connected contours: every border's pixels without immediate repetition.
+
+    Returns ``(x, y, starts)``; the walk turns round one pixel without leaving it, and comes
+    by again where the object is one pixel wide.
+    """
+    borders = starts.shape[0] - 1
+    out_x = np.empty(xs.shape[0], np.int32)
+    out_y = np.empty(xs.shape[0], np.int32)
+    out_starts = np.empty(borders + 1, np.int64)
+    count = 0
+    for b in range(borders):
+        first = count
+        out_starts[b] = first
+        for i in range(starts[b], starts[b + 1]):
+            if count > first and out_x[count - 1] == xs[i] and out_y[count - 1] == ys[i]:
+                continue
+            out_x[count] = xs[i]
+            out_y[count] = ys[i]
+            count += 1
+        while (
+            count > first + 1
+            and out_x[count - 1] == out_x[first]
+            and out_y[count - 1] == out_y[first]
+        ):
+            count -= 1
+    out_starts[borders] = count
+    return out_x[:count].copy(), out_y[:count].copy(), out_starts
+
+
+@njit(cache=True, nogil=True)
+def _slot(key, size):
+    return (key * 2654435761 >> 7) & (size - 1)
+
+
+@njit(cache=True, nogil=True)
+def _grown_long(old, room):
+    new = np.empty(room, np.int64)
+    new[: old.shape[0]] = old
+    return new
+
+
+@njit(cache=True, nogil=True)
+def _grown_int(old, room):
+    new = np.empty(room, np.int32)
+    new[: old.shape[0]] = old
+    return new
+
+
+@njit(cache=True, nogil=True)
+def _grown_byte(old, room):
+    new = np.empty(room, np.int8)
+    new[: old.shape[0]] = old
+    return new

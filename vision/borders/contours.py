@@ -1,0 +1,124 @@
+"""The borders of all objects and holes, and their sub-pixel edge points.
+
+Rules and units
+- Pixels, centres at integers, y down; outlines clockwise and holes counter-clockwise as seen
+  on the screen. Obstacles are 8-connected, free space is 4-connected.
+- ``laplacian_border`` is the paper's list L; the walk of ``follow_borders`` visits exactly
+  those of its pixels that bound an object, in the order of clockwise contour following.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.binarise.binary import Binary
+from vision.borders import contour_kernels as kernels
+from vision.borders.edge_kernels import edge_points
+from vision.shared.scratch import Room
+
+LAPLACIAN = np.array([[0, -1, 0], [-1, 4, -1], [0, -1, 0]], dtype=np.float32)
+"""The mask M of the paper's section 3.1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Borders:
+    """Every border as a closed sequence of cracks.
+
+    ``x``, ``y`` (c,) int32: the obstacle pixel of each crack; ``direction`` (c,) int8: the
+    walk's, 0 east, 1 south, 2 west, 3 north; ``starts`` (b + 1,); ``area`` (b,): pixels
+    enclosed, negative for a hole; ``owner`` (b,): the outline of the border's object.
+    """
+
+    x: NDArray[np.int32]
+    y: NDArray[np.int32]
+    direction: NDArray[np.int8]
+    starts: NDArray[np.int64]
+    area: NDArray[np.int64]
+    owner: NDArray[np.int64]
+
+    def cracks_of(
+        self, border: int
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int8]]:
+        """``x``, ``y`` and ``direction`` of one border."""
+        part = slice(int(self.starts[border]), int(self.starts[border + 1]))
+        return self.x[part], self.y[part], self.direction[part]
+
+    @property
+    def pixels(self) -> int:
+        """Border pixels, as often as contour following comes by: n of the paper."""
+        return int(kernels.count_contour_pixels(self.x, self.y, self.starts))
+
+    def contours(self) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+        """The 8-connected contours: points (n, 2), and where each border's begin (b + 1,)."""
+        x, y, starts = kernels.contour_pixels(self.x, self.y, self.starts)
+        return np.stack([x, y], axis=1), starts
+
+
+@dataclass(frozen=True, slots=True)
+class EdgePoints:
+    """Sub-pixel points (k, 2) along every border, and ``starts`` (b + 1,).
+
+    ``slope`` is the smoothed profile's mean step at the edge as a share of the contrast;
+    ``crispness`` the share of slanted cracks where black meets white without grey.
+    """
+
+    points: NDArray[np.float64]
+    starts: NDArray[np.int64]
+    slope: float
+    crispness: float
+
+
+def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """The obstacle pixels of a mask (h, w) where the paper's Laplacian is positive.
+
+    What lies outside the picture is free.
+    """
+    padded = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    response = cv2.filter2D(padded, cv2.CV_16S, LAPLACIAN)
+    border: NDArray[np.bool_] = response[1:-1, 1:-1] > 0
+    return border
+
+
+def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders:
+    """Follow every border of a padded mask (see ``vision.binarise.binary.Binary``).
+
+    The mask is marked on the way and is the same again afterwards. With a ``room`` the borders
+    stay only until it is used again.
+
+    O(pixels / 8) to find them and O(border) to follow them.
+    """
+    room = Room() if room is None else room
+    likely = max(4096, mask.size // 16)
+    x, y, direction, starts, area = kernels.follow_borders(
+        mask,
+        room.take("x", likely, np.int32),
+        room.take("y", likely, np.int32),
+        room.take("direction", likely, np.int8),
+    )
+    owner = kernels.hole_owners(mask, x, y, direction, starts, area)
+    return Borders(x, y, direction, starts, area, owner)
+
+
+def locate_edges(binary: Binary, borders: Borders, room: Room | None = None) -> EdgePoints:
+    """Sub-pixel edge points of every border. O(border).
+
+    With a ``room`` they stay only until it is used again.
+    """
+    room = Room() if room is None else room
+    most = len(borders.x) + 1
+    points, starts, slope, crispness = edge_points(
+        binary.grey,
+        binary.mask,
+        binary.level,
+        binary.by_level,
+        borders.x,
+        borders.y,
+        borders.direction,
+        borders.starts,
+        room.take("points", 2 * most, np.float64).reshape(most, 2),
+    )
+    return EdgePoints(points, starts, float(slope), float(crispness))

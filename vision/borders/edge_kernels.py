@@ -1,0 +1,245 @@
+"""Sub-pixel edge points: where the light crosses the half level, crack by crack.
+
+Rules and units
+- Pixel coordinates, pixel centres at integers, y down; grey values as floats.
+- A crack contributes where the border runs more along it than across it, so that one point a
+  row or column is left and the profile across the crack meets the edge at 45 degrees or more.
+- The profile across the crack is smoothed along itself (Gaussian, sigma 1 px): next to the
+  best that can be done at a noisy edge, and it makes the step so wide that an interpolation
+  through the normal distribution's inverse is exact to a few thousandths of a pixel.
+- The half level is taken from both plateaus beside the edge, averaged over a stretch of the
+  border, so that objects of different darkness and uneven light do not move the edge.
+- Where a wall or a gap is so narrow that a plateau may not be reached, nothing beyond its middle
+  is read: the light is not smoothed, and the given level counts, unless what is seen of the
+  plateau tells another one.
+- One border at a time: its profiles are gathered from the picture into rows of ``work``, a
+  column a crack, and everything else runs over whole rows, several cracks at once.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from vision.borders.edge_level_kernels import find_plateaus
+from vision.borders.edge_profile_kernels import (
+    ASTRAY,
+    BEHIND,
+    CHOSEN,
+    CLEAR,
+    CROSSING,
+    DARK_LEVEL,
+    FAR,
+    GAP,
+    LIGHT_LEVEL,
+    NEAR,
+    REACH,
+    ROWS,
+    SLANTED,
+    TAP0,
+    TAP1,
+    TAP2,
+    WALL,
+    gather,
+    locate,
+    look_along,
+    look_at_mask,
+    look_beside,
+    out,
+)
+from vision.shared.compile_options import LEAF, SUMS
+
+WANDER = 2
+"""How many pixels beside the crack the smoothed crossing may lie."""
+CRISP = 0.95
+"""Share of the contrast in one step from which an edge counts as drawn without grey."""
+UNREACHED = 1 / 8
+"""So far from half-way between what is seen of both plateaus, as a share of what lies between
+them, the given level is still believed at a narrow wall: a fifth of the contrast is unseen."""
+
+
+@njit(cache=True, nogil=True)
+def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points):
+    """Sub-pixel points of every border, in order.
+
+    ``grey`` (h, w), obstacles dark; ``mask`` the padded mask; ``level`` the threshold, and
+    ``by_level`` whether the mask is what lies below it, no more and no less; ``points`` is
+    room for one more point (k, 2) than there are cracks.
+    Returns ``(points, point_starts, slope, crispness)``: (k, 2) float64, per border the index
+    of its first point, the mean step of the smoothed profile at the edge as a share of the
+    contrast, and the share of slanted cracks with a full step.
+    """
+    borders = starts.shape[0] - 1
+    point_starts = np.empty(borders + 1, np.int64)
+    longest = 0
+    for b in range(borders):
+        longest = max(longest, starts[b + 1] - starts[b])
+    work = np.empty((ROWS, longest + 2 * REACH), np.float64)
+    places = np.empty((2, longest), np.int64)
+    sums = np.zeros((4, longest + 1), np.float64)
+    totals = np.zeros(4)
+    count = 0
+    for b in range(borders):
+        first = starts[b]
+        n = starts[b + 1] - first
+        x = xs[first : first + n]
+        y = ys[first : first + n]
+        direction = directions[first : first + n]
+        point_starts[b] = count
+        locate(grey, x, y, direction, n, work, places)
+        if not by_level:
+            look_at_mask(mask, grey.shape[1], x, y, direction, n, work[CLEAR])
+        gather(grey, mask, x, y, direction, n, work, places)
+        look_along(direction, n, work)
+        look_beside(level, by_level, n, work)
+        find_plateaus(n, work, sums)
+        _find_crossings(level, n, work, totals)
+        count = _place(grey, level, x, y, direction, n, work, totals, points, count)
+    point_starts[borders] = count
+    slope = totals[0] / totals[1] if totals[1] > 0 else 0.4
+    crispness = totals[2] / totals[3] if totals[3] > 0 else 0.0
+    return points[:count], point_starts, slope, crispness
+
+
+@njit(**SUMS)
+def _find_crossings(level, n, work, totals):
+    """Where the smoothed profile crosses the half level between the crack's own two pixels.
+
+    ``totals``: the sum and number of slopes, full steps and slanted cracks.
+    """
+    here = work[BEHIND]
+    beside = work[BEHIND + 1]
+    wall = work[WALL]
+    gap = work[GAP]
+    clear = work[CLEAR]
+    chosen = work[CHOSEN]
+    slanted = work[SLANTED]
+    near = work[NEAR]
+    far = work[FAR]
+    dark_level = work[DARK_LEVEL]
+    light_level = work[LIGHT_LEVEL]
+    crossing = work[CROSSING]
+    astray = work[ASTRAY]
+    slopes = 0.0
+    crossed = 0.0
+    steps = 0.0
+    slants = 0.0
+    for i in range(n):
+        g0 = here[i]
+        g1 = beside[i]
+        step = g1 - g0
+        contrast = light_level[i] - dark_level[i]
+        seen = (clear[i] > 0.0) & (contrast > 0.0)
+        counts = chosen[i] * slanted[i] if seen else 0.0
+        slants += counts
+        steps += counts if step >= CRISP * contrast else 0.0
+        share = 1.0 / (contrast if contrast > 0.0 else 1.0)
+        half = 0.5 * (light_level[i] + dark_level[i])
+        p0 = _probit((near[i] - half) * share)
+        p1 = _probit((far[i] - half) * share)
+        rise = p1 - p0
+        between = seen & (near[i] < half) & (half <= far[i])
+        good = between & (rise > 1e-6)
+        counts = chosen[i] if good else 0.0
+        slopes += counts * (far[i] - near[i]) * share
+        crossed += counts
+        plain = (g1 > level) & (step > 0.0) & (g0 < level) & (clear[i] == 0.0)
+        t = (level - g0) / (step if step > 0.0 else 1.0) if plain else 0.5
+        t = -p0 / (rise if rise > 1e-6 else 1.0) if good else t
+        crossing[i] = 0.5 if crossing[i] < 0.0 else t
+        narrow = wall[i] + gap[i] > 0.0
+        astray[i] = 1.0 if seen & (narrow | (not between)) else 0.0
+    totals[0] += slopes
+    totals[1] += crossed
+    totals[2] += steps
+    totals[3] += slants
+
+
+@njit(**SUMS)
+def _probit(w):
+    """The inverse normal distribution near its middle, but for a factor; w in [-0.5, 0.5]."""
+    w = min(max(w, -0.5), 0.5)
+    q = w * w
+    return w * (1.0 + q * (1.047198 + q * (2.30291 + q * 6.0)))
+
+
+@njit(**LEAF)
+def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
+    """The points of the chosen cracks, in order; returns the next point's number."""
+    crossing = work[CROSSING]
+    chosen = work[CHOSEN]
+    astray = work[ASTRAY]
+    for i in range(n):
+        nx, ny = out(np.int64(directions[i]))
+        t = crossing[i]
+        if astray[i] * chosen[i] > 0.0:
+            if work[WALL, i] + work[GAP, i] > 0.0:
+                t = _crossing_narrow(level, i, work)
+            else:
+                t = _crossing_beside(grey, xs[i], ys[i], nx, ny, i, work, totals)
+        points[count, 0] = xs[i] + t * nx
+        points[count, 1] = ys[i] + t * ny
+        count += np.int64(chosen[i])
+    return count
+
+
+@njit(**LEAF)
+def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
+    """Where the smoothed profile crosses the half level beside the crack's own two pixels."""
+    half = 0.5 * (work[LIGHT_LEVEL, i] + work[DARK_LEVEL, i])
+    share = 1.0 / (work[LIGHT_LEVEL, i] - work[DARK_LEVEL, i])
+    k = 0
+    s0 = work[NEAR, i]
+    s1 = work[FAR, i]
+    while s0 >= half and k > -WANDER:
+        k -= 1
+        s1 = s0
+        s0 = _smoothed(grey, x + k * nx, y + k * ny, nx, ny)
+    while s1 < half and k < WANDER:
+        k += 1
+        s0 = s1
+        s1 = _smoothed(grey, x + (k + 1) * nx, y + (k + 1) * ny, nx, ny)
+    if s0 < half <= s1:
+        p0 = _probit((s0 - half) * share)
+        p1 = _probit((s1 - half) * share)
+        if p1 - p0 > 1e-6:
+            totals[0] += (s1 - s0) * share
+            totals[1] += 1.0
+            return k - p0 / (p1 - p0)
+    return 0.5
+
+
+@njit(**LEAF)
+def _crossing_narrow(level, i, work):
+    """Where the profile itself crosses the half level, at a wall or a gap three or four wide."""
+    dark = work[DARK_LEVEL, i]
+    light = work[LIGHT_LEVEL, i]
+    half = 0.5 * (light + dark)
+    # what a plateau lacks can only lie beyond what is seen of it
+    lowest = half - (UNREACHED * (light - dark) if work[WALL, i] > 0.0 else 0.0)
+    highest = half + (UNREACHED * (light - dark) if work[GAP, i] > 0.0 else 0.0)
+    if lowest <= level <= highest:
+        half = level
+    k = BEHIND
+    while work[k, i] >= half and k > BEHIND - WANDER:
+        k -= 1
+    while work[k + 1, i] < half and k < BEHIND + WANDER:
+        k += 1
+    g0 = work[k, i]
+    g1 = work[k + 1, i]
+    return k - BEHIND + (half - g0) / (g1 - g0) if g0 < half <= g1 else 0.5
+
+
+@njit(**LEAF)
+def _smoothed(grey, x, y, nx, ny):
+    """The profile across a crack, smoothed at one pixel; the picture goes on beyond its edge."""
+    height, width = grey.shape
+    value = 0.0
+    for k in range(-2, 3):
+        px = min(max(x + k * nx, 0), width - 1)
+        py = min(max(y + k * ny, 0), height - 1)
+        tap = TAP0 if k == 0 else (TAP1 if abs(k) == 1 else TAP2)
+        value += tap * grey[py, px]
+    return value

@@ -1,0 +1,129 @@
+"""The plateaus beside every crack of a border: how dark the obstacle is there, and how light it is.
+
+Rules and units
+- As in ``vision.borders.edge_kernels``: grey values, rows of ``work`` with a column a crack.
+- A plateau is averaged over a stretch of the border, so that noise does not move the edge while
+  uneven light does not either.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+from numba import njit
+
+from vision.borders.edge_profile_kernels import CLEAR, DARK, DARK_LEVEL, LIGHT, LIGHT_LEVEL
+from vision.shared.compile_options import LEAF, SUMS
+
+STRETCH = 64
+"""Cracks to either side over which the plateaus are averaged."""
+SAME_GREY = 1e-9
+"""A rounding of grey values."""
+
+
+@njit(**SUMS)
+def find_plateaus(n, work, sums):
+    """Dark and light for every crack, from what lies within STRETCH of it.
+
+    Near a corner the plateaus are not reached, so that the second round leaves out what is
+    lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
+    """
+    reach = min(STRETCH, (n - 1) // 2)
+    for again in range(2):
+        if again == 0:
+            _add_up(n, work, sums)
+        else:
+            _add_up_the_plain(n, work, sums)
+        for row, level, total, count, others in (
+            (DARK, DARK_LEVEL, 0, 1, 3),
+            (LIGHT, LIGHT_LEVEL, 2, 3, 1),
+        ):
+            rows = work[row], work[level], sums[total], sums[count], sums[others]
+            _set_level(0, reach, reach + 1, n - reach, True, n, *rows)
+            _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, *rows)
+            _set_level(n - reach, n, 1, n - 2 * reach, True, n, *rows)
+
+
+@njit(**LEAF)
+def _add_up(n, work, sums):
+    """Up to every crack: what is dark and how many, what is light and how many.
+
+    Sums of whole and half grey values, and so exact: the same wherever a border begins.
+    """
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
+    dark_sum = sums[0]
+    darks = sums[1]
+    light_sum = sums[2]
+    lights = sums[3]
+    a = 0.0
+    b = 0.0
+    c = 0.0
+    for i in range(n):
+        a += clear[i] * dark[i]
+        b += clear[i]
+        c += clear[i] * light[i]
+        dark_sum[i + 1] = a
+        darks[i + 1] = b
+        light_sum[i + 1] = c
+        lights[i + 1] = b
+
+
+@njit(**LEAF)
+def _add_up_the_plain(n, work, sums):
+    """The same without what is lighter or darker than the levels found first."""
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
+    dark_level = work[DARK_LEVEL]
+    light_level = work[LIGHT_LEVEL]
+    dark_sum = sums[0]
+    darks = sums[1]
+    light_sum = sums[2]
+    lights = sums[3]
+    a = 0.0
+    b = 0.0
+    c = 0.0
+    d = 0.0
+    for i in range(n):
+        counts = clear[i] if dark[i] <= dark_level[i] + SAME_GREY else 0.0
+        a += counts * dark[i]
+        b += counts
+        counts = clear[i] if light[i] >= light_level[i] - SAME_GREY else 0.0
+        c += counts * light[i]
+        d += counts
+        dark_sum[i + 1] = a
+        darks[i + 1] = b
+        light_sum[i + 1] = c
+        lights[i + 1] = d
+
+
+@njit(**SUMS)
+def _set_level(begin, end, ahead, behind, around, n, own, level, total, count, others):
+    """The means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
+
+    The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
+    ``around``: past the border's end. ``own`` and ``level``: each crack's plateau, and its
+    stretch's; ``total`` and ``count``: the sums of the plateaus and their number; ``others``:
+    the number of those of the other kind, without which there is no level either.
+    One kind at a time: a loop that writes two rows works on one crack at a time.
+    """
+    cracks = end - begin
+    own = own[begin:end]
+    level = level[begin:end]
+    total_ahead = total[ahead : ahead + cracks]
+    count_ahead = count[ahead : ahead + cracks]
+    others_ahead = others[ahead : ahead + cracks]
+    total_behind = total[behind : behind + cracks]
+    count_behind = count[behind : behind + cracks]
+    others_behind = others[behind : behind + cracks]
+    whole = 1.0 if around else 0.0
+    whole_total = whole * total[n]
+    whole_count = whole * count[n]
+    whole_others = whole * others[n]
+    for i in range(cracks):
+        counted = count_ahead[i] - count_behind[i] + whole_count
+        known = (counted > 0.0) & (others_ahead[i] - others_behind[i] + whole_others > 0.0)
+        mean = (total_ahead[i] - total_behind[i] + whole_total) / max(counted, 1.0)
+        level[i] = mean if known else own[i]

@@ -1,0 +1,239 @@
+"""The light across every crack of a border, and what is there of both plateaus beside it.
+
+Rules and units
+- As in ``vision.borders.edge_kernels``. A border's cracks are the columns of ``work``; a row of it
+  is gathered or reckoned at once.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from vision.shared.compile_options import LEAF, SUMS
+
+REACH = 3
+"""Cracks to either side that tell the border's direction."""
+TAP0, TAP1, TAP2 = 0.40261995, 0.24420134, 0.05448868
+"""A Gaussian of sigma 1 on five pixels."""
+BEHIND, SAMPLES = 4, 10
+"""A profile has so many pixels behind its obstacle pixel, and so many in all."""
+MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 10, 11, 12, 13, 14, 15, 16
+NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY = 17, 18, 19, 20, 21, 22
+WALL, GAP, ROWS = 23, 24, 25
+"""Rows of ``work`` behind those of the profile: twice a crack's middle; 1 where both plateaus are
+there, where the crack gives a point, where the border runs aslant; the plateaus beside it; the
+smoothed profile at the obstacle pixel and at the free one; the plateaus of its stretch; where the
+light crosses the half level, in pixels from the obstacle pixel; 1 where that lies farther away;
+1 where the obstacle, and where the free space, is three or four pixels wide."""
+
+
+@njit(**LEAF)
+def out(direction):
+    """From a crack's obstacle pixel to its free one, by the walk's direction: x and y."""
+    return (direction & 1) * (2 - direction), (1 - (direction & 1)) * (direction - 1)
+
+
+@njit(**LEAF)
+def locate(grey, xs, ys, directions, n, work, places):
+    """Where every crack lies, and what its profile holds at the obstacle pixel.
+
+    ``places`` (2, k): a crack's obstacle pixel in the picture, and the way from it to the free
+    one. A border that runs up or down finds a new line of the memory at every crack: a short
+    loop has many of them fetched at once, and the profiles are read from lines that are there.
+    """
+    width = grey.shape[1]
+    flat_grey = grey.reshape(-1)
+    middle_x = work[MIDDLE_X]
+    middle_y = work[MIDDLE_Y]
+    here = work[BEHIND]
+    clear = work[CLEAR]
+    crossing = work[CROSSING]
+    at = places[0]
+    step = places[1]
+    for i in range(n):
+        x = np.int64(xs[i])
+        y = np.int64(ys[i])
+        nx, ny = out(np.int64(directions[i]))
+        middle_x[REACH + i] = 2 * x + nx
+        middle_y[REACH + i] = 2 * y + ny
+        at[i] = y * width + x
+        step[i] = ny * width + nx
+        crossing[i] = 0.0
+        clear[i] = 1.0
+    for i in range(n):
+        here[i] = flat_grey[np.uint64(at[i])]
+    for i in range(REACH):
+        middle_x[i] = middle_x[n + i]
+        middle_y[i] = middle_y[n + i]
+        middle_x[n + REACH + i] = middle_x[REACH + i]
+        middle_y[n + REACH + i] = middle_y[REACH + i]
+
+
+@njit(**LEAF)
+def look_at_mask(mask, width, xs, ys, directions, n, clear):
+    """CLEAR from a mask that was not made from these grey values: three pixels to either side.
+
+    Not for cracks near the picture's edge.
+    """
+    height = mask.shape[0] - 2
+    stride = mask.shape[1]
+    flat = mask.reshape(-1)
+    for i in range(n):
+        clear[i] = flat[np.uint64((ys[i] + 1) * stride + xs[i] + 1)] & 1
+    for i in range(n):
+        x = np.int64(xs[i])
+        y = np.int64(ys[i])
+        if 5 <= x < width - 5 and 5 <= y < height - 5:
+            nx, ny = out(np.int64(directions[i]))
+            # unsigned: no index counts from the end
+            across = np.uint64(ny * stride + nx)
+            here = np.uint64((y + 1) * stride + x + 1)
+            dark = flat[here - across] & flat[here - across - across]
+            ahead = here + across + across
+            clear[i] = dark & ~(flat[ahead] | flat[ahead + across]) & 1
+
+
+@njit(**LEAF)
+def gather(grey, mask, xs, ys, directions, n, work, places):
+    """The rest of the profile across every crack.
+
+    Where the profile leaves the picture, CLEAR is found here. Where the free pixel lies outside,
+    CROSSING is -1.
+    """
+    height, width = grey.shape
+    flat_grey = grey.reshape(-1)
+    clear = work[CLEAR]
+    for i in range(n):
+        x = np.int64(xs[i])
+        y = np.int64(ys[i])
+        if 5 <= x < width - 5 and 5 <= y < height - 5:
+            # unsigned: no index counts from the end
+            at = np.uint64(places[0, i])
+            step = np.uint64(places[1, i])
+            back = at - step
+            work[3, i] = flat_grey[back]
+            back -= step
+            work[2, i] = flat_grey[back]
+            back -= step
+            work[1, i] = flat_grey[back]
+            back -= step
+            work[0, i] = flat_grey[back]
+            at += step
+            work[5, i] = flat_grey[at]
+            at += step
+            work[6, i] = flat_grey[at]
+            at += step
+            work[7, i] = flat_grey[at]
+            at += step
+            work[8, i] = flat_grey[at]
+            at += step
+            work[9, i] = flat_grey[at]
+            continue
+        nx, ny = out(np.int64(directions[i]))
+        for k in range(SAMPLES):
+            px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
+            py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
+            work[k, i] = grey[py, px]
+        clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
+        if not (0 <= x + nx < width and 0 <= y + ny < height):
+            work[CROSSING, i] = -1.0
+
+
+@njit(**LEAF)
+def _is_clear(mask, x, y, nx, ny, width, height):
+    """Three obstacle pixels on one side and three free ones on the other, near the margin."""
+    for k in range(1, 3):
+        px = x - k * nx
+        py = y - k * ny
+        if px < 0 or py < 0 or px >= width or py >= height or mask[py + 1, px + 1] & 1 == 0:
+            return False
+    for k in range(1, 4):
+        px = x + k * nx
+        py = y + k * ny
+        if px < 0 or py < 0 or px >= width or py >= height:
+            return k > 1
+        if mask[py + 1, px + 1] & 1:
+            return False
+    return True
+
+
+@njit(**LEAF)
+def look_along(directions, n, work):
+    """Which cracks give a point, and where the border runs aslant."""
+    middle_x = work[MIDDLE_X]
+    middle_y = work[MIDDLE_Y]
+    chosen = work[CHOSEN]
+    slanted = work[SLANTED]
+    for i in range(n):
+        # twice the way between the cracks' middles
+        dx = abs(middle_x[i + 2 * REACH] - middle_x[i])
+        dy = abs(middle_y[i + 2 * REACH] - middle_y[i])
+        upright = directions[i] & 1 == 1
+        across = dx if upright else dy
+        along = dy if upright else dx
+        chosen[i] = 1.0 if across <= along else 0.0
+        slanted[i] = 1.0 if across > 1.0 else 0.0
+
+
+@njit(**LEAF)
+def look_beside(level, by_level, n, work):
+    """The plateaus beside every crack, and the profile smoothed at its two pixels.
+
+    A plateau is the mean of two pixels, or the nearer one where the outer one may be at the far
+    side, or in a narrow wall or gap the middle.
+    """
+    a4 = work[0]
+    a3 = work[1]
+    a2 = work[2]
+    a1 = work[3]
+    here = work[4]
+    b1 = work[5]
+    b2 = work[6]
+    b3 = work[7]
+    b4 = work[8]
+    b5 = work[9]
+    wall = work[WALL]
+    gap = work[GAP]
+    clear = work[CLEAR]
+    dark = work[DARK]
+    light = work[LIGHT]
+    near = work[NEAR]
+    far = work[FAR]
+    if by_level:
+        for i in range(n):
+            dark_side = (a1[i] < level) & (a2[i] < level)
+            light_side = (b2[i] >= level) & (b3[i] >= level)
+            clear[i] = clear[i] if dark_side & light_side else 0.0
+    for i in range(n):
+        three = a3[i] >= level
+        four = a4[i] >= level
+        five = a4[i] + a4[i] > a2[i] + level
+        middle = a1[i] if three else 0.5 * (a1[i] + a2[i])
+        beyond = a2[i] if five else 0.5 * (a2[i] + a3[i])
+        dark[i] = middle if three | four else beyond
+        wall[i] = 1.0 if three | four else 0.0
+        three = b4[i] < level
+        four = b5[i] < level
+        five = b5[i] + b5[i] < b3[i] + level
+        middle = b2[i] if three else 0.5 * (b2[i] + b3[i])
+        beyond = b3[i] if five else 0.5 * (b3[i] + b4[i])
+        light[i] = middle if three | four else beyond
+        gap[i] = 1.0 if three | four else 0.0
+        near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
+        far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
+    # the few places where a narrow wall looks wide, at its corners, show no plateau either
+    if 2.0 * _sum(wall[:n]) > n:
+        wall[:n] = 1.0
+    if 2.0 * _sum(gap[:n]) > n:
+        gap[:n] = 1.0
+
+
+@njit(**SUMS)
+def _sum(row):
+    total = 0.0
+    for i in range(row.shape[0]):
+        total += row[i]
+    return total

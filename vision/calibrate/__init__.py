@@ -1,0 +1,1 @@
+"""Making a calibration: boards, lenses, surveys of an arena, sheets to print."""

@@ -1,0 +1,191 @@
+"""Calibration boards in pictures: chessboards and ChArUco boards, corners to sub-pixels.
+
+Rules and units
+- Corners are raw pixels, centres at integers; board points are metres in the board's own
+  plane, x along its rows, y up, the first corner at (0, 0).
+- A corner is refined within a window that its own neighbours bound: a window that reaches the
+  next corner spoils a far or tilted board (0.41 px instead of 0.18 px rms on real pictures).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from vision.calibration.calibration import CalibrationError, FloatArray
+from vision.camera.camera import Image
+from vision.markers.marker_search import MarkerError, dictionary_by_name, grey_of
+
+_WINDOW_SHARE = 0.35
+"""Half the refinement window, as a share of the distance to the nearest corner."""
+
+_MIN_CHARUCO_CORNERS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class BoardSpec:
+    """A board: ``chessboard`` with (columns, rows) inner corners, or ``charuco`` with squares.
+
+    ``square_m`` is the side of a square, ``marker_m`` that of a ChArUco board's markers
+    (None: half a square), ``dictionary`` their OpenCV name.
+    """
+
+    kind: Literal["chessboard", "charuco"]
+    columns: int
+    rows: int
+    square_m: float
+    marker_m: float | None = None
+    dictionary: str = "DICT_6X6_250"
+
+    def __post_init__(self) -> None:
+        least = 3 if self.kind == "charuco" else 2
+        if not (least <= self.columns <= 200 and least <= self.rows <= 200):
+            raise CalibrationError(
+                f"board of {self.columns}x{self.rows}: both must be in {least}..200"
+            )
+        if not 1e-4 <= self.square_m <= 10.0:
+            raise CalibrationError(f"square = {self.square_m} m: must be in 0.0001..10 m")
+        if self.marker_m is not None and not 0.0 < self.marker_m < self.square_m:
+            raise CalibrationError(
+                f"marker = {self.marker_m} m: must be smaller than the square, {self.square_m} m"
+            )
+
+    @property
+    def inner(self) -> tuple[int, int]:
+        """(columns, rows) of inner corners."""
+        if self.kind == "charuco":
+            return self.columns - 1, self.rows - 1
+        return self.columns, self.rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoardView:
+    """A board found in one picture: ``corners_px`` (n, 2), ``points_m`` (n, 2) on the board."""
+
+    name: str
+    size: tuple[int, int]
+    corners_px: FloatArray
+    points_m: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class NoBoard:
+    """There is no such board in the picture, or not enough of it."""
+
+    name: str
+    reason: str
+
+
+def find_board(image: Image, spec: BoardSpec, name: str) -> BoardView | NoBoard:
+    """The board in a picture; ``name`` is what messages call the picture."""
+    grey = grey_of(image)
+    if min(grey.shape) < 32:
+        return NoBoard(name, f"a picture of {grey.shape[1]}x{grey.shape[0]} pixels is too small")
+    found = _find_chessboard(grey, spec) if spec.kind == "chessboard" else _find_charuco(grey, spec)
+    if isinstance(found, str):
+        return NoBoard(name, found)
+    corners, points = found
+    refined = refine_corners(grey, corners)
+    refined.setflags(write=False)
+    points.setflags(write=False)
+    return BoardView(name, (grey.shape[1], grey.shape[0]), refined, points)
+
+
+def _find_chessboard(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray] | str:
+    columns, rows = spec.inner
+    found, corners = cv2.findChessboardCorners(grey, (columns, rows))
+    if not found or corners is None:
+        found, corners = cv2.findChessboardCornersSB(grey, (columns, rows))
+    if not found or corners is None:
+        return f"no chessboard of {columns}x{rows} inner corners"
+    grid = np.asarray(corners, dtype=np.float64).reshape(rows, columns, 2)
+    along, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
+    if along[0] * down[1] - along[1] * down[0] < 0.0:
+        grid = grid[::-1]  # a board lies face up: its rows run clockwise from its columns
+    if _first_square_is_light(grey, grid):
+        grid = grid[::-1, ::-1]
+    return grid.reshape(-1, 2), _board_points(columns, rows, spec.square_m)
+
+
+def _first_square_is_light(grey: Image, grid: FloatArray) -> bool:
+    """Whether the inner square at the first corner is lighter than its neighbour.
+
+    Makes the first corner the same one in every picture, where the board allows it.
+    """
+    if grid.shape[0] < 2 or grid.shape[1] < 3:
+        return False
+    squares = [grid[0:2, i : i + 2].mean(axis=(0, 1)) for i in (0, 1)]
+    (ax, ay), (bx, by) = (np.round(s).astype(int) for s in squares)
+    return bool(grey[ay, ax] > grey[by, bx])
+
+
+def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray] | str:
+    try:
+        book = dictionary_by_name(spec.dictionary)
+    except MarkerError as error:
+        raise CalibrationError(str(error)) from error
+    marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
+    best: tuple[FloatArray, FloatArray] | None = None
+    # Boards with an even number of rows begin with another colour since OpenCV 4.6.
+    for legacy in (False, True) if spec.rows % 2 == 0 else (False,):
+        board = cv2.aruco.CharucoBoard((spec.columns, spec.rows), spec.square_m, marker_m, book)
+        board.setLegacyPattern(legacy)
+        corners, ids, *_ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
+        seen: object = ids  # None where nothing was found, whatever the type stubs say
+        if seen is None:
+            continue
+        if best is None or len(ids) > len(best[0]):
+            places = np.asarray(board.getChessboardCorners(), dtype=np.float64).reshape(-1, 3)
+            points = places[np.ravel(ids), :2] * (1.0, -1.0)
+            best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
+    if best is None:
+        return (
+            f"no ChArUco board of {spec.columns}x{spec.rows} squares with {spec.dictionary}, or "
+            "one too small in the picture"
+        )
+    if len(best[0]) < _MIN_CHARUCO_CORNERS:
+        return (
+            f"only {len(best[0])} corners of the ChArUco board: must be {_MIN_CHARUCO_CORNERS}; "
+            "come nearer, or show more of it"
+        )
+    if np.linalg.matrix_rank(best[1] - best[1].mean(axis=0)) < 2:
+        return "the corners seen of the ChArUco board lie in one line"
+    return best
+
+
+def _board_points(columns: int, rows: int, square_m: float) -> FloatArray:
+    """(rows * columns, 2), row by row, y up."""
+    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
+    return np.stack([x.ravel() * square_m, -y.ravel() * square_m], axis=1).astype(np.float64)
+
+
+def refine_corners(grey: Image, corners_px: FloatArray) -> FloatArray:
+    """Each corner (n, 2) refined in a window of its own, sized by its nearest neighbour."""
+    corners = np.asarray(corners_px, dtype=np.float64).reshape(-1, 2)
+    away = np.linalg.norm(corners[:, None] - corners[None], axis=2)
+    np.fill_diagonal(away, np.inf)
+    halves = np.clip(np.round(away.min(axis=1) * _WINDOW_SHARE), 2, 11).astype(int)
+    refined = corners.copy()
+    stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
+    for half in np.unique(halves):
+        chosen = halves == half
+        start = corners[chosen].astype(np.float32).reshape(-1, 1, 2)
+        found = cv2.cornerSubPix(grey, start, (int(half), int(half)), (-1, -1), stop)
+        moved = np.asarray(found, dtype=np.float64).reshape(-1, 2)
+        # A corner that runs out of its own window has found another thing.
+        kept = np.abs(moved - corners[chosen]).max(axis=1) <= half
+        refined[chosen] = np.where(kept[:, None], moved, corners[chosen])
+    return refined
+
+
+def find_boards(
+    pictures: Sequence[tuple[str, Image]], spec: BoardSpec
+) -> tuple[list[BoardView], list[NoBoard]]:
+    """The board in each picture, and the pictures where it is not."""
+    found = [find_board(image, spec, name) for name, image in pictures]
+    views = [f for f in found if isinstance(f, BoardView)]
+    return views, [f for f in found if isinstance(f, NoBoard)]

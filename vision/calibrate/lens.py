@@ -1,0 +1,179 @@
+"""The lens from pictures of a board: camera matrix and up to five distortion terms.
+
+Rules
+- Zhang's method as OpenCV implements it; the number of terms is the one that the Bayesian
+  information criterion prefers, as terms that the pictures do not determine do harm outside.
+- Pictures that fit badly are named and left out, the worst first, and never more than a third.
+- A focal length that the pictures do not determine (all taken from straight above) is an
+  error, not a number.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.calibrate.board import BoardView
+from vision.calibration.calibration import CalibrationError, FloatArray
+
+MIN_VIEWS = 3
+
+_BAD_VIEW_FACTOR = 3.0
+_BAD_VIEW_PX = 0.5
+_WEAK_FOCAL = 0.01
+_UNKNOWN_FOCAL = 0.1
+_LEAST_TURN_DEG = 8.0
+_GOOD_TURN_DEG = 20.0
+"""The largest angle between two boards' planes: parallel planes do not tell the focal length
+(Zhang 2000, 3.2), and the fit's own spread does not show it where it stopped short."""
+
+
+_FIX_K = cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3
+_TERMS = {
+    0: _FIX_K | cv2.CALIB_ZERO_TANGENT_DIST,
+    1: cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
+    2: cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
+    4: cv2.CALIB_FIX_K3,
+    5: 0,
+}
+"""Number of terms (none; k1; k1 k2; k1 k2 p1 p2; all five) and OpenCV's flags for it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lens:
+    """``camera_matrix`` (3, 3), ``distortion`` (5,), rms over all corners, and what was left out.
+
+    ``terms`` is how many distortion terms were estimated; ``used`` the pictures' names with the
+    rms of each; ``remarks`` are plain sentences.
+    """
+
+    size: tuple[int, int]
+    camera_matrix: FloatArray
+    distortion: FloatArray
+    rms_px: float
+    terms: int
+    used: tuple[tuple[str, float], ...]
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    rms_px: float
+    camera_matrix: FloatArray
+    distortion: FloatArray
+    focal_spread: float
+    view_px: FloatArray
+    turn_deg: float
+
+
+def estimate_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
+    """The lens from at least three views of a board.
+
+    ``terms``: 0, 1, 2, 4 or 5 distortion terms; None chooses. Raises ``CalibrationError``
+    where there are too few pictures or they do not determine the lens.
+    """
+    if terms is not None and terms not in _TERMS:
+        raise CalibrationError(f"distortion terms = {terms}: must be 0, 1, 2, 4 or 5")
+    good, remarks = _same_size(views)
+    if len(good) < MIN_VIEWS:
+        raise CalibrationError(
+            f"{len(good)} usable pictures of the board: must be at least {MIN_VIEWS}"
+        )
+    fit = _fit(good, 2)
+    most_left_out = len(good) // 3
+    while len(good) > MIN_VIEWS and most_left_out > 0:
+        worst = int(np.argmax(fit.view_px))
+        limit = max(_BAD_VIEW_PX, _BAD_VIEW_FACTOR * float(np.median(fit.view_px)))
+        if fit.view_px[worst] <= limit:
+            break
+        remarks.append(
+            f"{good[worst].name}: left out, {fit.view_px[worst]:.2f} px rms where "
+            f"{np.median(fit.view_px):.2f} px is usual"
+        )
+        del good[worst]
+        most_left_out -= 1
+        fit = _fit(good, 2)
+    chosen = terms if terms is not None else _best_terms(good)
+    fit = _fit(good, chosen)
+    if fit.focal_spread > _UNKNOWN_FOCAL or fit.turn_deg < _LEAST_TURN_DEG:
+        raise CalibrationError(
+            "the pictures do not determine the focal length: take some with the board tilted "
+            "by 20 to 40 degrees, in different directions"
+        )
+    if fit.focal_spread > _WEAK_FOCAL or fit.turn_deg < _GOOD_TURN_DEG:
+        remarks.append(
+            f"the board's pictures differ in tilt by {fit.turn_deg:.0f} degrees only, the focal "
+            f"length is known to {100 * fit.focal_spread:.1f} %: add pictures with it tilted"
+        )
+    used = tuple((v.name, float(e)) for v, e in zip(good, fit.view_px, strict=True))
+    return Lens(
+        good[0].size,
+        fit.camera_matrix,
+        fit.distortion,
+        fit.rms_px,
+        chosen,
+        used,
+        tuple(remarks),
+    )
+
+
+def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
+    """The views of the commonest picture size; the others are named."""
+    sizes = [v.size for v in views]
+    common = max(sizes, key=sizes.count) if sizes else (0, 0)
+    remarks = [
+        f"{v.name}: left out, {v.size[0]}x{v.size[1]} pixels where the others have "
+        f"{common[0]}x{common[1]}"
+        for v in views
+        if v.size != common
+    ]
+    return [v for v in views if v.size == common], remarks
+
+
+def _best_terms(views: Sequence[BoardView]) -> int:
+    """The number of terms with the smallest Bayesian information criterion."""
+    values = 2 * sum(len(v.corners_px) for v in views)
+
+    def criterion(terms: int) -> float:
+        rms_px = max(_fit(views, terms).rms_px, 1e-6)
+        return values * math.log(rms_px * rms_px) + terms * math.log(values)
+
+    return min(_TERMS, key=criterion)
+
+
+def _fit(views: Sequence[BoardView], terms: int) -> _Fit:
+    boards = [np.column_stack([v.points_m, np.zeros(len(v.points_m))]) for v in views]
+    try:
+        rms, matrix, lens, turns, _, spreads, _, view_px = cv2.calibrateCameraExtended(
+            [b.astype(np.float32) for b in boards],
+            [v.corners_px.astype(np.float32) for v in views],
+            views[0].size,
+            np.eye(3),
+            np.zeros(5),
+            flags=_TERMS[terms],
+        )
+    except cv2.error as error:
+        raise CalibrationError("the lens cannot be estimated from these pictures") from error
+    camera = np.asarray(matrix, dtype=np.float64)
+    if not (np.isfinite(camera).all() and math.isfinite(rms)):
+        raise CalibrationError("the lens cannot be estimated from these pictures")
+    return _Fit(
+        float(rms),
+        camera,
+        np.asarray(lens, dtype=np.float64).reshape(-1)[:5],
+        float(np.ravel(spreads)[0] / camera[0, 0]),
+        np.asarray(view_px, dtype=np.float64).reshape(-1),
+        _largest_turn_deg([cv2.Rodrigues(np.asarray(t, dtype=np.float64))[0] for t in turns]),
+    )
+
+
+def _largest_turn_deg(rotations: Sequence[NDArray[Any]]) -> float:
+    """The largest angle between two boards' normals."""
+    normals = np.array([np.asarray(r)[:, 2] for r in rotations])
+    return math.degrees(math.acos(min(1.0, max(-1.0, float((normals @ normals.T).min())))))

@@ -1,0 +1,213 @@
+"""Markers and boards at true size on paper: PDF and PNG.
+
+Rules and units
+- A sheet is dark rectangles (x, y, width, height) in millimetres from its upper left corner,
+  y down, with a line of text and a ruler of known length to check the print with.
+- The PDF is written by hand: one page, one filled path (adjacent rectangles of one path show
+  no seams), Helvetica, which every reader has. 1 mm is 72 / 25.4 points.
+- The PNG holds the drawing alone, with a whole number of pixels a cell, and says its own
+  resolution (pHYs), so that it too prints at true size.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.calibrate.board import BoardSpec
+from vision.markers.marker_search import MarkerError, dictionary_by_name
+
+Rectangle = tuple[float, float, float, float]
+
+PAPERS_MM = {"a4": (210.0, 297.0), "a3": (297.0, 420.0), "letter": (215.9, 279.4)}
+"""Name of a paper and its (width, height) upright."""
+
+_POINTS_PER_MM = 72.0 / 25.4
+_MARGIN_MM = 10.0
+_TEXT_MM = 14.0
+_RULER_MM = 100.0
+_DOTS_PER_MM = 300.0 / 25.4
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """A drawing of ``width_mm`` x ``height_mm``, its dark rectangles, its cell and its label."""
+
+    width_mm: float
+    height_mm: float
+    cell_mm: float
+    dark: tuple[Rectangle, ...]
+    label: str
+
+
+def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
+    """A marker whose black square has sides of ``size_mm``, with a white rim of one cell."""
+    book = dictionary_by_name(dictionary)
+    if not 0 <= marker_id < len(book.bytesList):
+        raise MarkerError(
+            f"marker id = {marker_id}: {dictionary} has ids 0 to {len(book.bytesList) - 1}"
+        )
+    if not 1.0 <= size_mm <= 1000.0:
+        raise MarkerError(f"size = {size_mm} mm: must be in 1..1000 mm")
+    n = book.markerSize + 2
+    cell = size_mm / n
+    dark = _cells(_bits(book, marker_id), cell, cell, cell)
+    side = size_mm + 2.0 * cell
+    label = f"{dictionary}  id {marker_id}  {size_mm:g} mm (black square)"
+    return Sheet(side, side, cell, dark, label)
+
+
+def board_sheet(board: BoardSpec) -> Sheet:
+    """A calibration board: a chessboard, or a ChArUco board in OpenCV's present layout."""
+    square = 1000.0 * board.square_m
+    if board.kind == "chessboard":
+        columns, rows = board.columns + 1, board.rows + 1
+        parity = np.add.outer(np.arange(rows), np.arange(columns)) % 2
+        dark = _cells(parity == 0, square, square, square)
+        label = f"chessboard {board.columns}x{board.rows} inner corners, squares of {square:g} mm"
+        return Sheet((columns + 2) * square, (rows + 2) * square, square, dark, label)
+    book = dictionary_by_name(board.dictionary)
+    marker_m = board.marker_m if board.marker_m is not None else board.square_m / 2.0
+    marker = 1000.0 * marker_m
+    layout = cv2.aruco.CharucoBoard((board.columns, board.rows), board.square_m, marker_m, book)
+    parity = np.add.outer(np.arange(board.rows), np.arange(board.columns)) % 2
+    rim = square / 4.0
+    parts = list(_cells(parity == 0, square, rim, rim))
+    for marker_id, corners in zip(np.ravel(layout.getIds()), layout.getObjPoints(), strict=True):
+        x, y = (1000.0 * float(v) for v in np.asarray(corners).reshape(-1, 3)[0, :2])
+        bits = _bits(book, int(marker_id))
+        parts += _cells(bits, marker / bits.shape[0], rim + x, rim + y)
+    label = (
+        f"ChArUco {board.columns}x{board.rows} squares of {square:g} mm, markers of {marker:g} mm, "
+        f"{board.dictionary}"
+    )
+    width, height = board.columns * square + 2 * rim, board.rows * square + 2 * rim
+    return Sheet(width, height, marker / (book.markerSize + 2), tuple(parts), label)
+
+
+def pdf_bytes(sheet: Sheet, paper: str = "a4") -> bytes:
+    """The sheet in the middle of a page; turned when it fits only so.
+
+    Raises ``MarkerError`` where the paper is unknown or too small.
+    """
+    if paper not in PAPERS_MM:
+        raise MarkerError(f"paper '{paper}': must be one of {', '.join(PAPERS_MM)}")
+    width, height = _page_for(sheet, paper)
+    left = (width - sheet.width_mm) / 2.0
+    top = (height - sheet.height_mm - _TEXT_MM) / 2.0
+    content = ["0 g"]
+    for x, y, w, h in sheet.dark:
+        content.append(_rectangle(left + x, height - top - y - h, w, h))
+    content.append("f")
+    content += _foot(sheet, width, top)
+    return _pdf("\n".join(content).encode("ascii"), width, height)
+
+
+def png_bytes(sheet: Sheet) -> bytes:
+    """The drawing at about 300 dots an inch, with its exact resolution inside."""
+    cell_px = max(2, round(sheet.cell_mm * _DOTS_PER_MM))
+    dots_per_mm = cell_px / sheet.cell_mm
+    size = (round(sheet.width_mm * dots_per_mm), round(sheet.height_mm * dots_per_mm))
+    picture = np.full((size[1], size[0]), 255, np.uint8)
+    for x, y, w, h in sheet.dark:
+        x0, y0, x1, y1 = (round(v * dots_per_mm) for v in (x, y, x + w, y + h))
+        picture[y0:y1, x0:x1] = 0
+    encoded, data = cv2.imencode(".png", picture)
+    if not encoded:
+        raise MarkerError(f"a picture of {size[0]}x{size[1]} pixels cannot be written as PNG")
+    raw = data.tobytes()
+    resolution = round(1000.0 * dots_per_mm)
+    # After the signature (8 bytes) and the header chunk (25) any other chunk may come.
+    return raw[:33] + _chunk(b"pHYs", struct.pack(">IIB", resolution, resolution, 1)) + raw[33:]
+
+
+def _bits(book: cv2.aruco.Dictionary, marker_id: int) -> NDArray[np.bool_]:
+    """(n, n) whether a cell is dark, with the black border."""
+    picture = np.asarray(cv2.aruco.generateImageMarker(book, marker_id, book.markerSize + 2))
+    return np.asarray(picture == 0, dtype=np.bool_)
+
+
+def _cells(dark: NDArray[np.bool_], cell: float, left: float, top: float) -> tuple[Rectangle, ...]:
+    """Runs of dark cells as rectangles."""
+    found = []
+    for row, line in enumerate(np.asarray(dark, dtype=np.int8)):
+        steps = np.diff(np.concatenate([[0], line, [0]]))
+        for start, end in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):
+            width = float(end - start) * cell
+            found.append((left + float(start) * cell, top + row * cell, width, cell))
+    return tuple(found)
+
+
+def _page_for(sheet: Sheet, paper: str) -> tuple[float, float]:
+    width, height = PAPERS_MM[paper]
+    for page in ((width, height), (height, width)):
+        if (
+            sheet.width_mm <= page[0] - 2 * _MARGIN_MM
+            and sheet.height_mm + _TEXT_MM <= page[1] - 2 * _MARGIN_MM
+        ):
+            return page
+    raise MarkerError(
+        f"{sheet.width_mm:.0f} x {sheet.height_mm:.0f} mm: does not fit on {paper} paper with "
+        f"margins of {_MARGIN_MM:g} mm; take a larger paper or a smaller size"
+    )
+
+
+def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
+    """The label and a ruler to measure the print with, below the drawing."""
+    base = bottom + 2.0
+    left = (width - _RULER_MM) / 2.0
+    text = sheet.label.replace("\\", r"\\").replace("(", r"\(").replace(")", r"\)")
+    return [
+        _rectangle(left, base, _RULER_MM, 0.2),
+        _rectangle(left, base - 1.0, 0.2, 2.2),
+        _rectangle(left + _RULER_MM - 0.2, base - 1.0, 0.2, 2.2),
+        "f",
+        f"BT /F1 9 Tf {_points(left)} {_points(base + 3.5)} Td ({text}) Tj ET",
+        f"BT /F1 7 Tf {_points(left)} {_points(base - 4.0)} Td "
+        "(print at 100 %: this ruler must measure 100 mm) Tj ET",
+    ]
+
+
+def _rectangle(x: float, y: float, w: float, h: float) -> str:
+    return f"{_points(x)} {_points(y)} {_points(w)} {_points(h)} re"
+
+
+def _points(value_mm: float) -> str:
+    return f"{value_mm * _POINTS_PER_MM:.4f}"
+
+
+def _pdf(content: bytes, width: float, height: float) -> bytes:
+    """One page of PDF 1.4 (ISO 32000-1, 7.5: header, body, cross-reference table, trailer)."""
+    box = f"[0 0 {_points(width)} {_points(height)}]"
+    objects = [
+        b"<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
+        b"<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
+        f"<< /Type /Page /Parent 2 0 R /MediaBox {box} /Contents 4 0 R "
+        "/Resources << /Font << /F1 5 0 R >> >> >>".encode("ascii"),
+        b"<< /Length %d >>\nstream\n%s\nendstream" % (len(content), content),
+        b"<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding >>",
+    ]
+    out = bytearray(b"%PDF-1.4\n%\xe2\xe3\xcf\xd3\n")
+    places = []
+    for number, body in enumerate(objects, start=1):
+        places.append(len(out))
+        out += b"%d 0 obj\n%s\nendobj\n" % (number, body)
+    table = len(out)
+    out += b"xref\n0 %d\n0000000000 65535 f \n" % (len(objects) + 1)
+    for place in places:
+        out += b"%010d 00000 n \n" % place
+    out += b"trailer\n<< /Size %d /Root 1 0 R >>\nstartxref\n%d\n%%%%EOF\n" % (
+        len(objects) + 1,
+        table,
+    )
+    return bytes(out)
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    """A PNG chunk: length, type, data and the CRC of the last two."""
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

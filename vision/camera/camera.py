@@ -1,0 +1,138 @@
+"""Frames and where they come from: the camera as the rest of Clearway sees it.
+
+Rules and units
+- A ``Frame`` is one picture, uint8, grey (h, w) or BGR (h, w, 3), read-only, with the
+  monotonic time at which it was captured (seconds) and a growing sequence number.
+- A ``Camera`` is anything that gives frames: a device, a stream, a file (``vision.camera.sources``)
+  or the simulator. It says what it is doing in ``state`` and why in ``reason``.
+- ``vision.camera.latest_frame`` reads a camera in a thread of its own and opens it again.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import printable
+
+Image: TypeAlias = NDArray[np.uint8]
+Clock: TypeAlias = Callable[[], float]
+SourceState: TypeAlias = Literal["closed", "running", "ended"]
+
+
+class CameraError(ValueError):
+    """A camera cannot be opened or gives no more pictures; the message says which and why."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
+
+
+class CameraHeldError(CameraError):
+    """A camera cannot be opened although it may be there: somebody may hold it.
+
+    ``seen`` is what the source saw; the message adds ``guess``, who it may be. A program that
+    knows better, as its own earlier reading hangs, says ``seen`` and that.
+    """
+
+    def __init__(self, seen: str, guess: str = "") -> None:
+        super().__init__(f"{seen} ({guess})" if guess else seen)
+        self.seen = printable(seen)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """One picture: ``image`` (h, w) or (h, w, 3) BGR uint8, read-only.
+
+    ``captured_s`` is monotonic seconds, ``sequence`` grows by one a frame of its source and
+    ``source`` is the camera's name. Raises ``CameraError`` for anything that is no picture.
+    """
+
+    image: Image
+    captured_s: float
+    sequence: int
+    source: str
+
+    def __post_init__(self) -> None:
+        image = self.image
+        if image.dtype != np.uint8 or not (
+            image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)
+        ):
+            raise CameraError(
+                f"{self.source}: a frame of {image.dtype} {image.shape} is no 8-bit grey or "
+                "colour picture"
+            )
+        if image.size == 0:
+            raise CameraError(f"{self.source}: an empty picture {image.shape}")
+        if image.flags.writeable:
+            view = image.view()
+            view.setflags(write=False)
+            object.__setattr__(self, "image", view)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        return int(self.image.shape[1]), int(self.image.shape[0])
+
+
+class Camera(Protocol):
+    """What gives frames; see ``vision.camera.sources`` and the simulator for implementations."""
+
+    @property
+    def name(self) -> str:
+        """What messages call it: ``camera 0``, ``rtsp://...``, a file name."""
+
+    @property
+    def state(self) -> SourceState:
+        """``closed``, ``running`` or ``ended`` (a file that has no more pictures)."""
+
+    @property
+    def reason(self) -> str:
+        """A plain sentence on the state, or on what was asked for and not got; may be empty."""
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames a second really got lately; 0.0 before the second frame."""
+
+    @property
+    def may_repeat(self) -> bool:
+        """Whether identical pictures in a row are normal, not a sign of a frozen sensor.
+
+        So they are for a file, and for any source whose pictures have no noise to tell them apart.
+        """
+
+    def open(self) -> None:
+        """Start giving frames; raises ``CameraError`` where it cannot."""
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame; None where none came in time or the source ended (see ``state``).
+
+        Raises ``CameraError`` where the source is lost.
+        """
+
+    def close(self) -> None:
+        """Stop and free the device; harmless when closed."""
+
+
+class RateMeter:
+    """Frames a second over the last ``window`` frames, from their times of capture."""
+
+    def __init__(self, window: int = 30) -> None:
+        self._times: deque[float] = deque(maxlen=window + 1)
+
+    def add(self, captured_s: float) -> None:
+        """Count one frame."""
+        if self._times and captured_s < self._times[-1]:
+            self._times.clear()
+        self._times.append(captured_s)
+
+    @property
+    def rate_hz(self) -> float:
+        """The mean rate; 0.0 before the second frame."""
+        if len(self._times) < 2 or self._times[-1] <= self._times[0]:
+            return 0.0
+        return (len(self._times) - 1) / (self._times[-1] - self._times[0])

@@ -1,0 +1,1 @@
+"""From a picture to the poses of robots: markers found, refined, identified and tracked."""

@@ -1,0 +1,407 @@
+"""Robots' poses from the markers on their backs.
+
+Rules and units
+- A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's
+  own x axis runs from its top left to its top right corner (as printed upright); a marker
+  mounted with ``marker_yaw_rad = 0`` shows to the robot's front with its right side.
+- Position and heading come from the homography, with the marker's height corrected: under an
+  overhead camera the two solutions of a marker's pose in space can hardly be told apart.
+- Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
+  bottom left of the upright marker.
+- The search is narrowed around where each robot should be; the whole picture is searched only
+  for robots that are not there. What has the wrong size, is not square, is half hidden or
+  has jumped is no robot.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+from vision.calibration.calibration import Calibration, FloatArray
+from vision.camera.camera import Frame, Image
+from vision.markers import marker_corners, marker_pattern
+from vision.markers.marker_corners import Refused, refine_quad
+from vision.markers.marker_pattern import fit_pattern, pattern_bits
+from vision.markers.marker_search import (
+    MarkerError,
+    dictionary_by_name,
+    dictionary_names,
+    find_markers,
+    find_with,
+    finder_of,
+    grey_of,
+)
+from vision.markers.tracking import Pose, Track, TrackLimits, wrap
+
+__all__ = [
+    "MarkedRobot",
+    "MarkerError",
+    "MarkerTracker",
+    "RobotPose",
+    "body_discs_px",
+    "dictionary_by_name",
+    "dictionary_names",
+    "find_markers",
+    "marker_pose",
+    "robot_pose",
+]
+
+_UNIT_CORNERS = np.array([-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j])
+_SIZE_TOLERANCE = 0.15
+_SQUARE_TOLERANCE = 0.02
+_COARSE_SIDE_PX = 24.0
+"""A marker is still decoded at this size, so a picture is searched no finer than needed."""
+
+_DOUBLES_EVERY = 6
+"""A whole picture costs as much as ten looks: every fifth of a second it is searched for markers
+that are there twice."""
+_APART_SIZES = 1.0
+"""Two sightings nearer to each other than a marker's side are one marker, seen by two recipes."""
+_LOST_SEARCH_S = 1.0
+_LOST_SEARCH_EVERY = 3
+
+
+@dataclass(frozen=True, slots=True)
+class MarkedRobot:
+    """A robot with a marker on its back.
+
+    ``marker_size_m``: the black square's side. ``marker_height_m``: above the floor.
+    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: where the marker's centre is in the
+    robot's own frame (x ahead, y left) and how it is turned there.
+    """
+
+    id: int
+    marker_size_m: float
+    marker_height_m: float = 0.0
+    marker_x_m: float = 0.0
+    marker_y_m: float = 0.0
+    marker_yaw_rad: float = 0.0
+    limits: TrackLimits = field(default_factory=TrackLimits)
+
+    def __post_init__(self) -> None:
+        if self.id < 0:
+            raise MarkerError(f"marker id = {self.id}: must be >= 0")
+        if not (math.isfinite(self.marker_size_m) and self.marker_size_m > 0.0):
+            raise MarkerError(f"marker_size_m = {self.marker_size_m}: must be > 0")
+        if not (math.isfinite(self.marker_height_m) and self.marker_height_m >= 0.0):
+            raise MarkerError(f"marker_height_m = {self.marker_height_m}: must be >= 0")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RobotPose:
+    """Where a robot was at ``captured_s`` and how it moved.
+
+    ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
+    from the square fitted to them.
+    """
+
+    id: int
+    x: float
+    y: float
+    heading_rad: float
+    captured_s: float
+    corners_px: FloatArray
+    vx: float = 0.0
+    vy: float = 0.0
+    turn_rate_rad_s: float = 0.0
+    residual_m: float = 0.0
+
+    def at(self, time_s: float) -> Pose:
+        """(x, y, heading) at another time, with the velocity kept."""
+        dt_s = time_s - self.captured_s
+        heading = wrap(self.heading_rad + self.turn_rate_rad_s * dt_s)
+        return self.x + self.vx * dt_s, self.y + self.vy * dt_s, heading
+
+
+@dataclass(frozen=True, slots=True)
+class _Sighting:
+    id: int
+    pose: Pose
+    corners_px: FloatArray
+    residual_m: float
+
+
+class MarkerTracker:
+    """Finds the markers of known robots in frame after frame.
+
+    ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
+    """
+
+    def __init__(
+        self,
+        calibration: Calibration,
+        robots: Sequence[MarkedRobot],
+        dictionary: str = "DICT_4X4_50",
+    ) -> None:
+        self._calibration = calibration
+        self._robots = {robot.id: robot for robot in robots}
+        if len(self._robots) != len(robots):
+            raise MarkerError("two robots have the same marker id")
+        book = dictionary_by_name(dictionary)
+        for robot in robots:
+            if robot.id >= len(book.bytesList):
+                raise MarkerError(
+                    f"marker id = {robot.id}: {dictionary} has ids 0 to {len(book.bytesList) - 1}"
+                )
+        self._cells = book.markerSize + 2
+        self._bits = {robot.id: pattern_bits(book, robot.id) for robot in robots}
+        marker_corners.warm_up()
+        marker_pattern.warm_up()
+        recipes = ((23, 15.0), (11, 7.0), (45, 10.0))
+        self._finders = [finder_of(book, window, constant) for window, constant in recipes]
+        self._near = self._finders[:2]
+        self._tracks = {robot.id: Track(robot.limits) for robot in robots}
+        self._first_s: float | None = None
+        self._frames = 0
+        self.refusals: tuple[str, ...] = ()
+        """Why markers seen in the last frame were not taken for robots."""
+        self.strangers: frozenset[int] = frozenset()
+        """Ids of markers that belong to no robot, as the last search of a whole picture saw."""
+        self.doubles: dict[int, tuple[Pose, ...]] = {}
+        """Where robots' markers were seen that were seen in several places of one picture, in the
+        last two searches of a whole picture."""
+        self._suspects: frozenset[int] = frozenset()
+        self._searches = 0
+
+    def update(self, frame: Frame) -> tuple[RobotPose, ...]:
+        """The poses of the robots seen in this frame, by id; empty where none is.
+
+        Raises ``MarkerError`` for a frame of another size than the calibration's.
+        """
+        height, width = frame.image.shape[:2]
+        if (width, height) != tuple(self._calibration.size):
+            fits = self._calibration.size
+            raise MarkerError(
+                f"the frame is {width} x {height} pixels: its calibration is for "
+                f"{fits[0]} x {fits[1]}"
+            )
+        self._frames += 1
+        self._first_s = frame.captured_s if self._first_s is None else self._first_s
+        grey = grey_of(frame.image)
+        grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
+        refusals: list[str] = []
+        found: dict[int, _Sighting] = {}
+        for robot in self._robots.values():
+            sighting = self._look_near(grey, robot, frame.captured_s, refusals)
+            if sighting is not None:
+                found[robot.id] = sighting
+        missing = [i for i in self._robots if i not in found]
+        worth = bool(missing) and self._worth_searching(missing, frame.captured_s)
+        if worth or self._frames % _DOUBLES_EVERY == 0:
+            everywhere = self._search(grey, refusals)
+            for robot_id in missing if worth else ():
+                best = self._best(everywhere[robot_id], robot_id, frame.captured_s)
+                if best is not None:
+                    found[robot_id] = best
+            self._look_for_doubles(everywhere, found)
+        poses = [self._believe(found[i], frame.captured_s, refusals) for i in sorted(found)]
+        self.refusals = tuple(refusals)
+        return tuple(pose for pose in poses if pose is not None)
+
+    def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
+        """Since when a robot has not been seen; None where it has never been."""
+        last_s = self._tracks[robot_id].last_s
+        return None if last_s is None else max(0.0, 1000.0 * (now_s - last_s))
+
+    def remarks(self, now_s: float, patience_ms: float = 100.0) -> tuple[str, ...]:
+        """A sentence for each robot that was not seen for longer than ``patience_ms``."""
+        said = []
+        for robot_id, track in self._tracks.items():
+            unseen_ms = self.unseen_ms(robot_id, now_s)
+            if unseen_ms is None:
+                said.append(f"robot {robot_id}: not seen yet")
+            elif unseen_ms > patience_ms:
+                jumped = "; its marker was seen where it cannot be" if track.refused else ""
+                said.append(f"robot {robot_id}: not seen for {unseen_ms:.0f} ms{jumped}")
+        return tuple(said)
+
+    def _worth_searching(self, missing: list[int], now_s: float) -> bool:
+        """At once for a second; then now and then, as a search costs ten times a look."""
+        first_s = now_s if self._first_s is None else self._first_s
+        last_s = [self._tracks[i].last_s for i in missing]
+        latest_s = max(first_s if t is None else t for t in last_s)
+        return now_s - latest_s <= _LOST_SEARCH_S or self._frames % _LOST_SEARCH_EVERY == 0
+
+    def _look_near(
+        self, grey: Image, robot: MarkedRobot, now_s: float, refusals: list[str]
+    ) -> _Sighting | None:
+        """Look where the robot should be."""
+        expected = self._tracks[robot.id].predict(now_s)
+        last_s = self._tracks[robot.id].last_s
+        if expected is None or last_s is None:
+            return None
+        marker = marker_pose(expected, robot)
+        center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
+        side_px = self._side_px(robot)
+        reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - last_s)
+        half = 1.1 * side_px + 8.0 + reach_m / self._calibration.metres_per_pixel
+        x0, y0 = (max(0, math.floor(v - half)) for v in center)
+        x1, y1 = (
+            min(limit, math.ceil(v + half) + 1)
+            for v, limit in zip(center, grey.shape[::-1], strict=True)
+        )
+        if x1 - x0 < 8 or y1 - y0 < 8:
+            return None
+        window = np.ascontiguousarray(grey[y0:y1, x0:x1])
+        for finder in self._near:
+            seen = [q for i, q in find_with(finder, window) if i == robot.id]
+            sightings = [self._sight(grey, robot, q + np.array([x0, y0]), refusals) for q in seen]
+            best = self._best([s for s in sightings if s is not None], robot.id, now_s)
+            if best is not None:
+                return best
+        return None
+
+    def _look_for_doubles(
+        self, everywhere: dict[int, list[_Sighting]], found: dict[int, _Sighting]
+    ) -> None:
+        """Markers in several places, once two searches in a row have seen them so."""
+        places = {}
+        for robot_id, sightings in everywhere.items():
+            known = [found[robot_id]] if robot_id in found else []
+            apart_m = _APART_SIZES * self._robots[robot_id].marker_size_m
+            for sighting in sightings:
+                if all(math.dist(sighting.pose[:2], k.pose[:2]) > apart_m for k in known):
+                    known.append(sighting)
+            if len(known) > 1:
+                places[robot_id] = tuple(one.pose for one in known)
+        self.doubles = {i: poses for i, poses in places.items() if i in self._suspects}
+        self._suspects = frozenset(places)
+
+    def _search(self, grey: Image, refusals: list[str]) -> dict[int, list[_Sighting]]:
+        """Every robot's sightings in the whole picture, with another recipe each time."""
+        smallest = min(self._side_px(robot) for robot in self._robots.values())
+        factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX and min(grey.shape) > 1 else 1
+        picture = grey
+        if factor > 1:
+            height, width = grey.shape
+            picture = cv2.resize(
+                grey, (width // factor, height // factor), interpolation=cv2.INTER_AREA
+            ).astype(np.uint8, copy=False)
+        scale = np.array(grey.shape[::-1]) / np.array(picture.shape[::-1])
+        finder = self._finders[self._searches % len(self._finders)]
+        self._searches += 1
+        seen = [(i, (q + 0.5) * scale - 0.5) for i, q in find_with(finder, picture)]
+        self.strangers = frozenset(i for i, _ in seen if i not in self._robots)
+        return {
+            robot_id: [
+                sighting
+                for i, quad in seen
+                if i == robot_id
+                and (sighting := self._sight(grey, robot, quad, refusals)) is not None
+            ]
+            for robot_id, robot in self._robots.items()
+        }
+
+    def _best(self, sightings: list[_Sighting], robot_id: int, now_s: float) -> _Sighting | None:
+        """Of several markers with one id, the one nearest to where the robot should be."""
+        if not sightings:
+            return None
+        expected = self._tracks[robot_id].predict(now_s)
+        if expected is None:
+            return min(sightings, key=lambda s: s.residual_m)
+        return min(sightings, key=lambda s: math.dist(s.pose[:2], expected[:2]))
+
+    def _sight(
+        self, grey: Image, robot: MarkedRobot, quad_px: FloatArray, refusals: list[str]
+    ) -> _Sighting | None:
+        """A marker's quadrilateral as a robot's pose, unless it cannot be one."""
+        quad = refine_quad(grey, quad_px, self._cells, self._calibration)
+        if isinstance(quad, Refused):
+            refusals.append(f"marker {robot.id}: {quad.reason}")
+            return None
+        calibration, height_m = self._calibration, robot.marker_height_m
+        sides_px = calibration.distort_points(quad.corners_px)
+        corners = calibration.arena_from_image(sides_px, height_m)
+        whole = fit_pattern(grey, corners, self._bits[robot.id], calibration, height_m)
+        corners = corners if whole is None else whole
+        corners_px = calibration.image_from_arena(corners, height_m)
+        corners_px.setflags(write=False)
+        points = corners[:, 0] + 1j * corners[:, 1]
+        center = points.mean()
+        # The similarity nearest to the four corners, all of them with equal weight.
+        turn = np.vdot(_UNIT_CORNERS, points - center) / 2.0
+        size_m = abs(turn)
+        residual_m = float(np.sqrt(np.mean(np.abs(points - center - turn * _UNIT_CORNERS) ** 2)))
+        wanted_m = robot.marker_size_m
+        if abs(size_m - wanted_m) > _SIZE_TOLERANCE * wanted_m:
+            refusals.append(
+                f"marker {robot.id}: a side of {1000 * size_m:.1f} mm, not {1000 * wanted_m:.1f}"
+            )
+            return None
+        if residual_m > _SQUARE_TOLERANCE * wanted_m:
+            refusals.append(f"marker {robot.id}: not square ({1000 * residual_m:.1f} mm)")
+            return None
+        pose = robot_pose((center.real, center.imag, float(np.angle(turn))), robot)
+        return _Sighting(robot.id, pose, corners_px, residual_m)
+
+    def _believe(self, sighting: _Sighting, now_s: float, refusals: list[str]) -> RobotPose | None:
+        track = self._tracks[sighting.id]
+        velocity = track.offer(sighting.pose, now_s)
+        if velocity is None:
+            if track.refused:
+                refusals.append(f"marker {sighting.id}: jumped farther than the robot can drive")
+            return None
+        return RobotPose(
+            sighting.id,
+            *sighting.pose,
+            now_s,
+            sighting.corners_px,
+            velocity.vx,
+            velocity.vy,
+            velocity.turn_rate_rad_s,
+            sighting.residual_m,
+        )
+
+    def _side_px(self, robot: MarkedRobot) -> float:
+        return robot.marker_size_m / self._calibration.metres_per_pixel
+
+
+def robot_pose(marker: Pose, robot: MarkedRobot) -> Pose:
+    """The robot's pose from its marker's."""
+    heading = wrap(marker[2] - robot.marker_yaw_rad)
+    c, s = math.cos(heading), math.sin(heading)
+    x = marker[0] - c * robot.marker_x_m + s * robot.marker_y_m
+    y = marker[1] - s * robot.marker_x_m - c * robot.marker_y_m
+    return x, y, heading
+
+
+def marker_pose(pose: Pose, robot: MarkedRobot) -> Pose:
+    """The marker's pose from the robot's."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x = pose[0] + c * robot.marker_x_m - s * robot.marker_y_m
+    y = pose[1] + s * robot.marker_x_m + c * robot.marker_y_m
+    return x, y, wrap(pose[2] + robot.marker_yaw_rad)
+
+
+def body_discs_px(
+    pose: RobotPose | Pose,
+    body_radius_m: float,
+    calibration: Calibration,
+    top_height_m: float = 0.0,
+    margin_px: float = 3.0,
+) -> FloatArray:
+    """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
+
+    The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer
+    is a disc that lies a little farther from the picture's foot than the one below.
+    """
+    x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
+    angles = np.linspace(0.0, math.tau, 16, endpoint=False)
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * body_radius_m
+    floor, top = (
+        calibration.image_from_arena(np.vstack([[(0.0, 0.0)], ring]) + np.array([x, y]), h)
+        for h in (0.0, top_height_m)
+    )
+    radii = [float(np.linalg.norm(p[1:] - p[0], axis=1).max()) for p in (floor, top)]
+    # Discs half a radius apart leave less than 4 % of a radius uncovered between them.
+    length = float(np.linalg.norm(top[0] - floor[0]))
+    count = 1 if length < 0.5 else 1 + math.ceil(length / max(0.5 * min(radii), 1.0))
+    share = np.linspace(0.0, 1.0, count)[:, None] if count > 1 else np.ones((1, 1))
+    centers = floor[0] * (1.0 - share) + top[0] * share
+    radius = (radii[0] * (1.0 - share) + radii[1] * share) * 1.04 + margin_px
+    return np.hstack([centers, radius])

@@ -1,0 +1,1 @@
+"""From edge points to edges: lines, arcs and circles of every border."""

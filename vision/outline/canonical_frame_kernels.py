@@ -1,0 +1,221 @@
+"""Borders that are each other's mirror image, or turned, are fitted alike.
+
+Rules and units
+- A search that goes along a border from a place of its choice, and takes the best that it finds
+  there, may answer otherwise for the same border in a mirror, where it goes the other way. So a
+  left-handed border is transposed, x and y exchanged and its order turned round, which keeps it
+  clockwise; its edges are transposed back when they are finished.
+- Where a border begins depends on the picture's rows. A fit begins where the border is farthest
+  from its centroid, and sees that in the east: a tie is decided alike however a border is turned.
+- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: n points, twice over, and the first
+  once more.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from vision.outline.fit.shape_kernels import HUGE
+from vision.shared.compile_options import LEAF, SUMS
+
+APART = 7
+"""A border's share between points that are compared: no usual symmetry's."""
+NEITHER = 1e-10
+"""A skewness below this share of what it could be is rounding: the border is its own mirror
+image."""
+
+STEPS, CRISP_STEPS = 2.0**32, 2.0**20
+"""To so many parts of a pixel points are rounded: what is equal but for its place in the picture
+stays equal, and ties are decided alike everywhere. Without grey a point is the middle between two
+pixels, but for what the smoothing's weights lack of one."""
+
+
+@njit(**SUMS)
+def bring_into_place(points, exact, away, px, py):
+    """Write a border's points (n, 2) so that it is right-handed and begins far in the east.
+
+    It begins where it is farthest from its centroid, which is turned to the east, and that point
+    is its origin. ``exact``: without grey; ``away`` (n + 1,): room to work in. Returns
+    ``(transposed, quarter turns, x, y)``, the last two the origin's place.
+    """
+    n = points.shape[0]
+    mx = 0.0
+    my = 0.0
+    for k in range(n):
+        mx += points[k, 0]
+        my += points[k, 1]
+    mx /= n
+    my /= n
+    farthest = 0.0
+    for k in range(n):
+        x = points[k, 0] - mx
+        y = points[k, 1] - my
+        d = x * x + y * y
+        away[k] = d
+        farthest = max(farthest, d)
+    first = 0
+    while away[first] < farthest:
+        first += 1
+    transposed = is_left_handed(away, n, farthest)
+    x = points[first, 0]
+    y = points[first, 1]
+    east = x - mx
+    south = y - my
+    # the way from the picture's x and y
+    xx, xy, yx, yy = 1.0, 0.0, 0.0, 1.0
+    if transposed:
+        xx, xy, yx, yy = 0.0, 1.0, 1.0, 0.0
+        east, south = south, east
+    turns = 0
+    while not abs(south) <= east and turns < 3:
+        turns += 1
+        east, south = -south, east
+        xx, xy, yx, yy = -yx, -yy, xx, xy
+    steps = CRISP_STEPS if exact else STEPS
+    share = 1.0 / steps
+    for part in range(2):
+        # from the first point to the end, and from there on; or back to the start, and from there
+        behind = part == 1
+        if transposed:
+            low = first + 1 if behind else 0
+            count = n - 1 - first if behind else first + 1
+            to = first + 1 if behind else 0
+        else:
+            low = 0 if behind else first
+            count = first if behind else n - first
+            to = n - first if behind else 0
+        for k in range(count):
+            i = low + count - 1 - k if transposed else low + k
+            u = points[i, 0] - x
+            v = points[i, 1] - y
+            px[to + k] = math.floor((xx * u + xy * v) * steps + 0.5) * share
+            py[to + k] = math.floor((yx * u + yy * v) * steps + 0.5) * share
+    _repeat(px, py, n)
+    return transposed, turns, xx * x + xy * y, yx * x + yy * y
+
+
+@njit(**SUMS)
+def is_left_handed(away, n, farthest):
+    """Whether the squared distances from the centroid rise more steeply than they fall.
+
+    A third moment of their course along a border, which neither a turn nor the first point
+    changes, and whose sign changes where it is mirrored.
+    """
+    step = n // APART + 1
+    skew = 0.0
+    for part in range(3):
+        # where neither end, one, or the middle too comes around
+        lo = (0, n - 2 * step, n - step)[part]
+        hi = (n - 2 * step, n - step, n)[part]
+        here = away[lo + step - n if part == 2 else lo + step :]
+        after = away[lo + 2 * step - n if part > 0 else lo + 2 * step :]
+        before = away[lo:hi]
+        for k in range(hi - lo):
+            skew += here[k] * here[k] * (after[k] - before[k])
+    return skew > NEITHER * n * farthest * farthest * farthest
+
+
+@njit(**LEAF)
+def bring_cracks_along(px, py, points, qx, qy, hx, hy, n, transposed, turns, x, y):
+    """The same for the border's cracks, the first of which is the one at (x, y).
+
+    The obstacle pixel of the first becomes the origin of both: fractions of pixels are exact, and
+    a shift by whole pixels changes nothing. Returns its place.
+    """
+    if transposed:
+        _transpose(qx, qy, n)
+        _transpose(hx, hy, n)
+    _turn(qx, qy, n, turns)
+    _turn(hx, hy, n, turns)
+    best = HUGE
+    first = 0
+    for k in range(n):
+        d = (qx[k] - x) ** 2 + (qy[k] - y) ** 2
+        if d < best:
+            best = d
+            first = k
+    _begin_at(qx, qy, n, first)
+    _begin_at(hx, hy, n, first)
+    dx = qx[0] - hx[0]
+    dy = qy[0] - hy[0]
+    _shift(qx, qy, n, dx, dy)
+    _shift(px, py, points, _rounded(dx - x, CRISP_STEPS), _rounded(dy - y, CRISP_STEPS))
+    return dx, dy
+
+
+@njit(**LEAF)
+def _rounded(x, steps):
+    return math.floor(x * steps + 0.5) / steps
+
+
+@njit(**LEAF)
+def _shift(px, py, n, dx, dy):
+    for k in range(2 * n + 1):
+        px[k] -= dx
+        py[k] -= dy
+
+
+@njit(**LEAF)
+def _begin_at(px, py, n, first):
+    for k in range(n):
+        px[k] = px[first + k]
+        py[k] = py[first + k]
+    _repeat(px, py, n)
+
+
+@njit(**LEAF)
+def _turn(px, py, n, turns):
+    """Turn by so many quarters, from east to south."""
+    for _ in range(turns):
+        for k in range(2 * n + 1):
+            px[k], py[k] = -py[k], px[k]
+
+
+@njit(**LEAF)
+def _transpose(px, py, n):
+    """Exchange x and y of a border's points and turn their order round."""
+    for k in range((n + 1) // 2):
+        other = n - 1 - k
+        px[k], py[k], px[other], py[other] = py[other], px[other], py[k], px[k]
+    _repeat(px, py, n)
+
+
+@njit(**LEAF)
+def _repeat(px, py, n):
+    for k in range(n):
+        px[n + k] = px[k]
+        py[n + k] = py[k]
+    px[2 * n] = px[0]
+    py[2 * n] = py[0]
+
+
+@njit(**LEAF)
+def put_edges_back(kind, rows, count, transposed, turns):
+    """Turn and transpose finished edges (see ``vision.outline.fit.outline_kernels``) back to where
+    they were.
+
+    An arc that is transposed turns as before: it is both mirrored and run through the other way.
+    """
+    for _ in range(turns):
+        for i in range(count):
+            rows[i, 0], rows[i, 1] = rows[i, 1], -rows[i, 0]
+            rows[i, 2], rows[i, 3] = rows[i, 3], -rows[i, 2]
+    if not transposed:
+        return
+    for i in range(count // 2):
+        other = count - 1 - i
+        kind[i], kind[other] = kind[other], kind[i]
+        for c in range(6):
+            rows[i, c], rows[other, c] = rows[other, c], rows[i, c]
+    # every edge begins where its successor did
+    x = rows[count - 1, 0]
+    y = rows[count - 1, 1]
+    for i in range(count - 1, 0, -1):
+        rows[i, 0], rows[i, 1] = rows[i - 1, 1], rows[i - 1, 0]
+    rows[0, 0], rows[0, 1] = y, x
+    for i in range(count):
+        rows[i, 2], rows[i, 3] = rows[i, 3], rows[i, 2]

@@ -1,0 +1,1 @@
+"""What an outline is checked against: area lost, residuals, stray edges."""

@@ -1,0 +1,118 @@
+"""How far a border lies from the outline that is written for it.
+
+Rules and units
+- Edges ``0 .. count - 1`` of ``kind`` and ``rows`` (see ``vision.outline.fit.outline_kernels``),
+  whose first points' indices are in ``at``, around the border; ``qx``, ``qy``: its n points, twice
+  over.
+- What is measured is the finished outline, joints and chords and all: a fit that leaves out the
+  points near its ends says nothing of them. Only what blur does to a corner is not counted.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from vision.outline.fit.outline_kernels import ARC_CCW, LINE, distance_to_edge
+from vision.shared.compile_options import LEAF, SUMS
+
+NEAR_ENDS = 4
+"""Points at either end of an edge that may be nearer to its neighbour."""
+BESIDE_PX = 0.4
+"""A point farther from its edge may be its neighbour's."""
+ROUNDING = math.sqrt(2.0 / math.pi)
+"""At a corner that turns by an angle, blur moves the border off it by so many times its sigma and
+the sine of half the angle: the mean of |x| under a Gaussian, as in
+``vision.outline.corners.fillet_kernels``."""
+
+
+@njit(**LEAF)
+def measure_residual(qx, qy, n, at, kind, rows, count, blur, reach):
+    """Write the rms distance of all n points from the whole outline to every edge.
+
+    ``blur``: its sigma in pixels; ``reach``: how far from a corner it tells.
+    """
+    total = 0.0
+    many = 0
+    for i in range(count):
+        after = i + 1 if i + 1 < count else 0
+        before = i - 1 if i > 0 else count - 1
+        behind = after + 1 if after + 1 < count else 0
+        lo = at[i]
+        hi = at[after]
+        hi = hi + n if hi < lo or count == 1 else hi
+        first = min(lo + NEAR_ENDS, hi)
+        last = max(hi - NEAR_ENDS, first)
+        total += _squares(qx[first:last], qy[first:last], kind, rows, i, after)
+        many += last - first
+        begin = ROUNDING * blur * _bend(kind, rows, before, i, after)
+        end = ROUNDING * blur * _bend(kind, rows, i, after, behind)
+        for k in range(lo, hi):
+            if first <= k < last:
+                continue
+            x = qx[k]
+            y = qy[k]
+            d, _, _ = distance_to_edge(kind, rows, i, after, x, y)
+            if d > BESIDE_PX:
+                other, _, _ = distance_to_edge(kind, rows, before, i, x, y)
+                d = min(d, other)
+                other, _, _ = distance_to_edge(kind, rows, after, behind, x, y)
+                d = min(d, other)
+            if (x - rows[i, 0]) ** 2 + (y - rows[i, 1]) ** 2 < reach * reach:
+                d -= min(begin, d)
+            if (x - rows[after, 0]) ** 2 + (y - rows[after, 1]) ** 2 < reach * reach:
+                d -= min(end, d)
+            total += d * d
+            many += 1
+    rms = math.sqrt(total / max(many, 1))
+    for i in range(count):
+        rows[i, 5] = rms
+
+
+@njit(**SUMS)
+def _squares(xs, ys, kind, rows, i, after):
+    """The sum of squared distances of points amid edge i from it."""
+    total = 0.0
+    if kind[i] == LINE:
+        dx = rows[after, 0] - rows[i, 0]
+        dy = rows[after, 1] - rows[i, 1]
+        share = 1.0 / max(math.sqrt(dx * dx + dy * dy), 1e-9)
+        a = dy * share
+        b = -dx * share
+        c = -(rows[i, 0] * a + rows[i, 1] * b)
+        for k in range(xs.shape[0]):
+            d = xs[k] * a + ys[k] * b + c
+            total += d * d
+        return total
+    for k in range(xs.shape[0]):
+        dx = xs[k] - rows[i, 2]
+        dy = ys[k] - rows[i, 3]
+        d = math.sqrt(dx * dx + dy * dy) - rows[i, 4]
+        total += d * d
+    return total
+
+
+@njit(**LEAF)
+def _way(kind, rows, i, after, end):
+    """The direction of edge i at its end, or at its begin."""
+    if kind[i] == LINE:
+        return rows[after, 0] - rows[i, 0], rows[after, 1] - rows[i, 1]
+    dx = rows[end, 0] - rows[i, 2]
+    dy = rows[end, 1] - rows[i, 3]
+    # y down: the angle grows along an arc that is clockwise on the screen
+    if kind[i] == ARC_CCW:
+        return dy, -dx
+    return -dy, dx
+
+
+@njit(**LEAF)
+def _bend(kind, rows, before, i, after):
+    """The sine of half the angle by which an outline turns where edge i begins."""
+    ax, ay = _way(kind, rows, before, i, i)
+    bx, by = _way(kind, rows, i, after, i)
+    lengths = math.sqrt((ax * ax + ay * ay) * (bx * bx + by * by))
+    cosine = (ax * bx + ay * by) / max(lengths, 1e-30)
+    return math.sqrt(max(0.5 * (1.0 - cosine), 0.0))

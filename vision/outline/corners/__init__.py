@@ -1,0 +1,1 @@
+"""Where two edges meet: corners, wall ends, fillets, merged and dropped sides."""

@@ -1,0 +1,158 @@
+"""How blur rounds a border's corners, and what its points cost beside that.
+
+Rules and units
+- ``px``, ``py``, ``breaks``, ``shape`` and ``joints`` as in
+  ``vision.outline.corners.joint_kernels``.
+- ``corners`` (edges, 8), a row a joint: the unit vectors from which its border comes and along
+  which it goes on, the unit vector between both, twice the sine of half its turn, positive where
+  it turns clockwise on the screen, and the turn in radians, signed alike.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from vision.outline.corners.joint_kernels import edge_end, tangent_at
+from vision.shared.compile_options import LEAF, SUMS
+
+CORNER_ROOM = 8
+ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
+REACH = 4.0
+"""Farther from a joint, in sigmas of the blur, nothing is rounded."""
+PER_SIGMA = 32
+"""Entries of the table for a sigma: linear between them, it is right to 5e-5 of the blur."""
+
+
+def _excess(t: float) -> float:
+    """The mean of max(x - t, 0) under a Gaussian of sigma 1."""
+    tail = 0.5 * math.erfc(t / math.sqrt(2.0))
+    return math.exp(-0.5 * t * t) / math.sqrt(2.0 * math.pi) - t * tail
+
+
+LAST = REACH * PER_SIGMA
+"""Where the table ends, and the excess is none."""
+EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) + 2)])
+
+
+@njit(**LEAF)
+def find_corners(px, py, n, breaks, is_arc, edges, shape, joints, corners):
+    """Fill ``corners``: where the border comes from and goes to at every joint."""
+    for e in range(edges):
+        before = e - 1 if e > 0 else edges - 1
+        x = joints[e, 0]
+        y = joints[e, 1]
+        here = breaks[e]
+        back = breaks[before]
+        p = back + max((here - back) % n, 2) // 2
+        q = here + max(edge_end(breaks, edges, n, e) - here, 2) // 2
+        ax, ay = tangent_at(shape[before], is_arc[before], x, y, x - px[p], y - py[p])
+        bx, by = tangent_at(shape[e], is_arc[e], x, y, px[q] - x, py[q] - y)
+        cross = ax * by - ay * bx
+        dot = ax * bx + ay * by
+        length = math.sqrt(max(2.0 + 2.0 * dot, 0.0))
+        share = 1.0 / length if length > 1e-9 else 0.0
+        steepness = math.sqrt(max(2.0 - 2.0 * dot, 0.0)) if length > 1e-9 else 0.0
+        corners[e, 0] = ax
+        corners[e, 1] = ay
+        corners[e, 2] = bx
+        corners[e, 3] = by
+        corners[e, ALONG_X] = (ax + bx) * share
+        corners[e, ALONG_Y] = (ay + by) * share
+        corners[e, STEEPNESS] = steepness if cross > 0.0 else -steepness
+        corners[e, TURN] = math.atan2(cross, dot)
+
+
+@njit(**SUMS)
+def _measure(px, py, lo, hi, row, is_arc, side, deviations):
+    """The deviations of points lo .. hi - 1 from a line or a circle, positive to the right."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    x0 = row[0]
+    y0 = row[1]
+    if is_arc:
+        r = row[2]
+        for k in range(hi - lo):
+            dx = xs[k] - x0
+            dy = ys[k] - y0
+            deviations[k] = side * (math.sqrt(dx * dx + dy * dy) - r)
+        return
+    ux = row[2]
+    uy = row[3]
+    for k in range(hi - lo):
+        deviations[k] = ux * (ys[k] - y0) - uy * (xs[k] - x0)
+
+
+@njit(**LEAF)
+def _explain(px, py, lo, hi, from_, joint_x, joint_y, corner, blur, deviations):
+    """Take off what a corner explains of points lo .. hi - 1; ``deviations`` begin at ``from_``.
+
+    Across the middle between a corner's sides the level that blur leaves half-way is, where it
+    turns little, the mean height of both sides under a Gaussian.
+    """
+    reach = (REACH * blur) ** 2
+    scale = PER_SIGMA / blur
+    height = corner[STEEPNESS] * blur
+    for k in range(lo, hi):
+        dx = px[k] - joint_x
+        dy = py[k] - joint_y
+        if dx * dx + dy * dy > reach:
+            continue
+        t = abs(dx * corner[ALONG_X] + dy * corner[ALONG_Y]) * scale
+        # tangents of arcs that miss their joint are no unit vectors
+        t = min(t, LAST)
+        i = int(t)
+        share = t - i
+        deviations[k - from_] -= height * ((1.0 - share) * EXCESS[i] + share * EXCESS[i + 1])
+
+
+@njit(**SUMS)
+def _price(deviations, dead_zone, sigma, expected):
+    """Turn deviations into costs, less what noise explains."""
+    inv = 1.0 / sigma
+    for k in range(deviations.shape[0]):
+        over = max(abs(deviations[k]) - dead_zone, 0.0) * inv
+        deviations[k] = over * over - expected
+
+
+@njit(**LEAF)
+def sum_costs(
+    px, py, n, breaks, is_arc, edges, shape, joints, corners, blur, dead_zone, sigma, expected,
+    sums,
+):  # fmt: skip
+    """Cost of the points up to each one of the border, and once more of its second round.
+
+    Less what noise explains; ``sums`` (2 * n + 1,).
+    """
+    span = int(2.0 * REACH * blur) + 2
+    for e in range(edges):
+        after = e + 1 if e + 1 < edges else 0
+        lo = breaks[e]
+        hi = edge_end(breaks, edges, n, e)
+        side = 1.0
+        if is_arc[e]:
+            # positive to the right of the way, as of a line
+            x = joints[e, 0] - shape[e, 0]
+            y = joints[e, 1] - shape[e, 1]
+            side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0
+        here = sums[lo + 1 : hi + 1]
+        _measure(px, py, lo, hi, shape[e], is_arc[e], side, here)
+        _explain(
+            px, py, lo, min(lo + span, hi), lo, joints[e, 0], joints[e, 1], corners[e], blur, here
+        )
+        _explain(
+            px, py, max(hi - span, lo), hi, lo, joints[after, 0], joints[after, 1], corners[after],
+            blur, here,
+        )  # fmt: skip
+        _price(here, dead_zone, sigma, expected)
+        for k in range(n, hi):
+            sums[k - n + 1] = sums[k + 1]
+    sums[0] = 0.0
+    for k in range(n):
+        sums[k + 1] += sums[k]
+    for k in range(n):
+        sums[n + k + 1] = sums[n] + sums[k + 1]

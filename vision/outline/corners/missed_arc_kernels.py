@@ -1,0 +1,60 @@
+"""Lines that are bent: what a search lets pass as straight because a little deviation is free.
+
+Rules and units
+- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over;
+  ``shape`` and ``ranges`` as in ``vision.outline.corners.joint_kernels``.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+from numba import njit
+
+from vision.outline.fit.shape_kernels import circle_rms, fit_circle
+from vision.shared.compile_options import LEAF
+
+BENT_PX, BENT_BY = 0.15, 2.0
+"""A bent line's arc rises so high over its chord, and so many times the noise of a point more."""
+BETTER_BY = 0.5
+"""Share of the line's residual that its arc leaves."""
+LEAST = 7
+"""Points that tell a bend."""
+EVERY = 1
+SHALLOW = 0.9
+"""Cosine of the turn up to which two lines may be two chords of one arc."""
+AS_GOOD_PX = 0.02
+"""An arc that leaves so little more than both of them is as good."""
+
+
+@njit(**LEAF)
+def any_bent_line(px, py, n, is_arc, edges, shape, ranges, spread, circle):
+    """Whether an arc fits a line's points far better, or those of two lines as well.
+
+    ``spread``: the noise of a point.
+    """
+    least = BENT_PX + BENT_BY * spread
+    for e in range(edges):
+        a = ranges[e, 0]
+        b = ranges[e, 1]
+        if is_arc[e] or a < 0 or b - a < LEAST:
+            continue
+        after = e + 1 if e + 1 < edges else 0
+        dot = shape[e, 2] * shape[after, 2] + shape[e, 3] * shape[after, 3]
+        pair = after != e and not is_arc[after] and ranges[after, 0] >= 0 and dot > SHALLOW
+        if pair and ranges[after, 1] - ranges[after, 0] >= LEAST:
+            end = ranges[after, 1]
+            end = end + n if end <= a else end
+            if end <= 2 * n and fit_circle(px, py, a, end, EVERY, circle):
+                allowed = max(shape[e, 4], shape[after, 4]) + AS_GOOD_PX
+                if circle_rms(px, py, a, end, circle) < allowed:
+                    return True
+        if shape[e, 4] < 0.2 * least or not fit_circle(px, py, a, b, EVERY, circle):
+            continue
+        dx = px[b - 1] - px[a]
+        dy = py[b - 1] - py[a]
+        if dx * dx + dy * dy < 8.0 * circle[2] * least:
+            continue
+        if circle_rms(px, py, a, b, circle) < BETTER_BY * shape[e, 4]:
+            return True
+    return False

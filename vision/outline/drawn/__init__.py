@@ -1,0 +1,1 @@
+"""Drawn pictures, whose borders are exact: edges that separate the pixels."""

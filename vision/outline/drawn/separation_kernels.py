@@ -1,0 +1,280 @@
+"""Whether finished edges separate the pixels of a border without grey.
+
+Rules and units
+- A crack lies between the centres of an obstacle pixel and a free one, half a pixel away each.
+  Edges drawn again give both back exactly where they cross the way from one centre to the other
+  an odd number of times: no estimate. An outline that crosses the ways of a border's cracks one
+  after the other takes no pixel's centre for what it is not.
+- ``qx``, ``qy``: the middles of one border's n cracks, twice over, in pixels;
+  ``hx``, ``hy``: from there to the free pixel.
+- Edges ``0 .. count - 1`` of ``kind`` and ``rows`` (see ``vision.outline.fit.outline_kernels``),
+  whose first cracks' indices are in ``at``, ascending around the border.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from vision.outline.fit.outline_kernels import LINE, distance_to_edge, in_sweep
+from vision.outline.fit.separating_fit_kernels import HALF
+from vision.outline.fit.shape_kernels import HUGE
+from vision.shared.compile_options import LEAF
+
+AHEAD, SAME_PX = 12, 1e-6
+"""The crack of an edge point is looked for among so many; one so near is it."""
+NEAR_JOINT_PX = 2.0
+"""So near to a joint more than its own edge may pass a point."""
+NEIGHBOURS = 2
+"""Edges on either side that may pass a point."""
+JUT_PX, AROUND, TOUCH_PX = 1.2, 8, 0.51
+"""A corner farther from its border may hold a pixel that is none of the object's; it is compared
+with so many cracks on either side. A free pixel touches the obstacle across a crack's middle."""
+GRAVE_PX = 0.75
+"""A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
+than one from what is drawn."""
+ROUND_HALF = 0.495
+"""So far from a crack's middle an arc may pass: who draws it as a polyline is a little off."""
+OK, LOST, GRAVE = 0, 1, 2
+"""What becomes of a point."""
+
+
+@njit(**LEAF)
+def runs_between_two_greys(grey, xs, ys, directions):
+    """Whether all obstacle pixels at cracks have one value, and all free ones beside them one."""
+    height, width = grey.shape
+    dark = grey[0, 0]
+    light = grey[0, 0]
+    seen = False
+    for k in range(xs.shape[0]):
+        x = np.int64(xs[k])
+        y = np.int64(ys[k])
+        d = np.int64(directions[k])
+        if k == 0:
+            dark = grey[y, x]
+        if grey[y, x] != dark:
+            return False
+        x += (d & 1) * (2 - d)
+        y += (1 - (d & 1)) * (d - 1)
+        if not (0 <= x < width and 0 <= y < height):
+            continue
+        if not seen:
+            light = grey[y, x]
+            seen = True
+        if grey[y, x] != light:
+            return False
+    return True
+
+
+@njit(**LEAF)
+def middles(xs, ys, directions, qx, qy, hx, hy):
+    """Fill ``qx``, ``qy``, ``hx`` and ``hy`` from a border's cracks; returns their number."""
+    n = xs.shape[0]
+    for k in range(n):
+        d = np.int64(directions[k])
+        ox = HALF * ((d & 1) * (2 - d))
+        oy = HALF * ((1 - (d & 1)) * (d - 1))
+        hx[k] = ox
+        hy[k] = oy
+        hx[n + k] = ox
+        hy[n + k] = oy
+        qx[k] = xs[k] + ox
+        qy[k] = ys[k] + oy
+        qx[n + k] = qx[k]
+        qy[n + k] = qy[k]
+    qx[2 * n] = qx[0]
+    qy[2 * n] = qy[0]
+    hx[2 * n] = hx[0]
+    hy[2 * n] = hy[0]
+    return n
+
+
+@njit(**LEAF)
+def find_cracks(px, py, points, qx, qy, n, cracks):
+    """``cracks`` (points,): which crack every edge point was measured across, ascending."""
+    c = -1
+    for k in range(points):
+        x = px[k]
+        y = py[k]
+        nearest = HUGE
+        where = c + 1
+        last = min(c + AHEAD, n - points + k)
+        for j in range(c + 1, last + 1):
+            d = abs(qx[j] - x) + abs(qy[j] - y)
+            if d < nearest:
+                nearest = d
+                where = j
+            if d < SAME_PX:
+                break
+        c = where
+        cracks[k] = c
+
+
+@njit(**LEAF)
+def _crossings(kind, rows, i, after, x, y, upright):
+    """How often edge i crosses the way between the two pixels of the crack at (x, y)."""
+    x0 = rows[i, 0]
+    y0 = rows[i, 1]
+    x1 = rows[after, 0]
+    y1 = rows[after, 1]
+    if kind[i] == LINE:
+        if upright:
+            if (y0 <= y) == (y1 <= y):
+                return 0
+            there = x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+            return 1 if abs(there - x) < HALF else 0
+        if (x0 <= x) == (x1 <= x):
+            return 0
+        there = y0 + (x - x0) * (y1 - y0) / (x1 - x0)
+        return 1 if abs(there - y) < HALF else 0
+    return _round_crossings(kind, rows, i, after, x, y, upright)
+
+
+@njit(**LEAF)
+def _round_crossings(kind, rows, i, after, x, y, upright):
+    """The same for an arc.
+
+    Where an end lies on the line through both pixels, it counts as a line's end does: an arc whose
+    ends lie on different sides crosses that line once, or else not or twice.
+    """
+    cx = rows[i, 2]
+    cy = rows[i, 3]
+    r = rows[i, 4]
+    off = y - cy if upright else x - cx
+    square = r * r - off * off
+    if square <= 0.0:
+        return 0
+    root = math.sqrt(square)
+    ax = cx + root if upright else x
+    ay = y if upright else cy + root
+    bx = cx - root if upright else x
+    by = y if upright else cy - root
+    a = in_sweep(kind, rows, i, after, ax, ay)
+    b = in_sweep(kind, rows, i, after, bx, by)
+    x0 = rows[i, 0]
+    y0 = rows[i, 1]
+    x1 = rows[after, 0]
+    y1 = rows[after, 1]
+    sides = (y0 <= y) != (y1 <= y) if upright else (x0 <= x) != (x1 <= x)
+    if (a != b) != sides:
+        # one of the two is an end
+        far_a = min((ax - x0) ** 2 + (ay - y0) ** 2, (ax - x1) ** 2 + (ay - y1) ** 2)
+        far_b = min((bx - x0) ** 2 + (by - y0) ** 2, (bx - x1) ** 2 + (by - y1) ** 2)
+        if far_a < far_b:
+            a = not a
+        else:
+            b = not b
+    found = 0
+    if a and abs(ax - x) < ROUND_HALF and abs(ay - y) < ROUND_HALF:
+        found += 1
+    if b and abs(bx - x) < ROUND_HALF and abs(by - y) < ROUND_HALF:
+        found += 1
+    return found
+
+
+@njit(**LEAF)
+def _judge(kind, rows, count, i, x, y, upright):
+    """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
+    after = i + 1 if i + 1 < count else 0
+    own = _crossings(kind, rows, i, after, x, y, upright)
+    near = NEAR_JOINT_PX * NEAR_JOINT_PX
+    beside = (x - rows[i, 0]) ** 2 + (y - rows[i, 1]) ** 2 < near
+    beside = beside or (x - rows[after, 0]) ** 2 + (y - rows[after, 1]) ** 2 < near
+    if own == 1 and not beside:
+        return OK
+    reach = min(NEIGHBOURS, (count - 1) // 2)
+    first = -reach
+    last = reach if count > 2 * NEIGHBOURS else count - 1 - reach
+    for step in range(first, last + 1):
+        if step != 0:
+            j = (i + step + count) % count
+            own += _crossings(kind, rows, j, j + 1 if j + 1 < count else 0, x, y, upright)
+    if own % 2 == 1:
+        return OK
+    for step in range(first, last + 1):
+        j = (i + step + count) % count
+        away, _, _ = distance_to_edge(kind, rows, j, j + 1 if j + 1 < count else 0, x, y)
+        if away <= GRAVE_PX:
+            return LOST
+    return GRAVE
+
+
+@njit(**LEAF)
+def _juts_out(qx, qy, n, k, x, y, ax, ay, bx, by):
+    """Whether a corner at (x, y), before crack k, holds a pixel that touches no obstacle.
+
+    (ax, ay) and (bx, by) are where its edges come from and go to.
+    """
+    nearest = HUGE
+    for step in range(-AROUND, AROUND + 1):
+        j = (k + step + n) % n
+        nearest = min(nearest, (qx[j] - x) ** 2 + (qy[j] - y) ** 2)
+    if nearest < JUT_PX * JUT_PX:
+        return False
+    reach = math.sqrt(nearest)
+    # a pixel lies in the corner where it lies on the inner side of both edges
+    turn = (x - ax) * (by - y) - (y - ay) * (bx - x)
+    side = 1.0 if turn > 0.0 else -1.0
+    for py in range(math.ceil(y - reach), math.floor(y + reach) + 1):
+        for px in range(math.ceil(x - reach), math.floor(x + reach) + 1):
+            if (px - x) ** 2 + (py - y) ** 2 >= nearest:
+                continue
+            if side * ((x - ax) * (py - ay) - (y - ay) * (px - ax)) < 0.0:
+                continue
+            if side * ((bx - x) * (py - y) - (by - y) * (px - x)) < 0.0:
+                continue
+            touches = False
+            for step in range(-AROUND, AROUND + 1):
+                j = (k + step + n) % n
+                touches = touches or (qx[j] - px) ** 2 + (qy[j] - py) ** 2 < TOUCH_PX * TOUCH_PX
+            if not touches:
+                return True
+    return False
+
+
+@njit(**LEAF)
+def find_lost(qx, qy, hx, n, at, kind, rows, count, state):
+    """``state`` (n,) of every crack; cracks lost, and how many of them gravely."""
+    lost = 0
+    grave = 0
+    for i in range(count):
+        after = i + 1 if i + 1 < count else 0
+        lo = at[i]
+        hi = at[after]
+        hi = hi + n if hi <= lo else hi
+        x0 = rows[i, 0]
+        y0 = rows[i, 1]
+        dx = rows[after, 0] - x0
+        dy = rows[after, 1] - y0
+        # a crack well within a line is told by the line alone
+        square = dx * dx + dy * dy if kind[i] == LINE else 0.0
+        margin = NEAR_JOINT_PX * math.sqrt(square)
+        across_upright = HALF * abs(dy)
+        across_level = HALF * abs(dx)
+        for k in range(lo, hi):
+            here = k - n if k >= n else k
+            x = qx[k] - x0
+            y = qy[k] - y0
+            along = x * dx + y * dy
+            limit = across_upright if hx[k] != 0.0 else across_level
+            if (margin < along) & (along < square - margin) & (abs(x * dy - y * dx) < limit):
+                state[here] = OK
+                continue
+            found = _judge(kind, rows, count, i, qx[k], qy[k], hx[k] != 0.0)
+            state[here] = found
+            lost += found != OK
+            grave += found == GRAVE
+    for i in range(count):
+        after = i + 1 if i + 1 < count else 0
+        before = i - 1 if i > 0 else count - 1
+        if kind[i] == LINE and kind[before] == LINE and _juts_out(
+            qx, qy, n, at[i], rows[i, 0], rows[i, 1], rows[before, 0], rows[before, 1],
+            rows[after, 0], rows[after, 1],
+        ):  # fmt: skip
+            state[at[i]] = GRAVE
+            grave += 1
+    return lost, grave

@@ -1,0 +1,143 @@
+"""Lines and circles from sums over a stretch of a border: the sums grow with the stretch.
+
+Rules and units
+- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``. A search that makes a stretch longer
+  and longer adds each point once, and fits through all of them at any moment; a fit through a
+  sample of them would be farther off the more points are left out.
+- ``sums`` (13,): the stretch's first point and the one behind its last, for a line and for a
+  circle; x and y of the first, the origin; and about that, with z = xx + yy, the sums of x, y,
+  xx, xy, yy, xz, yz, zz.
+- Fits as in ``vision.outline.fit.shape_kernels``: total least squares, and Taubin's circle.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from vision.outline.fit.shape_kernels import taubin
+from vision.shared.compile_options import SUMS
+
+FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
+X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
+ROOM = 13
+
+
+@njit(**SUMS)
+def grow(px, py, a, b, sums):
+    """Let ``sums`` be those of points a .. b - 1 as far as a line needs them."""
+    begin = int(sums[BEHIND])
+    if int(sums[FIRST]) != a or begin > b:
+        begin = a
+        sums[FIRST] = a
+        sums[ROUND_BEHIND] = a
+        sums[ORIGIN_X] = px[a]
+        sums[ORIGIN_Y] = py[a]
+        for i in range(X, ROOM):
+            sums[i] = 0.0
+    ox = sums[ORIGIN_X]
+    oy = sums[ORIGIN_Y]
+    xs = px[begin:b]
+    ys = py[begin:b]
+    sx = 0.0
+    sy = 0.0
+    xx = 0.0
+    xy = 0.0
+    yy = 0.0
+    for k in range(b - begin):
+        x = xs[k] - ox
+        y = ys[k] - oy
+        sx += x
+        sy += y
+        xx += x * x
+        xy += x * y
+        yy += y * y
+    sums[BEHIND] = b
+    sums[X] += sx
+    sums[Y] += sy
+    sums[XX] += xx
+    sums[XY] += xy
+    sums[YY] += yy
+
+
+@njit(**SUMS)
+def grow_round(px, py, sums):
+    """Let ``sums`` be complete, as a circle needs them: most stretches are lines."""
+    begin = int(sums[ROUND_BEHIND])
+    b = int(sums[BEHIND])
+    ox = sums[ORIGIN_X]
+    oy = sums[ORIGIN_Y]
+    xs = px[begin:b]
+    ys = py[begin:b]
+    xz = 0.0
+    yz = 0.0
+    zz = 0.0
+    for k in range(b - begin):
+        x = xs[k] - ox
+        y = ys[k] - oy
+        z = x * x + y * y
+        xz += x * z
+        yz += y * z
+        zz += z * z
+    sums[ROUND_BEHIND] = b
+    sums[XZ] += xz
+    sums[YZ] += yz
+    sums[ZZ] += zz
+
+
+@njit(**SUMS)
+def line_of(px, py, sums, out):
+    """Total least squares through the points of ``sums``: out = x, y, ux, uy."""
+    share = 1.0 / (sums[BEHIND] - sums[FIRST])
+    mx = sums[X] * share
+    my = sums[Y] * share
+    b = sums[XY] * share - mx * my
+    half = 0.5 * ((sums[XX] * share - mx * mx) - (sums[YY] * share - my * my))
+    # the eigenvector of the larger eigenvalue
+    root = math.sqrt(half * half + b * b)
+    ux = half + root if half >= 0.0 else b
+    uy = b if half >= 0.0 else root - half
+    length = math.sqrt(ux * ux + uy * uy)
+    if length > 0.0:
+        ux /= length
+        uy /= length
+    else:
+        ux = 1.0
+        uy = 0.0
+    last = int(sums[BEHIND]) - 1
+    if (px[last] - sums[ORIGIN_X]) * ux + (py[last] - sums[ORIGIN_Y]) * uy < 0.0:
+        ux = -ux
+        uy = -uy
+    out[0] = sums[ORIGIN_X] + mx
+    out[1] = sums[ORIGIN_Y] + my
+    out[2] = ux
+    out[3] = uy
+
+
+@njit(**SUMS)
+def circle_of(px, py, sums, out):
+    """Taubin's circle through the points of ``sums``: out = cx, cy, r; False on a line."""
+    grow_round(px, py, sums)
+    share = 1.0 / (sums[BEHIND] - sums[FIRST])
+    mx = sums[X] * share
+    my = sums[Y] * share
+    mm = mx * mx + my * my
+    ez = (sums[XX] + sums[YY]) * share
+    xx = sums[XX] * share - mx * mx
+    xy = sums[XY] * share - mx * my
+    yy = sums[YY] * share - my * my
+    # about the mean: z there is z here - 2 mx x - 2 my y - mm
+    ex = sums[XZ] * share - mx * ez
+    ey = sums[YZ] * share - my * ez
+    xz = ex - 2.0 * (mx * xx + my * xy)
+    yz = ey - 2.0 * (mx * xy + my * yy)
+    zz = (
+        sums[ZZ] * share
+        - 2.0 * mm * ez
+        + mm * mm
+        + 4.0 * (mx * mx * xx + 2.0 * mx * my * xy + my * my * yy - mx * ex - my * ey)
+    )
+    return taubin(xx, xy, yy, xz, yz, zz, sums[ORIGIN_X] + mx, sums[ORIGIN_Y] + my, out)

@@ -1,0 +1,166 @@
+"""Finished edges of a closed outline: how they are written, how far off they are, how long.
+
+Rules and units
+- ``rows`` (k, 6): the first point x, y of an edge, the centre and radius of an arc, and the rms
+  deviation; an edge ends where the next one begins, the last one where the first does.
+- Pixels, y down; an arc's turn is as seen on the screen.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from vision.shared.compile_options import LEAF
+
+LINE, ARC_CW, ARC_CCW = 0, 1, 2
+"""Kinds of an edge; the turn as seen on the screen."""
+FLATTEST_PX = 1e-3
+"""An arc that rises less above its chord is a line."""
+STRAY_PX = 2.0
+"""How far a written outline and its border may be apart, but for a pointed corner that blur rounded
+back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
+(``vision.outline.fitting_kernels.MOST_PX``), and there is a point for every row or column of a
+border only: what ``tests/support/outline_judge.py`` fails, which allows 3 px, fails here
+(``python -m benchmarks.outlines``)."""
+TURNS = 8
+"""Steps in which an arc's points are looked at for its turning sense."""
+TAU = 2.0 * math.pi
+
+
+@njit(**LEAF)
+def _through_ends(shape, e, x0, y0, x1, y1, ccw, circle):
+    """The circle through both ends that keeps the fitted arc's middle; cx, cy, r.
+
+    The middle lies where the fitted circle meets the chord's bisector on the arc's side.
+    """
+    cx = shape[e, 0]
+    cy = shape[e, 1]
+    r = shape[e, 2]
+    mx = 0.5 * (x0 + x1)
+    my = 0.5 * (y0 + y1)
+    dx = x1 - x0
+    dy = y1 - y0
+    chord = math.sqrt(dx * dx + dy * dy)
+    if chord < 1e-9:
+        circle[0] = cx
+        circle[1] = cy
+        circle[2] = math.sqrt((x0 - cx) ** 2 + (y0 - cy) ** 2)
+        return
+    # clockwise on the screen (y down): the arc bulges to the left of its chord, which is
+    # the direction (dy, -dx)
+    side = -1.0 if ccw else 1.0
+    nx = side * dy / chord
+    ny = -side * dx / chord
+    # signed distance of the centre from the chord towards the bulge
+    c = (cx - mx) * nx + (cy - my) * ny
+    sag = c + r
+    if sag < 1e-9:
+        sag = 1e-9
+    half = 0.5 * chord
+    new_r = (half * half + sag * sag) / (2.0 * sag)
+    circle[0] = mx + nx * (sag - new_r)
+    circle[1] = my + ny * (sag - new_r)
+    circle[2] = new_r
+
+
+@njit(**LEAF)
+def _is_ccw(px, py, lo, hi, cx, cy):
+    """Whether the border runs counter-clockwise as seen on the screen about (cx, cy)."""
+    total = 0.0
+    p = lo
+    for t in range(1, TURNS + 1):
+        q = lo + (hi - lo) * t // TURNS
+        total += (px[p] - cx) * (py[q] - cy) - (py[p] - cy) * (px[q] - cx)
+        p = q
+    return total < 0.0
+
+
+@njit(**LEAF)
+def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
+    """Write edge e between its joints into ``rows``; returns its kind."""
+    x0 = joints[e, 0]
+    y0 = joints[e, 1]
+    rows[e, 0] = x0
+    rows[e, 1] = y0
+    rows[e, 2] = 0.0
+    rows[e, 3] = 0.0
+    rows[e, 4] = 0.0
+    rows[e, 5] = shape[e, 4]
+    if not bent:
+        return LINE
+    x1 = joints[after, 0]
+    y1 = joints[after, 1]
+    ccw = _is_ccw(px, py, lo, hi, shape[e, 0], shape[e, 1])
+    _through_ends(shape, e, x0, y0, x1, y1, ccw, circle)
+    chord = math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+    if chord < FLATTEST_PX or circle[2] * FLATTEST_PX > 0.125 * chord * chord:
+        return LINE
+    rows[e, 2] = circle[0]
+    rows[e, 3] = circle[1]
+    rows[e, 4] = circle[2]
+    return ARC_CCW if ccw else ARC_CW
+
+
+@njit(**LEAF)
+def in_sweep(kinds, rows, e, after, x, y):
+    """Whether (x, y) lies in the sector of arc e."""
+    cx = rows[e, 2]
+    cy = rows[e, 3]
+    # y down: the angle grows along an arc that is clockwise on the screen
+    ax = rows[e, 0] - cx
+    ay = rows[e, 1] - cy
+    bx = rows[after, 0] - cx
+    by = rows[after, 1] - cy
+    if kinds[e] == ARC_CCW:
+        ax, ay, bx, by = bx, by, ax, ay
+    dx = x - cx
+    dy = y - cy
+    after_a = ax * dy - ay * dx >= 0.0
+    before_b = dx * by - dy * bx >= 0.0
+    return (after_a and before_b) if ax * by - ay * bx >= 0.0 else (after_a or before_b)
+
+
+@njit(**LEAF)
+def distance_to_edge(kinds, rows, e, after, x, y):
+    """Distance from (x, y) to finished edge e, and its foot: ``(distance, x, y)``."""
+    x0 = rows[e, 0]
+    y0 = rows[e, 1]
+    x1 = rows[after, 0]
+    y1 = rows[after, 1]
+    if kinds[e] != LINE:
+        cx = rows[e, 2]
+        cy = rows[e, 3]
+        dx = x - cx
+        dy = y - cy
+        d = math.sqrt(dx * dx + dy * dy)
+        within = in_sweep(kinds, rows, e, after, x, y)
+        if within and d > 0.0:
+            share = rows[e, 4] / d
+            return abs(d - rows[e, 4]), cx + dx * share, cy + dy * share
+        near0 = math.sqrt((x - x0) ** 2 + (y - y0) ** 2)
+        near1 = math.sqrt((x - x1) ** 2 + (y - y1) ** 2)
+        if near0 < near1:
+            return near0, x0, y0
+        return near1, x1, y1
+    dx = x1 - x0
+    dy = y1 - y0
+    square = dx * dx + dy * dy
+    t = 0.0
+    if square > 0.0:
+        t = min(max(((x - x0) * dx + (y - y0) * dy) / square, 0.0), 1.0)
+    fx = x0 + t * dx
+    fy = y0 + t * dy
+    return math.sqrt((x - fx) ** 2 + (y - fy) ** 2), fx, fy
+
+
+@njit(**LEAF)
+def arc_length(kinds, rows, e, after):
+    """The length of arc e."""
+    begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
+    end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
+    sweep = (end - begin) % TAU if kinds[e] == ARC_CW else (begin - end) % TAU
+    return sweep * rows[e, 4]

@@ -1,0 +1,218 @@
+"""Lines and circles turned and moved until they pass between the pixels of a picture without grey.
+
+Rules and units
+- Points as in ``vision.outline.fit.shape_kernels``; each is the middle between an obstacle pixel
+  and a free one. What leaves it by less than half a pixel along the axis keeps both on their sides.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from vision.shared.compile_options import LEAF, SUMS
+
+HALF = 0.5
+"""Along a pixel's axis, how far an edge may leave the middle between two pixels' centres."""
+SEPARATION_STEPS = 12
+SEPARATION_MARGIN = 0.03
+"""How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
+ACTIVE_PX = 0.15
+"""Points so near to their limit take part when an edge is turned between the pixels."""
+
+
+@njit(**SUMS)
+def lost_to_circle(px, py, n, circle):
+    """How many pixels beside n points a circle takes for what they are not, without grey."""
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    lost = 0
+    for k in range(n):
+        x = abs(px[k] - cx)
+        y = abs(py[k] - cy)
+        away = math.sqrt(x * x + y * y)
+        lost += abs(away - r) * away > HALF * max(x, y)
+    return lost
+
+
+@njit(**LEAF)
+def pixels_lost_to_circle(qx, qy, hx, hy, cracks, circle):
+    """How many pixels beside a border's cracks a circle takes for what they are not.
+
+    ``qx`` to ``hy`` as in ``vision.outline.drawn.separation_kernels``. A pixel's cracks follow one
+    another.
+    """
+    cx = circle[0]
+    cy = circle[1]
+    square = circle[2] * circle[2]
+    # a hole lies within its free pixels
+    turn = 0.0
+    for k in range(cracks):
+        turn += (qx[k] - cx) * hx[k] + (qy[k] - cy) * hy[k]
+    lost = 0
+    last_x = -1.0
+    last_y = -1.0
+    for side in range(2):
+        sign = 1.0 if side == 0 else -1.0
+        outside = (sign > 0.0) == (turn > 0.0)
+        for k in range(cracks):
+            x = qx[k] + sign * hx[k]
+            y = qy[k] + sign * hy[k]
+            away = (x - cx) * (x - cx) + (y - cy) * (y - cy)
+            if (away > square) != outside and (x != last_x or y != last_y):
+                lost += 1
+                last_x = x
+                last_y = y
+    return lost
+
+
+@njit(**SUMS)
+def separate_line(px, py, lo, hi, line, near):
+    """Turn and shift a line until it passes between the pixels on its two sides.
+
+    In a picture without grey every point is the middle between an obstacle pixel and a free
+    one: a line that leaves it by less than half a pixel along the axis keeps both on their
+    sides. Least squares on what exceeds that, a few steps from the total-least-squares line;
+    ``near`` (2, hi - lo + 1) is room for the points that may matter.
+    """
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    near_x = near[0]
+    near_y = near[1]
+    x = line[0]
+    y = line[1]
+    ux = line[2]
+    uy = line[3]
+    limit = (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
+    beyond = 0
+    for k in range(hi - lo):
+        beyond += abs((ys[k] - y) * ux - (xs[k] - x) * uy) > limit
+    if beyond == 0:
+        return
+    count = 0
+    for k in range(hi - lo):
+        near_x[count] = xs[k]
+        near_y[count] = ys[k]
+        count += abs((ys[k] - y) * ux - (xs[k] - x) * uy) > limit - ACTIVE_PX
+    half = 0.5 * (hi - lo)
+    for _ in range(SEPARATION_STEPS):
+        limit = (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
+        w = 0.0
+        wt = 0.0
+        wtt = 0.0
+        b0 = 0.0
+        b1 = 0.0
+        for i in range(count):
+            dx = near_x[i] - x
+            dy = near_y[i] - y
+            d = dy * ux - dx * uy
+            excess = max(abs(d) - limit, 0.0)
+            one = 1.0 if excess > 0.0 else 0.0
+            excess = -excess if d < 0.0 else excess
+            t = dx * ux + dy * uy
+            w += one
+            wt += one * t
+            wtt += one * t * t
+            b0 += excess
+            b1 += excess * t
+        if w == 0.0:
+            break
+        # damped: one point alone must not turn the line
+        a00 = w + 0.5
+        a11 = wtt + 0.15 * half * half
+        det = a00 * a11 - wt * wt
+        shift = (b0 * a11 - b1 * wt) / det
+        turn = (b1 * a00 - b0 * wt) / det
+        x -= shift * uy
+        y += shift * ux
+        vx = ux - turn * uy
+        vy = uy + turn * ux
+        length = math.sqrt(vx * vx + vy * vy)
+        ux = vx / length
+        uy = vy / length
+    line[0] = x
+    line[1] = y
+    line[2] = ux
+    line[3] = uy
+
+
+@njit(**SUMS)
+def separate_circle(px, py, lo, hi, circle, near):
+    """The same for a circle: move and grow it until it passes between the pixels."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    near_x = near[0]
+    near_y = near[1]
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    beyond = 0
+    for k in range(hi - lo):
+        dx = abs(xs[k] - cx)
+        dy = abs(ys[k] - cy)
+        far = math.sqrt(dx * dx + dy * dy)
+        beyond += abs(far - r) > (HALF - SEPARATION_MARGIN) * max(dx, dy) / max(far, 1e-9)
+    if beyond == 0:
+        return
+    count = 0
+    for k in range(hi - lo):
+        dx = abs(xs[k] - cx)
+        dy = abs(ys[k] - cy)
+        far = math.sqrt(dx * dx + dy * dy)
+        excess = abs(far - r) - (HALF - SEPARATION_MARGIN) * max(dx, dy) / max(far, 1e-9)
+        near_x[count] = xs[k]
+        near_y[count] = ys[k]
+        count += excess > -ACTIVE_PX
+    for _ in range(SEPARATION_STEPS):
+        suu = 0.0
+        suv = 0.0
+        svv = 0.0
+        su = 0.0
+        sv = 0.0
+        s1 = 0.0
+        bu = 0.0
+        bv = 0.0
+        b1 = 0.0
+        for i in range(count):
+            dx = near_x[i] - cx
+            dy = near_y[i] - cy
+            far = math.sqrt(dx * dx + dy * dy)
+            inv = 1.0 / max(far, 1e-9)
+            ux = dx * inv
+            uy = dy * inv
+            d = far - r
+            excess = max(abs(d) - (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy)), 0.0)
+            one = 1.0 if excess > 0.0 else 0.0
+            excess = -excess if d < 0.0 else excess
+            suu += one * ux * ux
+            suv += one * ux * uy
+            svv += one * uy * uy
+            su += one * ux
+            sv += one * uy
+            s1 += one
+            bu += ux * excess
+            bv += uy * excess
+            b1 += excess
+        if s1 == 0.0:
+            break
+        suu += 0.5
+        svv += 0.5
+        s1 += 0.5
+        # by cofactors: numba's linear algebra would need scipy on the user's machine
+        c0 = svv * s1 - sv * sv
+        c1 = su * sv - suv * s1
+        c2 = suv * sv - su * svv
+        c3 = suu * s1 - su * su
+        c4 = suv * su - suu * sv
+        c5 = suu * svv - suv * suv
+        det = suu * c0 + suv * c1 + su * c2
+        cx += (c0 * bu + c1 * bv + c2 * b1) / det
+        cy += (c1 * bu + c3 * bv + c4 * b1) / det
+        r += (c2 * bu + c4 * bv + c5 * b1) / det
+    circle[0] = cx
+    circle[1] = cy
+    circle[2] = r

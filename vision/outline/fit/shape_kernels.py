@@ -1,0 +1,359 @@
+"""Lines and circles through stretches of a border: the fits, and what they cost.
+
+Rules and units
+- ``px``, ``py``: one border's points in pixels, about the border's own origin, twice over, so
+  that a stretch lo .. hi may run past the border's end once; y down.
+- A cost is the sum of ((|deviation| - dead_zone) / sigma)^2 over a stretch's points; in a
+  picture without grey the deviation is taken along the pixels' axis (see
+  ``vision.outline.fit.separating_fit_kernels``).
+- Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
+  (N. Chernov, Circular and Linear Regression, 2010).
+- Loops run over a stretch's own slice and without branches, so that they work on several points
+  at a time (``vision.shared.compile_options``).
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from vision.shared.compile_options import LEAF, SUMS
+
+HUGE = 1e18
+"""The cost of what may not be."""
+BEATEN = 1e12
+"""The cost of what is dearer than the best known."""
+CHUNK = 32
+"""Points after which a cost is compared with its bound."""
+FLATTEST_RADIUS_PX = 1e6
+"""A circle of a larger radius is a line."""
+SETTLED_PX = 1e-6
+"""A circle that moves less has converged."""
+
+
+@njit(**SUMS)
+def fit_line(px, py, lo, hi, step, out):
+    """Total least squares through points lo, lo + step, .. < hi: out = x, y, ux, uy."""
+    ox = px[lo]
+    oy = py[lo]
+    sx = 0.0
+    sy = 0.0
+    sxx = 0.0
+    sxy = 0.0
+    syy = 0.0
+    count = (hi - lo + step - 1) // step
+    if step == 1:
+        xs = px[lo:hi]
+        ys = py[lo:hi]
+        for k in range(count):
+            x = xs[k] - ox
+            y = ys[k] - oy
+            sx += x
+            sy += y
+            sxx += x * x
+            sxy += x * y
+            syy += y * y
+    else:
+        for k in range(lo, hi, step):
+            x = px[k] - ox
+            y = py[k] - oy
+            sx += x
+            sy += y
+            sxx += x * x
+            sxy += x * y
+            syy += y * y
+    mx = sx / count
+    my = sy / count
+    b = sxy / count - mx * my
+    half = 0.5 * ((sxx / count - mx * mx) - (syy / count - my * my))
+    # the eigenvector of the larger eigenvalue
+    root = math.sqrt(half * half + b * b)
+    ux = half + root if half >= 0.0 else b
+    uy = b if half >= 0.0 else root - half
+    length = math.sqrt(ux * ux + uy * uy)
+    if length > 0.0:
+        ux /= length
+        uy /= length
+    else:
+        ux = 1.0
+        uy = 0.0
+    if (px[hi - 1] - ox) * ux + (py[hi - 1] - oy) * uy < 0.0:
+        ux = -ux
+        uy = -uy
+    out[0] = ox + mx
+    out[1] = oy + my
+    out[2] = ux
+    out[3] = uy
+
+
+@njit(**SUMS)
+def fit_circle(px, py, lo, hi, step, out):
+    """Taubin's circle through points lo, lo + step, .. < hi: out = cx, cy, r.
+
+    False where the points lie on a line.
+    """
+    count = (hi - lo + step - 1) // step
+    mx = 0.0
+    my = 0.0
+    xx = 0.0
+    xy = 0.0
+    yy = 0.0
+    xz = 0.0
+    yz = 0.0
+    zz = 0.0
+    if step == 1:
+        xs = px[lo:hi]
+        ys = py[lo:hi]
+        for k in range(count):
+            mx += xs[k]
+            my += ys[k]
+        mx /= count
+        my /= count
+        for k in range(count):
+            x = xs[k] - mx
+            y = ys[k] - my
+            z = x * x + y * y
+            xx += x * x
+            xy += x * y
+            yy += y * y
+            xz += x * z
+            yz += y * z
+            zz += z * z
+    else:
+        for k in range(lo, hi, step):
+            mx += px[k]
+            my += py[k]
+        mx /= count
+        my /= count
+        for k in range(lo, hi, step):
+            x = px[k] - mx
+            y = py[k] - my
+            z = x * x + y * y
+            xx += x * x
+            xy += x * y
+            yy += y * y
+            xz += x * z
+            yz += y * z
+            zz += z * z
+    xx /= count
+    xy /= count
+    yy /= count
+    xz /= count
+    yz /= count
+    zz /= count
+    return taubin(xx, xy, yy, xz, yz, zz, mx, my, out)
+
+
+@njit(**SUMS)
+def taubin(xx, xy, yy, xz, yz, zz, mx, my, out):
+    """Taubin's circle from mean products about the points' mean (mx, my): out = cx, cy, r.
+
+    z is xx + yy of a point. False where the points lie on a line.
+    """
+    mz = xx + yy
+    cov = xx * yy - xy * xy
+    var = zz - mz * mz
+    a3 = 4.0 * mz
+    a2 = -3.0 * mz * mz - zz
+    a1 = var * mz + 4.0 * cov * mz - xz * xz - yz * yz
+    a0 = xz * (xz * yy - yz * xy) + yz * (yz * xx - xz * xy) - var * cov
+    eta = 0.0
+    value = a0
+    for _ in range(30):
+        slope = a1 + eta * (2.0 * a2 + 3.0 * a3 * eta)
+        if slope == 0.0:
+            break
+        new = eta - value / slope
+        new_value = a0 + new * (a1 + new * (a2 + new * a3))
+        if not abs(new_value) < abs(value):
+            break
+        near = abs(new - eta) <= 1e-12 * abs(new)
+        eta = new
+        value = new_value
+        if near:
+            break
+    det = eta * eta - eta * mz + cov
+    if abs(det) < 1e-12 * (mz * mz + 1e-300):
+        return False
+    cx = (xz * (yy - eta) - yz * xy) / det / 2.0
+    cy = (yz * (xx - eta) - xz * xy) / det / 2.0
+    square = cx * cx + cy * cy + mz
+    if not square < FLATTEST_RADIUS_PX * FLATTEST_RADIUS_PX:
+        return False
+    out[0] = mx + cx
+    out[1] = my + cy
+    out[2] = math.sqrt(square)
+    return out[2] > 0.0
+
+
+@njit(**SUMS)
+def refine_circle(px, py, lo, hi, rounds, circle):
+    """Gauss-Newton on the distances of points lo .. hi - 1 from a circle, at most so often."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    inv = 1.0 / (hi - lo)
+    for _ in range(rounds):
+        # normal equations of the distances sqrt((x - cx)^2 + (y - cy)^2) - r
+        suu = 0.0
+        suv = 0.0
+        svv = 0.0
+        su = 0.0
+        sv = 0.0
+        sud = 0.0
+        svd = 0.0
+        sd = 0.0
+        for k in range(hi - lo):
+            x = xs[k] - cx
+            y = ys[k] - cy
+            d = math.sqrt(x * x + y * y) + 1e-30
+            u = x / d
+            v = y / d
+            d -= r
+            suu += u * u
+            suv += u * v
+            svv += v * v
+            su += u
+            sv += v
+            sud += u * d
+            svd += v * d
+            sd += d
+        auu = suu - su * su * inv
+        auv = suv - su * sv * inv
+        avv = svv - sv * sv * inv
+        bu = sud - su * sd * inv
+        bv = svd - sv * sd * inv
+        det = auu * avv - auv * auv
+        if det <= 1e-12 * (auu + avv) * (auu + avv):
+            break
+        dx = (bu * avv - bv * auv) / det
+        dy = (bv * auu - bu * auv) / det
+        dr = (sd - su * dx - sv * dy) * inv
+        if not (abs(dx) + abs(dy) < 0.5 * r and r + dr > 0.0):
+            break
+        cx += dx
+        cy += dy
+        r += dr
+        if abs(dx) + abs(dy) + abs(dr) < SETTLED_PX:
+            break
+    circle[0] = cx
+    circle[1] = cy
+    circle[2] = r
+
+
+@njit(**SUMS)
+def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
+    """The cost of a line for points lo .. hi - 1; HUGE beyond ``worst``, BEATEN beyond bound."""
+    scale = 1.0 / max(abs(line[2]), abs(line[3])) if crisp else 1.0
+    a = line[3] * scale
+    b = -line[2] * scale
+    c = -(line[0] * a + line[1] * b)
+    bound *= sigma * sigma
+    cost = 0.0
+    for first in range(lo, hi, CHUNK):
+        xs = px[first : min(first + CHUNK, hi)]
+        ys = py[first : min(first + CHUNK, hi)]
+        beyond = 0
+        for k in range(xs.shape[0]):
+            d = abs(xs[k] * a + ys[k] * b + c)
+            beyond += d > worst
+            over = max(d - dead_zone, 0.0)
+            cost += over * over
+        if beyond > 0:
+            return HUGE
+        if cost > bound:
+            return BEATEN
+    return cost / (sigma * sigma)
+
+
+@njit(**SUMS)
+def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
+    """The same for a circle."""
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    bound *= sigma * sigma
+    cost = 0.0
+    for first in range(lo, hi, CHUNK):
+        xs = px[first : min(first + CHUNK, hi)]
+        ys = py[first : min(first + CHUNK, hi)]
+        beyond = 0
+        if crisp:
+            for k in range(xs.shape[0]):
+                x = abs(xs[k] - cx)
+                y = abs(ys[k] - cy)
+                away = math.sqrt(x * x + y * y)
+                d = abs(away - r) * away / (max(x, y) + 1e-9)
+                beyond += d > worst
+                over = max(d - dead_zone, 0.0)
+                cost += over * over
+        else:
+            for k in range(xs.shape[0]):
+                x = xs[k] - cx
+                y = ys[k] - cy
+                d = abs(math.sqrt(x * x + y * y) - r)
+                beyond += d > worst
+                over = max(d - dead_zone, 0.0)
+                cost += over * over
+        if beyond > 0:
+            return HUGE
+        if cost > bound:
+            return BEATEN
+    return cost / (sigma * sigma)
+
+
+@njit(**LEAF)
+def goes_round(px, py, n, x, y):
+    """Whether a whole border of n points, a closed polyline, winds once round (x, y).
+
+    A circle's residuals do not tell: both sides of a slit lie beside a short stretch of many
+    circles. D. Sunday, Inclusion of a Point in a Polygon, 2001.
+    """
+    turns = 0
+    for k in range(n):
+        ax = px[k] - x
+        ay = py[k] - y
+        bx = px[k + 1] - x
+        by = py[k + 1] - y
+        side = ax * by - bx * ay
+        turns += (ay <= 0.0) & (by > 0.0) & (side > 0.0)
+        turns -= (ay > 0.0) & (by <= 0.0) & (side < 0.0)
+    return abs(turns) == 1
+
+
+@njit(**SUMS)
+def line_rms(px, py, lo, hi, line):
+    """The rms deviation of points lo .. hi - 1 from a line."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    x0 = line[0]
+    y0 = line[1]
+    ux = line[2]
+    uy = line[3]
+    total = 0.0
+    for k in range(hi - lo):
+        d = (xs[k] - x0) * uy - (ys[k] - y0) * ux
+        total += d * d
+    return math.sqrt(total / (hi - lo))
+
+
+@njit(**SUMS)
+def circle_rms(px, py, lo, hi, circle):
+    """The rms deviation of points lo .. hi - 1 from a circle."""
+    xs = px[lo:hi]
+    ys = py[lo:hi]
+    cx = circle[0]
+    cy = circle[1]
+    r = circle[2]
+    total = 0.0
+    for k in range(hi - lo):
+        x = xs[k] - cx
+        y = ys[k] - cy
+        d = math.sqrt(x * x + y * y) - r
+        total += d * d
+    return math.sqrt(total / (hi - lo))

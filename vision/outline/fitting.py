@@ -1,0 +1,117 @@
+"""Lines, arcs and circles through sub-pixel edge points; every decision by residual.
+
+Rules and units
+- Pixels (or rectified pixels), y down. The tolerance follows the picture: the noise, the
+  steepness of its edges, and whether it was drawn without grey.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.borders.contours import Borders, EdgePoints
+from vision.outline.drawn.separation_kernels import runs_between_two_greys
+from vision.outline.fit.edge_prices import edge_prices
+from vision.outline.fitting_kernels import fit_borders
+from vision.records.records import FittedBorders
+
+SMOOTHING = 0.5311
+"""The noise left by the profile's five-pixel Gaussian."""
+FLOOR_PX = 0.05
+"""The smallest spread of edge points that is believed: lenses, prints and edges are no lines."""
+CALM_PX, NOISY_CALM_PX = 0.12, 0.06
+"""Deviation that costs nothing in a picture with grey; less of it where noise moves points much:
+it would hide true corners there, and hardly spares a false one."""
+QUIET_PX, NOISY_PX = 0.1, 0.2
+"""From where to where in the noise of a point the one becomes the other."""
+STAIRCASE_PX = 0.5
+"""Deviation that costs nothing in a picture of black and white only."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """What a fit may miss: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
+    ``crisp``: the picture has no grey at its edges; ``spread_px``: what noise does to a point.
+
+    ``blur_px`` is how far light spreads at an edge (sigma), ``guard_px`` how far from a corner
+    it bends the border: what is nearer takes no part in a fit. ``trim_px`` is the same while
+    the corners are still being looked for.
+    """
+
+    crisp: bool
+    dead_zone_px: float
+    sigma_px: float
+    spread_px: float
+    blur_px: float
+    guard_px: float
+    trim_px: float
+
+    @property
+    def prices(self) -> NDArray[np.float64]:
+        """What a line, an arc and a circle have to save, (3,)."""
+        return edge_prices(self.dead_zone_px, self.sigma_px, self.spread_px, self.crisp)
+
+
+def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
+    """The tolerance that a picture's noise (grey levels), contrast and edges call for."""
+    slope = min(max(edges.slope, 0.05), 0.4)
+    spread = SMOOTHING * noise / (slope * max(contrast, 1.0))
+    crisp = edges.crispness if edges.crispness > 0.3 else 0.0
+    blur = float(np.sqrt(max((0.3989 / slope) ** 2 - 1.0, 0.08)))
+    noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
+    calm = CALM_PX + (NOISY_CALM_PX - CALM_PX) * noisy
+    # noise outweighs what little of the bend is left so far out
+    loud = min(1.0, spread / 0.15)
+    return Tolerance(
+        crisp=crisp > 0.5,
+        dead_zone_px=calm + (STAIRCASE_PX - calm) * crisp,
+        sigma_px=float(np.hypot(FLOOR_PX, spread)),
+        spread_px=spread,
+        blur_px=blur,
+        guard_px=max(1.0, (2.1 - 1.1 * loud) * blur),
+        trim_px=max(1.0, (2.1 - 0.65 * loud) * blur),
+    )
+
+
+def is_drawing(grey: NDArray[Any], borders: Borders) -> bool:
+    """Whether every border runs between the same two values of grey. O(1) for most others."""
+    return bool(runs_between_two_greys(grey, borders.x, borders.y, borders.direction))
+
+
+def fit_edges(
+    points: NDArray[np.float64],
+    starts: NDArray[np.int64],
+    borders: Borders,
+    tolerance: Tolerance,
+    *,
+    separate: bool = False,
+) -> FittedBorders:
+    """Partition every border into lines and arcs, or take it for a circle. O(points).
+
+    ``separate``: the points are the picture's own, and it is a drawing without grey, so that every
+    border's edges have to separate its obstacle pixels from the free ones beside them.
+    """
+    known = len(borders.x) if separate else 0
+    kind, edge_starts, edge_kind, data = fit_borders(
+        np.ascontiguousarray(points),
+        starts,
+        borders.area,
+        borders.owner,
+        borders.x[:known],
+        borders.y[:known],
+        borders.direction[:known],
+        borders.starts,
+        tolerance.crisp,
+        tolerance.dead_zone_px,
+        tolerance.sigma_px,
+        tolerance.spread_px,
+        tolerance.blur_px,
+        tolerance.guard_px,
+        tolerance.trim_px,
+        tolerance.prices,
+    )
+    return FittedBorders(kind, edge_starts, edge_kind, data)

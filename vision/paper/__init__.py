@@ -1,0 +1,1 @@
+"""The paper's own recipe for contours, corners and circles, for comparison."""

@@ -1,0 +1,43 @@
+"""Digital circles: Sauer's test of the paper's section 3.2 (equation 14).
+
+Rules and units
+- A contour's pixels in whole pixels; the centre is their centroid and the radius their mean
+  distance from it, so the circle runs through the pixels' centres.
+- The test is the paper's. Noise breaks it, and it takes a small octagon for a circle; the
+  exact mode fits circles to sub-pixel points and compares residuals: ``vision.outline.fitting``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.paper.corner_kernels import is_digital_circle
+
+SLACK_PX = 0.25
+"""The paper's "threshold value": the border pixels of a filled disc lie up to a pixel inside
+its circle, and their mean radius is not that of the best circle, but near it."""
+FEWEST = 8
+"""Pixels of the smallest contour that can be told from a dot."""
+
+
+@dataclass(frozen=True, slots=True)
+class DigitalCircle:
+    """A circle that a contour's pixels are the digital image of; pixels."""
+
+    center: tuple[float, float]
+    radius: float
+
+
+def digital_circle(contour: NDArray[np.int32], slack_px: float = SLACK_PX) -> DigitalCircle | None:
+    """The circle that the closed contour (n, 2) is the digital image of, or None. O(n).
+
+    ``slack_px`` widens the half pixel of equation 14.
+    """
+    if len(contour) < FEWEST:
+        return None
+    xs, ys = np.ascontiguousarray(contour[:, 0]), np.ascontiguousarray(contour[:, 1])
+    accepted, x_m, y_m, r = is_digital_circle(xs, ys, 0, len(xs), slack_px)
+    return DigitalCircle((float(x_m), float(y_m)), float(r)) if accepted else None

@@ -1,0 +1,154 @@
+"""Global Vision on one screen: from a picture to a scene.
+
+Rules and units
+- A picture's scene is in pixels, centres at integers, y down, its bounds the picture's edges.
+- With a calibration the edge points are mapped to the floor before anything is fitted, into
+  rectified pixels of the nominal size, so that tolerances stay in pixels; the records come
+  out in metres, y up, inside the bounds that the caller gives.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from time import perf_counter
+from typing import Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Bounds, Scene, SceneObject
+from vision.binarise.binarise import Method, Polarity
+from vision.binarise.binary import Binary
+from vision.binarise.colour import binarise_by_colour
+from vision.binarise.grey import PictureError, as_array
+from vision.borders.contours import Borders, follow_borders, laplacian_border, locate_edges
+from vision.doubts import with_doubts
+from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
+from vision.paper.paper import paper_objects
+from vision.records.placement import Placement, drop_outside, ignored_pixels
+from vision.records.records import build_objects, find_specks
+from vision.shared.scratch import Room
+
+Mode: TypeAlias = Literal["exact", "paper"]
+_ROOM = Room()
+
+
+class Calibration(Protocol):
+    """What turns pixels into metres."""
+
+    @property
+    def metres_per_pixel(self) -> float:
+        """The nominal size of a pixel on the floor."""
+        ...
+
+    def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the picture (n, 2) in pixels to the arena's metres (n, 2), y up."""
+        ...
+
+
+def extract(
+    image: NDArray[Any] | Sequence[Any],
+    *,
+    mode: Mode = "exact",
+    polarity: Polarity = "dark",
+    method: Method = "auto",
+    threshold: float | None = None,
+    calibration: Calibration | None = None,
+    bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
+    ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
+) -> Scene:
+    """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
+
+    ``image`` (h, w), (h, w, 1), (h, w, 3) BGR or (h, w, 4) BGRA, uint8 or uint16, or as plain
+    sequences of whole numbers, is never changed. ``mode`` is ``exact`` or the paper's recipe to
+    the letter, ``paper``.
+    ``polarity`` says which side of the level is obstacle, ``method`` and ``threshold`` how
+    the level is found (see ``vision.binarise.binarise``); a threshold alone is method ``fixed``.
+    ``calibration`` and ``bounds`` (in metres, or x_min, y_min, x_max, y_max) make a scene in
+    metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
+    or far too much is found, a remark says so (see ``vision.doubts``).
+    ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
+    pixels. Raises ``PictureError`` for a picture or an option that cannot be used, and where
+    no pixel is free. Safe to call from several threads. O(pixels) to threshold, then
+    O(border pixels).
+    """
+    if mode not in ("exact", "paper"):
+        raise PictureError(f"mode {mode!r}: must be exact or paper")
+    if mode == "paper" and calibration is not None:
+        raise PictureError("mode paper: works in pixels, without a calibration")
+    if bounds is not None and calibration is None:
+        raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
+    clock = _StopWatch()
+    image = as_array(image)
+    skip = ignored_pixels(ignore, image)
+    binary = binarise_by_colour(
+        image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
+    )
+    clock.lap("binarise")
+    borders = follow_borders(binary.mask, _ROOM)
+    if mode == "paper":
+        return _by_the_paper(binary, borders, clock)
+    edges = locate_edges(binary, borders, _ROOM)
+    clock.lap("contours")
+    tolerance = tolerance_of(edges, binary.noise, binary.contrast)
+    placement = Placement.of(calibration, bounds, binary.size)
+    fitted = fit_edges(
+        placement.rectified(edges.points),
+        edges.starts,
+        borders,
+        tolerance,
+        separate=calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)),
+    )
+    specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
+    objects = build_objects(borders, fitted, placement, specks.borders)
+    objects, remarks = drop_outside(objects, placement)
+    clock.lap("geometry")
+    return _scene(binary, objects, placement, borders.pixels, clock, (*specks.remarks, *remarks))
+
+
+def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:
+    border_pixels = int(np.count_nonzero(laplacian_border(binary.inside)))
+    clock.lap("contours")
+    objects = paper_objects(borders)
+    clock.lap("geometry")
+    return _scene(binary, objects, Placement.of(None, None, binary.size), border_pixels, clock, ())
+
+
+def _scene(
+    binary: Binary,
+    objects: tuple[SceneObject, ...],
+    placement: Placement,
+    border_pixels: int,
+    clock: _StopWatch,
+    remarks: tuple[str, ...],
+) -> Scene:
+    scene = Scene(
+        units=placement.units,
+        bounds=placement.bounds,
+        objects=objects,
+        bounds_given=placement.bounds_given,
+        size=binary.size,
+        border_pixels=border_pixels,
+        binarisation=binary.how,
+        timings_ms=clock.laps,
+        remarks=(*binary.remarks, *remarks),
+    )
+    return with_doubts(scene)
+
+
+class _StopWatch:
+    """Wall time of the stages, in milliseconds."""
+
+    def __init__(self) -> None:
+        self._times: dict[str, float] = {}
+        self._begin = self._last = perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = perf_counter()
+        self._times[name] = (now - self._last) * 1e3
+        self._last = now
+
+    @property
+    def laps(self) -> Mapping[str, float]:
+        return {**self._times, "total": (self._last - self._begin) * 1e3}

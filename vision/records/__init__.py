@@ -1,0 +1,1 @@
+"""From edges to the paper's records P, S, C, A and L."""

@@ -1,0 +1,176 @@
+"""Where a picture's records lie: in its own pixels, or on the floor in metres.
+
+Rules and units
+- Rectified pixels are metres divided by the nominal pixel, with y down as in the picture, so
+  that fits see the same orientation and tolerances either way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import (
+    Arc,
+    Bounds,
+    CircleRecord,
+    PointRecord,
+    Record,
+    SceneObject,
+    Units,
+    record_edges,
+)
+from vision.binarise.grey import PictureError
+
+if TYPE_CHECKING:
+    from vision.pipeline import Calibration
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """How rectified pixels become the scene's coordinates: x * scale_x, y * scale_y."""
+
+    units: Units
+    bounds: Bounds
+    bounds_given: bool
+    scale: float
+    calibration: Calibration | None
+
+    @classmethod
+    def of(
+        cls,
+        calibration: Calibration | None,
+        bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
+        size: tuple[int, int],
+    ) -> Placement:
+        """Pixels without a calibration; metres with one, inside the bounds or what is seen.
+
+        Raises ``PictureError`` where the calibration is none, or for pictures of another size.
+        """
+        width, height = size
+        if calibration is not None and not hasattr(calibration, "arena_from_image"):
+            raise PictureError(
+                f"calibration: a {type(calibration).__name__}, must be a Calibration, as "
+                f"load_calibration gives it"
+            )
+        # one of the caller's own need not know its pictures' size
+        fits: tuple[int, int] = getattr(calibration, "size", size)
+        if tuple(fits) != (width, height):
+            raise PictureError(
+                f"the picture is {width} x {height} pixels: its calibration is for "
+                f"{fits[0]} x {fits[1]}"
+            )
+        whole = Bounds(-0.5, -0.5, width - 0.5, height - 0.5)
+        if calibration is None:
+            return cls("px", whole, True, 1.0, None)
+        scale = float(calibration.metres_per_pixel)
+        if bounds is not None:
+            return cls("m", _as_bounds(bounds), True, scale, calibration)
+        seen = calibration.arena_from_image(np.array(whole.corners()))
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        derived = Bounds(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+        return cls("m", derived, False, scale, calibration)
+
+    @property
+    def y_scale(self) -> float:
+        """What a rectified y is multiplied by: metres have y up."""
+        return self.scale if self.calibration is None else -self.scale
+
+    def rectified(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the picture (n, 2) in rectified pixels."""
+        if self.calibration is None or len(points) == 0:
+            return points
+        metres = self.calibration.arena_from_image(points)
+        return np.stack([metres[:, 0] / self.scale, metres[:, 1] / -self.scale], axis=1)
+
+
+def ignored_pixels(
+    ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None, image: NDArray[Any]
+) -> NDArray[np.bool_] | None:
+    """The mask (h, w) of pixels that are no obstacle, from a mask or discs (x, y, radius)."""
+    if ignore is None:
+        return None
+    if isinstance(ignore, np.ndarray) and ignore.dtype == np.bool_:
+        return ignore
+    try:
+        discs = np.asarray(ignore, dtype=np.float64).reshape(-1, 3)
+    except ValueError:
+        raise PictureError("ignore: must be a mask, or discs (x, y, radius)") from None
+    if not np.isfinite(discs).all() or (discs[:, 2] < 0.0).any():
+        raise PictureError("ignore: a disc's centre and radius must be finite, the radius >= 0")
+    height, width = image.shape[:2]
+    mask = np.zeros((height, width), dtype=np.bool_)
+    for x, y, radius in discs:
+        left, right = max(0, int(x - radius)), min(width, int(x + radius) + 2)
+        top, bottom = max(0, int(y - radius)), min(height, int(y + radius) + 2)
+        if left >= right or top >= bottom:
+            continue
+        ys, xs = np.ogrid[top:bottom, left:right]
+        mask[top:bottom, left:right] |= (xs - x) ** 2 + (ys - y) ** 2 <= radius * radius
+    return mask
+
+
+def _as_bounds(bounds: Bounds | Sequence[float] | NDArray[np.float64]) -> Bounds:
+    """The bounds as such, from themselves or from x_min, y_min, x_max, y_max."""
+    if isinstance(bounds, Bounds):
+        return bounds
+    try:
+        x_min, y_min, x_max, y_max = (float(value) for value in bounds)
+    except (TypeError, ValueError):
+        raise PictureError("bounds: must be Bounds, or x_min, y_min, x_max, y_max") from None
+    given = Bounds(x_min, y_min, x_max, y_max)
+    if not all(map(math.isfinite, (x_min, y_min, x_max, y_max))) or not (
+        given.width > 0.0 and given.height > 0.0
+    ):
+        raise PictureError(
+            f"bounds {x_min:g}, {y_min:g}, {x_max:g}, {y_max:g}: must be finite, the least of x "
+            "and y first"
+        )
+    return given
+
+
+def drop_outside(
+    objects: tuple[SceneObject, ...], placement: Placement
+) -> tuple[tuple[SceneObject, ...], tuple[str, ...]]:
+    """Leave out objects whose box does not meet the bounds, and say how many."""
+    if placement.calibration is None:
+        return objects, ()
+    kept = tuple(o for o in objects if _meets(o, placement.bounds))
+    dropped = len(objects) - len(kept)
+    if dropped == 0:
+        return objects, ()
+    which = "1 object was" if dropped == 1 else f"{dropped} objects were"
+    return kept, (f"{which} left out: outside the bounds",)
+
+
+def _meets(obj: SceneObject, bounds: Bounds) -> bool:
+    low_x = low_y = np.inf
+    high_x = high_y = -np.inf
+    for record in obj.records:
+        for x, y, r in _extents(record):
+            low_x, high_x = min(low_x, x - r), max(high_x, x + r)
+            low_y, high_y = min(low_y, y - r), max(high_y, y + r)
+    return bool(
+        low_x <= bounds.x_max
+        and high_x >= bounds.x_min
+        and low_y <= bounds.y_max
+        and high_y >= bounds.y_min
+    )
+
+
+def _extents(record: Record) -> list[tuple[float, float, float]]:
+    if isinstance(record, PointRecord):
+        return [(*record.at, 0.0)]
+    if isinstance(record, CircleRecord):
+        return [(*record.center, record.radius)]
+    found = []
+    for edge in record_edges(record):
+        found += [(*edge.start, 0.0), (*edge.end, 0.0)]
+        if isinstance(edge, Arc):
+            found.append((*edge.center, edge.radius))
+    return found

@@ -1,0 +1,1 @@
+"""What the kernels of vision share: how they are compiled, and scratch memory."""

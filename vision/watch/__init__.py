@@ -1,0 +1,1 @@
+"""What changed between two pictures, and the scene brought up to date."""

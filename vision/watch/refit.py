@@ -1,0 +1,232 @@
+"""A scene brought up to date: only what changed is fitted again.
+
+Rules and units
+- Rectangles are (x, y, width, height) in raw pixels, as ``vision.watch.change`` reports them; the
+  scene is in metres.
+- Each changed rectangle grows until it cuts no known object; what lies in it is extracted anew
+  at the scene's own level, everything else keeps its very records, to the bit, and its id.
+- Where that cannot be trusted (uneven light, half of the picture changed, an object that runs
+  out of its part), there is no answer, and the caller extracts the whole picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, record_edges
+from vision.binarise.grey import PictureError
+from vision.calibration.calibration import Calibration, FloatArray
+from vision.camera.camera import Image
+from vision.doubts import doubts_about, with_doubts
+from vision.pipeline import extract
+from vision.watch.change import Rectangle
+
+_MARGIN_PX = 12
+"""Around what changed: the profiles across an edge look so far, and a part must have floor."""
+
+_OBJECT_MARGIN_PX = 6
+_POINTS_AN_ARC = 65
+"""A whole circle's box is short by a thousandth of its radius."""
+
+_POINTS_A_LINE = 9
+"""A lens bends a straight edge in the picture."""
+
+_MOST_SHARE = 0.5
+"""Of the picture; beyond it the whole picture is as quick."""
+
+_LEVELLED = ("otsu", "fixed")
+"""Methods with one level for the whole picture."""
+
+_Box = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """The calibration of a part of the picture that begins at (``x``, ``y``)."""
+
+    whole: Calibration
+    x: int
+    y: int
+
+    @property
+    def metres_per_pixel(self) -> float:
+        """That of the whole picture: tolerances must be the same."""
+        return self.whole.metres_per_pixel
+
+    def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the part (n, 2) to metres."""
+        return self.whole.arena_from_image(np.asarray(points_px) + np.array([self.x, self.y]))
+
+
+@dataclass(frozen=True, slots=True)
+class KnownScene:
+    """A scene in metres and, for each of its objects, the pixels that hold it.
+
+    The boxes of objects that stay are never computed again.
+    """
+
+    scene: Scene
+    calibration: Calibration
+    boxes: tuple[_Box, ...]
+
+    @classmethod
+    def of(cls, scene: Scene, calibration: Calibration) -> KnownScene:
+        """A scene as ``vision.extract`` gives it. O(records)."""
+        return cls(scene, calibration, _boxes_of(scene.objects, calibration))
+
+    def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
+        """The scene of ``image``, where that differs in ``rectangles`` only.
+
+        ``border_pixels``, ``timings_ms`` and ``remarks`` of its scene are those of the parts
+        fitted anew: what was said before would pile up over a long run.
+        None where the whole picture has to be extracted. O(pixels and border pixels of the
+        parts).
+        """
+        scene, size = self.scene, (image.shape[1], image.shape[0])
+        how = scene.binarisation
+        if how is None or how.method not in _LEVELLED or scene.size != size:
+            return None
+        parts = _parts(rectangles, self.boxes, size)
+        if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in parts) > _MOST_SHARE * size[0] * size[1]:
+            return None
+        found: list[Scene] = []
+        boxes: list[_Box] = []
+        for part in parts:
+            anew = self._extract(image, part, how)
+            if anew is None:
+                return None
+            inside = _boxes_of(anew.objects, self.calibration)
+            if any(_leaves(box, part, size) for box in inside):
+                return None
+            found.append(anew)
+            boxes += inside
+        stays = [not any(_meet(box, part) for part in parts) for box in self.boxes]
+        kept = [o for o, stay in zip(scene.objects, stays, strict=True) if stay]
+        boxes = [b for b, stay in zip(self.boxes, stays, strict=True) if stay] + boxes
+        return KnownScene(_joined(scene, kept, found), self.calibration, tuple(boxes))
+
+    def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
+        x0, y0, x1, y1 = part
+        try:
+            return extract(
+                image[y0:y1, x0:x1],
+                polarity=how.polarity,
+                method="fixed",
+                threshold=how.threshold,
+                calibration=_Part(self.calibration, x0, y0),
+                bounds=self.scene.bounds,
+            )
+        except PictureError:
+            return None
+
+
+def _joined(scene: Scene, kept: Sequence[SceneObject], found: Sequence[Scene]) -> Scene:
+    """The objects that stay and those of the parts, with ids that nobody had."""
+    free_id = 1 + max((o.id for o in scene.objects), default=-1)
+    new = [o for anew in found for o in anew.objects]
+    laps: dict[str, float] = {}
+    for anew in found:
+        for name, ms in anew.timings_ms.items():
+            laps[name] = laps.get(name, 0.0) + ms
+    # that a part is empty is no remark on the arena
+    said = [r for anew in found for r in anew.remarks if r not in doubts_about(anew)]
+    joined = replace(
+        scene,
+        objects=(*kept, *(replace(o, id=free_id + i) for i, o in enumerate(new))),
+        border_pixels=sum(anew.border_pixels for anew in found),
+        timings_ms=laps,
+        remarks=tuple(dict.fromkeys(said)),
+    )
+    return with_doubts(joined)
+
+
+def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple[_Box, ...]:
+    """For each object the pixels x0, y0, x1, y1 (ends excluded) that hold it."""
+    if not objects:
+        return ()
+    outlines = [_outline_points(obj) for obj in objects]
+    starts = np.cumsum([0, *(len(o) for o in outlines[:-1])])
+    seen = calibration.image_from_arena(np.concatenate(outlines))
+    low = np.floor(np.minimum.reduceat(seen, starts)).astype(int)
+    high = np.ceil(np.maximum.reduceat(seen, starts)).astype(int) + 1
+    width, height = calibration.size
+    low, high = np.maximum(low, 0), np.minimum(high, (width, height))
+    return tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in np.hstack([low, high]).tolist())
+
+
+def _outline_points(obj: SceneObject) -> FloatArray:
+    """Points (n, 2) in metres along an object's outline, dense enough for its box."""
+    points: list[tuple[float, float]] = []
+    for record in obj.records:
+        if isinstance(record, PointRecord):
+            points.append(record.at)
+            continue
+        for edge in record_edges(record):
+            if isinstance(edge, Arc):
+                begin, sweep = edge.sweep(y_down=False)
+                angles = begin + sweep * np.linspace(0.0, 1.0, _POINTS_AN_ARC)
+                xs = edge.center[0] + edge.radius * np.cos(angles)
+                ys = edge.center[1] + edge.radius * np.sin(angles)
+            else:
+                xs = np.linspace(edge.start[0], edge.end[0], _POINTS_A_LINE)
+                ys = np.linspace(edge.start[1], edge.end[1], _POINTS_A_LINE)
+            points += zip(xs.tolist(), ys.tolist(), strict=True)
+    return np.array(points, dtype=np.float64).reshape(-1, 2)
+
+
+def _parts(
+    rectangles: Sequence[Rectangle], boxes: Sequence[_Box], size: tuple[int, int]
+) -> list[_Box]:
+    """Disjoint boxes that hold every rectangle and cut no object's box."""
+    margin = _MARGIN_PX
+    waiting = [_grown((x, y, x + w, y + h), margin, size) for x, y, w, h in rectangles]
+    around = [_grown(box, _OBJECT_MARGIN_PX, size) for box in boxes]
+    done: list[_Box] = []
+    while waiting:
+        part = waiting.pop()
+        before: _Box | None = None
+        while part != before:
+            before = part
+            for box in around:
+                part = _union(part, box) if _meet(part, box) else part
+        touched = [other for other in done if _meet(part, other)]
+        if touched:
+            done = [other for other in done if other not in touched]
+            for other in touched:
+                part = _union(part, other)
+            waiting.append(part)
+        else:
+            done.append(part)
+    return done
+
+
+def _leaves(box: _Box, part: _Box, size: tuple[int, int]) -> bool:
+    """Whether an object reaches a part's edge that is not the picture's own."""
+    width, height = size
+    return (
+        (box[0] <= part[0] and part[0] > 0)
+        or (box[1] <= part[1] and part[1] > 0)
+        or (box[2] >= part[2] and part[2] < width)
+        or (box[3] >= part[3] and part[3] < height)
+    )
+
+
+def _grown(box: _Box, margin: int, size: tuple[int, int]) -> _Box:
+    return (
+        max(0, box[0] - margin),
+        max(0, box[1] - margin),
+        min(size[0], box[2] + margin),
+        min(size[1], box[3] + margin),
+    )
+
+
+def _union(a: _Box, b: _Box) -> _Box:
+    return min(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3])
+
+
+def _meet(a: _Box, b: _Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
