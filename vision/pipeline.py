@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from time import perf_counter
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,25 +26,12 @@ from vision.borders.contours import Borders, follow_borders, laplacian_border, l
 from vision.doubts import with_doubts
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
 from vision.paper.paper import paper_objects
-from vision.records.placement import Placement, drop_outside, ignored_pixels
+from vision.records.placement import Calibration, Placement, drop_outside, ignored_pixels
 from vision.records.records import build_objects, find_specks
 from vision.shared.scratch import Room
 
 Mode: TypeAlias = Literal["exact", "paper"]
 _ROOM = Room()
-
-
-class Calibration(Protocol):
-    """What turns pixels into metres."""
-
-    @property
-    def metres_per_pixel(self) -> float:
-        """The nominal size of a pixel on the floor."""
-        ...
-
-    def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points of the picture (n, 2) in pixels to the arena's metres (n, 2), y up."""
-        ...
 
 
 def extract(

@@ -33,8 +33,8 @@ from tests.support.outline_judge import failures, judge, mask_of
 from tests.support.outline_pictures import FAMILIES, LOOKS, every_look, shown, slits
 from vision import Calibration, extract
 from vision.outline.check.stray_kernels import outline_strays
-from vision.outline.fit.outline_kernels import ARC_CCW, ARC_CW, LINE
 from vision.outline.fit.shape_kernels import goes_round
+from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 
 SEED = 31
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from vision.borders.contours import Borders, EdgePoints
 from vision.outline.drawn.separation_kernels import runs_between_two_greys
 from vision.outline.fit.edge_prices import edge_prices
+from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
-from vision.records.records import FittedBorders
 
 SMOOTHING = 0.5311
 """The noise left by the profile's five-pixel Gaussian."""

@@ -44,7 +44,7 @@ from vision.outline.corners.missed_arc_kernels import any_bent_line
 from vision.outline.corners.wall_end_kernels import cut_tips, square_tips
 from vision.outline.drawn.separating_chord_kernels import all_chords, mend
 from vision.outline.drawn.separation_kernels import find_cracks, middles
-from vision.outline.fit.outline_kernels import LINE, STRAY_PX, finish_edge
+from vision.outline.fit.outline_kernels import STRAY_PX, finish_edge
 from vision.outline.fit.separating_fit_kernels import (
     HALF,
     lost_to_circle,
@@ -59,11 +59,10 @@ from vision.outline.fit.shape_kernels import (
     goes_round,
     refine_circle,
 )
+from vision.outline.fitted_borders import CIRCLE, LINE, POLYGON, TINY
 from vision.outline.partition_kernels import partition
 from vision.shared.compile_options import LEAF
 
-POLYGON, CIRCLE, TINY = 0, 1, 2
-"""Kinds of a border; TINY has too few points for a fit."""
 FEWEST = 10
 """Points of the smallest border that is fitted."""
 TANGENT_PX = 0.05

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,8 +27,18 @@ from planner.scene import (
 )
 from vision.binarise.grey import PictureError
 
-if TYPE_CHECKING:
-    from vision.pipeline import Calibration
+
+class Calibration(Protocol):
+    """What turns pixels into metres."""
+
+    @property
+    def metres_per_pixel(self) -> float:
+        """The nominal size of a pixel on the floor."""
+        ...
+
+    def arena_from_image(self, points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points of the picture (n, 2) in pixels to the arena's metres (n, 2), y up."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)

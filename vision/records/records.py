@@ -32,33 +32,17 @@ from planner.scene import (
     Vec,
 )
 from vision.borders.contours import Borders
+from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
 from vision.records.border_look_kernels import look_at_borders, may_be_thin
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.records.clipping import clip_circle, clip_polygon
 from vision.records.placement import Placement
 from vision.records.thin_curves import chain_edges, open_chain
 
-LINE, ARC_CW, ARC_CCW = 0, 1, 2
-POLYGON, CIRCLE, TINY = 0, 1, 2
 SPECK_AREA = 4
 """Pixels of the largest border that counts as noise, where there is so much of it."""
 SPECK_MARGIN_SIGMAS = 6.0
 """Half the contrast, in standard deviations of the noise, below which specks are expected."""
-
-
-@dataclass(frozen=True, slots=True)
-class FittedBorders:
-    """Lines, arcs and circles of every border, as ``vision.outline.fitting`` leaves them.
-
-    ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,):
-    LINE, ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an
-    arc or circle; the whole border's rms deviation in pixels.
-    """
-
-    border_kind: NDArray[np.int8]
-    edge_starts: NDArray[np.int64]
-    kind: NDArray[np.int8]
-    data: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,8 @@ import math
 
 from numba import njit
 
-from vision.outline.fit.outline_kernels import ARC_CCW, LINE, distance_to_edge
+from vision.outline.fit.outline_kernels import distance_to_edge
+from vision.outline.fitted_borders import ARC_CCW, LINE
 from vision.shared.compile_options import LEAF, SUMS
 
 NEAR_ENDS = 4

@@ -19,8 +19,9 @@ import math
 from numba import njit
 
 from vision.outline.check.area_lost_kernels import loss_beside
-from vision.outline.fit.outline_kernels import ARC_CCW, LINE, STRAY_PX, TAU, distance_to_edge
+from vision.outline.fit.outline_kernels import STRAY_PX, TAU, distance_to_edge
 from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fitted_borders import ARC_CCW, LINE
 from vision.shared.compile_options import LEAF
 
 TIP_PX, TIP_BASE_PX = 12.0, 2.0

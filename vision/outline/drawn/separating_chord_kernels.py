@@ -20,14 +20,9 @@ import numpy as np
 from numba import njit
 
 from vision.outline.drawn.separation_kernels import GRAVE, OK, find_lost
-from vision.outline.fit.outline_kernels import (
-    ARC_CCW,
-    FLATTEST_PX,
-    LINE,
-    distance_to_edge,
-    in_sweep,
-)
+from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
+from vision.outline.fitted_borders import ARC_CCW, LINE
 from vision.shared.compile_options import LEAF
 
 WAY = 0.998

@@ -20,9 +20,10 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.outline.fit.outline_kernels import LINE, distance_to_edge, in_sweep
+from vision.outline.fit.outline_kernels import distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fitted_borders import LINE
 from vision.shared.compile_options import LEAF
 
 AHEAD, SAME_PX = 12, 1e-6

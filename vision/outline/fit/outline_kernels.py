@@ -14,9 +14,9 @@ import math
 
 from numba import njit
 
+from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.shared.compile_options import LEAF
 
-LINE, ARC_CW, ARC_CCW = 0, 1, 2
 """Kinds of an edge; the turn as seen on the screen."""
 FLATTEST_PX = 1e-3
 """An arc that rises less above its chord is a line."""

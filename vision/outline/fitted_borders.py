@@ -1,0 +1,33 @@
+"""What the fit of outlines gives: the edges of every border, and the numbers of their kinds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+LINE: Final = 0
+ARC_CW: Final = 1
+ARC_CCW: Final = 2
+"""Kinds of an edge."""
+POLYGON: Final = 0
+CIRCLE: Final = 1
+TINY: Final = 2
+"""Kinds of a border; TINY has too few points for a fit."""
+
+
+@dataclass(frozen=True, slots=True)
+class FittedBorders:
+    """Lines, arcs and circles of every border, as ``vision.outline.fitting`` leaves them.
+
+    ``border_kind`` (b,): POLYGON, CIRCLE or TINY. ``edge_starts`` (b + 1,). ``kind`` (k,):
+    LINE, ARC_CW or ARC_CCW. ``data`` (k, 6): first point x, y; centre x, y and radius of an
+    arc or circle; the whole border's rms deviation in pixels.
+    """
+
+    border_kind: NDArray[np.int8]
+    edge_starts: NDArray[np.int64]
+    kind: NDArray[np.int8]
+    data: NDArray[np.float64]
