@@ -42,13 +42,13 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from benchmarks.daemon_in_real_time import Rows, replan, resident_mb, shutdown, stretch, wire
 from navigation.config import load_config
-from navigation.daemon import Daemon
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.report import Report
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from navigation.run.warm_up import warm_up
-from navigation.stages import stations_of
 from tests.support.kills import Campaign, drive_under_fire
 from tests.support.random_arenas import RADIUS_M, random_config
 from tests.support.virtual import CONFIGS, short_config

@@ -23,10 +23,10 @@ import numpy as np
 
 from navigation.config import Config, load_config
 from navigation.control import ControlError, send_order
-from navigation.daemon import Daemon
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.world import World
-from navigation.stages import stations_of
 
 CONFIGS = Path(__file__).parents[1] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()", "run"]

@@ -30,7 +30,7 @@ from mcap.writer import CompressionType, Writer
 
 from navigation.recording.compare import Tolerances
 from navigation.recording.reader import read_recording
-from navigation.recording.replay import replay
+from navigation.run.replay import replay
 from tests.support.recordings import RecordedBench, recording_config
 
 ROOT = Path(__file__).parents[1]

@@ -1,6 +1,6 @@
 /* What the robot is and can do. These are the reference robot's values. For another one either
  * - write a header from its configuration and name it when building:
- *       python -m navigation.firmware_settings CONFIG -o my_robot.h
+ *       python -m navigation.loop.firmware_settings CONFIG -o my_robot.h
  *       make avr SETTINGS=/path/to/my_robot.h
  * - or define cw_robot_settings in the program, as the Arduino example does. */
 #ifndef CLEARWAY_SETTINGS_H

@@ -14,7 +14,7 @@ from navigation.cli.options import POSITIVE, format_option
 
 if TYPE_CHECKING:
     from navigation.recording.reader import Recording
-    from navigation.recording.replay import ReplayResult
+    from navigation.run.replay import ReplayResult
 
 EQUAL, DIFFERENT = 0, 1
 MOST_SHOWN = 20
@@ -43,7 +43,7 @@ def command(
     """
     from navigation.recording.compare import Tolerances
     from navigation.recording.reader import read_recording
-    from navigation.recording.replay import replay
+    from navigation.run.replay import replay
 
     limits = Tolerances(
         position_m=pose_mm / 1e3,

@@ -76,7 +76,7 @@ def command(
     from navigation.machine.logs import EventLog
     from navigation.machine.sd_notify import Notifier, watchdog_period_s
     from navigation.run.runner import Runner
-    from navigation.whole_file import UnwrittenFileError
+    from navigation.shared.whole_file import UnwrittenFileError
 
     set_descriptor_limit()
     voice = Voice(quiet=quiet)

@@ -19,7 +19,7 @@ from navigation.config.errors import ConfigError
 from navigation.config.load import parse_config, read_source
 from navigation.config.secret_places import masked
 from navigation.config.sections import Config
-from navigation.whole_file import UnwrittenFileError, write_whole
+from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 FOLDER: Final = "last_good"
 MOST_LINES: Final = 12

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from navigation.control.orders import ControlError
-from navigation.outside import OutsideError, printable, read_object
+from navigation.shared.outside import OutsideError, printable, read_object
 
 PATIENCE_S: Final = 2.0
 AGAIN_AFTER_S: Final = 0.01

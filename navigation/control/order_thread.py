@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from navigation.control.orders import Commanded, carry_out
-from navigation.supervisor import in_words
+from navigation.shared.supervisor import in_words
 
 MOST_WAITING: Final = 64
 

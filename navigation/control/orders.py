@@ -14,8 +14,8 @@ from collections.abc import Mapping
 from typing import Any, Final, Protocol
 
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
-from navigation.mission import MissionError, Station
-from navigation.outside import finite_number, in_short, printable
+from navigation.mission.mission import MissionError, Station
+from navigation.shared.outside import finite_number, in_short, printable
 
 LONGEST_DWELLS_S: Final = 86_400.0
 """All stays together: a day. They are planned in parts of 25 s, which must stay countable."""

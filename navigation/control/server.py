@@ -30,8 +30,8 @@ from navigation.control.clients import MOST_CLIENTS, Client, TooLongError, who_m
 from navigation.control.order_thread import Job, OrderThread
 from navigation.control.orders import Commanded, ControlError
 from navigation.machine.descriptors import NONE_LEFT, SpareDescriptors
-from navigation.outside import OutsideError, read_object
-from navigation.supervisor import in_words
+from navigation.shared.outside import OutsideError, read_object
+from navigation.shared.supervisor import in_words
 
 BACKLOG: Final = 512
 ACCEPTS_A_TURN: Final = 64

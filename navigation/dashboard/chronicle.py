@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from navigation.config.secrets import hide
-from navigation.daemon_state import DaemonState
 from navigation.dashboard.rings import Ring
-from navigation.track import is_jump
-from navigation.trust import Level
+from navigation.loop.daemon_state import DaemonState
+from navigation.mission.trust import Level
+from navigation.shared.track import is_jump
 from vision.camera.latest_frame import CameraStatus
 
 LOG_LINES: Final = 500

@@ -19,8 +19,6 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
 from navigation.config.secrets import hide_in
-from navigation.cycle import PlanAnswer
-from navigation.daemon_state import DaemonState
 from navigation.dashboard.access import Gate, Role
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.chronicle import COLUMNS, Chronicle
@@ -30,7 +28,9 @@ from navigation.dashboard.picture import TopView
 from navigation.dashboard.seat import Seat
 from navigation.dashboard.shown import Shown
 from navigation.dashboard.state_message import greeting, no_path_facts, state_message
-from navigation.mission import Station
+from navigation.loop.daemon_state import DaemonState
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import Station
 from planner.path import NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds

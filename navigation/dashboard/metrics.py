@@ -10,7 +10,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from navigation.dashboard.hub import Hub
-from navigation.mission import State
+from navigation.mission.mission import State
 
 
 class DaemonCollector(Collector):

@@ -14,8 +14,8 @@ from typing import Any, Final
 
 from navigation.control import Commanded, carry_out
 from navigation.dashboard.access import TOKEN_TO_STOP
-from navigation.mission import State
-from navigation.outside import in_short
+from navigation.mission.mission import State
+from navigation.shared.outside import in_short
 
 MOTIONS: Final = frozenset({"go", "pause", "resume", "rearm", "replan"})
 

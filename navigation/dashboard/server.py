@@ -25,7 +25,7 @@ from navigation.dashboard.hub import Hub
 from navigation.dashboard.places import Places
 from navigation.dashboard.shown import Shown
 from navigation.machine.descriptors import NONE_LEFT, descriptor_limit
-from navigation.supervisor import in_words
+from navigation.shared.supervisor import in_words
 
 BACKLOG: Final = 512
 ACCEPTS_A_ROUND: Final = 32

@@ -7,10 +7,10 @@ from typing import Any, Protocol
 
 from navigation.config import Config
 from navigation.control import Commanded
-from navigation.cycle import PlanAnswer
-from navigation.daemon import Daemon
-from navigation.daemon_state import DaemonState
-from navigation.mission import Station
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import Station
 from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from navigation.config import Config
-from navigation.daemon_state import DaemonState, StageTimes
 from navigation.dashboard.picture import TopView
 from navigation.dashboard.seat import Seat
 from navigation.draw.shapes import RAMP_STEPS
-from navigation.mission import Station
-from navigation.serial_link import LinkSnapshot
+from navigation.link.serial_link import LinkSnapshot
+from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.mission.mission import Station
 from navigation.witness import Evidence
 from planner.path import NoPath
 from vision.camera.latest_frame import CameraStatus

@@ -25,8 +25,8 @@ from navigation.dashboard.hub import Hub
 from navigation.dashboard.orders import give, refusal_of
 from navigation.dashboard.rings import Ring
 from navigation.dashboard.seat import public_half
-from navigation.outside import OutsideError, finite_number, in_short, read_object
-from navigation.supervisor import in_words
+from navigation.shared.outside import OutsideError, finite_number, in_short, read_object
+from navigation.shared.supervisor import in_words
 
 MOST_CHARACTERS: Final = 65_536
 PATIENCE: Final = 20

@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from navigation.config.secrets import hide
-from navigation.outside import printable
+from navigation.shared.outside import printable
 
 KEEPALIVES_A_PERIOD: Final = 4
 """systemd advises at least two; four leave room for one stage that is slow once."""

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-from navigation.cycle import PlanAnswer, PlanRequest
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
 from vision.camera.camera import Frame

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 
 from navigation.config import Config
 from navigation.config.secrets import hide_in
-from navigation.cycle import PlanRequest
+from navigation.mission.cycle import PlanRequest
 from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
 from planner.formats.scene_text import write_scene_text
 from planner.path import NoPath

@@ -20,7 +20,7 @@ from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from navigation.config import Config
-from navigation.cycle import PlanRequest
+from navigation.mission.cycle import PlanRequest
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
 from planner.formats.scene_text import read_scene_text

@@ -13,9 +13,9 @@ from navigation.machine.logs import Level, RunLog
 from navigation.machine.sd_notify import Watchdog
 
 if TYPE_CHECKING:
-    from navigation.daemon import Daemon
-    from navigation.daemon_state import DaemonState
-    from navigation.recorder import Recorder
+    from navigation.loop.daemon import Daemon
+    from navigation.loop.daemon_state import DaemonState
+    from navigation.loop.recorder import Recorder
     from vision.camera.latest_frame import CameraStatus
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from navigation.config.secrets import hide_in
-from navigation.pilot import distance_to_polyline
-from navigation.whole_file import write_whole
+from navigation.mission.pilot import distance_to_polyline
+from navigation.shared.whole_file import write_whole
 from planner.scene import FloatArray
 
 

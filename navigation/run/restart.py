@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from navigation.daemon import Daemon
-from navigation.journal import Journal
-from navigation.mission import Mission
+from navigation.journal.journal import Journal
+from navigation.loop.daemon import Daemon
+from navigation.mission.mission import Mission
 
 ROBOT_PATIENCE_S: Final = 3.0
 """How long a restart waits for the robot to say how far it has come."""

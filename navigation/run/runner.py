@@ -23,12 +23,14 @@ from navigation.config import Config
 from navigation.config.secrets import hide
 from navigation.config.sections import SIMULATED
 from navigation.control import ControlServer, default_socket
-from navigation.daemon import Daemon
-from navigation.daemon_state import DaemonState
-from navigation.journal import Journal, owner_of
+from navigation.journal.journal import Journal, owner_of
+from navigation.link.serial_port import PortNotReadyError, look_for_port
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.stages import stations_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
-from navigation.mission import State
+from navigation.mission.mission import State
 from navigation.run.attendance import Attendance
 from navigation.run.report import Report
 from navigation.run.restart import unfinished_mission
@@ -41,13 +43,11 @@ from navigation.run.summary import (
 )
 from navigation.run.warm_up import warm_up
 from navigation.run.world import World
-from navigation.serial_port import PortNotReadyError, look_for_port
-from navigation.stages import stations_of
-from navigation.supervisor import Part
+from navigation.shared.supervisor import Part
 
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
-    from navigation.recorder import Recorder
+    from navigation.loop.recorder import Recorder
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
@@ -260,7 +260,7 @@ class Runner:
         settings = self.config.recording
         if self._record is None and not settings.record:
             return None
-        from navigation.recorder import Recorder  # only a run that records needs its libraries
+        from navigation.loop.recorder import Recorder  # only a run that records needs its libraries
 
         folder = self._record or settings.folder
         now = datetime.now()

@@ -14,10 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from navigation.daemon import Daemon
-from navigation.daemon_state import DrivenPlan
 from navigation.draw import DrawError, OtherRobot, save_picture
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DrivenPlan
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.report import (
     FrameCounts,
     Latency,
@@ -27,9 +28,8 @@ from navigation.run.report import (
     rms_and_max,
     tracking_error,
 )
-from navigation.stages import stations_of
-from navigation.track import driven_pieces, with_breaks
-from navigation.whole_file import UnwrittenFileError
+from navigation.shared.track import driven_pieces, with_breaks
+from navigation.shared.whole_file import UnwrittenFileError
 from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from navigation.config import Config
-from navigation.daemon import Daemon
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.report import Report
 from navigation.run.summary import summarise
 from navigation.run.virtual_world import VirtualTimes, VirtualWorld
-from navigation.stages import stations_of
 
 FIRST_MISSION_ID = 1
 

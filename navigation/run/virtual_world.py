@@ -18,9 +18,9 @@ import numpy as np
 from firmware_protocol.wire.messages import ResetCause, StopReason, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.config import Config
-from navigation.cycle import PlanAnswer, PlanRequest
-from navigation.link_snapshot import LinkSnapshot, snapshot_of
-from navigation.planning import ArenaPlanner, SceneCheck
+from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
+from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.troubled_camera import (
     NOWHERE,
     CameraTroubles,
@@ -29,6 +29,8 @@ from navigation.run.troubled_camera import (
     seen_pose,
 )
 from navigation.run.world import calibration_of, camera_over, others_of
+from navigation.shared.supervisor import in_words
+from navigation.shared.track import Track
 from navigation.simulator.arena import load_arena
 from navigation.simulator.drive_model import TruePose
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -40,8 +42,6 @@ from navigation.simulator.settings import (
 )
 from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
-from navigation.supervisor import in_words
-from navigation.track import Track
 from planner.scene import FloatArray, Scene
 from vision.camera.camera import Camera, CameraError, Frame
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits

@@ -23,12 +23,12 @@ import numpy as np
 
 import planner
 from navigation.config import Config
-from navigation.cycle import PlanRequest
-from navigation.eye import Body, Eye, EyeSettings
+from navigation.loop.eye import Body, Eye, EyeSettings
+from navigation.loop.planning import ArenaPlanner, PlanSettings
 from navigation.machine.child import start_child
-from navigation.mission import Station
-from navigation.planning import ArenaPlanner, PlanSettings
-from navigation.traffic import Disc
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import Station
+from navigation.mission.traffic import Disc
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath
 from planner.scene import (

@@ -15,9 +15,9 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
-from navigation.cycle import PlanAnswer
-from navigation.planning import ArenaPlanner, PlannerThread, SceneCheck
-from navigation.serial_link import SerialLink
+from navigation.link.serial_link import SerialLink
+from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
+from navigation.mission.cycle import PlanAnswer
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.camera import SimulatedCamera, make_camera
 from navigation.simulator.emulated_robot import EmulatedRobot

@@ -26,13 +26,13 @@ from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController, WheelSpeeds
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.messages import ResetCause, RobotState, StopReason
-from navigation.serial_link import PORT_FAULTS
-from navigation.serial_port import open_port
+from navigation.link.serial_link import PORT_FAULTS
+from navigation.link.serial_port import open_port
+from navigation.shared.track import Track
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
 from navigation.simulator.own_time import OwnTime
 from navigation.simulator.virtual_loop import PacedLine
-from navigation.track import Track
 
 PHYSICS_S = 0.002
 CONTROL_EVERY = 5

@@ -4,7 +4,7 @@ The robot's reports become a track of its wheels (``wheels``). The camera's pose
 it: ``latency`` finds how old the pictures are, as the shift at which both move alike;
 ``agreement`` finds where they part by more than both errors allow, and how far they have agreed;
 ``witness`` feeds both and gives one `Evidence` a cycle. What follows from it is decided by the
-pilot: `navigation.trust` has the rules.
+pilot: `navigation.mission.trust` has the rules.
 
 Nothing here opens anything or reads a clock. Metres, radians, seconds.
 """

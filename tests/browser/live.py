@@ -10,10 +10,10 @@ from pathlib import Path
 from types import TracebackType
 
 from navigation.config import Config, parse_config
-from navigation.daemon import Daemon
 from navigation.dashboard import Dashboard, ShownDaemon
 from navigation.dashboard.hub import Hub
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.mission.mission import State
 from navigation.run.warm_up import warm_up
 from navigation.run.world import World
 from tests.support.waiting import wait_until

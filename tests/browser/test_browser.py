@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Browser, Page, expect
 
-from navigation.mission import State
+from navigation.mission.mission import State
 from tests.browser.acting import click_at, drag, on_screen, send_to, wait_for_picture
 from tests.browser.live import Live, live_config
 from tests.support.waiting import wait_until

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
-from navigation.mission import State
+from navigation.mission.mission import State
 from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.live import Live
 from tests.support.waiting import wait_until

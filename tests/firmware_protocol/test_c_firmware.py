@@ -32,7 +32,7 @@ from firmware_protocol.wire.messages import (
     Waypoints,
 )
 from firmware_protocol.wire.mission import Mission
-from navigation.serial_link import SerialLink
+from navigation.link.serial_link import SerialLink
 from tests.support.c_robot import FIRMWARE, CRobot, library, missing_tool
 from tests.support.fault_scenarios import SCENARIOS, robot_maker
 from tests.support.robot_pair import Pair

@@ -11,7 +11,7 @@ import pytest
 
 from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config import load_config
-from navigation.firmware_settings import header_of
+from navigation.loop.firmware_settings import header_of
 from tests.support.c_robot import FIRMWARE
 
 CONFIG = Path(__file__).parents[2] / "configs" / "simulation.yaml"

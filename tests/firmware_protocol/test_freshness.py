@@ -30,7 +30,7 @@ from firmware_protocol.wire.messages import (
     StopReason,
     Waypoints,
 )
-from navigation.link_snapshot import snapshot_of
+from navigation.link.link_snapshot import snapshot_of
 from tests.firmware_protocol.test_host import Table, line
 from tests.firmware_protocol.test_robot import Board, far
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.control import ControlError, ControlServer, carry_out, default_socket, send_order
-from navigation.mission import MissionError, Station
+from navigation.mission.mission import MissionError, Station
 
 
 class Recorder:

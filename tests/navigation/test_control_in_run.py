@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from navigation.control import ControlServer, send_order
-from navigation.daemon import Daemon
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
-from navigation.stages import stations_of
-from navigation.supervisor import Part
+from navigation.shared.supervisor import Part
 from tests.support.virtual import cycle_until, is_driving, short_config
 from tests.support.waiting import wait_until
 

@@ -17,12 +17,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation import journal_file
-from navigation.journal import RETRY_S, Journal, JournalError, SentPlan, owner_of
-from navigation.journal_file import VERSION, JournalFile
-from navigation.journal_records import Contents, Owner, RecordError, from_text, to_text
-from navigation.mission import Event, Mission, State, Station
-from navigation.targets import Target
+from navigation.journal import journal_file
+from navigation.journal.journal import RETRY_S, Journal, JournalError, SentPlan, owner_of
+from navigation.journal.journal_file import VERSION, JournalFile
+from navigation.journal.journal_records import Contents, Owner, RecordError, from_text, to_text
+from navigation.mission.mission import Event, Mission, State, Station
+from navigation.mission.targets import Target
 from tests.support.virtual import short_config
 
 OWNER = Owner(robot="7 of DICT_4X4_50", port="simulated", camera="a", configuration="/etc/a.yaml")
@@ -152,7 +152,7 @@ def test_the_owner_follows_from_the_configuration_and_holds_no_password() -> Non
 def test_a_second_program_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     second = (
         "import sys\nfrom pathlib import Path\nfrom navigation import journal_file\n"
-        "from navigation.journal import *\n"
+        "from navigation.journal.journal import *\n"
         "try:\n    Journal(Path(sys.argv[1]), Owner())\n"
         "except JournalError as error:\n    print(error)\n"
     )
@@ -438,8 +438,8 @@ def test_the_program_begins_on_a_full_disk_too(path: Path, monkeypatch: pytest.M
 WRITER = """
 import sys
 from pathlib import Path
-from navigation.journal import Journal, Owner
-from navigation.mission import Mission, State, Station
+from navigation.journal.journal import Journal, Owner
+from navigation.mission.mission import Mission, State, Station
 journal = Journal(Path(sys.argv[1]), Owner())
 stations = tuple(Station(float(i), 0.0) for i in range(50))
 for number in range(5000):

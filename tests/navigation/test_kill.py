@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.journal import Journal, owner_of
-from navigation.mission import State
+from navigation.journal.journal import Journal, owner_of
+from navigation.mission.mission import State
 from tests.support.kills import drive_under_fire, stands
 from tests.support.virtual import short_config
 

@@ -4,7 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation.mission import TRANSITIONS, Event, Mission, MissionError, State, Station, diagram
+from navigation.mission.mission import (
+    TRANSITIONS,
+    Event,
+    Mission,
+    MissionError,
+    State,
+    Station,
+    diagram,
+)
 
 TWO = (Station(0.5, 0.5), Station(1.0, 0.5, heading_rad=0.0, dwell_s=1.0))
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from navigation.other_robots import OtherRobots
-from navigation.traffic import LOST_S
+from navigation.loop.other_robots import OtherRobots
+from navigation.mission.traffic import LOST_S
 from vision.markers.markers import RobotPose
 
 

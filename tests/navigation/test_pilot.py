@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from navigation.cycle import (
+from navigation.mission.cycle import (
     Orders,
     PilotSettings,
     PlanAnswer,
@@ -15,11 +15,11 @@ from navigation.cycle import (
     RobotReport,
     Sight,
 )
-from navigation.mission import Mission, MissionError, State, Station
-from navigation.pilot import Pilot, distance_to_polyline
-from navigation.targets import Target
-from navigation.traffic import Mover, TrafficLimits
-from navigation.watch import SafetyLimits
+from navigation.mission.mission import Mission, MissionError, State, Station
+from navigation.mission.pilot import Pilot, distance_to_polyline
+from navigation.mission.targets import Target
+from navigation.mission.traffic import Mover, TrafficLimits
+from navigation.mission.watch import SafetyLimits
 from planner.path import NoPath, Path
 from planner.scene import Bounds
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from navigation.cycle import PlanAnswer, PlanRequest
-from navigation.mission import Station
-from navigation.pilot import distance_to_polyline
-from navigation.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
-from navigation.traffic import Disc
+from navigation.loop.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.mission import Station
+from navigation.mission.pilot import distance_to_polyline
+from navigation.mission.traffic import Disc
 from planner.borders.polyline import arc_lengths, points_at
 from planner.motion.smooth import SmoothError
 from planner.motion.trajectory import default_limits
@@ -235,7 +235,7 @@ def test_a_request_that_fails_is_answered_and_the_thread_plans_on(
     thread.see(scene_of((1.0, 0.4, 0.15)), 3, None)
     thread.start()
     with monkeypatch.context() as patch:
-        patch.setattr("navigation.planning.smooth_path", fail)
+        patch.setattr("navigation.loop.planning.smooth_path", fail)
         thread.ask(ACROSS)
         assert answered.wait(30.0)
     answered.clear()

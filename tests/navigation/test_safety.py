@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from navigation.daemon import Daemon
-from navigation.daemon_state import DaemonState
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
-from navigation.stages import stations_of
 from planner.scene import Scene
 from tests.support.virtual import cycle_until, is_driving, short_config
 

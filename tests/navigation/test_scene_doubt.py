@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import vision
-from navigation.daemon import Daemon
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.scene_doubt import SceneDoubt
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
-from navigation.scene_doubt import SceneDoubt
-from navigation.stages import stations_of
 from planner.scene import Scene
 from tests.support.pictures import blank, box_and_disc
 from tests.support.virtual import cycle_until, is_driving, short_config

@@ -20,8 +20,8 @@ from firmware_protocol.host.state import LinkState
 from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.messages import RobotState, Waypoint
 from firmware_protocol.wire.mission import Mission
-from navigation.serial_link import LinkSnapshot, SerialLink
-from navigation.serial_port import PortError, PortNotReadyError, look_for_port, open_port
+from navigation.link.serial_link import LinkSnapshot, SerialLink
+from navigation.link.serial_port import PortError, PortNotReadyError, look_for_port, open_port
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
 from tests.support.waiting import wait_until

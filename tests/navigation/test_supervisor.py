@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from navigation.supervisor import LONGEST_PAUSE_S, Part, Supervisor, in_words
+from navigation.shared.supervisor import LONGEST_PAUSE_S, Part, Supervisor, in_words
 
 
 class Fragile:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_protocol.wire.messages import WaypointFlag
-from navigation.targets import LONGEST_DWELL_S, targets_of, to_wire
+from navigation.mission.targets import LONGEST_DWELL_S, targets_of, to_wire
 from planner.path import Path, Trajectory, Waypoint
 
 

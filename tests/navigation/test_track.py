@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from navigation.track import Track, driven_pieces, is_jump, with_breaks
+from navigation.shared.track import Track, driven_pieces, is_jump, with_breaks
 
 
 def test_a_full_buffer_keeps_the_newest_rows_in_their_order() -> None:

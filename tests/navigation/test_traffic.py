@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from navigation.traffic import Mover, TrafficLimits, cut, discs_to_avoid, encounter
+from navigation.mission.traffic import Mover, TrafficLimits, cut, discs_to_avoid, encounter
 
 LIMITS = TrafficLimits(radius_m=0.1, speed_m_s=0.3, acceleration_m_s2=0.5, keep_m=0.03)
 HERE = (0.0, 0.0)

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from navigation.targets import Target
-from navigation.trust import (
+from navigation.mission.targets import Target
+from navigation.mission.trust import (
     KNOCKED_M,
     LONGEST_PROOF_S,
     PATIENCE_S,

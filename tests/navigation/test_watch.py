@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation.watch import Action, Facts, SafetyLimits, judge
+from navigation.mission.watch import Action, Facts, SafetyLimits, judge
 
 LIMITS = SafetyLimits(
     pose_stale_s=0.2,

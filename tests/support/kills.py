@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from navigation.config import Config
-from navigation.daemon import Daemon
-from navigation.journal import Journal, owner_of
-from navigation.mission import State
+from navigation.journal.journal import Journal, owner_of
+from navigation.loop.daemon import Daemon
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.restart import unfinished_mission
 from navigation.run.virtual_world import VirtualWorld
-from navigation.stages import stations_of
 from planner.scene import FloatArray
 
 TIME_LIMIT_S = 600.0

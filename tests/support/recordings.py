@@ -12,16 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from navigation.config import Config, load_config
-from navigation.cycle import PlanRequest
-from navigation.eye import Eye
-from navigation.mission import Station
-from navigation.planning import ArenaPlanner
-from navigation.recorder import Recorder
+from navigation.loop.eye import Eye
+from navigation.loop.planning import ArenaPlanner
+from navigation.loop.recorder import Recorder
+from navigation.loop.stages import eye_settings, marked_robots, plan_settings
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import Station
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
 from navigation.simulator.arena import load_arena
 from navigation.simulator.camera import make_camera
 from navigation.simulator.settings import true_start_of
-from navigation.stages import eye_settings, marked_robots, plan_settings
 from tests.support.waiting import wait_until
 from vision.calibration.calibration_file import load_calibration
 from vision.markers.markers import MarkerTracker

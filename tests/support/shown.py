@@ -13,11 +13,11 @@ import numpy as np
 import planner
 from firmware_protocol.host.state import LinkState
 from navigation.config import Config, parse_config
-from navigation.cycle import PlanAnswer
-from navigation.daemon_state import DaemonState, StageTimes
-from navigation.mission import Mission, MissionError, State, Station
-from navigation.serial_link import LinkSnapshot
-from navigation.watch import Action, Verdict
+from navigation.link.serial_link import LinkSnapshot
+from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import Mission, MissionError, State, Station
+from navigation.mission.watch import Action, Verdict
 from planner.formats.scene_io import load_scene
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from navigation.config import Config, load_config
-from navigation.daemon import Daemon
-from navigation.daemon_state import DaemonState
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.mission.mission import State
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SMALL_CAMERA = {

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from navigation.config import load_config
-from navigation.journal import Journal, Owner
+from navigation.journal.journal import Journal, Owner
 from navigation.run.warm_up import warm_up
 
 CONFIGS = Path(__file__).parents[2] / "configs"

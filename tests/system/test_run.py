@@ -22,12 +22,12 @@ import numpy as np
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.daemon import Daemon
-from navigation.daemon_state import DaemonState
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.warm_up import warm_up
 from navigation.run.world import World
-from navigation.stages import stations_of
 from planner.scene import Scene
 from tests.support.pictures import call
 

@@ -7,7 +7,7 @@ from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.access import Gate, Refusal, Role, bearer_of, token_of
 from navigation.dashboard.orders import give, refusal_of
 from navigation.dashboard.seat import AWAY_S, LEFT_S, Seat, public_half
-from navigation.mission import Mission, State, Station
+from navigation.mission.mission import Mission, State, Station
 from tests.support.shown import FakeDaemon, shown_config
 
 TOKEN, OTHER = "a-token-of-some-length", "another-token-to-look"

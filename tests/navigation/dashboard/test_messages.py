@@ -12,7 +12,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation.cycle import PlanAnswer
 from navigation.dashboard.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.geometry import plan_message, world_message
 from navigation.dashboard.hub import preview_facts
@@ -23,8 +22,9 @@ from navigation.dashboard.rings import Ring
 from navigation.dashboard.seat import Seat
 from navigation.dashboard.state_message import state_message
 from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
-from navigation.mission import Mission, State, Station
-from navigation.trust import Level
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import Mission, State, Station
+from navigation.mission.trust import Level
 from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds

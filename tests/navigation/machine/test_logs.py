@@ -12,13 +12,13 @@ from typing import Any
 
 import pytest
 
+from navigation.link.serial_link import LinkSnapshot, LinkState
+from navigation.loop.recorder import RecordingCounts
 from navigation.machine import logs
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
-from navigation.mission import Mission, State, Station
-from navigation.recorder import RecordingCounts
+from navigation.mission.mission import Mission, State, Station
 from navigation.run.attendance import Attendance
-from navigation.serial_link import LinkSnapshot, LinkState
 from vision.camera.latest_frame import CameraStatus
 
 NOW = datetime(2026, 3, 4, 5, 6, 7, 891000, tzinfo=timezone(timedelta(hours=2)))

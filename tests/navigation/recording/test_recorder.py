@@ -16,12 +16,12 @@ import pytest
 from mcap.reader import make_reader
 
 from navigation.config import load_config
-from navigation.recorder import MOST_PICTURES_WAITING
+from navigation.loop.recorder import MOST_PICTURES_WAITING
 from navigation.recording import files as recording_files
 from navigation.recording.events import Told
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
-from navigation.recording.replay import replay
+from navigation.run.replay import replay
 from tests.support.recordings import BEGAN, EVERY, RecordedBench, make_recording
 from tests.support.waiting import wait_until
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.cycle import PlanAnswer, PlanRequest
-from navigation.planning import ArenaPlanner
+from navigation.loop.planning import ArenaPlanner
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.recording.compare import Tolerances
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
-from navigation.recording.replay import replay
+from navigation.run.replay import replay
 from planner.path import Path as PlannedPath
 from planner.scene import Scene
 from tests.support.pictures import call

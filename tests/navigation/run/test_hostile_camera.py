@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from navigation.daemon import Daemon
-from navigation.daemon_state import DaemonState
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
+from navigation.mission.trust import Level
 from navigation.run.virtual_world import VirtualWorld
-from navigation.stages import stations_of
-from navigation.track import driven_pieces
-from navigation.trust import Level
+from navigation.shared.track import driven_pieces
 from planner.borders.polyline import arc_lengths
 from tests.support.virtual import cycle_until, is_driving, short_config
 

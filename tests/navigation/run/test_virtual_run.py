@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from navigation.config import limits_of, load_config
-from navigation.daemon import Daemon
-from navigation.mission import State
+from navigation.loop.daemon import Daemon
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
 from navigation.run.summary import summarise, write_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
-from navigation.stages import stations_of
 from tests.support.bends import bends_of
 from tests.support.virtual import CONFIGS, cycle_until, is_driving, short_config
 

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.serial_link import SerialLink
-from navigation.serial_port import PortError
+from navigation.link.serial_link import SerialLink
+from navigation.link.serial_port import PortError
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 from navigation.simulator.line_faults import FaultSpec, FaultSpecError, FaultyLine
 from navigation.simulator.robot import SimulatedRobot

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from navigation.track import Track
-from navigation.traffic import LOST_S, Mover
+from navigation.mission.traffic import LOST_S, Mover
+from navigation.shared.track import Track
 from vision.markers.markers import RobotPose
 
 TRACK_ROWS: Final = 20_000

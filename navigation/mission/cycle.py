@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from navigation.mission import Station
-from navigation.targets import Target
-from navigation.traffic import Disc, Mover, TrafficLimits
-from navigation.watch import SafetyLimits
+from navigation.mission.mission import Station
+from navigation.mission.targets import Target
+from navigation.mission.traffic import Disc, Mover, TrafficLimits
+from navigation.mission.watch import SafetyLimits
 from navigation.witness import NO_EVIDENCE, Evidence
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import Bounds

@@ -16,11 +16,11 @@ from typing import Literal
 import numpy as np
 
 import planner
-from navigation.cycle import PlanAnswer, PlanRequest
-from navigation.mission import Station
-from navigation.supervisor import in_words
-from navigation.targets import targets_of
-from navigation.traffic import Disc
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.mission import Station
+from navigation.mission.targets import targets_of
+from navigation.mission.traffic import Disc
+from navigation.shared.supervisor import in_words
 from planner.motion.smooth import SmoothError, smooth_path
 from planner.motion.trajectory import TrajectoryError
 from planner.path import Limits, NoPath, Path

@@ -16,15 +16,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from navigation.cycle import Orders, PilotSettings, PlanAnswer, PlanRequest, RobotReport, Sight
-from navigation.mission import Event, Mission, MissionError, State, Station
-from navigation.progress import Progress
-from navigation.slowing import WORTH_A_PLAN, speed_with
-from navigation.targets import Target
-from navigation.traffic import Encounter, discs_to_avoid, encounter
-from navigation.trust import NEAR_M, Level, Proof, Trust, slow_at_first
-from navigation.trust import Verdict as ProofVerdict
-from navigation.watch import Action, Facts, Verdict, judge
+from navigation.mission.cycle import (
+    Orders,
+    PilotSettings,
+    PlanAnswer,
+    PlanRequest,
+    RobotReport,
+    Sight,
+)
+from navigation.mission.mission import Event, Mission, MissionError, State, Station
+from navigation.mission.progress import Progress
+from navigation.mission.slowing import WORTH_A_PLAN, speed_with
+from navigation.mission.targets import Target
+from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
+from navigation.mission.trust import NEAR_M, Level, Proof, Trust, slow_at_first
+from navigation.mission.trust import Verdict as ProofVerdict
+from navigation.mission.watch import Action, Facts, Verdict, judge
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
 from navigation.config.secrets import hide, hide_in
-from navigation.mission import State
+from navigation.mission.mission import State
 from navigation.recording.events import (
     Counted,
     Level,
@@ -40,7 +40,7 @@ from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
 if TYPE_CHECKING:
-    from navigation.daemon_state import DaemonState
+    from navigation.loop.daemon_state import DaemonState
 
 FLUSH_EVERY_S: Final = 0.2
 CLOSE_WITHIN_S: Final = 5.0

@@ -24,29 +24,29 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from navigation.config import Config
-from navigation.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
-from navigation.daemon_state import DaemonState, DrivenPlan, StageTimes
-from navigation.eye import Eye, Glimpse
-from navigation.journal import Journal, SentPlan
-from navigation.link_snapshot import LinkSnapshot
-from navigation.mission import Mission, Station
-from navigation.other_robots import OtherRobots
-from navigation.parts import Surroundings
-from navigation.pilot import Pilot
-from navigation.planning import ArenaPlanner, SceneCheck
-from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
-from navigation.scene_doubt import SceneDoubt
-from navigation.stages import (
+from navigation.journal.journal import Journal, SentPlan
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
+from navigation.loop.eye import Eye, Glimpse
+from navigation.loop.other_robots import OtherRobots
+from navigation.loop.parts import Surroundings
+from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.loop.scene_doubt import SceneDoubt
+from navigation.loop.stages import (
     eye_settings,
     marked_robots,
     pilot_settings,
     plan_settings,
     witness_limits,
 )
-from navigation.supervisor import Part, Supervisor, in_words
-from navigation.targets import to_wire
-from navigation.track import Track
-from navigation.trust import Level
+from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
+from navigation.mission.mission import Mission, Station
+from navigation.mission.pilot import Pilot
+from navigation.mission.targets import to_wire
+from navigation.mission.trust import Level
+from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
+from navigation.shared.supervisor import Part, Supervisor, in_words
+from navigation.shared.track import Track
 from navigation.witness import NO_EVIDENCE, Witness
 from planner.path import NoPath
 from planner.roadmap.roadmap import Roadmap
@@ -56,7 +56,7 @@ from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import MarkerTracker, RobotPose
 
 if TYPE_CHECKING:
-    from navigation.recorder import Recorder
+    from navigation.loop.recorder import Recorder
 
 LONGEST_CYCLE_S: Final = 0.05
 LEASE_EVERY_S: Final = 0.08

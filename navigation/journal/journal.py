@@ -17,9 +17,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from navigation.journal_file import OPEN_WITHIN_S, JournalError, JournalFile, JournalWriteError
-from navigation.journal_records import Contents, Owner, SentPlan, owner_of
-from navigation.mission import Mission, State, Station
+from navigation.journal.journal_file import (
+    OPEN_WITHIN_S,
+    JournalError,
+    JournalFile,
+    JournalWriteError,
+)
+from navigation.journal.journal_records import Contents, Owner, SentPlan, owner_of
+from navigation.mission.mission import Mission, State, Station
 
 __all__ = ["Journal", "JournalError", "Owner", "SentPlan", "owner_of"]
 

@@ -19,8 +19,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Final
 
-from navigation.eye import Eye
-from navigation.planning import ArenaPlanner
+from navigation.loop.eye import Eye
+from navigation.loop.planning import ArenaPlanner
+from navigation.loop.stages import eye_settings, marked_robots, plan_settings
 from navigation.recording.compare import (
     Difference,
     Tolerances,
@@ -31,7 +32,6 @@ from navigation.recording.compare import (
     scene_distance_m,
 )
 from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
-from navigation.stages import eye_settings, marked_robots, plan_settings
 from planner.scene import Scene
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker

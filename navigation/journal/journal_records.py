@@ -23,8 +23,8 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 from navigation.config import Config
 from navigation.config.errors import key_name
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
-from navigation.mission import Mission, State, Station
-from navigation.targets import Target
+from navigation.mission.mission import Mission, State, Station
+from navigation.mission.targets import Target
 from planner.scene import Bounds, printable
 from vision.camera.sources import without_password
 

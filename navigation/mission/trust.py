@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Final
 
-from navigation.targets import Target
+from navigation.mission.targets import Target
 from navigation.witness import Evidence
 
 TURN_RAD: Final = 0.35

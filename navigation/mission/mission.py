@@ -1,7 +1,7 @@
 """The mission: what is to be visited, and the table of states between standing and done.
 
 The table is the whole of the logic of states: what is not in it does not happen. The
-documentation's diagram is drawn from it (`python -m navigation.mission`).
+documentation's diagram is drawn from it (`python -m navigation.mission.mission`).
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ import stat
 from pathlib import Path
 from typing import Final
 
-from navigation.journal_records import Contents, Owner, RecordError, from_text, to_text
+from navigation.journal.journal_records import Contents, Owner, RecordError, from_text, to_text
 
 VERSION: Final = 2
 APPLICATION_ID: Final = 0x434C5759

@@ -31,9 +31,9 @@ from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.framing import MAX_WIRE
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.wire.mission import Mission
-from navigation.link_snapshot import LinkSnapshot, snapshot_of
-from navigation.serial_port import PortError, PortNotReadyError, open_port
-from navigation.supervisor import in_words
+from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
+from navigation.link.serial_port import PortError, PortNotReadyError, open_port
+from navigation.shared.supervisor import in_words
 
 PORT_FAULTS: Final = (serial.SerialException, OSError, termios.error)
 """termios.error is no OSError, and pyserial lets it through after a hang-up."""

@@ -11,12 +11,12 @@ from typing import Final
 from firmware_protocol.wire.framing import wire_bytes
 from firmware_protocol.wire.messages import Status
 from navigation.config import Config, limits_of
-from navigation.cycle import PilotSettings
-from navigation.eye import Body, EyeSettings
-from navigation.mission import Station
-from navigation.planning import PlanSettings
-from navigation.traffic import TrafficLimits
-from navigation.watch import SafetyLimits
+from navigation.loop.eye import Body, EyeSettings
+from navigation.loop.planning import PlanSettings
+from navigation.mission.cycle import PilotSettings
+from navigation.mission.mission import Station
+from navigation.mission.traffic import TrafficLimits
+from navigation.mission.watch import SafetyLimits
 from navigation.witness import WitnessLimits
 from navigation.witness.agreement import AgreementLimits
 from planner.scene import Bounds

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from navigation.link_snapshot import LinkSnapshot
-from navigation.mission import Mission
-from navigation.trust import Level
-from navigation.watch import Verdict
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.mission.mission import Mission
+from navigation.mission.trust import Level
+from navigation.mission.watch import Verdict
 from navigation.witness import NO_EVIDENCE, Evidence
 from planner.path import Path, Trajectory
 from planner.roadmap.roadmap import Roadmap

@@ -1,6 +1,6 @@
 """The configuration as a C header: what a robot's firmware has to know before it is built.
 
-    python -m navigation.firmware_settings configs/simulation.yaml -o my_robot.h
+    python -m navigation.loop.firmware_settings configs/simulation.yaml -o my_robot.h
     make -C firmware_protocol/firmware avr SETTINGS=$PWD/my_robot.h
 
 Track, speeds and accelerations come from the section ``robot``, the baud rate from ``serial``.
@@ -25,7 +25,7 @@ def header_of(config: Config, um_per_step: int, full_speed_mm_s: int) -> str:
     track_um, *others = drive_settings_of(config).whole_numbers()
     values = ", ".join([f"{track_um}ul", *(f"{value}u" for value in others)])
     lines = [
-        "/* Made by python -m navigation.firmware_settings from a configuration. */",
+        "/* Made by python -m navigation.loop.firmware_settings from a configuration. */",
         "#ifndef CLEARWAY_MY_ROBOT_H",
         "#define CLEARWAY_MY_ROBOT_H",
         "",

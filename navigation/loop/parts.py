@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Protocol
 
 from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
-from navigation.cycle import PlanAnswer, PlanRequest
-from navigation.link_snapshot import LinkSnapshot
-from navigation.planning import ArenaPlanner, SceneCheck
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from planner.scene import FloatArray, Scene
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame

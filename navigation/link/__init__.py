@@ -1,0 +1,1 @@
+"""The serial line to the robot: its port, its thread, and what is known of the robot."""

@@ -1,0 +1,1 @@
+"""The control loop: what is seen, planned and sent, once a cycle."""
