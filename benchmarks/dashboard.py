@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 from websockets.asyncio.client import connect
 
-from navigation.dashboard.packed import unpack
+from navigation.dashboard.messages.packed import unpack
 from tests.browser.live import Live, live_config
 
 RESULT = Path(__file__).parent / "results" / "dashboard.md"

@@ -50,29 +50,29 @@ class Listed(NamedTuple):
 
 
 COMMANDS: dict[str, Listed] = {
-    "run": Listed("navigation.cli.run:command", "Drive the robot: camera, planning, serial link."),
-    "extract": Listed("navigation.cli.extract:command", "The geometric structure of a picture."),
-    "plan": Listed("navigation.cli.plan:command", "One plan through a picture, scene or map."),
-    "roadmap": Listed("navigation.cli.roadmap:command", "The AGVD roadmap as a file."),
-    "robot": Listed("navigation.cli.robot:command", "A simulated robot on a serial port."),
-    "go": Listed("navigation.cli.orders:go", "Send the running daemon's robot to a place."),
-    "stop": Listed("navigation.cli.orders:stop", "Emergency stop of the running daemon's robot."),
-    "pause": Listed("navigation.cli.orders:pause", "Hold the robot where it is."),
-    "resume": Listed("navigation.cli.orders:resume", "Go on after a pause; re-arm after a stop."),
-    "replan": Listed("navigation.cli.orders:replan", "Plan the way anew."),
-    "status": Listed("navigation.cli.orders:status", "What the running daemon does."),
-    "check": Listed("navigation.cli.check:command", "Check a configuration; tell every error."),
-    "calibrate": Listed("navigation.cli.calibrate:command", "Calibrate a camera from pictures."),
-    "marker": Listed("navigation.cli.marker:command", "A robot marker or a board to print."),
-    "devices": Listed("navigation.cli.devices:command", "The serial ports and cameras here."),
-    "doctor": Listed("navigation.cli.doctor:command", "Whether this machine can do the run."),
-    "replay": Listed("navigation.cli.replay:command", "Vision and planner again on a recording."),
-    "sweep": Listed("navigation.cli.sweep:command", "A simulated run many times over."),
+    "run": Listed(".running.run:command", "Drive the robot: camera, planning, serial link."),
+    "extract": Listed(".pictures.extract:command", "The geometric structure of a picture."),
+    "plan": Listed(".pictures.plan:command", "One plan through a picture, scene or map."),
+    "roadmap": Listed(".pictures.roadmap:command", "The AGVD roadmap as a file."),
+    "robot": Listed(".running.robot:command", "A simulated robot on a serial port."),
+    "go": Listed(".running.orders:go", "Send the running daemon's robot to a place."),
+    "stop": Listed(".running.orders:stop", "Emergency stop of the running daemon's robot."),
+    "pause": Listed(".running.orders:pause", "Hold the robot where it is."),
+    "resume": Listed(".running.orders:resume", "Go on after a pause; re-arm after a stop."),
+    "replan": Listed(".running.orders:replan", "Plan the way anew."),
+    "status": Listed(".running.orders:status", "What the running daemon does."),
+    "check": Listed(".setup.check:command", "Check a configuration; tell every error."),
+    "calibrate": Listed(".setup.calibrate:command", "Calibrate a camera from pictures."),
+    "marker": Listed(".setup.marker:command", "A robot marker or a board to print."),
+    "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
+    "doctor": Listed(".setup.doctor:command", "Whether this machine can do the run."),
+    "replay": Listed(".running.replay:command", "Vision and planner again on a recording."),
+    "sweep": Listed(".running.sweep:command", "A simulated run many times over."),
     "install-service": Listed(
-        "navigation.cli.install_service:command", "A systemd unit and a udev rule for a run."
+        ".setup.install_service:command", "A systemd unit and a udev rule for a run."
     ),
-    "init": Listed("navigation.cli.init_config:command", "Write a commented configuration."),
-    "schema": Listed("navigation.cli.schema:command", "The configuration's JSON Schema."),
+    "init": Listed(".setup.init_config:command", "Write a commented configuration."),
+    "schema": Listed(".setup.schema:command", "The configuration's JSON Schema."),
 }
 
 
@@ -89,7 +89,7 @@ class LazyGroup(click.Group):
         if listed is None:
             return None
         module, attribute = listed.where.split(":")
-        command = getattr(import_module(module), attribute)
+        command = getattr(import_module(module, "navigation.cli"), attribute)
         if not isinstance(command, click.Command):
             raise TypeError(f"{listed.where} is not a click command")
         return command

@@ -16,11 +16,11 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
-from navigation.dashboard.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
+from navigation.dashboard.admission.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
 from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
+from navigation.dashboard.messages.palette import stylesheet
 from navigation.dashboard.metrics import metrics_text
 from navigation.dashboard.orders import give
-from navigation.dashboard.palette import stylesheet
 from navigation.dashboard.viewer import Viewer
 
 MOST_BODY_BYTES: Final = 4096

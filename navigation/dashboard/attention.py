@@ -10,7 +10,7 @@ import asyncio
 import math
 from typing import Final
 
-from navigation.dashboard.access import Role
+from navigation.dashboard.admission.access import Role
 
 CREDITS: Final = 2
 EARLY: Final = 0.75

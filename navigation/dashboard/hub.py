@@ -19,15 +19,15 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
 from navigation.config.secrets import hide_in
-from navigation.dashboard.access import Gate, Role
+from navigation.dashboard.admission.access import Gate, Role
+from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import Attention
-from navigation.dashboard.chronicle import COLUMNS, Chronicle
-from navigation.dashboard.geometry import path_facts, plan_message, world_message
-from navigation.dashboard.packed import pack
-from navigation.dashboard.picture import TopView
-from navigation.dashboard.seat import Seat
+from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
+from navigation.dashboard.messages.geometry import path_facts, plan_message, world_message
+from navigation.dashboard.messages.packed import pack
+from navigation.dashboard.messages.picture import TopView
+from navigation.dashboard.messages.state_message import greeting, no_path_facts, state_message
 from navigation.dashboard.shown import Shown
-from navigation.dashboard.state_message import greeting, no_path_facts, state_message
 from navigation.loop.daemon_state import DaemonState
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Station

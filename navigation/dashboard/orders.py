@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from navigation.control import Commanded, carry_out
-from navigation.dashboard.access import TOKEN_TO_STOP
+from navigation.dashboard.admission.access import TOKEN_TO_STOP
 from navigation.mission.mission import State
 from navigation.shared.outside import in_short
 

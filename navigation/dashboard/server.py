@@ -19,10 +19,10 @@ from typing import Any, Final
 
 import uvicorn
 
+from navigation.dashboard.admission.connections import PlacedRequests
+from navigation.dashboard.admission.places import Places
 from navigation.dashboard.app import make_app
-from navigation.dashboard.connections import PlacedRequests
 from navigation.dashboard.hub import Hub
-from navigation.dashboard.places import Places
 from navigation.dashboard.shown import Shown
 from navigation.machine.descriptors import NONE_LEFT, descriptor_limit
 from navigation.shared.supervisor import in_words

@@ -18,13 +18,13 @@ from typing import Any, Final
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from navigation.control import ControlError, read_stations
-from navigation.dashboard.access import PROTOCOL, TOKEN_TO_STOP, Role
-from navigation.dashboard.allowance import Allowance
+from navigation.dashboard.admission.access import PROTOCOL, TOKEN_TO_STOP, Role
+from navigation.dashboard.admission.allowance import Allowance
+from navigation.dashboard.admission.seat import public_half
 from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.orders import give, refusal_of
-from navigation.dashboard.rings import Ring
-from navigation.dashboard.seat import public_half
 from navigation.shared.outside import OutsideError, finite_number, in_short, read_object
 from navigation.shared.supervisor import in_words
 

@@ -223,7 +223,7 @@ class Runner:
 
     def _own_token(self, file: Path) -> str:
         """The token that is kept in the file; where it cannot be, one for this run."""
-        from navigation.dashboard.own_token import new_token, own_token
+        from navigation.dashboard.admission.own_token import new_token, own_token
 
         try:
             return own_token(file)

@@ -23,7 +23,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from navigation.cli.sources import load_source
+from navigation.cli.pictures.sources import load_source
 from planner.formats.scene_io import read_scene_text, write_scene_text
 from planner.scene import Scene, SceneError
 from tests.support.picture_formats import formats

@@ -19,7 +19,7 @@ from unittest.mock import patch
 import numpy as np
 
 from firmware_protocol.robot.controller import WheelSpeeds
-from navigation.cli.robot import command
+from navigation.cli.running.robot import command
 from navigation.simulator import robot as simulated
 from navigation.simulator.drive_model import Drive, DriveModel, TruePose
 

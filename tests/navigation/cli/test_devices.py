@@ -6,8 +6,8 @@ import json
 
 import pytest
 
-from navigation.cli import devices
 from navigation.cli.main import run
+from navigation.cli.setup import devices
 
 
 def test_what_there_is_is_listed(

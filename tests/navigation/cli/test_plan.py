@@ -292,7 +292,7 @@ def test_an_output_that_cannot_be_written_is_exit_code_2(arena, tmp_path, capsys
 
 def test_asking_for_help_compiles_nothing():
     code = (
-        "import sys, navigation.cli.plan, navigation.cli.roadmap;"
+        "import sys, navigation.cli.pictures.plan, navigation.cli.pictures.roadmap;"
         "sys.exit(any(m in sys.modules for m in ('numba', 'cv2', 'networkx', 'numpy')))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False, timeout=60).returncode == 0

@@ -14,7 +14,7 @@ import pytest
 
 import vision
 from navigation.cli.decoder_lines import caught_decoder_lines
-from navigation.cli.sources import hold_points, load_source, read_shades
+from navigation.cli.pictures.sources import hold_points, load_source, read_shades
 from planner.formats.scene_io import read_scene_text
 from planner.scene import Bounds, SceneError
 from tests.support.picture_formats import chunk, formats

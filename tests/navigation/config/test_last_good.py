@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from navigation.cli.run import load_or_go_back
+from navigation.cli.running.run import load_or_go_back
 from navigation.config.errors import ConfigError
 from navigation.config.last_good import LastGood, state_folder
 from navigation.machine.logs import EventLog

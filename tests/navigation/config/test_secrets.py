@@ -216,7 +216,7 @@ def test_a_traceback_shows_no_secret(config_file: Path, monkeypatch: pytest.Monk
         raise RuntimeError(f"no answer from {ADDRESS} with {TOKEN}")
 
     learn([TOKEN])
-    monkeypatch.setattr("navigation.cli.check.load_checked", fails)
+    monkeypatch.setattr("navigation.cli.setup.check.load_checked", fails)
     told = call("--debug", "check", config_file)
     assert "Traceback" in told.err
     assert TOKEN not in told.err

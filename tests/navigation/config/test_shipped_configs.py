@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from navigation.cli.check import file_problems
+from navigation.cli.setup.check import file_problems
 from navigation.config import load_config
 from navigation.simulator.arena import load_arena
 from navigation.simulator.pinhole import pinhole_of

@@ -4,9 +4,9 @@ import pytest
 
 from navigation.config import ConfigError
 from navigation.config.dashboard import DashboardSection
-from navigation.dashboard.access import Gate, Refusal, Role, bearer_of, token_of
+from navigation.dashboard.admission.access import Gate, Refusal, Role, bearer_of, token_of
+from navigation.dashboard.admission.seat import AWAY_S, LEFT_S, Seat, public_half
 from navigation.dashboard.orders import give, refusal_of
-from navigation.dashboard.seat import AWAY_S, LEFT_S, Seat, public_half
 from navigation.mission.mission import Mission, State, Station
 from tests.support.shown import FakeDaemon, shown_config
 

@@ -18,11 +18,12 @@ from hypothesis import strategies as st
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from navigation.config.dashboard import DashboardSection
-from navigation.dashboard import Dashboard, connections, server
-from navigation.dashboard.access import Gate, Refusal, Role
-from navigation.dashboard.allowance import Allowance
+from navigation.dashboard import Dashboard, server
+from navigation.dashboard.admission import connections
+from navigation.dashboard.admission.access import Gate, Refusal, Role
+from navigation.dashboard.admission.allowance import Allowance
+from navigation.dashboard.admission.places import Places
 from navigation.dashboard.hub import MOST_VIEWERS
-from navigation.dashboard.places import Places
 from tests.navigation.dashboard.test_server import KEY, Page, Site
 from tests.support.floods import flood
 from tests.support.shown import FakeDaemon, laboratory

@@ -12,15 +12,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation.dashboard.chronicle import COLUMNS, Chronicle
-from navigation.dashboard.geometry import plan_message, world_message
+from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.hub import preview_facts
-from navigation.dashboard.packed import pack, unpack
-from navigation.dashboard.palette import DAY, NIGHT, contrast, stylesheet
-from navigation.dashboard.picture import TopView
-from navigation.dashboard.rings import Ring
-from navigation.dashboard.seat import Seat
-from navigation.dashboard.state_message import state_message
+from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
+from navigation.dashboard.messages.geometry import plan_message, world_message
+from navigation.dashboard.messages.packed import pack, unpack
+from navigation.dashboard.messages.palette import DAY, NIGHT, contrast, stylesheet
+from navigation.dashboard.messages.picture import TopView
+from navigation.dashboard.messages.rings import Ring
+from navigation.dashboard.messages.state_message import state_message
 from navigation.draw.shapes import CLEARANCE_RAMP, OBSTACLE, PAGE, PATH
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Mission, State, Station

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from navigation.dashboard.own_token import own_token
+from navigation.dashboard.admission.own_token import own_token
 
 
 def test_it_is_kept_and_is_the_owners_alone(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from math import inf
 
 import pytest
 
-from navigation.dashboard.places import CLOSE_WITHIN_S, Place, Places
+from navigation.dashboard.admission.places import CLOSE_WITHIN_S, Place, Places
 
 HERE, THERE = "127.0.0.1", "192.0.2.7"
 

@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from navigation.dashboard import Dashboard
-from navigation.dashboard.packed import unpack
+from navigation.dashboard.messages.packed import unpack
 from navigation.mission.mission import State, Station
 from tests.support.shown import FakeDaemon, frame, laboratory, pose, shown_config
 from tests.support.waiting import wait_until

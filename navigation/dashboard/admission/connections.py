@@ -19,8 +19,8 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.frames import Frame
 
-from navigation.dashboard.allowance import Allowance
-from navigation.dashboard.places import Place, Places
+from navigation.dashboard.admission.allowance import Allowance
+from navigation.dashboard.admission.places import Place, Places
 
 REQUEST_WITHIN_S: Final = 5.0
 BYTES_A_ROUND: Final = 1024

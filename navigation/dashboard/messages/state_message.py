@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from navigation.config import Config
-from navigation.dashboard.picture import TopView
-from navigation.dashboard.seat import Seat
+from navigation.dashboard.admission.seat import Seat
+from navigation.dashboard.messages.picture import TopView
 from navigation.draw.shapes import RAMP_STEPS
 from navigation.link.serial_link import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.dashboard.packed import pack
+from navigation.dashboard.messages.packed import pack
 from navigation.draw.layers import chain_points
 from planner.path import Path
 from planner.roadmap.graph import without_spurs

@@ -54,7 +54,7 @@ def command(
         sheet = marker_sheet(marker_id, name, size_mm)
         stem = f"marker-{name.removeprefix('DICT_').lower()}-{marker_id}"
     else:
-        from navigation.cli.calibrate import board_spec
+        from navigation.cli.setup.calibrate import board_spec
 
         spec = board_spec(str(board), squares, square_mm, None, dictionary)
         sheet = board_sheet(spec)

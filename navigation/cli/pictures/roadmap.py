@@ -63,8 +63,8 @@ def command(
         )
     keep_apart((("--output", output), ("--map", map_file), ("--render", render)), (source,))
 
-    from navigation.cli.plan import timed_roadmap
-    from navigation.cli.sources import load_source
+    from navigation.cli.pictures.plan import timed_roadmap
+    from navigation.cli.pictures.sources import load_source
     from planner.roadmap import roadmap_export
 
     with long_work("looking for obstacles"):

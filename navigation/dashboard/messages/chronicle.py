@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from navigation.config.secrets import hide
-from navigation.dashboard.rings import Ring
+from navigation.dashboard.messages.rings import Ring
 from navigation.loop.daemon_state import DaemonState
 from navigation.mission.trust import Level
 from navigation.shared.track import is_jump

@@ -123,7 +123,7 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
 
     A good one is kept for the next time. ``ConfigError`` says how to go back.
     """
-    from navigation.cli.check import load_checked
+    from navigation.cli.setup.check import load_checked
     from navigation.config.errors import ConfigError
     from navigation.config.last_good import LastGood, state_folder
     from navigation.config.load import read_source

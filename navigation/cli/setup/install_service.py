@@ -28,7 +28,7 @@ def command(config: Path, user: bool, run_as: str | None, only_print: bool, root
     Writes clearway.service and, for a USB serial adapter that is plugged in, a udev rule that
     names it /dev/clearway-robot. The configuration is checked first; nothing is started.
     """
-    from navigation.cli.check import load_checked
+    from navigation.cli.setup.check import load_checked
     from navigation.machine.service import NAME, RULE_FILE, UDEV_FOLDER, UNIT_FOLDER, unit_text
 
     loaded = load_checked(config)

@@ -63,7 +63,7 @@ def command(
     from rich.console import Console
     from rich.progress import track
 
-    from navigation.cli.check import load_checked
+    from navigation.cli.setup.check import load_checked
     from navigation.sweep.runs import Sweep
     from navigation.sweep.table import SweepFile, summarise_rows
     from navigation.sweep.variations import variation

@@ -65,7 +65,7 @@ def command(
     keep_apart((("--output", output), ("--render", render)), (image,))
 
     import vision
-    from navigation.cli.sources import decode_picture
+    from navigation.cli.pictures.sources import decode_picture
     from planner.formats.map_files import read_bytes
 
     begin_s = time.perf_counter()

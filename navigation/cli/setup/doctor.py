@@ -92,7 +92,7 @@ def machine_findings() -> Iterator[Finding]:
 
 def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | None]:
     """What holds for this configuration, or for what is plugged in where there is none."""
-    from navigation.cli.check import load_checked
+    from navigation.cli.setup.check import load_checked
     from navigation.config.errors import ConfigError
     from navigation.machine import doctor
 
@@ -117,7 +117,7 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
 
 
 def _plugged_in() -> Iterator[Finding]:
-    from navigation.cli.devices import cameras_here, serial_ports
+    from navigation.cli.setup.devices import cameras_here, serial_ports
     from navigation.machine.doctor import Finding
 
     for name, found in (("cameras", cameras_here()), ("serial ports", serial_ports())):

@@ -25,7 +25,7 @@ from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
 
 if TYPE_CHECKING:
-    from navigation.cli.plan_answer import PlanAnswer
+    from navigation.cli.pictures.plan_answer import PlanAnswer
     from planner.path import NoPath
     from planner.path import Path as PlannedPath
     from planner.roadmap.roadmap import Roadmap
@@ -88,7 +88,7 @@ def command(
     Coordinates are the source's own: pixels with y down for a picture, metres with y up for a
     ROS map, cells for a .map. Exits 3 where there is no path, and says why.
     """
-    from navigation.cli.sources import hold_points, load_source
+    from navigation.cli.pictures.sources import hold_points, load_source
 
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(
@@ -182,7 +182,7 @@ def _answer(
     timings_ms: dict[str, float],
     begin_s: float,
 ) -> PlanAnswer:
-    from navigation.cli.plan_answer import PlanAnswer
+    from navigation.cli.pictures.plan_answer import PlanAnswer
     from planner.motion.trajectory import default_limits, time_path
     from planner.path import NoPath
 

@@ -1,0 +1,1 @@
+"""Commands that look at a picture or a map and drive nothing: extract, plan, roadmap."""

@@ -1,0 +1,1 @@
+"""Commands that drive, or talk to what drives: run, orders, robot, replay, sweep."""

@@ -1,0 +1,1 @@
+"""Commands that set up a machine and an arena: init, check, doctor, devices, calibrate, marker."""

@@ -1,0 +1,1 @@
+"""Who may look, who may order, and how many there may be."""

@@ -1,0 +1,1 @@
+"""What the page is told: states, geometry, pictures, the log and the charts."""
