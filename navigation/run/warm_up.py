@@ -119,7 +119,7 @@ def compile_planner() -> None:
 def kernels_are_cold() -> bool:
     """Whether no compiled kernels lie where numba will look for them."""
     chosen = os.environ.get("NUMBA_CACHE_DIR")
-    beside_the_source = Path(planner.__file__).parent / "__pycache__"
+    beside_the_source = Path(planner.__file__).parent
     folder = Path(chosen) if chosen else beside_the_source
     return next(folder.rglob("insertion_kernels.*.nbi"), None) is None
 

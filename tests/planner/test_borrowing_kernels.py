@@ -14,7 +14,7 @@ import planner
 from planner.formats.scene_text import read_scene_text
 from planner.shared.compile_options import BORROWING
 
-KERNELS = sorted(Path(planner.__file__).parent.glob("*_kernels.py"))
+KERNELS = sorted(Path(planner.__file__).parent.rglob("*_kernels.py"))
 MAKERS = {
     *("arange", "argsort", "array", "ascontiguousarray", "bincount", "concatenate", "copy"),
     *("cumsum", "empty", "empty_like", "flatnonzero", "full", "linspace", "nonzero", "ones"),
