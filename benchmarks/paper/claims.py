@@ -20,9 +20,9 @@ class Claim:
     instead: str
 
 
-VORONOI = "tests/planner/test_voronoi.py"
-ROADMAP = "tests/planner/test_roadmap.py"
-COMPLETE = "tests/planner/test_route_completeness.py"
+VORONOI = "tests/planner/delaunay/test_voronoi.py"
+ROADMAP = "tests/planner/roadmap/test_roadmap.py"
+COMPLETE = "tests/planner/route/test_route_completeness.py"
 PAPER = "tests/system/test_paper.py"
 
 
@@ -46,7 +46,7 @@ def _diagrams(m: Measured) -> list[Claim]:
             "2.2, eq. 2-5",
             "Distance to a line, an arc, an area; L_i and L_j meet nowhere",
             "planner/borders/distance_kernels.py::distance",
-            "tests/planner/test_distance.py::test_nearest_border_is_as_far_as_numpy_says",
+            "tests/planner/borders/test_distance.py::test_nearest_border_is_as_far_as_numpy_says",
             "Section 2.2.1 says the intersection is *not* empty: a misprint. An area may have no"
             " hole (Euler number 1)",
             "touching, crossing and nested objects and holes are taken; distances in closed form",
@@ -92,7 +92,7 @@ def _pictures(m: Measured) -> list[Claim]:
             "3.1",
             "Threshold, then border pixels where the Laplacian M answers",
             "vision/borders/contours.py::laplacian_border",
-            "tests/vision/test_contours.py::test_the_walk_visits_exactly_the_pixels_of_the_papers_laplacian",
+            "tests/vision/borders/test_contours.py::test_the_walk_visits_exactly_the_pixels_of_the_papers_laplacian",
             "Confirmed; its pixels lie inside the object, so that records shrink by half a pixel"
             " and more",
             "edge points between the pixels, from the grey levels; the level is chosen from the"
@@ -102,7 +102,7 @@ def _pictures(m: Measured) -> list[Claim]:
             "3.1",
             "Follow contours clockwise, 8-connected",
             "vision/borders/contours.py::follow_borders",
-            "tests/vision/test_contours.py::test_outlines_run_clockwise_on_the_screen",
+            "tests/vision/borders/test_contours.py::test_outlines_run_clockwise_on_the_screen",
             "Confirmed; holes are not spoken of",
             "holes are followed too and belong to the object around them",
         ),
@@ -110,7 +110,7 @@ def _pictures(m: Measured) -> list[Claim]:
             "3.1, eq. 6-13",
             "lambda_S of the covariance over i - k .. i + k, k = 7",
             "vision/paper/corners.py::small_eigenvalues",
-            "tests/vision/test_corners.py::test_the_sliding_sums_are_the_covariance_of_equations_6_to_13",
+            "tests/vision/paper/test_corners.py::test_the_sliding_sums_are_the_covariance_of_equations_6_to_13",
             "The set S_k is written with 2 k pixels (to i + k - 1), the sums with 2 k + 1: the"
             " sums are right",
             "used as it is to seed corners in the paper's mode only",
@@ -162,7 +162,7 @@ def _circles_and_records(m: Measured) -> list[Claim]:
             "3.2, eq. 14",
             "A closed digital curve is a circle if every pixel is within half a pixel in y",
             "vision/paper/circles.py::digital_circle",
-            "tests/vision/test_circles.py::test_sauers_test_takes_a_digital_disc_and_finds_its_centre",
+            "tests/vision/paper/test_circles.py::test_sauers_test_takes_a_digital_disc_and_finds_its_centre",
             "The bound in y alone fails where the circle is steep: of perfect discs of 12 px"
             f" {m.literal_discs.circles} of {m.literal_discs.shown} pass; x and y must change"
             " places there. The threshold is not told (0.25 px here). Noise breaks it: of circles"
@@ -178,7 +178,7 @@ def _circles_and_records(m: Measured) -> list[Claim]:
             "3.3",
             "The records P, S, C, A, L",
             "planner/formats/scene_text.py::read_scene_text",
-            "tests/planner/test_scene_io.py::test_the_papers_five_records_are_read",
+            "tests/planner/formats/test_scene_io.py::test_the_papers_five_records_are_read",
             "An L whose edges are arcs cannot be rebuilt from its vertices, as section 3.2"
             " promises: the format has no place for centre and radius",
             "they stand in comments that a plain reader skips; written and read without loss",
@@ -276,7 +276,7 @@ def _robot(m: Measured) -> list[Claim]:
             "4",
             "The roadmap as a graph; start and goal leave and join it; shortest path",
             "planner/route/route.py::plan_request",
-            "tests/planner/test_route.py::test_start_attaches_inside_an_edge_without_a_detour",
+            "tests/planner/route/test_route.py::test_start_attaches_inside_an_edge_without_a_detour",
             "How to join is not told",
             "by retraction, inside an edge; widest, shortest or between; why not, where not",
         ),

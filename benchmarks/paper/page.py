@@ -301,7 +301,7 @@ def _beyond(m: Measured) -> Iterator[str]:
         "Completeness. Pairs of places that a fine grid joins with a pixel to spare must be"
         " planned; pairs that it does not join with a pixel less must not. The judge's distances"
         " share no code with the planner. More of this:"
-        " `python -m pytest tests/planner/test_route_completeness.py`.",
+        " `python -m pytest tests/planner/route/test_route_completeness.py`.",
         "",
     )
     yield from table(

@@ -17,7 +17,7 @@ from planner.scene import CircleRecord, SceneObject
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker
 
-CONFIG = load_config(Path(__file__).parents[2] / "configs" / "simulation.yaml", environment={})
+CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
 TRUTH = load_arena(CONFIG)
 
 

@@ -268,7 +268,7 @@ def test_threads_do_not_disturb_each_other() -> None:
 
 
 def _run_without_jit(program: str) -> str:
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(root)}
     done = subprocess.run(
         [sys.executable, "-c", program],

@@ -337,7 +337,7 @@ WITHOUT_DESCRIPTORS = """
 import os, resource, sys
 from pathlib import Path
 from navigation.control import ControlServer
-from tests.navigation.test_hostile_control import Robot
+from tests.navigation.control.test_hostile_control import Robot
 resource.setrlimit(resource.RLIMIT_NOFILE, (128, 128))
 with ControlServer(Path(sys.argv[1]), Robot()):
     try:
@@ -353,7 +353,7 @@ def test_a_stop_arrives_where_no_descriptor_is_left(tmp_path: Path) -> None:
     path = tmp_path / "run" / "c.sock"
     with subprocess.Popen(
         [sys.executable, "-c", WITHOUT_DESCRIPTORS, str(path)],
-        cwd=Path(__file__).parents[2],
+        cwd=Path(__file__).parents[3],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

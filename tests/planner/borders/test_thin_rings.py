@@ -9,7 +9,7 @@ import pytest
 
 import planner
 
-RINGS = Path(__file__).parents[1] / "golden" / "thin_rings.txt"
+RINGS = Path(__file__).parents[2] / "golden" / "thin_rings.txt"
 
 
 @pytest.mark.parametrize("radius", [2.0, 8.0, 8.3, 8.318, 8.5])

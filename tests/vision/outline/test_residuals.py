@@ -14,7 +14,7 @@ import pytest
 
 from planner.scene import PolygonRecord
 from tests.support.render import draw, outline_points, polygon
-from tests.vision.test_mirrored_pictures import SIZE, blob, ellipse, spiral
+from tests.vision.outline.test_mirrored_pictures import SIZE, blob, ellipse, spiral
 from vision import extract
 
 SAME = 1.25

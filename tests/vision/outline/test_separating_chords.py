@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from planner.scene import Arc, CircleRecord, PolygonRecord, Record
-from tests.vision.test_cover import blob, drawn_by_opencv, ellipse, rings, star
-from tests.vision.test_unusual_shapes import walls
+from tests.vision.outline.test_area_lost import blob, drawn_by_opencv, ellipse, rings, star
+from tests.vision.outline.test_unusual_shapes import walls
 from vision import extract
 from vision.binarise.binarise import binarise
 from vision.borders.contours import Borders, follow_borders
