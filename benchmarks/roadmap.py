@@ -29,10 +29,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import planner
-from planner.borders import distance_kernels
 from planner.formats.grid_maps import grid_scene
 from planner.path import Path as PlannedPath
-from planner.scene import Bounds, FloatArray, Scene, SceneObject
+from planner.scene import Bounds, FloatArray, Scene, SceneObject, primitive_kernels
 from tests.support.mazes import noise, plate
 from tests.support.planner_scenes import (
     hand_made,
@@ -122,7 +121,7 @@ def exactness(spacing: float, seeds: range) -> tuple[float, float, float, float]
         links = np.flatnonzero(chains.proved)
         for i in links:
             for p, side in itertools.product((i, i + 1), chains.pieces[i].tolist()):
-                d = distance_kernels.distance(borders.kind, borders.data, side, *chains.points[p])
+                d = primitive_kernels.distance(borders.kind, borders.data, side, *chains.points[p])
                 worst_side = max(worst_side, abs(d - chains.rho[p]) / size)
         apart = np.abs(slow_distance(scene, chains.points) - chains.rho)
         worst_clearance = max(worst_clearance, float(apart.max(initial=0.0)) / size)

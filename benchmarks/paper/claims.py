@@ -45,7 +45,7 @@ def _diagrams(m: Measured) -> list[Claim]:
         Claim(
             "2.2, eq. 2-5",
             "Distance to a line, an arc, an area; L_i and L_j meet nowhere",
-            "planner/borders/distance_kernels.py::distance",
+            "planner/borders/box_tree_kernels.py::distance",
             "tests/planner/borders/test_distance.py::test_nearest_border_is_as_far_as_numpy_says",
             "Section 2.2.1 says the intersection is *not* empty: a misprint. An area may have no"
             " hole (Euler number 1)",

@@ -19,10 +19,9 @@ from scipy.spatial import cKDTree
 import planner
 from benchmarks.paper import canvas, charts
 from benchmarks.paper.weaknesses import MODES, Mode
-from planner.borders import distance_kernels
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
-from planner.scene import Scene
+from planner.scene import Scene, primitive_kernels
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 
 Points = NDArray[np.float64]
@@ -121,7 +120,7 @@ def _side_differences(roadmap: Roadmap) -> Points:
                 continue
             for x, y in (chains.points[i], chains.points[i + 1]):
                 one, other = (
-                    distance_kernels.distance(borders.kind, borders.data, piece, x, y)
+                    primitive_kernels.distance(borders.kind, borders.data, piece, x, y)
                     for piece in (left, right)
                 )
                 out.append(abs(one - other))

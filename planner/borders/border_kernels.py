@@ -15,11 +15,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.borders.box_tree_kernels import build_tree, object_spans
 from planner.borders.corner_point_kernels import corner_points, link_borders, without_repeats
-from planner.borders.distance_kernels import POINT, build_tree, object_spans, with_middles
 from planner.borders.generator_kernels import count_generators, place_generators
 from planner.borders.inside_kernels import index_closed
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import POINT, with_middles
 
 
 @njit(cache=True, nogil=True)

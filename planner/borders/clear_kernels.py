@@ -1,7 +1,7 @@
 """Whether straight lines keep a distance to every border: yes or no, at the first that is nearer.
 
 Rules and units
-- The answers are those of :func:`planner.borders.distance_kernels.segment_clearance` with a bound,
+- The answers are those of :func:`planner.borders.box_tree_kernels.segment_clearance` with a bound,
   and are found several times sooner: the least distance itself is not asked for.
 - The box tree is walked without a stack: from node i to 2 i, and to i + 1 after the last of a
   branch, up while i is odd.
@@ -17,8 +17,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import LEAF, POINT, SEGMENT, distance, segment_distance
-from planner.shared.compile_options import BORROWING
+from planner.borders.box_tree_kernels import LEAF
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import POINT, SEGMENT, distance, segment_distance
 
 
 @njit(**BORROWING)

@@ -17,7 +17,8 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import (
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import (
     ARC,
     CIRCLE,
     POINT,
@@ -26,7 +27,6 @@ from planner.borders.distance_kernels import (
     on_sweep,
     segment_distance,
 )
-from planner.shared.compile_options import BORROWING
 
 SMOOTH = 1e-3
 """Sine of the turn below which a joint counts as smooth, so that it needs a corner point."""

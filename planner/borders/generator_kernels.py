@@ -14,8 +14,8 @@ import numpy as np
 from numba import njit
 
 from planner.borders.corner_point_kernels import length_of
-from planner.borders.distance_kernels import ARC, CIRCLE, POINT, SEGMENT, TAU
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, TAU
 
 ROUND_LEAST, ROUND_APART = 8.0, 0.8
 """A circle has so many generators at least; an arc's are no further apart than that, in radians,

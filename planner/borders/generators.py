@@ -15,7 +15,7 @@ from typing import Any, Literal, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.borders import border_kernels, distance_kernels, generator_kernels, inside_kernels
+from planner.borders import border_kernels, box_tree_kernels, generator_kernels, inside_kernels
 from planner.borders.inside_kernels import ClosedBorders
 from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
 from planner.shared.numbers import as_float
@@ -95,12 +95,12 @@ class Borders:
 
     @property
     def tree(self) -> tuple[NDArray[np.int8], FloatArray, IntArray, int, FloatArray]:
-        """What every query of :mod:`planner.borders.distance_kernels` starts with."""
+        """What every query of :mod:`planner.borders.box_tree_kernels` starts with."""
         return self.kind, self.data, self.order, self.large, self.boxes
 
     def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
         """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
-        return distance_kernels.nearest_many(*self.tree, points)  # type: ignore[no-any-return]
+        return box_tree_kernels.nearest_many(*self.tree, points)  # type: ignore[no-any-return]
 
     def signed_distances(self, points: FloatArray) -> FloatArray:
         """As :meth:`distances`, negative in an obstacle and out of the bounds."""

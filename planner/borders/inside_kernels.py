@@ -22,8 +22,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from planner.borders.distance_kernels import ARC, CIRCLE, SEGMENT, box_of, morton_codes, nearest
-from planner.shared.compile_options import BORROWING
+from planner.borders.box_tree_kernels import morton_codes, nearest
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, CIRCLE, SEGMENT, box_of
 
 RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""

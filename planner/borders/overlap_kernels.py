@@ -15,7 +15,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import (
+from planner.borders.inside_kernels import in_object
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import (
     POINT,
     SEGMENT,
     box_of,
@@ -23,8 +25,6 @@ from planner.borders.distance_kernels import (
     on_sweep,
     segment_distance,
 )
-from planner.borders.inside_kernels import in_object
-from planner.shared.compile_options import BORROWING
 
 MEET, WITHIN = 1, 2
 """How two objects are related: their borders meet, or the first lies inside the second."""

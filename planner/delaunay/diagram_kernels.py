@@ -17,7 +17,7 @@ from numba import njit
 
 from planner.delaunay.insertion_kernels import DEAD, conflict, load_sites, triangulate
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre, in_circle, orient
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 VERTEX_TOLERANCE = 1e-11
 """A vertex with a larger error bound, in parts of the scene or its circle, is computed again."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 WHOLE_LIMIT = 2.0**57
 """Differences are scaled below this, so that two parts add up to at most 58 bits."""

@@ -34,7 +34,7 @@ from numba import njit
 
 from planner.delaunay.predicate_kernels import SCRATCH, UNIT, in_circle, orient
 from planner.delaunay.site_order_kernels import coarse_to_fine, spatial_order
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 DEAD = 0xFFFFFFFF
 """The first site of a triangle that does not exist."""

@@ -29,7 +29,7 @@ from planner.delaunay.exact_kernels import (
     two_products,
     value,
 )
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 LATTICE_LIMIT = 29_600
 """12 M^4 < 2^63: in-circle of differences up to M fits a 64-bit integer."""

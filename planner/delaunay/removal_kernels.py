@@ -19,7 +19,7 @@ from numba import njit
 
 from planner.delaunay.insertion_kernels import DEAD, circle_band
 from planner.delaunay.predicate_kernels import SCRATCH, in_circle, orient
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 
 @njit(**BORROWING, error_model="numpy")

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 COARSENING = 4
 """Of a round's sites, one in so many went in before."""

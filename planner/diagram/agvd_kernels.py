@@ -18,17 +18,10 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import (
-    ARC,
-    CIRCLE,
-    POINT,
-    SEGMENT,
-    distance,
-    nearest,
-    segment_clearance,
-)
+from planner.borders.box_tree_kernels import nearest, segment_clearance
 from planner.borders.inside_kernels import in_object
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, distance
 
 
 @njit(cache=True, nogil=True)

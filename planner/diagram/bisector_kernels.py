@@ -20,8 +20,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import SEGMENT, foot, segment_clearance
-from planner.shared.compile_options import BORROWING
+from planner.borders.box_tree_kernels import segment_clearance
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import SEGMENT, foot
 
 STEPS = 40
 """Newton steps; four were enough on random scenes, near-parallel borders take more."""

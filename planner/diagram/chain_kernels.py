@@ -21,19 +21,13 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import (
-    POINT,
-    SEGMENT,
-    distance,
-    foot,
-    point_to_segment,
-    segment_clearance,
-)
+from planner.borders.box_tree_kernels import segment_clearance
 from planner.diagram.bisector_kernels import heading, narrowest, slide_between
 from planner.diagram.kept_run_kernels import find_run
 from planner.diagram.mesh_kernels import nearest_piece
 from planner.diagram.vertex_kernels import EXACT, INTRUDED, KEPT, UNUSED
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import POINT, SEGMENT, distance, foot, point_to_segment
 
 BULGE = 0.1
 """How far a link may leave its bisector, in half spacings (5 % of the spacing)."""

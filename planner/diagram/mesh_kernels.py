@@ -20,12 +20,12 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import ARC, CIRCLE, distance
 from planner.borders.inside_kernels import in_object
 from planner.delaunay.diagram_kernels import finite_vertices, list_edges
 from planner.delaunay.insertion_kernels import DEAD
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, CIRCLE, distance
 
 FREE, BLOCKED, PENDING = 1, 2, 3
 LOOSE = 1e-9

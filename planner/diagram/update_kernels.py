@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from planner.delaunay.insertion_kernels import DEAD
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 SLACK = 1e-9
 """Circles count as larger by this share."""

@@ -19,12 +19,12 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import ARC, POINT, distance, foot
 from planner.delaunay.insertion_kernels import DEAD, TINY
 from planner.diagram.agvd_kernels import is_end, is_valid
 from planner.diagram.bisector_kernels import meet_three, slide_between, turn_at
 from planner.diagram.mesh_kernels import FREE, nearest_piece
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, POINT, distance, foot
 
 TURN_TRIES = 4
 """Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""

@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 MOST = 256
 """Chords of a curve."""

@@ -21,9 +21,10 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import distance, nearest, segment_clearance
+from planner.borders.box_tree_kernels import nearest, segment_clearance
 from planner.borders.inside_kernels import in_object
 from planner.diagram.bisector_kernels import slide_between
+from planner.scene.primitive_kernels import distance
 
 HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""

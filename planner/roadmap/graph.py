@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import clear_kernels
-from planner.borders.distance_kernels import polyline_clearance
+from planner.borders.box_tree_kernels import polyline_clearance
 from planner.borders.generators import BoolArray, Borders
 from planner.diagram import bisector_kernels
 from planner.diagram.agvd import Chains

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planner.borders import distance_kernels, overlap_kernels
+from planner.borders import overlap_kernels
 from planner.borders.generators import SAME_PLACE, Borders
 from planner.roadmap.clip import Clipped
-from planner.scene import FloatArray
+from planner.scene import FloatArray, primitive_kernels
 
 MOST = 8
 """So many sentences of a kind are said in full; the others are counted."""
@@ -94,15 +94,15 @@ def _exact_box(borders: Borders, owner: int) -> FloatArray:
         if borders.owner[i] != owner:
             continue
         row, kind = data[i], borders.kind[i]
-        if kind == distance_kernels.SEGMENT:
+        if kind == primitive_kernels.SEGMENT:
             places = [row[:2], row[2:4]]
-        elif kind == distance_kernels.POINT:
+        elif kind == primitive_kernels.POINT:
             places = [row[:2]]
         else:
             places = [row[:2] + row[2] * way for way in COMPASS]
-            if kind == distance_kernels.ARC:
+            if kind == primitive_kernels.ARC:
                 ends = (row[3], row[3] + row[4])
-                places = [p for p in places if distance_kernels.on_sweep(data, i, p[0], p[1])]
+                places = [p for p in places if primitive_kernels.on_sweep(data, i, p[0], p[1])]
                 places += [row[:2] + row[2] * np.array((np.cos(a), np.sin(a))) for a in ends]
         low, high = (
             np.minimum(low, np.min(places, axis=0)),

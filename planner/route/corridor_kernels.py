@@ -19,9 +19,9 @@ import numpy as np
 from numba import njit
 
 from planner.borders.clear_kernels import keeps
-from planner.borders.distance_kernels import ARC, CIRCLE, foot
 from planner.diagram.bisector_kernels import slide_between
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, CIRCLE, foot
 
 DENSER = 12
 """How often a link is halved at most for its feet to turn slowly enough."""

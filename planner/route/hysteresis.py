@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.borders import clear_kernels, distance_kernels
+from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders
 from planner.borders.polyline import arc_lengths, points_at
 from planner.path import NoPath, Path
@@ -121,5 +121,5 @@ def _cost(borders: Borders, way: FloatArray, need: float, preference: float) -> 
     """What a way costs; for the widest way how narrow it is."""
     if preference < 1.0:
         return judge(borders, way, need, preference)
-    gap = float(distance_kernels.polyline_clearance(*borders.tree, way)[0])
+    gap = float(box_tree_kernels.polyline_clearance(*borders.tree, way)[0])
     return math.inf if gap <= 0.0 else 1.0 / gap

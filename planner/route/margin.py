@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.borders import clear_kernels, distance_kernels
+from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders
-from planner.scene import FloatArray, Vec
+from planner.scene import FloatArray, Vec, primitive_kernels
 from planner.search.chain_search import ROUNDING
 
 REACH = 2.0
@@ -50,15 +50,15 @@ def way_out(
 ) -> WayOut | None:
     """The shortest straight way out of the margin, None where none is short enough."""
     need, reach = radius + margin, REACH * (radius + margin)
-    standing, which = distance_kernels.nearest(*borders.tree, *place, np.inf)
-    fx, fy = distance_kernels.foot(borders.kind, borders.data, which, *place)
+    standing, which = box_tree_kernels.nearest(*borders.tree, *place, np.inf)
+    fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)
     least = max(need - standing, ROUNDING * borders.extent)
     for keep in (standing, radius):
         away = math.atan2(place[1] - fy, place[0] - fx)
         found = _shortest(borders, place, away, least, reach, need, keep)
         if found is not None:
             length = math.dist(place, found)
-            gap = distance_kernels.polyline_clearance(*borders.tree, np.array([place, found]))[0]
+            gap = box_tree_kernels.polyline_clearance(*borders.tree, np.array([place, found]))[0]
             return WayOut(
                 found,
                 f"the margin of {_sized(margin, units)} is given up within {_sized(length, units)} "

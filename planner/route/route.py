@@ -16,7 +16,7 @@ from itertools import islice, pairwise
 
 import numpy as np
 
-from planner.borders import distance_kernels
+from planner.borders import box_tree_kernels
 from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import NoPath, Path
@@ -235,7 +235,7 @@ def _certified(leg: Leg, found: Ways) -> Ways:
     proved = tuple(
         line
         for line in found.lines
-        if distance_kernels.polyline_clearance(*leg.borders.tree, line)[0] >= least
+        if box_tree_kernels.polyline_clearance(*leg.borders.tree, line)[0] >= least
     )
     return replace(found, lines=proved)
 
@@ -378,7 +378,7 @@ def _as_path(
         points.append(leg[1:])
         stations.append(stations[-1] + len(leg) - 1)
     polyline = np.concatenate(points)
-    gap, x, y, _, _ = distance_kernels.polyline_clearance(*borders.tree, polyline)
+    gap, x, y, _, _ = box_tree_kernels.polyline_clearance(*borders.tree, polyline)
     rho, _ = borders.distances(polyline)
     for array in (polyline, rho):
         array.setflags(write=False)

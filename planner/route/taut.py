@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from planner.borders import distance_kernels
+from planner.borders import box_tree_kernels
 from planner.borders.generators import Borders
 from planner.route import taut_kernels
 from planner.scene import FloatArray, IntArray, Vec
@@ -38,7 +38,7 @@ def is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: f
         return False
     ends = np.array([start, goal])
     standing = float(borders.distances(ends)[0].min())
-    gap, *_ = distance_kernels.polyline_clearance(*borders.tree, ends)
+    gap, *_ = box_tree_kernels.polyline_clearance(*borders.tree, ends)
     wish = min(need * (1.0 + ROOM * preference), standing)
     rounding = ROUNDING * borders.extent
     return bool(gap >= max(need - borders.equal, wish - rounding))

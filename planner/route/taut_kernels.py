@@ -17,8 +17,8 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borders.box_tree_kernels import nearest, segment_clearance
 from planner.borders.clear_kernels import blocker, keeps, spare
-from planner.borders.distance_kernels import nearest, segment_clearance
 from planner.diagram.bisector_kernels import follow
 from planner.route.corridor_kernels import pull_taut
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import BORROWING
 from planner.search.route_kernels import (
     CLEARED,
     between,
@@ -27,7 +28,6 @@ from planner.search.route_kernels import (
     put_behind,
     search,
 )
-from planner.shared.compile_options import BORROWING
 
 COST, ENTRY, EXIT, BEGIN, END, TAKEN = 0, 1, 2, 3, 4, 5
 """Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told."""

@@ -17,9 +17,10 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import foot, nearest, point_to_segment, polyline_clearance
+from planner.borders.box_tree_kernels import nearest, polyline_clearance
 from planner.diagram.bisector_kernels import slide_between
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import foot, point_to_segment
 
 SHRINKS = 60
 """Steps of the shrinking ball; it took at most 12 on random scenes."""

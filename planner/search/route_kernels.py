@@ -17,8 +17,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import BORROWING
 from planner.search.search_kernels import costs_from, pop, push, pushed
-from planner.shared.compile_options import BORROWING
 
 CLEARED = 8
 """So many nodes are made ready for a search in the time of one step of it."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 
 @njit(cache=True, nogil=True)

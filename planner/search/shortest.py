@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.borders import distance_kernels
+from planner.borders import box_tree_kernels
 from planner.borders.generators import JOINT, Borders
 from planner.scene import FloatArray, Vec
 from planner.search import tangent_kernels
@@ -77,7 +77,7 @@ def shortest_way(
         return Shortest(None, outcome == tangent_kernels.NONE)
     for part in FINER:
         way = _polyline(discs, tangents, part * CHORD_RAD)
-        gap = distance_kernels.polyline_clearance(*borders.tree, way)[0]
+        gap = box_tree_kernels.polyline_clearance(*borders.tree, way)[0]
         if gap >= radius - 0.5 * spare:
             return Shortest(way, certain=True)
     return Shortest(None, certain=False)

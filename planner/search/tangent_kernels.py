@@ -18,9 +18,10 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.distance_kernels import ARC, POINT, SEGMENT, TAU, segment_clearance
+from planner.borders.box_tree_kernels import segment_clearance
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import ARC, POINT, SEGMENT, TAU
 from planner.search.search_kernels import pop, push
-from planner.shared.compile_options import BORROWING
 
 ANGLE = 1e-7
 """Angles nearer than this are equal."""

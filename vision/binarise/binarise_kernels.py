@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
-from vision.shared.compile_options import LEAF
+from planner.scene.compile_options import LEAF
 
 SAMPLE = 32768
 """Pixels looked at, about."""

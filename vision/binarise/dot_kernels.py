@@ -21,8 +21,8 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.binarise.smoothing_kernels import MARGIN, compare, sum_limit, sum_rows
-from vision.shared.compile_options import LEAF
 
 SIGMAS = 6.0
 BINOMIAL_LEFT = 0.2734

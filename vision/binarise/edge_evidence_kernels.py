@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from vision.shared.compile_options import LEAF, SUMS
+from planner.scene.compile_options import LEAF, SUMS
 
 REACH = 4
 """Pixels from one end of a step to the other: the width of a blurred edge."""

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.binarise.binarise_kernels import count_greys, sample_steps, summed
-from vision.shared.compile_options import LEAF
 
 MARGIN = 2
 """Pixels that the smoothing reaches beyond one."""

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from vision.shared.compile_options import LEAF
+from planner.scene.compile_options import LEAF
 
 OBSTACLE = np.uint8(1)
 """Bit 0 of a mask byte: the pixel belongs to an obstacle."""

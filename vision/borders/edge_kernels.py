@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.borders.edge_level_kernels import find_plateaus
 from vision.borders.edge_profile_kernels import (
     ASTRAY,
@@ -49,7 +50,6 @@ from vision.borders.edge_profile_kernels import (
     look_beside,
     out,
 )
-from vision.shared.compile_options import LEAF, SUMS
 
 WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.borders.edge_profile_kernels import CLEAR, DARK, DARK_LEVEL, LIGHT, LIGHT_LEVEL
-from vision.shared.compile_options import LEAF, SUMS
 
 STRETCH = 64
 """Cracks to either side over which the plateaus are averaged."""

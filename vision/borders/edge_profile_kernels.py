@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from vision.shared.compile_options import LEAF, SUMS
+from planner.scene.compile_options import LEAF, SUMS
 
 REACH = 3
 """Cracks to either side that tell the border's direction."""

@@ -19,8 +19,8 @@ import math
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.shape_kernels import HUGE
-from vision.shared.compile_options import LEAF, SUMS
 
 APART = 7
 """A border's share between points that are compared: no usual symmetry's."""

@@ -22,6 +22,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.canonical_frame_kernels import (
     bring_cracks_along,
     bring_into_place,
@@ -61,7 +62,6 @@ from vision.outline.fit.shape_kernels import (
 )
 from vision.outline.fitted_borders import CIRCLE, LINE, POLYGON, TINY
 from vision.outline.partition_kernels import partition
-from vision.shared.compile_options import LEAF
 
 FEWEST = 10
 """Points of the smallest border that is fitted."""

@@ -16,10 +16,10 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.moment_kernels import FIRST, ROOM, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, line_cost
-from vision.shared.compile_options import LEAF, SUMS
 
 LINE, ARC = 0, 1
 """Where the prices of a line and of an arc stand."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.borders import clear_kernels, distance_kernels
+from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders, gather_borders
-from planner.scene import FloatArray
+from planner.scene import FloatArray, primitive_kernels
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance
 
 
 def _least(borders: Borders, a: FloatArray, b: FloatArray) -> float:
     """The least distance of a segment, over all primitives one by one."""
     return min(
-        distance_kernels.segment_distance(borders.kind, borders.data, i, *a, *b)[0]
+        primitive_kernels.segment_distance(borders.kind, borders.data, i, *a, *b)[0]
         for i in range(borders.primitive_count)
     )
 
@@ -37,7 +37,7 @@ def test_a_line_is_blocked_exactly_where_some_primitive_is_nearer(seed: int) -> 
             met = clear_kernels.blocker(*borders.tree, *a, *b, keep, guess)
             assert (met >= 0) == (least < keep)
             if met >= 0:
-                away = distance_kernels.segment_distance(borders.kind, borders.data, met, *a, *b)
+                away = primitive_kernels.segment_distance(borders.kind, borders.data, met, *a, *b)
                 assert away[0] < keep
 
 
@@ -47,7 +47,7 @@ def test_a_polyline_keeps_what_its_least_distance_is(name: str) -> None:
     rng = np.random.default_rng(5)
     for count in (1, 2, 3, 9):
         line = rng.uniform(0.0, 119.0, (count, 2))
-        least = distance_kernels.polyline_clearance(*borders.tree, line)[0]
+        least = box_tree_kernels.polyline_clearance(*borders.tree, line)[0]
         assert clear_kernels.keeps(*borders.tree, line, least)
         assert not clear_kernels.keeps(*borders.tree, line, least * (1 + 1e-9) + 1e-9)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from planner.borders import distance_kernels
 from planner.borders.generators import gather_borders
+from planner.scene import primitive_kernels
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 
 
@@ -19,7 +19,7 @@ def test_nearest_border_is_as_far_as_numpy_says(seed: int) -> None:
     distance, which = borders.distances(points)
     assert distance == pytest.approx(slow_distance(scene, points), abs=1e-9)
     for i in range(0, 300, 10):
-        alone = distance_kernels.distance(borders.kind, borders.data, which[i], *points[i])
+        alone = primitive_kernels.distance(borders.kind, borders.data, which[i], *points[i])
         assert alone == distance[i]
 
 
@@ -31,12 +31,12 @@ def test_segment_distance_is_the_least_of_its_points(seed: int) -> None:
     t = np.linspace(0.0, 1.0, 2001)
     step = float(np.hypot(*(b - a))) / 2000
     for i in range(borders.primitive_count):
-        found, at = distance_kernels.segment_distance(borders.kind, borders.data, i, *a, *b)
+        found, at = primitive_kernels.segment_distance(borders.kind, borders.data, i, *a, *b)
         dense = min(
-            distance_kernels.distance(borders.kind, borders.data, i, *(a + s * (b - a))) for s in t
+            primitive_kernels.distance(borders.kind, borders.data, i, *(a + s * (b - a))) for s in t
         )
         assert dense - step <= found <= dense + 1e-9
-        there = distance_kernels.distance(borders.kind, borders.data, i, *(a + at * (b - a)))
+        there = primitive_kernels.distance(borders.kind, borders.data, i, *(a + at * (b - a)))
         assert there == pytest.approx(found, abs=1e-6)
 
 

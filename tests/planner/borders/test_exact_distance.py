@@ -8,8 +8,17 @@ import numpy as np
 import pytest
 
 import planner
-from planner.borders import clear_kernels, distance_kernels
-from planner.scene import ARC, CIRCLE, POINT, SEGMENT, Bounds, FloatArray, SegmentRecord
+from planner.borders import clear_kernels
+from planner.scene import (
+    ARC,
+    CIRCLE,
+    POINT,
+    SEGMENT,
+    Bounds,
+    FloatArray,
+    SegmentRecord,
+    primitive_kernels,
+)
 from tests.support.exact_distance import exact_distance
 from tests.support.planner_scenes import scene_of
 
@@ -19,8 +28,8 @@ ROUNDINGS = 16.0 * 2.0**-52
 
 def _measured(kind: int, row: FloatArray, a: FloatArray, b: FloatArray) -> tuple[float, float]:
     kinds = np.array([kind], np.int8)
-    data = distance_kernels.with_middles(kinds, np.atleast_2d(row))
-    found, at = distance_kernels.segment_distance(kinds, data, 0, *a, *b)
+    data = primitive_kernels.with_middles(kinds, np.atleast_2d(row))
+    found, at = primitive_kernels.segment_distance(kinds, data, 0, *a, *b)
     return float(found), float(at)
 
 
@@ -57,7 +66,7 @@ def test_on_one_line_but_for_an_ulp_distances_are_those_of_rational_arithmetic()
         found, at = _measured(SEGMENT, row, a, b)
         off = abs(found - exact_distance(a, b, SEGMENT, row))
         there = a + at * (b - a)
-        away = distance_kernels.point_to_segment(*there, *row[:4])[0]
+        away = primitive_kernels.point_to_segment(*there, *row[:4])[0]
         wrong += not (off <= ROUNDINGS * size and abs(away - found) <= ROUNDINGS * size)
     assert wrong == 0
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import planner
-from planner.borders import distance_kernels
 from planner.borders.generators import Borders, gather_borders, place_generators
 from planner.diagram import bisector_kernels, chain_kernels, mesh, mesh_kernels
 from planner.diagram.chain_kernels import BULGE
 from planner.roadmap.roadmap import Roadmap
-from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray
+from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray, primitive_kernels
 from tests.support.planner_scenes import hand_made, random_scene, slow_distance
 
 
@@ -201,7 +200,7 @@ def test_all_but_a_few_vertices_are_proved_and_the_rest_are_counted() -> None:
 def test_a_place_that_slid_past_the_end_of_its_run_is_not_between() -> None:
     """Sampled vertices of a run that lie elsewhere slide to either side of it, far away, too."""
     kind = np.array([POINT, ARC], np.int8)
-    data = distance_kernels.with_middles(
+    data = primitive_kernels.with_middles(
         kind,
         np.array(
             [

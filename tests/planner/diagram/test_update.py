@@ -9,7 +9,6 @@ import pytest
 
 import planner
 from planner.borders import generator_kernels
-from planner.borders.distance_kernels import ARC, CIRCLE
 from planner.borders.generators import Borders
 from planner.delaunay import insertion_kernels, removal_kernels
 from planner.diagram.update import match_objects
@@ -17,6 +16,7 @@ from planner.path import Path
 from planner.roadmap.graph import lay_strands
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
+from planner.scene.primitive_kernels import ARC, CIRCLE
 from tests.support.planner_scenes import box, hand_made, polygon, scene_of
 
 Edge = tuple[float, ...]

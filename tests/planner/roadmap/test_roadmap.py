@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner.borders import distance_kernels
-from planner.scene import Scene
+from planner.scene import Scene, primitive_kernels
 from tests.support.planner_scenes import (
     box,
     hand_made,
@@ -49,7 +48,7 @@ def test_places_on_edges_are_on_the_bisector_of_their_pieces(seed: int) -> None:
     roadmap = planner.build_roadmap(scene, radius)
     chains = roadmap.chains
     one = [
-        distance_kernels.distance(
+        primitive_kernels.distance(
             roadmap.borders.kind, roadmap.borders.data, int(side), *chains.points[i]
         )
         for i in np.flatnonzero(chains.proved)

@@ -170,7 +170,7 @@ def test_laid_routes_have_no_gap_and_know_what_is_beside_them(name: str) -> None
 
 def _foot(roadmap: Roadmap, piece: int, place: FloatArray) -> FloatArray:
     """From a place to the nearest point of a piece."""
-    from planner.borders import distance_kernels
+    from planner.scene import primitive_kernels
 
     b = roadmap.borders
-    return np.array(distance_kernels.foot(b.kind, b.data, piece, *place)) - place
+    return np.array(primitive_kernels.foot(b.kind, b.data, piece, *place)) - place

@@ -12,7 +12,7 @@ from numba.core.dispatcher import Dispatcher
 
 import planner
 from planner.formats.scene_text import read_scene_text
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING
 
 KERNELS = sorted(Path(planner.__file__).parent.rglob("*_kernels.py"))
 MAKERS = {

@@ -15,13 +15,13 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.corners.joint_kernels import edge_end, onto
 from vision.outline.drawn.joint_relaxation_kernels import polish_edges
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_length, distance_to_edge, finish_edge
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import ARC_CCW, LINE
-from vision.shared.compile_options import LEAF, SUMS
 
 CHECKS = 6
 """Times that the finished edges are compared with the border."""

@@ -16,9 +16,9 @@ import math
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.outline_kernels import distance_to_edge
 from vision.outline.fitted_borders import ARC_CCW, LINE
-from vision.shared.compile_options import LEAF, SUMS
 
 NEAR_ENDS = 4
 """Points at either end of an edge that may be nearer to its neighbour."""

@@ -18,11 +18,11 @@ import math
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.check.area_lost_kernels import loss_beside
 from vision.outline.fit.outline_kernels import STRAY_PX, TAU, distance_to_edge
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import ARC_CCW, LINE
-from vision.shared.compile_options import LEAF
 
 TIP_PX, TIP_BASE_PX = 12.0, 2.0
 """How long a pointed corner's sides may be where they leave the border by more than ``STRAY_PX``,

@@ -17,8 +17,8 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.corners.joint_kernels import edge_end, tangent_at
-from vision.shared.compile_options import LEAF, SUMS
 
 CORNER_ROOM = 8
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7

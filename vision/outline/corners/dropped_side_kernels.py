@@ -18,6 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.corners.blurred_corner_kernels import (
     CORNER_ROOM,
     EXCESS,
@@ -28,7 +29,6 @@ from vision.outline.corners.blurred_corner_kernels import (
 )
 from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, set_corner
 from vision.outline.corners.joint_kernels import edge_end
-from vision.shared.compile_options import LEAF
 
 FEWEST = 4
 """Edges of a border of which one may go."""

@@ -19,10 +19,10 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.corners.blurred_corner_kernels import CORNER_ROOM, TURN, find_corners, sum_costs
 from vision.outline.corners.joint_kernels import edge_end
 from vision.outline.fit.shape_kernels import circle_rms, fit_line
-from vision.shared.compile_options import LEAF
 
 LONGEST_RUN = 6
 """Edges that one fillet may replace."""

@@ -17,6 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
 from vision.outline.fit.shape_kernels import (
     HUGE,
@@ -26,7 +27,6 @@ from vision.outline.fit.shape_kernels import (
     line_rms,
     refine_circle,
 )
-from vision.shared.compile_options import LEAF
 
 ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before."""

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.corners.joint_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, fit_line, line_cost
-from vision.shared.compile_options import LEAF
 
 FEWEST = 3
 """Edges of a border with an arc of which two may be one; without arcs it takes one more."""

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.fit.shape_kernels import circle_rms, fit_circle
-from vision.shared.compile_options import LEAF
 
 BENT_PX, BENT_BY = 0.15, 2.0
 """A bent line's arc rises so high over its chord, and so many times the noise of a point more."""

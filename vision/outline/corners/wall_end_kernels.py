@@ -17,8 +17,8 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.corners.joint_kernels import edge_end, nearest_point
-from vision.shared.compile_options import LEAF
 
 BACK = -0.5
 """Cosine between two lines from which on the border turns back."""

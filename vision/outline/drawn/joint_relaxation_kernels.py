@@ -17,9 +17,9 @@ import math
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.corners.joint_kernels import edge_end, nearest_point
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN
-from vision.shared.compile_options import LEAF, SUMS
 
 LINE, ARC_CW = 0, 1
 """Kinds of an edge, as in ``vision.outline.check.area_lost_kernels``."""

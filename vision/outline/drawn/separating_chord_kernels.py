@@ -19,11 +19,11 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.drawn.separation_kernels import GRAVE, OK, find_lost
 from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE
-from vision.shared.compile_options import LEAF
 
 WAY = 0.998
 """Share of a crack's way that a chord may cross: no pixel's centre lies on it by a hair."""

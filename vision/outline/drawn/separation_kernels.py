@@ -20,11 +20,11 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.fit.outline_kernels import distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
-from vision.shared.compile_options import LEAF
 
 AHEAD, SAME_PX = 12, 1e-6
 """The crack of an edge point is looked for among so many; one so near is it."""

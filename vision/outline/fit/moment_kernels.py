@@ -18,8 +18,8 @@ import math
 
 from numba import njit
 
+from planner.scene.compile_options import SUMS
 from vision.outline.fit.shape_kernels import taubin
-from vision.shared.compile_options import SUMS
 
 FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12

@@ -14,8 +14,8 @@ import math
 
 from numba import njit
 
+from planner.scene.compile_options import LEAF
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
-from vision.shared.compile_options import LEAF
 
 """Kinds of an edge; the turn as seen on the screen."""
 FLATTEST_PX = 1e-3

@@ -13,7 +13,7 @@ import math
 
 from numba import njit
 
-from vision.shared.compile_options import LEAF, SUMS
+from planner.scene.compile_options import LEAF, SUMS
 
 HALF = 0.5
 """Along a pixel's axis, how far an edge may leave the middle between two pixels' centres."""

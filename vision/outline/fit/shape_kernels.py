@@ -9,7 +9,7 @@ Rules and units
 - Lines: total least squares. Circles: Taubin's fit, then Gauss-Newton on the distances
   (N. Chernov, Circular and Linear Regression, 2010).
 - Loops run over a stretch's own slice and without branches, so that they work on several points
-  at a time (``vision.shared.compile_options``).
+  at a time (``planner.scene.compile_options``).
 """
 
 # mypy: allow-untyped-defs
@@ -20,7 +20,7 @@ import math
 
 from numba import njit
 
-from vision.shared.compile_options import LEAF, SUMS
+from planner.scene.compile_options import LEAF, SUMS
 
 HUGE = 1e18
 """The cost of what may not be."""

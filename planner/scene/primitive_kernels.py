@@ -1,13 +1,9 @@
-"""Exact distances to flat primitives, and a box tree that finds the nearest of many.
+"""The operations on primitives: feet, distances, sweeps, boxes.
 
 Rules and units
 - A primitive is a row of :class:`planner.scene.Primitives`: ``kind`` and six numbers, and
   three more that :func:`with_middles` adds.
 - Distances are unsigned and in the scene's units; a border has no inside here.
-- The tree is an implicit binary tree over the boxes in Morton order: node 1 is the root,
-  node i has children 2i and 2i + 1, and every leaf holds ``LEAF`` primitives. Primitives that
-  span a large part of the scene (its walls) would bloat every box above them: they are kept
-  in a list of their own and tried first, which also gives a good first bound.
 """
 
 # The arrays' types are in the docstrings; numba infers them.
@@ -20,13 +16,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.shared.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, LEAF
 
 POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
-LEAF = 4
-"""Primitives in a leaf of the tree."""
-LARGE = 0.25
-"""A primitive longer than this share of the scene's extent is kept out of the tree."""
 TAU = 2.0 * math.pi
 SURE_COSINE = 1e-14
 """Cosines of unit vectors are equal within this: some 40 roundings of 2^-53."""
@@ -245,216 +237,21 @@ def box_of(kind, data, i, box):
     box[1], box[3] = data[i, 1] - r, data[i, 1] + r
 
 
-@njit(**BORROWING)
-def _spread(v):
-    """The 16 low bits of v, one every second bit."""
-    v = (v | (v << 8)) & 0x00FF00FF
-    v = (v | (v << 4)) & 0x0F0F0F0F
-    v = (v | (v << 2)) & 0x33333333
-    return (v | (v << 1)) & 0x55555555
+@njit(**LEAF, forceinline=True)
+def successor(i, count):
+    """The place after i in a ring of ``count`` places."""
+    return i + 1 if i + 1 < count else 0
+
+
+@njit(**LEAF, forceinline=True)
+def predecessor(i, count):
+    """The place before i in a ring of ``count`` places."""
+    return i - 1 if i > 0 else count - 1
 
 
 @njit(cache=True, nogil=True)
-def morton_codes(boxes):
-    """Numbers (n,) that grow along a curve past the middles of boxes (n, 4), and their extent.
-
-    An empty box, (inf, inf, -inf, -inf), has the number 0.
-    """
-    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
-    for i in range(len(boxes)):
-        x0, y0 = min(x0, boxes[i, 0]), min(y0, boxes[i, 1])
-        x1, y1 = max(x1, boxes[i, 2]), max(y1, boxes[i, 3])
-    extent = max(x1 - x0, y1 - y0)
-    scale = 65535.0 / extent if extent > 0.0 else 0.0
-    code = np.zeros(len(boxes), np.int64)
-    for i in range(len(boxes)):
-        if boxes[i, 0] <= boxes[i, 2]:
-            mx = int((0.5 * (boxes[i, 0] + boxes[i, 2]) - x0) * scale)
-            my = int((0.5 * (boxes[i, 1] + boxes[i, 3]) - y0) * scale)
-            code[i] = _spread(mx) | (_spread(my) << 1)
-    return code, extent
-
-
-@njit(cache=True, nogil=True)
-def build_tree(kind, data):
-    """The box tree of all primitives.
-
-    Returns ``order`` (k,) int32 with the large ones first, ``large`` how many those are, and
-    ``boxes`` (2 leaves, 4) float64, empty boxes being (inf, inf, -inf, -inf).
-    """
-    n = len(kind)
-    own = np.empty((n, 4), np.float64)
-    for i in range(n):
-        box_of(kind, data, i, own[i])
-    code, extent = morton_codes(own)
-    large = 0
-    for i in range(n):
-        if max(own[i, 2] - own[i, 0], own[i, 3] - own[i, 1]) > LARGE * extent:
-            code[i] = -1
-            large += 1
-    order = np.argsort(code).astype(np.int32)
-    leaves = 1
-    while leaves * LEAF < n - large:
-        leaves *= 2
-    boxes = np.empty((2 * leaves, 4), np.float64)
-    boxes[:, :2] = np.inf
-    boxes[:, 2:] = -np.inf
-    for j in range(n - large):
-        node, i = leaves + j // LEAF, order[large + j]
-        boxes[node, 0] = min(boxes[node, 0], own[i, 0])
-        boxes[node, 1] = min(boxes[node, 1], own[i, 1])
-        boxes[node, 2] = max(boxes[node, 2], own[i, 2])
-        boxes[node, 3] = max(boxes[node, 3], own[i, 3])
-    for node in range(leaves - 1, 0, -1):
-        for c in range(2):
-            boxes[node, c] = min(boxes[2 * node, c], boxes[2 * node + 1, c])
-            boxes[node, c + 2] = max(boxes[2 * node, c + 2], boxes[2 * node + 1, c + 2])
-    return order, large, boxes
-
-
-@njit(**BORROWING)
-def _box_distance2(boxes, node, x, y):
-    dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
-    dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
-    return dx * dx + dy * dy
-
-
-@njit(**BORROWING)
-def _after_branch(node, later):
-    """The node to go on with after a branch of the box tree, and what then waits; 0 at the end.
-
-    ``later`` has a bit for every level above, the last one's lowest: whether the node's sibling
-    waits for its turn there.
-    """
-    while node > 1 and later & 1 == 0:
-        node >>= 1
-        later >>= 1
-    if node == 1:
-        return 0, 0
-    return node ^ 1, later ^ 1
-
-
-@njit(**BORROWING)
-def nearest(kind, data, order, large, boxes, x, y, bound):
-    """Distance to and index of the primitive nearest to (x, y), if nearer than ``bound``.
-
-    Returns (bound, -1) where none is.
-    """
-    best, which = bound, -1
-    for j in range(large):
-        d = distance(kind, data, order[j], x, y)
-        if d < best:
-            best, which = d, order[j]
-    n, leaves = len(order), len(boxes) // 2
-    node, later = 1, 0
-    while node > 0:
-        if _box_distance2(boxes, node, x, y) < best * best:
-            if node < leaves:
-                # the nearer branch first
-                node = 2 * node
-                if not _box_distance2(boxes, node, x, y) < _box_distance2(boxes, node + 1, x, y):
-                    node += 1
-                later = 2 * later + 1
-                continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
-                d = distance(kind, data, order[j], x, y)
-                if d < best:
-                    best, which = d, order[j]
-        node, later = _after_branch(node, later)
-    return best, which
-
-
-@njit(**BORROWING)
-def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
-    """A lower bound of the distance between a box and a segment with unit normal (nx, ny)."""
-    x0, y0, x1, y1 = boxes[node, 0], boxes[node, 1], boxes[node, 2], boxes[node, 3]
-    if x0 > x1:
-        return np.inf
-    dx = max(x0 - max(ax, bx), 0.0, min(ax, bx) - x1)
-    dy = max(y0 - max(ay, by), 0.0, min(ay, by) - y1)
-    off = nx * (0.5 * (x0 + x1) - ax) + ny * (0.5 * (y0 + y1) - ay)
-    half = 0.5 * (abs(nx) * (x1 - x0) + abs(ny) * (y1 - y0))
-    return max(math.sqrt(dx * dx + dy * dy), abs(off) - half)
-
-
-@njit(**BORROWING)
-def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
-    """Least distance between the segment a b and any primitive, if less than ``bound``.
-
-    Returns the distance, where along a b it is taken, and the primitive; (bound, 0, -1)
-    where none is nearer.
-    """
-    best, at, which = bound, 0.0, -1
-    for j in range(large):
-        d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
-        if d < best:
-            best, at, which = d, t, order[j]
-    length = math.hypot(bx - ax, by - ay)
-    nx, ny = 0.0, 0.0
-    if length > 0.0:
-        nx, ny = (ay - by) / length, (bx - ax) / length
-    n, leaves = len(order), len(boxes) // 2
-    node, later = 1, 0
-    while node > 0:
-        if _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny) < best:
-            if node < leaves:
-                node, later = 2 * node + 1, 2 * later + 1
-                continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
-                d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
-                if d < best:
-                    best, at, which = d, t, order[j]
-        node, later = _after_branch(node, later)
-    return best, at, which
-
-
-@njit(cache=True, nogil=True)
-def nearest_many(kind, data, order, large, boxes, points):
-    """Distance and nearest primitive of every point."""
-    out = np.empty(len(points), np.float64)
-    which = np.empty(len(points), np.int32)
-    for i in range(len(points)):
-        out[i], which[i] = nearest(
-            kind, data, order, large, boxes, points[i, 0], points[i, 1], np.inf
-        )
-    return out, which
-
-
-@njit(cache=True, nogil=True)
-def polyline_clearance(kind, data, order, large, boxes, points):
-    """Least distance between a polyline and any primitive: distance, place, piece, primitive."""
-    best, where = nearest(kind, data, order, large, boxes, points[0, 0], points[0, 1], np.inf)
-    px, py, piece = points[0, 0], points[0, 1], 0
-    for i in range(len(points) - 1):
-        ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
-        d, t, which = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, best)
-        if which >= 0:
-            best, where, piece = d, which, i
-            px, py = ax + t * (bx - ax), ay + t * (by - ay)
-    return best, px, py, piece, where
-
-
-@njit(cache=True, nogil=True)
-def object_spans(kind, data, owner, count):
-    """The objects' boxes (o, 4) and their primitives' range (o, 2), first and last + 1."""
-    most = -1
-    for i in range(count):
-        most = max(most, owner[i])
-    boxes = np.empty((most + 1, 4))
-    boxes[:, :2], boxes[:, 2:] = np.inf, -np.inf
-    span = np.zeros((most + 1, 2), np.int32)
-    span[:, 0] = count
-    own = np.empty(4)
-    for i in range(count):
-        o = owner[i]
-        if o < 0:
-            continue
-        box_of(kind, data, i, own)
-        span[o, 0] = min(span[o, 0], i)
-        span[o, 1] = i + 1
-        for c in range(2):
-            boxes[o, c] = min(boxes[o, c], own[c])
-            boxes[o, c + 2] = max(boxes[o, c + 2], own[c + 2])
-    return boxes, span
+def grown(array, room):
+    """A copy of an array of any shape with ``room`` rows; those that are new are undefined."""
+    more = np.empty((room,) + array.shape[1:], array.dtype)  # noqa: RUF005 (numba has no stars)
+    more[: len(array)] = array
+    return more

@@ -1,0 +1,68 @@
+"""The scene: the free space's boundary, the objects in it, and the operations on their borders.
+
+What a stranger imports is here; kernels take :mod:`planner.scene.primitive_kernels`.
+"""
+
+from planner.scene.primitives import (
+    ARC,
+    CIRCLE,
+    POINT,
+    SEGMENT,
+    Flattener,
+    FloatArray,
+    IntArray,
+    Primitives,
+)
+from planner.scene.records import (
+    Arc,
+    ArcRecord,
+    CircleRecord,
+    Edge,
+    PointRecord,
+    PolygonRecord,
+    Record,
+    SceneError,
+    SceneObject,
+    Segment,
+    SegmentRecord,
+    Vec,
+    object_records,
+    printable,
+    record_edges,
+)
+from planner.scene.scene import (
+    Binarisation,
+    Bounds,
+    Scene,
+    Units,
+)
+
+__all__ = [
+    "ARC",
+    "CIRCLE",
+    "POINT",
+    "SEGMENT",
+    "Arc",
+    "ArcRecord",
+    "Binarisation",
+    "Bounds",
+    "CircleRecord",
+    "Edge",
+    "Flattener",
+    "FloatArray",
+    "IntArray",
+    "PointRecord",
+    "PolygonRecord",
+    "Primitives",
+    "Record",
+    "Scene",
+    "SceneError",
+    "SceneObject",
+    "Segment",
+    "SegmentRecord",
+    "Units",
+    "Vec",
+    "object_records",
+    "printable",
+    "record_edges",
+]

@@ -1,0 +1,27 @@
+"""How the kernels are compiled, in one place.
+
+Rules
+- A borrowing kernel makes no array and returns none, not even a part of one; it calls borrowing
+  kernels only. Numba counts references to arrays wherever they are passed on, with atomic
+  instructions, and leaves few of them out where there are loops: a third of the diagram's time.
+  Whoever calls a borrowing kernel holds its arrays meanwhile, so that nothing needs to be counted
+  there.
+- ``error_model``: a division is not looked at for zero, which would keep loops from working on
+  several points at a time; divisors are kept from zero where they are made.
+- ``fastmath``: sums may be added in any order; no number is ever NaN.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core.options import DefaultOptions
+
+BORROWING: dict[str, Any] = {"cache": True, "nogil": True}
+"""Options of ``njit`` for a kernel that only borrows its arrays."""
+if hasattr(DefaultOptions, "_nrt"):  # a numba without it would count, slower, with equal answers
+    BORROWING["_nrt"] = False
+LEAF: dict[str, Any] = {**BORROWING, "error_model": "numpy"}
+"""The same, and divisions are not looked at for zero."""
+SUMS: dict[str, Any] = {**LEAF, "fastmath": {"reassoc", "contract", "nsz", "nnan", "arcp"}}
+"""The same, for loops over many points."""

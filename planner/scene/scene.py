@@ -1,0 +1,145 @@
+"""The scene: the free space's boundary and the objects in it, as the paper's records.
+
+Rules and units
+- A scene has its own units: ``px`` (a picture, y down, pixel centres at integers), ``m``
+  (a calibrated arena, y up) or ``cells`` (a grid map without a size, y down).
+- The paper's records: P (point), S (segment), C (circle), A (open chain of edges),
+  L (generalized polygon: closed sequence of edges). An edge is a segment or an arc.
+- An object is one connected obstacle: its outline's records and, for each hole, the records
+  of the hole's border. The solid is what lies between; a hole is free space.
+- Outlines run clockwise as seen on the screen, holes counter-clockwise; an arc's ``ccw``
+  is as seen on the screen too, so that it survives the change from y down to y up.
+- Everything here is immutable; arrays are read-only.
+- Coordinates are finite and radii >= 0, a circle of none being a point: any other record cannot
+  be made.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias
+
+from planner.scene.primitives import Flattener, Primitives
+from planner.scene.records import (
+    ArcRecord,
+    PolygonRecord,
+    Record,
+    SceneError,
+    SceneObject,
+    Segment,
+    SegmentRecord,
+    Vec,
+    object_records,
+)
+
+Units: TypeAlias = Literal["px", "m", "cells"]
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The rectangle that holds the free space; its sides are walls."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
+
+    @property
+    def width(self) -> float:
+        """Extent along x."""
+        return self.x_max - self.x_min
+
+    @property
+    def height(self) -> float:
+        """Extent along y."""
+        return self.y_max - self.y_min
+
+    def contains(self, point: Vec) -> bool:
+        """Whether the point lies inside or on the rectangle."""
+        return self.x_min <= point[0] <= self.x_max and self.y_min <= point[1] <= self.y_max
+
+    def corners(self) -> tuple[Vec, Vec, Vec, Vec]:
+        """The four corners, in the order of growing angle (x right, y along the axis)."""
+        return (
+            (self.x_min, self.y_min),
+            (self.x_max, self.y_min),
+            (self.x_max, self.y_max),
+            (self.x_min, self.y_max),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Binarisation:
+    """How a picture was made black and white, and why so."""
+
+    method: str
+    threshold: float
+    polarity: Literal["dark", "light"]
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The free space's boundary and the objects, with what was learned while seeing them.
+
+    ``bounds_given`` is False where the source had none and a generous rectangle was derived.
+    ``size`` is the picture's (width, height) in pixels, or the grid's in cells.
+    ``border_pixels`` is n of the paper; ``timings_ms`` holds the stages' wall times.
+    ``remarks`` are plain sentences on what was degraded, dropped or found touching.
+    """
+
+    units: Units
+    bounds: Bounds
+    objects: tuple[SceneObject, ...]
+    bounds_given: bool = True
+    size: tuple[int, int] | None = None
+    border_pixels: int = 0
+    binarisation: Binarisation | None = None
+    timings_ms: Mapping[str, float] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        b = self.bounds
+        if not all(math.isfinite(v) for v in (b.x_min, b.y_min, b.x_max, b.y_max)):
+            raise SceneError(f"bounds {b}: must be finite")
+        if not (b.x_min < b.x_max and b.y_min < b.y_max):
+            raise SceneError(f"bounds {b}: must have a positive width and height")
+
+    @property
+    def y_down(self) -> bool:
+        """Whether y grows downwards on the screen (pictures and grid maps)."""
+        return self.units != "m"
+
+    @property
+    def vertex_count(self) -> int:
+        """m of the paper: the number of points and circles that the records store."""
+        return sum(_stored_points(r) for o in self.objects for r in object_records(o))
+
+    def with_bounds(self, bounds: Bounds) -> Scene:
+        """The same objects inside other bounds."""
+        return replace(self, bounds=bounds, bounds_given=True)
+
+    def primitives(self, include_bounds: bool = True) -> Primitives:
+        """All borders as flat arrays, in the order of the objects; the bounds come last."""
+        flat = Flattener(self.y_down)
+        for index, obj in enumerate(self.objects):
+            flat.add_object(obj, index)
+        if include_bounds:
+            c = self.bounds.corners()
+            sides = tuple(Segment(c[i], c[(i + 1) % 4]) for i in range(4))
+            flat.add_border((PolygonRecord(sides),), -1, is_hole=True)
+        return flat.finish()
+
+
+def _stored_points(record: Record) -> int:
+    match record:
+        case SegmentRecord():
+            return 2
+        case ArcRecord(edges):
+            return len(edges) + 1
+        case PolygonRecord(edges):
+            return len(edges)
+        case _:
+            return 1
