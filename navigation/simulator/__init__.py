@@ -7,6 +7,6 @@
   `emulated_robot` the same with the firmware on an emulated processor (`emulated_processor`,
   `own_time`).
 - `line_faults`: bytes that a line loses, damages and delays; `virtual_loop`: both ends of the line
-  and the robot in virtual time.
+  and the robot in virtual time; `virtual_robot`: that robot as the truth knows it.
 - `truth`, `shared_pose`: where the robot really is, for the camera and for measuring.
 """
