@@ -30,6 +30,11 @@ class LinkState(Enum):
         """Whether frames of the session flow both ways."""
         return self in (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
 
+    @property
+    def is_asking(self) -> bool:
+        """Whether no robot has answered yet, or none that can be used."""
+        return self in (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
+
 
 class LinkEvent(Enum):
     """What can happen to the link."""
