@@ -30,7 +30,7 @@ from firmware_protocol.host.freshest import lease_of
 from firmware_protocol.host.line_diagnosis import TAKEN_OVER, why_refused, why_silent
 from firmware_protocol.host.outgoing import Outgoing
 from firmware_protocol.host.sessions import HostSessions
-from firmware_protocol.host.state import TRANSITIONS, LinkEvent, LinkState
+from firmware_protocol.host.state import LinkEvent, LinkState, state_after
 from firmware_protocol.host.upload import Upload
 from firmware_protocol.host.wanted_mission import WantedMission
 from firmware_protocol.wire.errors import LocalError, RemoteError
@@ -88,10 +88,10 @@ class HostConnection:
     # Orders.
 
     def open(self, now_s: float) -> None:
-        """The port is open: ask for a robot."""
+        """The port is open: ask for a robot. LocalError where it was open already."""
+        self._change(LinkEvent.OPEN, "looking for a robot")
         self._opened_s = now_s
         self._out.pace.reset()
-        self._change(LinkEvent.OPEN, "looking for a robot")
         self._new_session(now_s)
 
     def close(self, reason: str = "the port was closed") -> None:
@@ -395,8 +395,6 @@ class HostConnection:
 
     def _change(self, event: LinkEvent, reason: str) -> None:
         old = self.state
-        new = TRANSITIONS.get((old, event))
-        if new is None or new is old:
-            return
-        self.state = new
-        self._events.append(LinkChanged(old, new, reason))
+        self.state = new = state_after(old, event)
+        if new is not old:
+            self._events.append(LinkChanged(old, new, reason))
