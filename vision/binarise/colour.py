@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise.binarise import Method, Polarity, binarise
 from vision.binarise.binary import Binary
-from vision.binarise.grey import PictureError
+from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 SAMPLE = 65536
