@@ -97,7 +97,7 @@ def _list(left_out, first, places, count):
                 continue
             for x in range(8 * word, 8 * word + 8):
                 places[count] = first + x
-                count += left_out[x]
+                count += np.int64(left_out[x])
     return count
 
 
