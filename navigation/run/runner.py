@@ -81,7 +81,7 @@ class Runner:
     where the configuration was read from: missions in the journal are its own.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 (what a command gives a run, each with a default)
         self,
         config: Config,
         *,

@@ -67,7 +67,7 @@ class PlanError(ValueError):
 @format_option()
 @click.option("--render", type=DRAWING, help="Draw the plan: FILE.svg or FILE.png.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
-def command(
+def command(  # noqa: PLR0913 (an argument for each option of the command line)
     source: Path,
     start: Station,
     goal: Station,

@@ -40,7 +40,7 @@ _LIVE_SECONDS = 120.0
 @click.option("--size", help="WIDTHxHEIGHT, for --points without any picture.")
 @click.option("-o", "--output", type=_FILE, default=Path("calibration.yaml"), show_default=True)
 @click.option("--residual-map", type=_FILE, help="A picture of the surveyed points' residuals.")
-def command(
+def command(  # noqa: PLR0913 (an argument for each option of the command line)
     pictures: tuple[Path, ...],
     camera: str | None,
     board: str,
