@@ -74,6 +74,7 @@ paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper
 
 pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pictures/
 	bash .ci/packages browser
+	$(BIN)/python -m benchmarks.figures
 	$(BIN)/python -m tests.browser.pictures
 
 browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots in build/browser/
