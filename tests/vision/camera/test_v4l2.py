@@ -51,7 +51,7 @@ os._exit(0)  # the hung thread ends with the process
 
 LIST = """
 import json, sys
-from vision import capture
+from vision.camera import capture
 nodes = {"/dev/video*": sys.argv[1:]}
 capture.glob.glob = lambda pattern: nodes.get(pattern, [])
 refused = ""

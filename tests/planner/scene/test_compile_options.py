@@ -14,7 +14,12 @@ import planner
 from planner.formats.scene_text import read_scene_text
 from planner.scene.compile_options import BORROWING
 
-KERNELS = sorted(Path(planner.__file__).parent.rglob("*_kernels.py"))
+TOP = Path(planner.__file__).parents[1]
+KERNELS = sorted(
+    path for top in ("planner", "vision") for path in (TOP / top).rglob("*_kernels.py")
+)
+BORROW = "BORROWING", "LEAF", "SUMS"
+"""The options of kernels that borrow."""
 MAKERS = {
     *("arange", "argsort", "array", "ascontiguousarray", "bincount", "concatenate", "copy"),
     *("cumsum", "empty", "empty_like", "flatnonzero", "full", "linspace", "nonzero", "ones"),
@@ -30,13 +35,14 @@ P (85,15)
 
 
 def _functions() -> dict[str, tuple[ast.FunctionDef, bool]]:
-    """Every kernel by ``module.name``: its code, and whether it borrows."""
+    """Every kernel by its dotted name: its code, and whether it borrows."""
     found = {}
     for path in KERNELS:
+        module = ".".join(path.relative_to(TOP).with_suffix("").parts)
         for node in ast.parse(path.read_text()).body:
             if isinstance(node, ast.FunctionDef):
                 text = " ".join(ast.unparse(d) for d in node.decorator_list)
-                found[f"{path.stem}.{node.name}"] = node, "BORROWING" in text
+                found[f"{module}.{node.name}"] = node, any(o in text for o in BORROW)
     return found
 
 
@@ -44,12 +50,12 @@ FUNCTIONS = _functions()
 
 
 def _compiled(name: str) -> Any:
-    module, function = name.split(".")
-    return getattr(importlib.import_module(f"planner.{module}"), function)
+    module, function = name.rsplit(".", 1)
+    return getattr(importlib.import_module(module), function)
 
 
 def _called(name: str) -> set[str]:
-    """What a kernel calls: kernels as ``module.name``, all else by its last name."""
+    """What a kernel calls: kernels by their dotted names, all else by its last name."""
     around = _compiled(name).py_func.__globals__
     found = set()
     for call in ast.walk(FUNCTIONS[name][0]):
@@ -58,8 +64,7 @@ def _called(name: str) -> set[str]:
         last = ast.unparse(call.func).rsplit(".", 1)[-1]
         kernel = around.get(last)
         if isinstance(kernel, Dispatcher):
-            module = kernel.py_func.__module__.rsplit(".", 1)[-1]
-            last = f"{module}.{kernel.py_func.__name__}"
+            last = f"{kernel.py_func.__module__}.{kernel.py_func.__name__}"
         found.add(last)
     return found
 
