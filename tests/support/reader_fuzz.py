@@ -29,12 +29,12 @@ from planner.scene import Scene, SceneError
 from tests.support.picture_formats import formats
 from tests.support.picture_harms import cut, flip, harms_for, put_number, splice
 from vision import extract
-from vision.binarise.grey import PictureError
 from vision.calibrate.survey import Survey, read_survey
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.calibration.calibration_file import calibration_text, load_calibration
 from vision.camera.camera import CameraError
 from vision.camera.files import read_picture
+from vision.errors import PictureError
 
 MOST_S = 5.0
 MOST_CHARACTERS = 400

@@ -20,7 +20,7 @@ from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
 from navigation.simulator.arena import load_arena
-from navigation.simulator.camera import make_camera
+from navigation.simulator.picture.camera import make_camera
 from navigation.simulator.settings import true_start_of
 from tests.support.waiting import wait_until
 from vision.calibration.calibration_file import load_calibration

@@ -16,11 +16,11 @@ from planner.scene import SceneError
 from tests.support.picture_formats import chunk, png
 from tests.support.pictures import call
 from tests.support.reader_fuzz import Reader, campaign, damaged, seeds, wrong_answer
-from vision.binarise.grey import PictureError
 from vision.calibration.calibration import CalibrationError
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import CameraError
 from vision.camera.files import read_picture
+from vision.errors import PictureError
 
 NO_WHOLE_NUMBERS = ("float.tif", ".pfm", ".hdr")
 READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]

@@ -287,6 +287,29 @@ def test_start_without_a_mission_is_our_own_mistake() -> None:
         HostConnection(random.Random(1)).start(0.0)
 
 
+def test_a_port_that_is_open_is_not_opened_again() -> None:
+    table = Table()
+    table.run(0.5)
+    session, events = table.robot.session, len(table.events)
+    with pytest.raises(LocalError, match=r"OPEN .* cannot happen to a link in STREAM"):
+        table.host.open(table.now_s)
+    table.run(0.5)
+    assert table.host.state is LinkState.STREAM
+    assert table.robot.session == session, "nothing was changed by it"
+    assert not any(isinstance(event, LinkChanged) for event in table.events[events:])
+
+
+def test_a_port_may_be_closed_twice_and_opened_after_that() -> None:
+    host = HostConnection(random.Random(1))
+    host.close()
+    host.open(0.0)
+    host.close()
+    host.close("again")
+    assert host.why_down(0.0) == "again"
+    host.open(1.0)
+    assert host.state is LinkState.HELLO
+
+
 def test_a_newer_pose_replaces_one_that_was_not_sent() -> None:
     table = Table()
     table.run(0.2)

@@ -11,7 +11,7 @@ import pytest
 from navigation.loop.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.pilot import distance_to_polyline
+from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.traffic import Disc
 from planner.borders.polyline import arc_lengths, points_at
 from planner.motion.smooth import SmoothError

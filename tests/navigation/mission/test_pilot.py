@@ -16,7 +16,8 @@ from navigation.mission.cycle import (
     Sight,
 )
 from navigation.mission.mission import Mission, MissionError, State, Station
-from navigation.mission.pilot import Pilot, distance_to_polyline
+from navigation.mission.pilot import Pilot
+from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Mover, TrafficLimits
 from navigation.mission.watch import SafetyLimits

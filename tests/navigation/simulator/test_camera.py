@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from navigation.config import Config, load_config
 from navigation.config.sections import MarkerSection
 from navigation.simulator.arena import SimulatedArena, load_arena
-from navigation.simulator.camera import SimulatedCamera, make_camera
-from navigation.simulator.drawing import ArenaPainter, Look
-from navigation.simulator.pinhole import Pinhole, distort, pinhole_of, undistort
+from navigation.simulator.picture.camera import SimulatedCamera, make_camera
+from navigation.simulator.picture.drawing import ArenaPainter, Look
+from navigation.simulator.picture.pinhole import Pinhole, distort, pinhole_of, undistort
 from planner.scene import (
     Bounds,
     CircleRecord,

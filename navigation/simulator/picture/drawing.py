@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.simulator.pinhole import Pinhole
+from navigation.simulator.picture.pinhole import Pinhole
 from planner.scene import (
     Arc,
     CircleRecord,

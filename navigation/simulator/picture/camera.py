@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from navigation.config import Config
 from navigation.config.sections import MarkerSection
 from navigation.simulator.arena import SimulatedArena
-from navigation.simulator.drawing import ArenaPainter, Look, RobotPainter
-from navigation.simulator.pinhole import Pinhole, pinhole_of
+from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainter
+from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from planner.scene import Scene
 from vision.camera.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
 

@@ -5,7 +5,7 @@ tilts, and at last laid on the floor at a known place. Then twelve discs lie on 
 of the floor, and their centres are measured in the picture. `clearway calibrate` estimates the
 camera from this, so that a simulated run need not be told the truth:
 
-    python -m navigation.simulator.boards configs/simulation.yaml FOLDER
+    python -m navigation.simulator.picture.boards configs/simulation.yaml FOLDER
     clearway calibrate FOLDER/board_*.png --squares 8x6 --square-mm 100 --marker-mm 75 \\
         --dictionary DICT_5X5_100 --points FOLDER/survey.csv -o configs/simulation_calibration.yaml
 """
@@ -22,8 +22,8 @@ import cv2
 import numpy as np
 
 from navigation.config import Config, load_config
-from navigation.simulator.drawing import ArenaPainter, Look, blurred, box_around, looked_up
-from navigation.simulator.pinhole import Pinhole, pinhole_of
+from navigation.simulator.picture.drawing import ArenaPainter, Look, blurred, box_around, looked_up
+from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
 from vision.camera.camera import Image
 
