@@ -54,7 +54,7 @@ fuzz: $(VENV)/.installed-dev ## libFuzzer on the firmware's parser and the whole
 	bash .ci/packages firmware fuzz
 	$(MAKE) -C firmware_protocol/firmware fuzz
 	for one in link robot; do \
-	  $(BIN)/python -m tests.support.corpus unpack $$one build/corpus/$$one && \
+	  $(BIN)/python -m tests.support.wire.corpus unpack $$one build/corpus/$$one && \
 	  build/firmware/fuzz_$$one -max_len=2000 -max_total_time=$(FUZZ_S) -print_final_stats=1 \
 	    build/corpus/$$one || exit 1; done
 

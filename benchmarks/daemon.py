@@ -49,9 +49,9 @@ from navigation.run.report import Report
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
 from navigation.run.warm_up import warm_up
-from tests.support.kills import Campaign, drive_under_fire
-from tests.support.random_arenas import RADIUS_M, random_config
-from tests.support.virtual import CONFIGS, short_config
+from tests.support.runs.kills import Campaign, drive_under_fire
+from tests.support.runs.virtual import CONFIGS, short_config
+from tests.support.scenes.random_arenas import RADIUS_M, random_config
 
 
 def arenas(count: int, workers: int, kept: Path | None) -> Rows:

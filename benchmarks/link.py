@@ -4,7 +4,7 @@
 
 The firmware runs on an emulated ATmega328P (simavr) in lockstep with the host's end in virtual
 time, so the figures depend on no machine. Writes benchmarks/results/link.md. Needs what
-tests/support/avr_robot.py names. Parser speed is real time on this machine.
+tests/support/robots/avr_robot.py names. Parser speed is real time on this machine.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from firmware_protocol.wire.link import RttEstimate
 from firmware_protocol.wire.messages import MessageType, RobotState, Status, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.emulated_processor import EmulatedProcessor
-from tests.support.avr_bench import WIRE_BYTE_S, AvrBench
-from tests.support.avr_robot import AvrRobot, missing_tools
+from tests.support.robots.avr_bench import WIRE_BYTE_S, AvrBench
+from tests.support.robots.avr_robot import AvrRobot, missing_tools
 
 RESULT = Path(__file__).parent / "results" / "link.md"
 LINE_BYTES_S = 11_520.0
@@ -191,7 +191,7 @@ def main() -> int:
     quick = arguments.parse_args().quick
     missing = missing_tools()
     if missing is not None:
-        print(f"needs {missing}: see tests/support/avr_robot.py", file=sys.stderr)
+        print(f"needs {missing}: see tests/support/robots/avr_robot.py", file=sys.stderr)
         return 2
     count, runs = (600, 10) if quick else (3000, 100)
     with AvrRobot() as avr:

@@ -23,7 +23,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from planner.scene import Arc, CircleRecord, PolygonRecord, object_records
-from tests.support.render import coverage, cut_disc, draw, outline_points, polygon, ramp
+from tests.support.drawn.render import coverage, cut_disc, draw, outline_points, polygon, ramp
 from vision import extract
 
 SEED = 20

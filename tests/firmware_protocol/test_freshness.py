@@ -1,6 +1,6 @@
 """Sessions that need an answer now, and times that age on the line: single rules, one by one.
 
-Whole drives over a line that strays and delays are in ``tests/support/hostile_scenarios.py``.
+Whole drives over a line that strays and delays are in ``tests/support/wire/hostile_scenarios.py``.
 """
 
 import math

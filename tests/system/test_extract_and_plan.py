@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from planner.formats.scene_io import read_scene_text
-from tests.support.brute_clearance import (
+from tests.support.oracles.brute_clearance import (
     borders,
     distances,
     edges_of,

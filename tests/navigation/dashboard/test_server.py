@@ -18,7 +18,7 @@ from websockets.sync.client import ClientConnection, connect
 from navigation.dashboard import Dashboard
 from navigation.dashboard.messages.packed import unpack
 from navigation.mission.mission import State, Station
-from tests.support.shown import FakeDaemon, frame, laboratory, pose, shown_config
+from tests.support.runs.shown import FakeDaemon, frame, laboratory, pose, shown_config
 from tests.support.waiting import wait_until
 
 TOKEN = "a-token-of-some-length"

@@ -23,7 +23,7 @@ from navigation.journal.journal_file import VERSION, JournalFile
 from navigation.journal.journal_records import Contents, Owner, RecordError, from_text, to_text
 from navigation.mission.mission import Event, Mission, State, Station
 from navigation.mission.targets import Target
-from tests.support.virtual import short_config
+from tests.support.runs.virtual import short_config
 
 OWNER = Owner(robot="7 of DICT_4X4_50", port="simulated", camera="a", configuration="/etc/a.yaml")
 numbers = st.floats(-1e3, 1e3)

@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from tests.support.boards import chessboard_patch, render
+from tests.support.drawn.boards import chessboard_patch, render
 from vision.calibrate.board import BoardSpec, BoardView, NoBoard, find_board, find_boards
 from vision.calibrate.lens import Lens, estimate_lens
 from vision.calibrate.survey import Survey, board_survey, draw_residuals, fit_arena, read_survey

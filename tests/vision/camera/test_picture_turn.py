@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.picture_formats import chunk, exif, formats, grey_picture, png, turned_jpeg
+from tests.support.files.picture_formats import chunk, exif, formats, grey_picture, png, turned_jpeg
 from vision.camera.files import read_picture
 from vision.camera.picture_turn import orientation, turned
 

@@ -28,7 +28,7 @@ from planner.scene import (
     Scene,
     Segment,
 )
-from tests.support.render import coverage, cut_disc, outline_points, polygon, rounded
+from tests.support.drawn.render import coverage, cut_disc, outline_points, polygon, rounded
 from vision import extract
 
 SEED = 41

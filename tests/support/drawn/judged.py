@@ -1,7 +1,7 @@
 """A pytest plugin: every picture that a test extracts goes before the judge of outlines, too.
 
-Run ``python -m pytest -p tests.support.judged tests/vision``: at its end it says how many records
-were judged, and names the tests with records that do not stand for their borders. Only pictures in
+Run ``python -m pytest -p tests.support.drawn.judged tests/vision``: at its end it says how many
+records were judged, and names the tests with records that do not stand for their borders. Only pictures in
 pixels and in mode exact are judged, and none whose pixels are left out by ``ignore``.
 """
 
@@ -42,7 +42,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def _judge(image: Any, scene: Scene, options: dict[str, Any]) -> None:
-    from tests.support.outline_judge import judge, mask_of
+    from tests.support.drawn.outline_judge import judge, mask_of
 
     told = {k: v for k, v in options.items() if k in ("polarity", "method", "threshold")}
     try:

@@ -21,7 +21,7 @@ from firmware_protocol.wire.messages import ResetCause, RobotState, StopReason, 
 from firmware_protocol.wire.mission import Mission
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.virtual_loop import PacedLine, VirtualLoop, python_robot
-from tests.support.avr_firmware import TOLD_S, AvrFirmware
+from tests.support.robots.avr_firmware import TOLD_S, AvrFirmware
 
 DEAD_MAN_S = 0.5
 RobotMaker = Callable[[Identity, DriveSettings], RobotConnection]

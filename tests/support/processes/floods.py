@@ -1,6 +1,6 @@
 """Hostile clients in a process of their own: connections by the hundred that keep back or drip.
 
-    python -m tests.support.floods unix PATH COUNT | tcp HOST:PORT COUNT
+    python -m tests.support.processes.floods unix PATH COUNT | tcp HOST:PORT COUNT
 
 holds ``COUNT`` connections and opens again what is hung up on, a byte to each in turn where it
 can, until its standard input is closed. It says ``full`` when all were open for the first time.
@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-ROOT: Final = Path(__file__).parents[2]
+ROOT: Final = Path(__file__).parents[3]
 REST_S: Final = 0.001
 """Between two bytes: other processes need this machine too."""
 
@@ -28,7 +28,7 @@ REST_S: Final = 0.001
 def flood(kind: str, address: str, count: int) -> Iterator[None]:
     """Such a process, from the moment at which all its connections are open."""
     with subprocess.Popen(
-        [sys.executable, "-m", "tests.support.floods", kind, address, str(count)],
+        [sys.executable, "-m", "tests.support.processes.floods", kind, address, str(count)],
         cwd=ROOT,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

@@ -12,7 +12,7 @@ from navigation.simulator.arena import SimulatedArena
 from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath
 from planner.scene import Bounds
-from tests.support.virtual import short_config
+from tests.support.runs.virtual import short_config
 
 SIZE_M = (2.4, 1.8)
 RADIUS_M = 0.09

@@ -21,7 +21,7 @@ from firmware_protocol.wire.messages import (
     RobotState,
     StopReason,
 )
-from tests.support.fault_witness import STOP_S, Witness
+from tests.support.wire.fault_witness import STOP_S, Witness
 
 PERMIT_S = 0.55
 """No motion is permitted longer than this after the control loop gave its last permit."""

@@ -19,7 +19,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from planner.scene import Arc, FloatArray, IntArray, Scene, Segment
-from tests.support.planner_scenes import all_edges
+from tests.support.scenes.planner_scenes import all_edges
 
 ARC_STEP_RAD = 0.05
 SLACK = 1e-6

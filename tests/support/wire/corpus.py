@@ -1,7 +1,7 @@
 """The fuzzers' corpus as text: one input a line, in hexadecimal.
 
-python -m tests.support.corpus unpack link FOLDER     for libFuzzer, which wants files
-python -m tests.support.corpus pack link FOLDER       from what its merge has kept
+python -m tests.support.wire.corpus unpack link FOLDER     for libFuzzer, which wants files
+python -m tests.support.wire.corpus pack link FOLDER       from what its merge has kept
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-CORPUS = Path(__file__).parents[1] / "firmware_protocol" / "corpus"
+CORPUS = Path(__file__).parents[2] / "firmware_protocol" / "corpus"
 KEPT_BYTES = 22_000
 """Of each fuzzer, the shortest inputs first: the repository is no place for more."""
 

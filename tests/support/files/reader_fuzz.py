@@ -1,6 +1,6 @@
 """Damaged files for every reader, and what a reader may answer to them.
 
-    python -m tests.support.reader_fuzz [--count 20000] [--seed 0] [--keep FOLDER]
+    python -m tests.support.files.reader_fuzz [--count 20000] [--seed 0] [--keep FOLDER]
 
 runs a campaign and prints each file that got a wrong answer. A reader may answer with what it
 read, or with its own kind of error and one sentence; never with another exception, and never
@@ -26,8 +26,8 @@ import numpy as np
 from navigation.cli.pictures.sources import load_source
 from planner.formats.scene_io import read_scene_text, write_scene_text
 from planner.scene import Scene, SceneError
-from tests.support.picture_formats import formats
-from tests.support.picture_harms import cut, flip, harms_for, put_number, splice
+from tests.support.files.picture_formats import formats
+from tests.support.files.picture_harms import cut, flip, harms_for, put_number, splice
 from vision import extract
 from vision.binarise.grey import PictureError
 from vision.calibrate.survey import Survey, read_survey

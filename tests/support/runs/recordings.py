@@ -26,7 +26,7 @@ from tests.support.waiting import wait_until
 from vision.calibration.calibration_file import load_calibration
 from vision.markers.markers import MarkerTracker
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 BEGAN = datetime(2026, 3, 4, 5, 6, 7)
 GOAL = (0.20, 1.40, 1.5)
 EVERY = {"picture_rate_hz": 60.0, "picture_format": "png"}

@@ -32,7 +32,7 @@ from planner.scene import (
     Segment,
     SegmentRecord,
 )
-from tests.support.planner_scenes import all_edges, edge_distance, scene_of, slow_inside
+from tests.support.scenes.planner_scenes import all_edges, edge_distance, scene_of, slow_inside
 
 BOUNDS = Bounds(0.0, 0.0, 8.0, 8.0)
 ROUNDING = 1e-9

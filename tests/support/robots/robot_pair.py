@@ -13,7 +13,7 @@ from firmware_protocol.wire.messages import (
     Message,
     read_message,
 )
-from tests.support.c_robot import CRobot
+from tests.support.robots.c_robot import CRobot
 
 TICK_S = 0.000998
 """No multiple of it is a limit of the protocol: float and integer clocks agree."""

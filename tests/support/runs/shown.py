@@ -26,7 +26,7 @@ from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
 from vision.markers.markers import RobotPose
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 RADIUS_M = 0.09
 LIMITS = Limits(0.3, 0.5, 0.4, 2.0, 6.0, 5.0, 0.05, 0.002, 0.2, 0.12)
 SIZE_PX = (480, 360)

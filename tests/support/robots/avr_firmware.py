@@ -24,7 +24,7 @@ from firmware_protocol.wire.messages import (
     read_message,
 )
 from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
-from tests.support.avr_robot import AvrRobot
+from tests.support.robots.avr_robot import AvrRobot
 
 TOLD_S = 0.03
 """A change is told within 10 ms, behind a frame under way, by a frame of 8 ms."""

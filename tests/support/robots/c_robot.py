@@ -21,7 +21,7 @@ from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.framing import MAX_WIRE
 from firmware_protocol.wire.messages import SCHEMA_HASH, RobotState, StopReason
 
-FIRMWARE = Path(__file__).parents[2] / "firmware_protocol" / "firmware"
+FIRMWARE = Path(__file__).parents[3] / "firmware_protocol" / "firmware"
 
 
 class View(ctypes.Structure):

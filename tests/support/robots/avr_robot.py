@@ -13,9 +13,9 @@ from pathlib import Path
 from types import TracebackType
 
 from navigation.simulator.emulated_processor import EmulatedProcessor
-from tests.support.c_robot import FIRMWARE
+from tests.support.robots.c_robot import FIRMWARE
 
-BRIDGE = Path(__file__).parents[1] / "hil" / "avr_bridge.c"
+BRIDGE = Path(__file__).parents[2] / "hil" / "avr_bridge.c"
 
 
 def missing_tools() -> str | None:

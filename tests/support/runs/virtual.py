@@ -11,7 +11,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState
 from navigation.mission.mission import State
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 SMALL_CAMERA = {
     "size_px": (640, 480), "rate_hz": 30.0, "calibration": None, "source": "simulated"
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Test vectors of the wire, for both languages: ``python -m tests.support.protocol_vectors``.
+"""Test vectors of the wire, for both languages: ``python -m tests.support.wire.protocol_vectors``.
 
 Writes tests/golden/protocol.json. A test makes them again and compares, so that a change of
 the wire cannot happen by accident.
@@ -46,7 +46,7 @@ from firmware_protocol.wire.messages import (
 )
 from firmware_protocol.wire.mission import Mission, mission_seed
 
-GOLDEN = Path(__file__).parents[1] / "golden" / "protocol.json"
+GOLDEN = Path(__file__).parents[2] / "golden" / "protocol.json"
 
 WAYPOINTS = (
     Waypoint(0.0, 0.0, 0.0),

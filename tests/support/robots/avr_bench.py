@@ -13,7 +13,7 @@ from firmware_protocol.wire.framing import FrameParser, Sender
 from firmware_protocol.wire.messages import MessageType, RobotState
 from navigation.simulator.emulated_processor import EmulatedProcessor, Motors
 from navigation.simulator.line_faults import FaultSpec, FaultyLine
-from tests.support.avr_robot import AvrRobot
+from tests.support.robots.avr_robot import AvrRobot
 
 TICK_S = 0.001
 LAG_S = 0.05

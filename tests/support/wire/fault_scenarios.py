@@ -28,9 +28,9 @@ from firmware_protocol.wire.messages import (
     StopReason,
 )
 from navigation.simulator.line_faults import FaultSpec
-from tests.support.avr_firmware import AvrFirmware
-from tests.support.fault_witness import DEAD_MAN_S, STOP_S, Witness, robot_maker
-from tests.support.hostile_scenarios import HOSTILE
+from tests.support.robots.avr_firmware import AvrFirmware
+from tests.support.wire.fault_witness import DEAD_MAN_S, STOP_S, Witness, robot_maker
+from tests.support.wire.hostile_scenarios import HOSTILE
 
 __all__ = ["SCENARIOS", "robot_maker"]
 
