@@ -1,8 +1,8 @@
 """A pytest plugin: every picture that a test extracts goes before the judge of outlines, too.
 
 Run ``python -m pytest -p tests.support.drawn.judged tests/vision``: at its end it says how many
-records were judged, and names the tests with records that do not stand for their borders. Only pictures in
-pixels and in mode exact are judged, and none whose pixels are left out by ``ignore``.
+records were judged, and names the tests with records that do not stand for their borders. Only
+pictures in pixels and in mode exact are judged, and none whose pixels are left out by ``ignore``.
 """
 
 from __future__ import annotations
