@@ -28,7 +28,7 @@ from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.world import World
 
-CONFIGS = Path(__file__).parents[1] / "configs"
+CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()", "run"]
 PATROL = ((0.20, 0.60), (0.20, 1.00))
 SHUTDOWN_S, GROWN_MB = 1.0, 5.0

@@ -18,7 +18,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from benchmarks import mavlink_upload
+from benchmarks.link import mavlink_upload
 from firmware_protocol.host.upload import BATCH
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame, wire_bytes
 from firmware_protocol.wire.link import RttEstimate
@@ -28,7 +28,7 @@ from navigation.simulator.emulated_processor import EmulatedProcessor
 from tests.support.robots.avr_bench import WIRE_BYTE_S, AvrBench
 from tests.support.robots.avr_robot import AvrRobot, missing_tools
 
-RESULT = Path(__file__).parent / "results" / "link.md"
+RESULT = Path(__file__).parents[1] / "results" / "link.md"
 LINE_BYTES_S = 11_520.0
 
 
@@ -162,7 +162,7 @@ def peer_rows(count: int, clean: float, lossy: float) -> list[str]:
     return [
         "",
         f"Beside pymavlink's mission upload, {count} waypoints, at 115200 baud on the same line;",
-        "its vehicle answers in no time (`benchmarks/mavlink_upload.py`), this one is the AVR:",
+        "its vehicle answers in no time (`benchmarks/link/mavlink_upload.py`), ours is the AVR:",
         "",
         "| waypoints a second | Clearway | pymavlink | ratio |",
         "|---|---|---|---|",

@@ -38,9 +38,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import TypeAdapter
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from benchmarks.daemon_in_real_time import Rows, replan, resident_mb, shutdown, stretch, wire
+from benchmarks.daemon.in_real_time import Rows, replan, resident_mb, shutdown, stretch, wire
 from navigation.config import load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
