@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil fuzz rtsp faults adversary bench paper pictures browser
+.PHONY: firmware hil fuzz rtsp faults adversary bench house paper pictures browser
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -72,7 +72,12 @@ adversary: $(VENV)/.installed-dev ## attacks on the running system, into benchma
 paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
 	$(BIN)/python -m benchmarks.paper
 
+house: $(VENV)/.installed-dev ## the code's figures; docs/files.md and the picture of the folders
+	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg --files docs/files.md
+	$(BIN)/python -m benchmarks.house --list
+
 pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pictures/
+	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg
 	bash .ci/packages browser
 	$(BIN)/python -m tests.browser.pictures
 
