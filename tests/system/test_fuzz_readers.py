@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from planner.scene import SceneError
-from tests.support.files.picture_formats import chunk, png
+from tests.support.files.png_pictures import chunk, png
 from tests.support.files.reader_fuzz import Reader, campaign, damaged, seeds, wrong_answer
 from tests.support.pictures import call
 from vision.binarise.grey import PictureError

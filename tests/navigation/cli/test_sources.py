@@ -18,7 +18,8 @@ from navigation.cli.pictures.sources import hold_points, load_source, read_shade
 from planner.formats.scene_io import read_scene_text
 from planner.scene import Bounds, SceneError
 from tests.support.drawn.render import outline_points
-from tests.support.files.picture_formats import chunk, formats
+from tests.support.files.picture_formats import formats
+from tests.support.files.png_pictures import chunk
 
 FORMATS = dict(formats())
 

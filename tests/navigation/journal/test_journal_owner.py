@@ -58,7 +58,7 @@ def test_the_owner_follows_from_the_configuration_and_holds_no_password() -> Non
 
 def test_a_second_program_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     second = (
-        "import sys\nfrom pathlib import Path\nfrom navigation import journal_file\n"
+        "import sys\nfrom pathlib import Path\nfrom navigation.journal import journal_file\n"
         "from navigation.journal.journal import *\n"
         "try:\n    Journal(Path(sys.argv[1]), Owner())\n"
         "except JournalError as error:\n    print(error)\n"

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tests.support.files.picture_formats import chunk
+from tests.support.files.png_pictures import chunk
 
 Harm: TypeAlias = Callable[[bytes, np.random.Generator], bytes]
 
