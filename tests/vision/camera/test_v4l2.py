@@ -14,7 +14,7 @@ import pytest
 
 from vision.camera.latest_frame import WatchLimits
 
-SOURCE = Path(__file__).parents[2] / "support" / "v4l2_camera.c"
+SOURCE = Path(__file__).parents[2] / "support" / "processes" / "v4l2_camera.c"
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
