@@ -17,54 +17,42 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final
-
-import numpy as np
 
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
-from navigation.loop.eye import Eye, Glimpse
 from navigation.loop.other_robots import OtherRobots
 from navigation.loop.parts import Surroundings
-from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.loop.planner_news import PlannerNews
+from navigation.loop.planning import ArenaPlanner
+from navigation.loop.reports import camera_reason, describe, robot_report, to_go_m
+from navigation.loop.robot_orders import RobotOrders
 from navigation.loop.scene_doubt import SceneDoubt
-from navigation.loop.stages import (
-    eye_settings,
-    marked_robots,
-    pilot_settings,
-    plan_settings,
-    witness_limits,
-)
-from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, RobotReport, Sight
+from navigation.loop.stages import pilot_settings, plan_settings, witness_limits
+from navigation.loop.vision_stage import VisionStage
+from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import Mission, Station
 from navigation.mission.pilot import Pilot
-from navigation.mission.targets import to_wire
 from navigation.mission.trust import Level
-from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
-from navigation.shared.supervisor import Part, Supervisor, in_words
+from navigation.recording.events import PlanAsked, SceneSeen
+from navigation.shared.supervisor import Part, Supervisor
 from navigation.shared.track import Track
 from navigation.witness import NO_EVIDENCE, Witness
 from planner.path import NoPath
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, Scene
 from vision.camera.camera import Frame
-from vision.camera.latest_frame import CameraStatus
-from vision.markers.markers import MarkerTracker, RobotPose
+from vision.markers.markers import RobotPose
 
 if TYPE_CHECKING:
     from navigation.loop.recorder import Recorder
 
 LONGEST_CYCLE_S: Final = 0.05
-LEASE_EVERY_S: Final = 0.08
 PLANS_KEPT: Final = 200
 SETTLE_S: Final = 0.3
 """An order's answer waits so long at most for a cycle that acts on it."""
-STOP_GRACE_S: Final = 0.35
-"""On top of the time that braking takes, for the last words on the wire."""
 
 
 class Daemon:
@@ -90,22 +78,23 @@ class Daemon:
         self.pilot = Pilot(pilot_settings(config), first_mission_id)
         self.link = world.make_link()
         self.camera = world.make_frames()
-        self._eye = self._open_eye()
+        self._robot = RobotOrders(self.link, config)
         self.witness = Witness(witness_limits(config))
-        self._vision_failure: str | None = None
+        self._vision = VisionStage(config, world.calibration, self.witness, self._clock)
         self._arena_planner = ArenaPlanner(plan_settings(config))
-        self._planner = world.make_planner(self._arena_planner, self._on_scene, self._on_answer)
+        self._news = PlannerNews(self._arena_planner, self._clock, self.camera.wake, recorder)
+        self._planner = world.make_planner(
+            self._arena_planner, self._news.on_scene, self._news.on_answer
+        )
         self._supervisor = Supervisor(
             {
-                "vision": Part(lambda: self._vision_failure, self._restart_vision),
+                "vision": Part(self._vision.failure, self._vision.restart),
                 "planner": Part(self._planner.failure, self._restart_planner),
                 "serial link": Part(self.link.failure, self.link.restart),
                 "camera's thread": Part(self._camera_failure, self._restart_camera),
             }
         )
         self._lock = threading.Lock()
-        self._answers: deque[PlanAnswer] = deque(maxlen=1)
-        self._checks: deque[SceneCheck] = deque()
         self.scene: Scene | None = None
         self.pose: RobotPose | None = None
         self.plans: deque[DrivenPlan] = deque(maxlen=PLANS_KEPT)
@@ -122,15 +111,9 @@ class Daemon:
         self._evidence = NO_EVIDENCE
         self._poses: Mapping[int, RobotPose] = {}
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
-        self._times = StageTimes()
-        self._scene_s = self._asked_s = 0.0
         self.started_s = self._clock()
         self._revision = 0
-        self._known_revision = 0
         self._frame_s = -math.inf
-        self._leased_s = -math.inf
-        self._permitted = False
-        self._stands_s = -math.inf
         self._journal = journal
         self.troubles: dict[str, str] = {}
         """What people must know although the run goes on, by subject; set by the loop's thread."""
@@ -147,18 +130,13 @@ class Daemon:
             self.link.open()
             self.camera.start()
             self._planner.start()
-        except BaseException as error:
-            self.__exit__(type(error), error, error.__traceback__)
+        except BaseException:
+            self.__exit__()
             raise
         self.started_s = self._clock()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         self.let_the_robot_stop()
         self._planner.stop()
         self.link.close()
@@ -166,12 +144,7 @@ class Daemon:
 
     def halt(self) -> None:
         """Withdraw the lease: the robot begins to brake. No `cycle` may follow."""
-        if self._permitted:
-            self.link.lease(permit=False)
-            self.link.pause()
-            self._permitted = False
-            braking_s = self.config.robot.speed_m_s / self.config.robot.acceleration_m_s2
-            self._stands_s = self._clock() + braking_s + STOP_GRACE_S
+        self._robot.halt(self._clock())
 
     def let_the_robot_stop(self) -> None:
         """`halt`, and wait until the robot says that it stands, or should by now.
@@ -180,20 +153,10 @@ class Daemon:
         """
         self.halt()
         self.camera.stop()
-        while self._clock() < self._stands_s and self.link.snapshot().moving:
+        while self._clock() < self._robot.stands_s and self.link.snapshot().moving:
             self.world.wait(0.01)
 
     # Restarts after errors of the program; the supervisor says when.
-
-    def _open_eye(self) -> Eye:
-        calibration = self.world.calibration
-        robots = marked_robots(self.config)
-        tracker = MarkerTracker(calibration, robots, self.config.robot.dictionary)
-        return Eye(calibration, tracker, eye_settings(self.config))
-
-    def _restart_vision(self) -> None:
-        self._eye = self._open_eye()
-        self._vision_failure = None
 
     def _restart_planner(self) -> None:
         self._planner.restart()
@@ -264,7 +227,7 @@ class Daemon:
         if pose is None:
             return PlanAnswer(0, 0, NoPath("the robot was not seen yet"))
         start = (pose.x, pose.y, pose.heading_rad)
-        request = PlanRequest(0, start, stations, self._known_revision)
+        request = PlanRequest(0, start, stations, self._news.known_revision)
         return self._arena_planner.answer(request, preview=True)
 
     def describe(self) -> dict[str, Any]:
@@ -272,26 +235,14 @@ class Daemon:
         with self._lock:
             mission, pose = self.pilot.mission, self.pose
         snapshot = self.link.snapshot()
-        camera = self.camera.status()
-        return {
-            "state": mission.state.value,
-            "reason": mission.reason,
-            "stations": len(mission.stations),
-            "visited": mission.visited,
-            "pose": None
-            if pose is None
-            else {
-                "x_m": pose.x,
-                "y_m": pose.y,
-                "heading_rad": pose.heading_rad,
-                "age_s": self._clock() - pose.captured_s,
-            },
-            "to_go_m": self._to_go_m(snapshot),
-            "link": snapshot.down_reason or snapshot.state.value,
-            "camera": camera.reason or camera.state,
-            "frames_s": camera.rate_hz,
-            "latency_s": self._evidence.latency_s,
-        }
+        return describe(
+            mission,
+            None if pose is None else (pose, self._clock() - pose.captured_s),
+            to_go_m(pose, self.pilot.plan.targets, snapshot.executed),
+            snapshot,
+            self.camera.status(),
+            self._evidence.latency_s,
+        )
 
     def turns(self) -> dict[str, int]:
         """For each stage a number that grows while it works, or waits for work as it should."""
@@ -318,10 +269,10 @@ class Daemon:
         snapshot = self.link.snapshot()
         self._hear(snapshot, now_s)
         sight = self._sight(now_s, failed)
+        checks, answer = self._news.take()
         with self._lock:
-            for check in self._take_checks():
+            for check in checks:
                 self.pilot.new_scene(check.path_clearance_m)
-            answer = self._answers.pop() if self._answers else None
             orders = self.pilot.step(now_s, sight, robot_report(snapshot), answer)
         self._write_journal(orders)
         self._carry_out(orders, now_s, sight)
@@ -343,27 +294,14 @@ class Daemon:
             self.witness.forget_latency()
         self._evidence = self.witness.evidence()
 
-    def _dated(self, frame: Frame) -> Frame:
-        """The frame with the time at which it was exposed, as far as that is known.
-
-        A stamp in the future, from a clock that is not ours, counts as now.
-        """
-        stamp_s = frame.captured_s if math.isfinite(frame.captured_s) else -math.inf
-        stamp_s = min(stamp_s, self._clock())
-        return replace(frame, captured_s=stamp_s - self.witness.latency_s())
-
     def _see(self, frame: Frame) -> None:
-        began_s = self._clock()
-        if self._vision_failure is not None:
+        if self._vision.failure() is not None:
             return
-        self._frame_s = min(frame.captured_s, began_s)
-        frame = self._dated(frame)
-        try:
-            glimpse: Glimpse = self._eye.look(frame, self._tell_pose)
-        except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
-            self._vision_failure = in_words(error)
+        self._frame_s = min(frame.captured_s, self._clock())
+        seen = self._vision.look(frame, self._tell_pose)
+        if seen is None:
             return
-        self._note(look_s=self._clock() - began_s)
+        frame, glimpse = seen
         self.processed += 1
         self._frame, self._poses = frame, glimpse.poses
         self._doubles = glimpse.doubles
@@ -374,12 +312,12 @@ class Daemon:
             self._scene_doubt.see(glimpse.scene)
             self.troubles["arena"] = self._scene_doubt.remark or ""
             points = None if self.pilot.plan.path is None else self.pilot.plan.path.points
-            self._scene_s = self._clock()
+            self._news.gets_scene()
             self._planner.see(glimpse.scene, self._revision, points)
         if self._recorder is not None:
             scene, at_s = glimpse.scene, frame.captured_s
-            seen = None if scene is None else SceneSeen(at_s, self._revision, scene)
-            self._recorder.saw(frame, glimpse.poses, seen)
+            event = None if scene is None else SceneSeen(at_s, self._revision, scene)
+            self._recorder.saw(frame, glimpse.poses, event)
 
     def _tell_pose(self, poses: Mapping[int, RobotPose]) -> None:
         """The newest thing that anybody knows goes to the robot at once."""
@@ -391,10 +329,6 @@ class Daemon:
             if self.pilot.trust.level is not Level.DOUBTED:  # else something else has moved it
                 self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 
-    def _note(self, **times_s: float) -> None:
-        with self._lock:
-            self._times = replace(self._times, **times_s)
-
     def _sight(self, now_s: float, failed: str | None) -> Sight:
         pose = self.pose
         place = None if pose is None else self.witness.carried(pose, now_s)
@@ -403,10 +337,10 @@ class Daemon:
             frame_age_s=now_s - self._frame_s,
             pose_age_s=now_s - self._pose_arrived_s,
             pose=place,
-            scene_revision=self._known_revision,
+            scene_revision=self._news.known_revision,
             clearance_m=clearance,
             failed=failed,
-            camera_reason=_reason_of(self.camera.status()),
+            camera_reason=camera_reason(self.camera.status()),
             others=self.others.movers(now_s),
             doubles=self._doubles,
             evidence=self._evidence,
@@ -426,29 +360,14 @@ class Daemon:
         self.troubles["journal"] = self._journal.trouble
 
     def _carry_out(self, orders: Orders, now_s: float, sight: Sight) -> None:
-        if orders.estop:
-            link = self.link.snapshot()
-            if link.leaving_estop or not link.estopped:
-                self.link.estop()
-            return
-        if orders.rearm:
-            self.link.reset_estop()
+        self._robot.carry_out(orders, now_s, sight.pose_age_s)
         if orders.measure_latency:
             self.witness.measure_again()
-        if orders.halt:
-            self.link.clear()
-        if orders.permit != self._permitted or now_s - self._leased_s >= LEASE_EVERY_S:
-            self.link.lease(orders.permit, sight.pose_age_s, self.config.safety.lease_s)
-            self._permitted, self._leased_s = orders.permit, now_s
-        if orders.upload is not None:
-            mission_id, targets = orders.upload
-            self.link.upload(mission_id, to_wire(targets))
-            if self.pilot.plan.path is not None:  # none for a turn on the spot
-                self.plans.append(
-                    DrivenPlan(self.pilot.plan.path, self.pilot.plan.trajectory, now_s)
-                )
+        plan = self.pilot.plan
+        if orders.upload is not None and plan.path is not None:  # none for a turn on the spot
+            self.plans.append(DrivenPlan(plan.path, plan.trajectory, now_s))
         if orders.request is not None:
-            self._asked_s = now_s
+            self._news.gets_request(now_s)
             self._planner.ask(orders.request)
             if self._recorder is not None:
                 self._recorder.put(PlanAsked(now_s, orders.request))
@@ -461,74 +380,20 @@ class Daemon:
             sentence=mission.reason,
             pose=self.pose,
             link=snapshot,
-            to_go_m=self._to_go_m(snapshot),
+            to_go_m=to_go_m(self.pose, self.pilot.plan.targets, snapshot.executed),
             clearance_m=sight.clearance_m,
             verdict=self.pilot.verdict,
             frame=self._frame,
             poses=self._poses,
             roadmap=self._arena_planner.roadmap,
             path=self.pilot.plan.path,
-            times=self._times,
+            times=StageTimes(self._vision.look_s, self._news.roadmap_s, self._news.plan_s),
             evidence=self._evidence,
             trust=self.pilot.trust.level,
             troubles=tuple(filter(None, self.troubles.values())),
         )
 
-    def _to_go_m(self, snapshot: LinkSnapshot) -> float | None:
-        if self.pose is None or not self.pilot.plan.targets:
-            return None
-        left = self.pilot.plan.targets[min(snapshot.executed, len(self.pilot.plan.targets)) :]
-        points = [(self.pose.x, self.pose.y), *((t.x_m, t.y_m) for t in left)]
-        return float(np.hypot(*np.diff(np.array(points), axis=0).T).sum())
-
-    # From the planner's thread.
-
-    def _on_scene(self, check: SceneCheck) -> None:
-        now_s = self._clock()
-        self._note(roadmap_s=now_s - self._scene_s)
-        if self._recorder is not None and self.roadmap is not None:
-            self._recorder.put(RoadmapBuilt(now_s, check.revision, self.roadmap))
-        with self._lock:
-            self._checks.append(check)
-        self.camera.wake()
-
-    def _on_answer(self, answer: PlanAnswer) -> None:
-        now_s = self._clock()
-        self._note(plan_s=now_s - self._asked_s)
-        if self._recorder is not None:
-            self._recorder.put(PlanAnswered(now_s, answer))
-        with self._lock:
-            self._answers.append(answer)
-        self.camera.wake()
-
-    def _take_checks(self) -> list[SceneCheck]:
-        checks = list(self._checks)
-        self._checks.clear()
-        if checks:
-            self._known_revision = checks[-1].revision
-        return checks
-
     @property
     def roadmap(self) -> Roadmap | None:
         """The newest roadmap, for pictures."""
         return self._arena_planner.roadmap
-
-
-def _reason_of(camera: CameraStatus) -> str:
-    """What the camera says of itself, but for its silence, which the pilot says itself."""
-    return "" if camera.state == "stalled" else camera.reason
-
-
-def robot_report(snapshot: LinkSnapshot) -> RobotReport:
-    """What the pilot needs to know of the link."""
-    return RobotReport(
-        age_s=snapshot.heard_age_s,
-        down_reason=snapshot.down_reason,
-        estopped=snapshot.estopped,
-        leaving_estop=snapshot.leaving_estop,
-        disarmed=snapshot.disarmed,
-        mission_id=snapshot.mission_id,
-        executed=snapshot.executed,
-        standing_reason=snapshot.standing_reason,
-        place_m=None if snapshot.status is None else (snapshot.status.x_m, snapshot.status.y_m),
-    )

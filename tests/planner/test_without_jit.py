@@ -1,6 +1,10 @@
 """The planner's kernels are their own reference: as plain Python they answer alike."""
 
-from tests.support.without_jit import answers_differ
+import pytest
+
+from tests.support.without_jit import COLD_S, answers_differ
+
+pytestmark = pytest.mark.timeout(2 * COLD_S)
 
 PLANNED = """
 import json, warnings

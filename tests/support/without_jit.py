@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
+COLD_S = 800.0
+"""Into an empty cache kernels compile for minutes, longer where much else runs."""
 AGREES = 1e-6
 """Compiled sums may be added up in another order; in units of the picture or the scene."""
 
@@ -23,7 +25,7 @@ def printed_by(program: str, *, compiled: bool) -> str:
         env={**os.environ, "NUMBA_DISABLE_JIT": off, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=COLD_S,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from tests.support.without_jit import answers_differ, printed_by
+import pytest
+
+from tests.support.without_jit import COLD_S, answers_differ, printed_by
+
+pytestmark = pytest.mark.timeout(2 * COLD_S)
 
 DIGEST = """
 import hashlib, warnings

@@ -1,0 +1,85 @@
+"""What the planner's thread has found out, kept until the control loop's next cycle takes it.
+
+Seconds of the world's clock.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.mission.cycle import PlanAnswer
+from navigation.recording.events import PlanAnswered, RoadmapBuilt
+
+if TYPE_CHECKING:
+    from navigation.loop.recorder import Recorder
+
+
+class PlannerNews:
+    """Scenes that have a roadmap now, and the newest plan; ``wake`` calls the loop to take them."""
+
+    def __init__(
+        self,
+        planner: ArenaPlanner,
+        clock: Callable[[], float],
+        wake: Callable[[], None],
+        recorder: Recorder | None,
+    ) -> None:
+        self._planner, self._clock, self._wake = planner, clock, wake
+        self._recorder = recorder
+        self._lock = threading.Lock()
+        self._answers: deque[PlanAnswer] = deque(maxlen=1)
+        self._checks: deque[SceneCheck] = deque()
+        self._scene_s = self._asked_s = 0.0
+        self.known_revision = 0
+        """The newest scene whose roadmap the loop knows of."""
+        self.roadmap_s: float | None = None
+        """From a new scene to its roadmap, the last time."""
+        self.plan_s: float | None = None
+        """From a request to its answer, the last time."""
+
+    # From the control loop.
+
+    def gets_scene(self) -> None:
+        """A scene goes to the planner now."""
+        self._scene_s = self._clock()
+
+    def gets_request(self, now_s: float) -> None:
+        """A request goes to the planner now."""
+        self._asked_s = now_s
+
+    def take(self) -> tuple[list[SceneCheck], PlanAnswer | None]:
+        """What is new since the last cycle."""
+        with self._lock:
+            checks = list(self._checks)
+            self._checks.clear()
+            answer = self._answers.pop() if self._answers else None
+        if checks:
+            self.known_revision = checks[-1].revision
+        return checks, answer
+
+    # From the planner's thread.
+
+    def on_scene(self, check: SceneCheck) -> None:
+        """A roadmap was built."""
+        now_s = self._clock()
+        self.roadmap_s = now_s - self._scene_s
+        roadmap = self._planner.roadmap
+        if self._recorder is not None and roadmap is not None:
+            self._recorder.put(RoadmapBuilt(now_s, check.revision, roadmap))
+        with self._lock:
+            self._checks.append(check)
+        self._wake()
+
+    def on_answer(self, answer: PlanAnswer) -> None:
+        """A request was answered."""
+        now_s = self._clock()
+        self.plan_s = now_s - self._asked_s
+        if self._recorder is not None:
+            self._recorder.put(PlanAnswered(now_s, answer))
+        with self._lock:
+            self._answers.append(answer)
+        self._wake()

@@ -1,0 +1,80 @@
+"""What the control loop says of its parts: to the pilot, and as JSON to whoever asks.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.mission.cycle import RobotReport
+from navigation.mission.mission import Mission
+from navigation.mission.targets import Target
+from vision.camera.latest_frame import CameraStatus
+from vision.markers.markers import RobotPose
+
+
+def robot_report(snapshot: LinkSnapshot) -> RobotReport:
+    """What the pilot needs to know of the link."""
+    return RobotReport(
+        age_s=snapshot.heard_age_s,
+        down_reason=snapshot.down_reason,
+        estopped=snapshot.estopped,
+        leaving_estop=snapshot.leaving_estop,
+        disarmed=snapshot.disarmed,
+        mission_id=snapshot.mission_id,
+        executed=snapshot.executed,
+        standing_reason=snapshot.standing_reason,
+        place_m=None if snapshot.status is None else (snapshot.status.x_m, snapshot.status.y_m),
+    )
+
+
+def camera_reason(camera: CameraStatus) -> str:
+    """What the camera says of itself, but for its silence, which the pilot says itself."""
+    return "" if camera.state == "stalled" else camera.reason
+
+
+def to_go_m(pose: RobotPose | None, targets: Sequence[Target], executed: int) -> float | None:
+    """How far it still is through the targets that are not executed; None where that is unknown."""
+    if pose is None or not targets:
+        return None
+    left = targets[min(executed, len(targets)) :]
+    points = [(pose.x, pose.y), *((t.x_m, t.y_m) for t in left)]
+    return float(np.hypot(*np.diff(np.array(points), axis=0).T).sum())
+
+
+def describe(
+    mission: Mission,
+    seen: tuple[RobotPose, float] | None,
+    left_m: float | None,
+    snapshot: LinkSnapshot,
+    camera: CameraStatus,
+    latency_s: float | None,
+) -> dict[str, Any]:
+    """Mission, robot, link and camera as JSON takes them.
+
+    ``seen``: where the robot was seen, and how long ago.
+    """
+    return {
+        "state": mission.state.value,
+        "reason": mission.reason,
+        "stations": len(mission.stations),
+        "visited": mission.visited,
+        "pose": None
+        if seen is None
+        else {
+            "x_m": seen[0].x,
+            "y_m": seen[0].y,
+            "heading_rad": seen[0].heading_rad,
+            "age_s": seen[1],
+        },
+        "to_go_m": left_m,
+        "link": snapshot.down_reason or snapshot.state.value,
+        "camera": camera.reason or camera.state,
+        "frames_s": camera.rate_hz,
+        "latency_s": latency_s,
+    }

@@ -1,0 +1,57 @@
+"""A cycle's decisions as orders on the link: the lease, what is driven, and every kind of stop.
+
+The lease is given again at least every ``LEASE_EVERY_S``, and at once where it changes.
+Metres, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from navigation.config import Config
+from navigation.loop.parts import Link
+from navigation.mission.cycle import Orders
+from navigation.mission.targets import to_wire
+
+LEASE_EVERY_S: Final = 0.08
+STOP_GRACE_S: Final = 0.35
+"""On top of the time that braking takes, for the last words on the wire."""
+
+
+class RobotOrders:
+    """Keeps which lease the robot has, and by when it stands after the last one."""
+
+    def __init__(self, link: Link, config: Config) -> None:
+        self._link, self._config = link, config
+        self._permitted = False
+        self._leased_s = -math.inf
+        self.stands_s = -math.inf
+        """When a robot that was halted should stand."""
+
+    def halt(self, now_s: float) -> None:
+        """Withdraw the lease: the robot begins to brake."""
+        if self._permitted:
+            self._link.lease(permit=False)
+            self._link.pause()
+            self._permitted = False
+            robot = self._config.robot
+            self.stands_s = now_s + robot.speed_m_s / robot.acceleration_m_s2 + STOP_GRACE_S
+
+    def carry_out(self, orders: Orders, now_s: float, pose_age_s: float) -> None:
+        """Send what one cycle has decided; an emergency stop goes alone."""
+        if orders.estop:
+            link = self._link.snapshot()
+            if link.leaving_estop or not link.estopped:
+                self._link.estop()
+            return
+        if orders.rearm:
+            self._link.reset_estop()
+        if orders.halt:
+            self._link.clear()
+        if orders.permit != self._permitted or now_s - self._leased_s >= LEASE_EVERY_S:
+            self._link.lease(orders.permit, pose_age_s, self._config.safety.lease_s)
+            self._permitted, self._leased_s = orders.permit, now_s
+        if orders.upload is not None:
+            mission_id, targets = orders.upload
+            self._link.upload(mission_id, to_wire(targets))

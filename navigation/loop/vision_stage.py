@@ -1,0 +1,79 @@
+"""Vision in the control loop: frames dated and looked at, an eye that fails and is made again.
+
+A frame counts from the moment of its exposure, as far as the witness has measured how late the
+camera is. Seconds of the world's clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from navigation.config import Config
+from navigation.loop.eye import Eye, Glimpse
+from navigation.loop.stages import eye_settings, marked_robots
+from navigation.shared.supervisor import in_words
+from navigation.witness import Witness
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.markers.markers import MarkerTracker, RobotPose
+
+
+class VisionStage:
+    """The eye, the error that ended the last one, and how long the last look took."""
+
+    def __init__(
+        self,
+        config: Config,
+        calibration: Calibration,
+        witness: Witness,
+        clock: Callable[[], float],
+    ) -> None:
+        self._config, self._calibration = config, calibration
+        self._witness, self._clock = witness, clock
+        self._failure: str | None = None
+        self.eye = self._open_eye()
+        self.look_s: float | None = None
+
+    def failure(self) -> str | None:
+        """The error that ended it, in words; None while it works."""
+        return self._failure
+
+    def restart(self) -> None:
+        """A new eye, that knows of nothing that the last one saw."""
+        self.eye = self._open_eye()
+        self._failure = None
+
+    def look(
+        self, frame: Frame, tell: Callable[[Mapping[int, RobotPose]], None]
+    ) -> tuple[Frame, Glimpse] | None:
+        """The frame with its own time and what it shows; None where the eye fails.
+
+        ``tell`` gets the poses before anything else is looked at.
+        """
+        began_s = self._clock()
+        if self._failure is not None:
+            return None
+        frame = self._dated(frame)
+        try:
+            glimpse = self.eye.look(frame, tell)
+        except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
+            self._failure = in_words(error)
+            return None
+        self.look_s = self._clock() - began_s
+        return frame, glimpse
+
+    def _open_eye(self) -> Eye:
+        robots = marked_robots(self._config)
+        tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary)
+        return Eye(self._calibration, tracker, eye_settings(self._config))
+
+    def _dated(self, frame: Frame) -> Frame:
+        """The frame with the time at which it was exposed, as far as that is known.
+
+        A stamp in the future, from a clock that is not ours, counts as now.
+        """
+        stamp_s = frame.captured_s if math.isfinite(frame.captured_s) else -math.inf
+        stamp_s = min(stamp_s, self._clock())
+        return replace(frame, captured_s=stamp_s - self._witness.latency_s())
