@@ -86,8 +86,8 @@ browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots 
 	bash .ci/packages browser
 	$(BIN)/python -m pytest tests/browser
 
-# adversary and paper have targets of their own; house counts and measures no time
-BENCHES = $(filter-out __init__ adversary paper house,$(sort \
+# adversary, paper and figures have targets of their own; house measures no time
+BENCHES = $(filter-out __init__ adversary paper house figures,$(sort \
   $(patsubst benchmarks/%.py,%,$(wildcard benchmarks/*.py)) \
   $(patsubst benchmarks/%/__main__.py,%,$(wildcard benchmarks/*/__main__.py))))
 bench: $(VENV)/.installed-dev ## every benchmark, into benchmarks/results/

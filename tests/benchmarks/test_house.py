@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -221,3 +223,28 @@ def test_the_page_of_all_files_is_what_their_docstrings_say(shipped: list[File])
 
 def test_every_source_file_is_named_by_a_document(shipped: list[File]) -> None:
     assert unnamed(shipped, texts(ROOT)) == []
+
+
+def defined(path: Path) -> set[str]:
+    """Functions of a file as a reader calls them: ``function``, ``Class.method``; in C any."""
+    if path.suffix == ".c":
+        return set(re.findall(r"^\w[\w *]*?(\w+)\(", path.read_text(), re.M))
+    found = set()
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.FunctionDef):
+            found.add(node.name)
+        elif isinstance(node, ast.ClassDef):
+            methods = (one for one in node.body if isinstance(one, ast.FunctionDef))
+            found |= {f"{node.name}.{method.name}" for method in methods}
+    return found
+
+
+def test_every_function_of_the_code_path_is_where_the_document_says() -> None:
+    text = " ".join((ROOT / "docs/architecture.md").read_text().split())
+    steps = re.findall(r"`([\w.]+)\(\)` in `([\w/]+\.(?:py|c))`", text)
+    assert len(steps) > 40
+    for name, file in steps:
+        assert name in defined(ROOT / file), f"{file} has no {name}()"
+    summed_up = text[text.index("The code path of a frame is") : text.index("### Camera to")]
+    short = set(re.findall(r"`([\w.]+)\(\)`", summed_up))
+    assert short <= {name for name, _ in steps}, short - {name for name, _ in steps}
