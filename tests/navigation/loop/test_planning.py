@@ -18,7 +18,7 @@ from planner.motion.smooth import SmoothError
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath, Path
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject, SegmentRecord
-from tests.support.bends import bends_of
+from tests.support.oracles.bends import bends_of
 from tests.support.waiting import wait_until
 
 RADIUS_M, MARGIN_M = 0.09, 0.02

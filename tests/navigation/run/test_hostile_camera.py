@@ -21,7 +21,7 @@ from navigation.mission.trust import Level
 from navigation.run.virtual_world import VirtualWorld
 from navigation.shared.track import driven_pieces
 from planner.borders.polyline import arc_lengths
-from tests.support.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 GOAL = (0.20, 1.60)
 FAR = [{"x_m": GOAL[0], "y_m": GOAL[1]}]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord
-from tests.support.render import coverage, draw, outline_points, polygon, ramp
+from tests.support.drawn.render import coverage, draw, outline_points, polygon, ramp
 from vision.binarise.binarise import binarise
 from vision.binarise.binarise_kernels import noise_sigma
 from vision.binarise.grey import as_grey
