@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from tests.support.drawn.render import polygon
 
 import planner
 from benchmarks.paper import canvas, inputs
@@ -17,6 +16,7 @@ from planner.borders.generators import Generators, gather_borders, place_generat
 from planner.diagram.agvd import diagram, omit_invalid
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, PolygonRecord, Scene, SceneObject, primitive_kernels
+from tests.support.drawn.render import polygon
 
 Points = NDArray[np.float64]
 SPACING, RADIUS = 22.0, 12.0

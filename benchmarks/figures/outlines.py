@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from tests.support.drawn.render import coverage, draw, polygon
 
 from benchmarks.paper import canvas
 from benchmarks.paper.canvas import DEFAULT, FULL, REDUCED, SITE, Panel
 from navigation.draw.shapes import FAINT_INK, Strokes
 from planner.scene import Bounds
+from tests.support.drawn.render import coverage, draw, polygon
 from vision.binarise.binarise import binarise
 from vision.borders.contours import Borders, EdgePoints, follow_borders, locate_edges
 from vision.outline.fitted_borders import ARC_CCW, LINE, FittedBorders
