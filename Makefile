@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil fuzz rtsp faults adversary bench paper pictures browser
+.PHONY: firmware hil fuzz rtsp faults adversary bench house paper pictures browser
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -54,7 +54,7 @@ fuzz: $(VENV)/.installed-dev ## libFuzzer on the firmware's parser and the whole
 	bash .ci/packages firmware fuzz
 	$(MAKE) -C firmware_protocol/firmware fuzz
 	for one in link robot; do \
-	  $(BIN)/python -m tests.support.corpus unpack $$one build/corpus/$$one && \
+	  $(BIN)/python -m tests.support.wire.corpus unpack $$one build/corpus/$$one && \
 	  build/firmware/fuzz_$$one -max_len=2000 -max_total_time=$(FUZZ_S) -print_final_stats=1 \
 	    build/corpus/$$one || exit 1; done
 
@@ -72,17 +72,26 @@ adversary: $(VENV)/.installed-dev ## attacks on the running system, into benchma
 paper: $(VENV)/.installed-dev ## the paper's figures and tables, into docs/paper/
 	$(BIN)/python -m benchmarks.paper
 
+house: $(VENV)/.installed-dev ## the code's figures; docs/files.md and the picture of the folders
+	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg --files docs/files.md
+	$(BIN)/python -m benchmarks.house --list
+
 pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pictures/
+	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg
 	bash .ci/packages browser
+	$(BIN)/python -m benchmarks.figures
 	$(BIN)/python -m tests.browser.pictures
 
 browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots in build/browser/
 	bash .ci/packages browser
 	$(BIN)/python -m pytest tests/browser
 
+# adversary and paper have targets of their own; house counts and measures no time
+BENCHES = $(filter-out __init__ adversary paper house,$(sort \
+  $(patsubst benchmarks/%.py,%,$(wildcard benchmarks/*.py)) \
+  $(patsubst benchmarks/%/__main__.py,%,$(wildcard benchmarks/*/__main__.py))))
 bench: $(VENV)/.installed-dev ## every benchmark, into benchmarks/results/
-	for one in $$(ls benchmarks/*.py); do \
-	  echo "== $$one"; $(BIN)/python -m "benchmarks.$$(basename $$one .py)" || exit 1; done
+	for one in $(BENCHES); do echo "== $$one"; $(BIN)/python -m "benchmarks.$$one" || exit 1; done
 
 lint: $(VENV)/.installed-dev ## ruff: style and format
 	$(BIN)/ruff check .

@@ -23,9 +23,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.support import avr_robot, c_robot
-from tests.support.avr_firmware import AvrBoard
-from tests.support.fault_scenarios import SCENARIOS, robot_maker
+from tests.support.robots import avr_robot, c_robot
+from tests.support.robots.avr_firmware import AvrBoard
+from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 
 RESULT = Path(__file__).parent / "results" / "faults.md"
 

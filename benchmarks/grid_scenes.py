@@ -18,7 +18,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tests.support.grid_scenes import SLOWEST_S, Tally, judge
+from tests.support.scenes.grid_scenes import SLOWEST_S, Tally, judge
 
 
 def report(tally: Tally, first: int) -> str:

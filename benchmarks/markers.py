@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tests.support.boards import marker_patch, pose_bound, render
+from tests.support.drawn.boards import marker_patch, pose_bound, render
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.marker_search import dictionary_by_name, dictionary_names

@@ -2,7 +2,8 @@
 
 Run ``python -m benchmarks.outlines [--count 200] [--only slits,real,round]``: prints a row a family
 and the worst of each. ``real`` takes the pictures of the folder in ``CLEARWAY_REAL_DATA``. The
-judge is ``tests.support.outline_judge``, the pictures are ``tests.support.outline_pictures``.
+judge is ``tests.support.drawn.outline_judge``, the pictures are those of
+``tests.support.drawn.outline_pictures``.
 Nothing is kept: the wanted result is 0 in the last three columns.
 """
 
@@ -20,8 +21,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tests.support.outline_judge import FEW_PX, Verdict, judge, mask_of
-from tests.support.outline_pictures import FAMILIES, Picture, every_look, slits
+from tests.support.drawn.outline_judge import FEW_PX, Verdict, judge, mask_of
+from tests.support.drawn.outline_pictures import FAMILIES, Picture, every_look, slits
 from vision import PictureError, extract
 
 SEED = 31

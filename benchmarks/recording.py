@@ -31,7 +31,7 @@ from mcap.writer import CompressionType, Writer
 from navigation.recording.compare import Tolerances
 from navigation.recording.reader import read_recording
 from navigation.run.replay import replay
-from tests.support.recordings import RecordedBench, recording_config
+from tests.support.runs.recordings import RecordedBench, recording_config
 
 ROOT = Path(__file__).parents[1]
 RESULT = Path(__file__).parent / "results" / "recording.md"
@@ -40,7 +40,7 @@ KILL_AFTER_S = 3.0
 KILLED = """
 import sys, time
 from pathlib import Path
-from tests.support.recordings import RecordedBench, recording_config
+from tests.support.runs.recordings import RecordedBench, recording_config
 bench = RecordedBench(recording_config(), Path(sys.argv[1]))
 offset_s = bench.now_s - time.monotonic()
 bench.recorder._clock = lambda: time.monotonic() + offset_s

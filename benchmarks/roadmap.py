@@ -32,8 +32,8 @@ import planner
 from planner.formats.grid_maps import grid_scene
 from planner.path import Path as PlannedPath
 from planner.scene import Bounds, FloatArray, Scene, SceneObject, primitive_kernels
-from tests.support.mazes import noise, plate
-from tests.support.planner_scenes import (
+from tests.support.scenes.mazes import noise, plate
+from tests.support.scenes.planner_scenes import (
     hand_made,
     polygon,
     random_scene,

@@ -38,9 +38,15 @@ from planner.motion.trajectory import default_limits, time_path
 from planner.scene import Bounds, CircleRecord, FloatArray, Record, Scene
 from planner.search import shortest, tangent_kernels, tour
 from planner.search.shortest import shortest_way
-from tests.support.mazes import maze
-from tests.support.planner_scenes import polygon, random_scene, scene_of, slow_distance, slow_inside
-from tests.support.visibility_oracle import shortest_length
+from tests.support.oracles.visibility_oracle import shortest_length
+from tests.support.scenes.mazes import maze
+from tests.support.scenes.planner_scenes import (
+    polygon,
+    random_scene,
+    scene_of,
+    slow_distance,
+    slow_inside,
+)
 
 RADIUS = 9.0
 FRAMES = [(640, 480, 20), (1920, 1080, 60), (3840, 2160, 200), (3840, 2160, 1000)]

@@ -25,8 +25,8 @@ from firmware_protocol.host.events import MissionDone
 from firmware_protocol.wire.messages import ResetCause, RobotState
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.virtual_loop import python_robot
-from tests.support.c_robot import CRobot, missing_tool
-from tests.support.fault_witness import RobotMaker, Witness, robot_maker
+from tests.support.robots.c_robot import CRobot, missing_tool
+from tests.support.wire.fault_witness import RobotMaker, Witness, robot_maker
 
 RESULT = Path(__file__).parent / "results" / "soak.md"
 FAULTS = "drop=0.001,flip=0.0005,noise=0.0005,span=0.003,dup=0.01,swap=0.01,stall=0.15@7"

@@ -25,7 +25,7 @@ from navigation.run.warm_up import warm_up
 from navigation.sweep.runs import Row, Sweep, run_one
 from navigation.sweep.variations import Variation, variation
 from navigation.sweep.workers import local_executor
-from tests.support.virtual import CONFIGS, short_config
+from tests.support.runs.virtual import CONFIGS, short_config
 
 STATIONS = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.60}]
 

@@ -10,13 +10,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from vision.binarise.grey import PictureError
     from vision.calibration.calibration import Calibration, CalibrationError
     from vision.calibration.calibration_file import load_calibration, save_calibration
     from vision.camera.camera import Camera, CameraError, Frame
     from vision.camera.latest_frame import LatestFrame
     from vision.camera.sources import camera_for
     from vision.doubts import doubts_about
+    from vision.errors import PictureError
     from vision.markers.markers import MarkedRobot, MarkerTracker, RobotPose
     from vision.pipeline import extract
     from vision.watch.change import Change, SceneWatcher
@@ -51,7 +51,7 @@ _HOME = {
     "LatestFrame": "vision.camera.latest_frame",
     "MarkedRobot": "vision.markers.markers",
     "MarkerTracker": "vision.markers.markers",
-    "PictureError": "vision.binarise.grey",
+    "PictureError": "vision.errors",
     "RobotPose": "vision.markers.markers",
     "SceneWatcher": "vision.watch.change",
     "camera_for": "vision.camera.sources",

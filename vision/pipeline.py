@@ -18,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise.binarise import Method, Polarity
 from vision.binarise.binary import Binary
 from vision.binarise.colour import binarise_by_colour
-from vision.binarise.grey import PictureError, as_array
+from vision.binarise.grey import as_array
+from vision.binarise.methods import Method, Polarity
 from vision.borders.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
+from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
 from vision.paper.paper import paper_objects
 from vision.records.placement import Calibration, Placement, drop_outside, ignored_pixels

@@ -14,7 +14,7 @@ import yaml
 
 from benchmarks.adversary.processes import ROOT
 from navigation.config import Config, load_config
-from navigation.simulator.pinhole import pinhole_of
+from navigation.simulator.picture.pinhole import pinhole_of
 from vision.calibration.calibration_file import save_calibration
 
 CONFIGS = ROOT / "configs"

@@ -22,7 +22,7 @@ from benchmarks.paper.weaknesses import MODES, Mode
 from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene, primitive_kernels
-from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
+from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 
 Points = NDArray[np.float64]
 RADIUS = 4.0

@@ -22,7 +22,7 @@ from planner.scene import (
     SceneObject,
     Segment,
 )
-from tests.support.render import coverage, cut_disc, draw, outline_points, polygon, rounded
+from tests.support.drawn.render import coverage, cut_disc, draw, outline_points, polygon, rounded
 from vision.binarise.binarise import binarise
 from vision.borders.contours import laplacian_border
 

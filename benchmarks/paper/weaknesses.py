@@ -19,7 +19,7 @@ import vision
 from benchmarks.paper.inputs import SEED
 from navigation.draw.layers import chain_points
 from planner.scene import CircleRecord, PolygonRecord, Scene
-from tests.support.render import draw, outline_points, polygon, rounded
+from tests.support.drawn.render import draw, outline_points, polygon, rounded
 from vision.binarise.binarise import binarise
 from vision.borders.contours import follow_borders
 from vision.paper.circles import SLACK_PX

@@ -17,47 +17,33 @@ from collections import deque
 from typing import Final
 
 from firmware_protocol.host.clock_sync import ClockEstimate
-from firmware_protocol.host.commands import Commands
 from firmware_protocol.host.counters import HostCounters
 from firmware_protocol.host.events import (
     EstopConfirmed,
     Event,
     LinkChanged,
-    MissionAccepted,
-    MissionDone,
-    MissionVoid,
     RobotRebooted,
     StatusReceived,
     StrayHello,
 )
-from firmware_protocol.host.freshest import Freshest, lease_of
+from firmware_protocol.host.freshest import lease_of
 from firmware_protocol.host.line_diagnosis import TAKEN_OVER, why_refused, why_silent
-from firmware_protocol.host.line_pace import LinePace
-from firmware_protocol.host.robot_clock import RobotClock
+from firmware_protocol.host.outgoing import Outgoing
 from firmware_protocol.host.sessions import HostSessions
-from firmware_protocol.host.state import TRANSITIONS, LinkEvent, LinkState
+from firmware_protocol.host.state import LinkEvent, LinkState, state_after
 from firmware_protocol.host.upload import Upload
+from firmware_protocol.host.wanted_mission import WantedMission
 from firmware_protocol.wire.errors import LocalError, RemoteError
-from firmware_protocol.wire.framing import (
-    Frame,
-    FrameParser,
-    Sender,
-    encode_frame,
-)
+from firmware_protocol.wire.framing import Frame, FrameParser, Sender
 from firmware_protocol.wire.link import RttEstimate, SendWindow
 from firmware_protocol.wire.messages import (
-    ESTOP_FRAME,
     SCHEMA_HASH,
     Ack,
     Challenge,
-    Confirm,
-    Hello,
     HelloAck,
-    Lease,
     PoseFix,
     RobotState,
     Status,
-    TimeSync,
     TimeSyncReply,
     read_message,
 )
@@ -65,13 +51,8 @@ from firmware_protocol.wire.mission import Mission
 
 SILENCE_S: Final = 0.5
 """The link is lost after so long without a frame of the session."""
-ESTOP_REPEAT_S: Final = 0.02
-STRAY_TOLD_S: Final = 1.0
-"""Stray HELLOs are told no more often than this."""
 REFUSED_S: Final = 8.0
 """A refusal is believed for so long: two more askings may get lost."""
-_ASKING: Final = (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
-"""No robot has answered yet, or none that can be used."""
 
 
 class HostConnection:
@@ -82,10 +63,7 @@ class HostConnection:
     """
 
     def __init__(
-        self,
-        rng: random.Random,
-        baud: int | None = 115_200,
-        expected_boot_id: int | None = None,
+        self, rng: random.Random, baud: int | None = 115_200, expected_boot_id: int | None = None
     ) -> None:
         self.state = LinkState.CLOSED
         self.parser = FrameParser(Sender.ROBOT)
@@ -94,36 +72,26 @@ class HostConnection:
         self.robot: HelloAck | None = None
         self.status: Status | None = None
         self.status_s = -math.inf
-        self.upload_state: Upload | None = None
         self._boot_id = expected_boot_id
         self._events: deque[Event] = deque()
-        self._void_ids: deque[int] = deque(maxlen=64)
+        self._mission = WantedMission(self._events.append, self._change)
         self._sessions = HostSessions(rng)
-        self._pace = LinePace(baud)
-        self._clock = RobotClock(self._pace)
-        self._freshest = Freshest()
-        self._window = SendWindow(0)
+        self._out = Outgoing(self._sessions, self.counters, baud)
         self._reason = "the port is not open"
         self._opened_s = 0.0
         self._heard_s = -math.inf
         self._bytes_s = -math.inf
         self._refused_s = -math.inf
-        self._stray_s = -math.inf
         self._taken = False
         """Whether another host has the robot, and had it when the link was lost."""
-        self._nonce: int | None = None
-        """The robot's challenge that is to be answered."""
-        self._estop_wanted = False
-        self._estop_s = -math.inf
-        self._commands = Commands()
 
     # Orders.
 
     def open(self, now_s: float) -> None:
-        """The port is open: ask for a robot."""
-        self._opened_s = now_s
-        self._pace.reset()
+        """The port is open: ask for a robot. LocalError where it was open already."""
         self._change(LinkEvent.OPEN, "looking for a robot")
+        self._opened_s = now_s
+        self._out.pace.reset()
         self._new_session(now_s)
 
     def close(self, reason: str = "the port was closed") -> None:
@@ -138,13 +106,11 @@ class HostConnection:
         A mission that the robot already holds (same id, same waypoints) goes on where it was.
         LocalError for the id of a mission that became void: part of it may have been driven.
         """
-        if mission.id in self._void_ids:
-            raise LocalError(f"mission {mission.id} became void: a new one needs a new id")
-        self.upload_state = Upload(mission)
-        self._commands.want_mission()
+        upload = self._mission.give(mission)
+        self._out.commands.want_mission()
         self._change(LinkEvent.MISSION_OVER, "a mission was given")
         if self.status is not None and self.state is LinkState.STREAM:
-            void = self.upload_state.see_status(self.status, 0, False)
+            void = upload.see_status(self.status, 0, False)
             if void is not None:
                 self._void(void)
                 return
@@ -155,16 +121,16 @@ class HostConnection:
         """Drive the mission; LocalError where there is none."""
         if self.upload_state is None:
             raise LocalError("start: there is no mission")
-        self._commands.want_start(now_s)
+        self._out.commands.want_start(now_s)
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""
-        self._commands.want_pause()
+        self._out.commands.want_pause()
 
     def clear(self) -> None:
         """Stop under control and forget the mission."""
-        self.upload_state = None
-        self._commands.want_clear()
+        self._mission.upload = None
+        self._out.commands.want_clear()
         self._change(LinkEvent.MISSION_OVER, "the mission was cleared")
 
     def lease(
@@ -179,29 +145,31 @@ class HostConnection:
 
         It runs out ``ttl_s`` after that by the robot's clock, however long it takes to get there.
         """
-        self._freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
+        self._out.freshest.give_lease(lease_of(ttl_s, permit, pose_age_s, odometry), now_s)
 
     def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
         """Sent once: where the camera saw the robot at host time ``captured_s``."""
-        self._freshest.give_pose(PoseFix(x_m, y_m, heading_rad), captured_s)
+        self._out.freshest.give_pose(PoseFix(x_m, y_m, heading_rad), captured_s)
 
     def estop(self) -> None:
         """Emergency stop: past every queue, repeated until the robot confirms it."""
-        self._estop_wanted = True
-        self._estop_s = -math.inf
-        self._commands.want_reset(False)
-        self._commands.want_no_start()
+        self._out.want_estop()
 
     def reset_estop(self, now_s: float) -> None:
         """Leave the emergency stop, in a fresh session; the mission is void."""
-        self._estop_wanted = False
-        self._commands.want_reset(True)
+        self._out.estop_wanted = False
+        self._out.commands.want_reset(True)
         if self.state.is_up:
             self._drop_session()
             self._change(LinkEvent.RENEW, "a fresh session, to leave the emergency stop")
             self._new_session(now_s)
 
     # What is known.
+
+    @property
+    def upload_state(self) -> Upload | None:
+        """How far the mission is that the robot is to have, None where there is none."""
+        return self._mission.upload
 
     def next_event(self) -> Event | None:
         """The oldest event not yet told, None where all are."""
@@ -215,7 +183,7 @@ class HostConnection:
     @property
     def estop_pending(self) -> bool:
         """Whether an emergency stop waits for its confirmation."""
-        return self._estop_wanted
+        return self._out.estop_wanted
 
     @property
     def leaving_estop(self) -> bool:
@@ -223,21 +191,21 @@ class HostConnection:
 
         Until then its reports tell of the old stop; afterwards ESTOP is a new one.
         """
-        return self._commands.reset_wanted
+        return self._out.commands.reset_wanted
 
     def why_no_permit(self, now_s: float) -> str | None:
         """A plain sentence on why no lease can be given, None where one can."""
-        return self._clock.why_unknown(now_s)
+        return self._out.clock.why_unknown(now_s)
 
     @property
     def clock(self) -> ClockEstimate:
         """The robot's clock, as far as it is known."""
-        return self._clock.estimate
+        return self._out.clock.estimate
 
     @property
     def pose_captured_s(self) -> float:
         """When the pose that was sent last was seen: the user's measure of its way here."""
-        return self._freshest.pose_captured_s
+        return self._out.freshest.pose_captured_s
 
     @property
     def heard_s(self) -> float:
@@ -286,38 +254,35 @@ class HostConnection:
         if isinstance(message, HelloAck):
             self._greeted(message, now_s)
             return
-        if self.state in _ASKING:
+        if self.state.is_asking:
             return
         self._heard_s = now_s
-        self._window.acknowledge(frame.acknowledged, now_s)
+        self._out.window.acknowledge(frame.acknowledged, now_s)
         if frame.nak:
             self.counters.naks += 1
-            self._window.complained(now_s)
+            self._out.window.complained(now_s)
         match message:
             case Challenge(nonce):
-                self._nonce = nonce if self.state is LinkState.VERIFY else None
+                self._out.nonce = nonce if self.state is LinkState.VERIFY else None
             case Ack(accept_next):
                 if self.upload_state is not None:
                     self.upload_state.see_ack(accept_next, frame.credit)
             case Status():
                 self._take_status(message, frame, now_s)
             case TimeSyncReply():
-                self._clock.take(message, now_s)
-                self.counters.clock_jumps = self._clock.jumps
+                self._out.clock.take(message, now_s)
+                self.counters.clock_jumps = self._out.clock.jumps
             case _:
                 self.counters.nonsense += 1
 
     def _meet_a_stranger(self, frame: Frame, now_s: float) -> None:
         self.counters.foreign_session += 1
-        if self.counters.stray_hellos == self._sessions.stray_hellos:
-            return
         self.counters.stray_hellos = self._sessions.stray_hellos
-        if now_s - self._stray_s >= STRAY_TOLD_S:
-            self._stray_s = now_s
+        if self._sessions.stray_is_news(now_s):
             self._events.append(StrayHello(frame.session))
 
     def _greeted(self, hello: HelloAck, now_s: float) -> None:
-        if self.state not in _ASKING:
+        if not self.state.is_asking:
             return
         self.robot = hello
         why = why_refused(hello.major, hello.schema, SCHEMA_HASH)
@@ -326,9 +291,9 @@ class HostConnection:
             self._change(LinkEvent.REFUSED, why)
             self._sessions.wait_long(now_s)
             return
-        self._nonce = None
-        self._window = SendWindow(hello.rx_window)
-        self._window.rtt = self.rtt
+        self._out.nonce = None
+        self._out.window = SendWindow(hello.rx_window)
+        self._out.window.rtt = self.rtt
         self._heard_s = now_s
         self.counters.taken_back += self._taken
         back = "the other host has fallen silent: the robot is taken back"
@@ -339,13 +304,13 @@ class HostConnection:
         self.status, self.status_s = status, now_s
         if self.state is LinkState.VERIFY:
             self._verify(status)
-        self._clock.compare(status, now_s)
-        if status.state is RobotState.ESTOP and self._estop_wanted:
-            self._estop_wanted = False
+        self._out.clock.compare(status, now_s)
+        if status.state is RobotState.ESTOP and self._out.estop_wanted:
+            self._out.estop_wanted = False
             self._events.append(EstopConfirmed())
         if self.upload_state is not None and self.state is not LinkState.REBOOTED:
             self._follow_mission(self.upload_state, status, frame)
-        ended = self._commands.settle(status, now_s)
+        ended = self._out.commands.settle(status, now_s)
         if ended is not None:
             self._events.append(ended)
         self._events.append(StatusReceived(status, now_s))
@@ -357,8 +322,8 @@ class HostConnection:
             return
         self.counters.reboots += 1
         assert self.robot is not None
-        self._clock.new_boot()
-        self._commands.want_reset(False)  # it has not kept its emergency stop
+        self._out.clock.new_boot()
+        self._out.commands.want_reset(False)  # it has not kept its emergency stop
         self._change(LinkEvent.REBOOT, "the robot has rebooted: its mission is gone")
         self._events.append(RobotRebooted(status.boot_id, self.robot.reset_cause))
         if self.upload_state is not None:
@@ -368,28 +333,16 @@ class HostConnection:
         if status.state is RobotState.ESTOP:
             self._void("the robot is in its emergency stop")
             return
-        was_done = upload.done
-        everything = self._window.idle and frame.acknowledged == self._window.next_sequence
-        void = upload.see_status(status, frame.credit, everything)
+        window = self._out.window
+        everything = window.idle and frame.acknowledged == window.next_sequence
+        void = self._mission.follow(upload, status, frame.credit, everything)
         if void is not None:
             self._void(void)
-            self._commands.want_pause()
-            return
-        if upload.complete and not upload.announced:
-            upload.announced = True
-            self._events.append(MissionAccepted(upload.mission.id))
-        if upload.complete and not upload.done:
-            self._change(LinkEvent.ALL_ACCEPTED, "the robot has the whole mission")
-        if upload.done and not was_done:
-            self._events.append(MissionDone(upload.mission.id))
-            self._change(LinkEvent.MISSION_OVER, "the mission is done")
+            self._out.commands.want_pause()
 
     def _void(self, reason: str) -> None:
-        assert self.upload_state is not None
-        self._events.append(MissionVoid(self.upload_state.mission.id, reason))
-        self._void_ids.append(self.upload_state.mission.id)
-        self.upload_state = None
-        self._commands.want_no_start()
+        self._mission.void(reason)
+        self._out.commands.want_no_start()
         if self.state is LinkState.DRAIN:
             self._change(LinkEvent.MISSION_OVER, reason)
 
@@ -399,7 +352,7 @@ class HostConnection:
         """Timeouts: call at least every 20 ms, and before :meth:`bytes_to_send`."""
         if self.state is LinkState.REFUSED and now_s - self._refused_s > REFUSED_S:
             self._change(LinkEvent.SILENCE, f"no answer for {REFUSED_S:g} s")
-        if self.state is LinkState.CLOSED or self.state in _ASKING:
+        if self.state is LinkState.CLOSED or self.state.is_asking:
             return
         if now_s - self._heard_s > SILENCE_S:
             self.counters.links_lost += 1
@@ -410,92 +363,19 @@ class HostConnection:
             self._change(LinkEvent.SILENCE, why)
             self._new_session(now_s)
             return
-        self._window.tick(now_s)
+        self._out.window.tick(now_s)
 
     def bytes_to_send(self, now_s: float) -> bytes:
         """At most one frame, empty where none is due or the line is still busy."""
         if self.state is LinkState.CLOSED:
             return b""
-        if self._estop_wanted and now_s - self._estop_s >= ESTOP_REPEAT_S:
-            self._estop_s = now_s
-            return self._account(ESTOP_FRAME, now_s)
-        if now_s < self._pace.ready_s:
-            return b""
-        frame = self._next_frame(now_s)
-        return b"" if frame is None else self._account(encode_frame(frame, Sender.HOST), now_s)
+        return self._out.next_bytes(self.state, self.status, self.upload_state, now_s)
 
     def deadline_s(self, now_s: float) -> float:
         """When to call :meth:`tick` and :meth:`bytes_to_send` again if nothing arrives."""
         if self.state is LinkState.CLOSED:
             return now_s + 0.1
-        soon = [now_s + 0.02]
-        if self._pace.ready_s > now_s:
-            soon.append(self._pace.ready_s)
-        timeout_s = self._window.deadline_s()
-        if timeout_s is not None:
-            soon.append(timeout_s)
-        return max(now_s, min(soon))
-
-    def _next_frame(self, now_s: float) -> Frame | None:
-        if self.state in _ASKING:
-            return self._next_hello(now_s)
-        if self.state is LinkState.VERIFY:
-            return self._next_confirm(now_s)
-        urgent = self._freshest.take(now_s, self.clock) or self._clock.next_question(now_s)
-        self.counters.stale = self._freshest.stale
-        if urgent is not None:
-            return self._frame(urgent)
-        self._fill_window(now_s)
-        pending = self._window.next_frame(now_s)
-        if pending is not None:
-            self.counters.retransmits += pending.sent_again
-            return Frame(
-                kind=pending.kind,
-                session=self._sessions.present,
-                payload=pending.payload,
-                sequence=pending.sequence,
-                reliable=True,
-            )
-        return None
-
-    def _fill_window(self, now_s: float) -> None:
-        upload = self.upload_state
-        if self.status is None or self.state is LinkState.REBOOTED:
-            return
-        command = self._commands.next(self.status, upload, self._window.idle, now_s)
-        if command is not None:
-            self._window.add(command.TYPE, command.pack())
-        if upload is None or self._window.has_unsent():
-            return
-        batch = upload.next_batch()
-        if batch is None:
-            return
-        payload = batch.pack()
-        if self._window.room_for(len(payload)):
-            self._window.add(batch.TYPE, payload)
-            upload.sent(batch)
-
-    def _next_hello(self, now_s: float) -> Frame | None:
-        lost = self.state is LinkState.LINK_LOST
-        if lost and self._sessions.foreigner_speaks(now_s):
-            return None
-        return self._frame(Hello(SCHEMA_HASH)) if self._sessions.hello_due(now_s) else None
-
-    def _next_confirm(self, now_s: float) -> Frame | None:
-        """The challenge given back; HELLO again where it, or the robot's report, was lost."""
-        if self._nonce is None:
-            return self._next_hello(now_s)
-        nonce, self._nonce = self._nonce, None
-        return self._frame(Confirm(nonce))
-
-    def _frame(self, message: Hello | Confirm | Lease | PoseFix | TimeSync) -> Frame:
-        return Frame(kind=message.TYPE, session=self._sessions.present, payload=message.pack())
-
-    def _account(self, data: bytes, now_s: float) -> bytes:
-        self.counters.frames_sent += 1
-        self.counters.bytes_sent += len(data)
-        self._pace.sent(len(data), now_s)
-        return data
+        return self._out.deadline_s(now_s)
 
     # Sessions.
 
@@ -505,21 +385,16 @@ class HostConnection:
 
     def _drop_session(self) -> None:
         """Orders in flight end here; the robot stands, and only a new start moves it."""
-        ended = self._commands.give_up()
+        ended = self._out.commands.give_up()
         if ended is not None:
             self._events.append(ended)
-        self.counters.timeouts += self._window.timeouts
-        self._window = SendWindow(0)
-        self._freshest.forget()
-        self._clock.new_session()
+        self._out.drop_session()
         self._heard_s = -math.inf
         if self.upload_state is not None:
             self.upload_state.new_session()
 
     def _change(self, event: LinkEvent, reason: str) -> None:
         old = self.state
-        new = TRANSITIONS.get((old, event))
-        if new is None or new is old:
-            return
-        self.state = new
-        self._events.append(LinkChanged(old, new, reason))
+        self.state = new = state_after(old, event)
+        if new is not old:
+            self._events.append(LinkChanged(old, new, reason))

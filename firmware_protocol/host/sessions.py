@@ -28,6 +28,8 @@ HELLO_REFUSED_S: Final = 3.0
 """A robot of another schema is asked this often."""
 FOREIGN_S: Final = 2.5
 """A host that has the robot is heard by it at least once a second, with TIMESYNC."""
+STRAY_TOLD_S: Final = 1.0
+"""Stray HELLOs are told no more often than this."""
 _REMEMBERED: Final = 16
 _OPENING: Final = (MessageType.HELLO_ACK, MessageType.CHALLENGE)
 """What the robot says in a session that is not open."""
@@ -42,6 +44,8 @@ class HostSessions:
         """How often the robot has answered a HELLO that was none of ours."""
         self._rng = rng
         self._own: deque[int] = deque(maxlen=_REMEMBERED)
+        self._told_hellos = 0
+        self._told_s = -math.inf
         self._foreign_s = -math.inf
         self._foreign: int | None = None
         self._frames: int | None = None
@@ -79,6 +83,15 @@ class HostSessions:
         if self._frames not in (None, frames):
             self._foreign_s = now_s
         self._frames = frames
+
+    def stray_is_news(self, now_s: float) -> bool:
+        """Whether a stray HELLO has come that the user should hear of; then it counts as told."""
+        more = self.stray_hellos != self._told_hellos
+        self._told_hellos = self.stray_hellos
+        if not more or now_s - self._told_s < STRAY_TOLD_S:
+            return False
+        self._told_s = now_s
+        return True
 
     def foreigner_speaks(self, now_s: float) -> bool:
         """Whether the robot has heard another host in an open session just now."""

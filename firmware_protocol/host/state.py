@@ -4,13 +4,16 @@ CLOSED: no port. HELLO: asking for a robot. VERIFY: a robot has answered; its mi
 compared with ours. STREAM: up. DRAIN: up, the whole mission is with the robot, which executes
 it. LINK_LOST: it was up and fell silent; asking again. REBOOTED: up, but the robot's memory is
 gone; its mission is void until a new one is given. REFUSED: a robot of another version or schema
-has answered; it is asked again every few seconds.
+has answered; it is asked again every few seconds. A pair that is not in the table cannot be:
+whatever a robot sends, only a mistake of this program leads to it.
 """
 
 from __future__ import annotations
 
 from enum import Enum
 from typing import Final
+
+from firmware_protocol.wire.errors import LocalError
 
 
 class LinkState(Enum):
@@ -30,6 +33,11 @@ class LinkState(Enum):
         """Whether frames of the session flow both ways."""
         return self in (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
 
+    @property
+    def is_asking(self) -> bool:
+        """Whether no robot has answered yet, or none that can be used."""
+        return self in (LinkState.HELLO, LinkState.LINK_LOST, LinkState.REFUSED)
+
 
 class LinkEvent(Enum):
     """What can happen to the link."""
@@ -46,6 +54,8 @@ class LinkEvent(Enum):
     RENEW = "a fresh session is wanted, to leave an emergency stop"
 
 
+_EMPTIED: Final = (LinkState.DRAIN, LinkState.REBOOTED)
+"""What is over here leaves a link on which a mission may be sent."""
 _UP: Final = (LinkState.STREAM, LinkState.DRAIN, LinkState.REBOOTED)
 
 TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
@@ -55,14 +65,24 @@ TRANSITIONS: Final[dict[tuple[LinkState, LinkEvent], LinkState]] = {
     (LinkState.REFUSED, LinkEvent.GREETED): LinkState.VERIFY,
     (LinkState.HELLO, LinkEvent.REFUSED): LinkState.REFUSED,
     (LinkState.LINK_LOST, LinkEvent.REFUSED): LinkState.REFUSED,
+    (LinkState.REFUSED, LinkEvent.REFUSED): LinkState.REFUSED,
     (LinkState.REFUSED, LinkEvent.SILENCE): LinkState.HELLO,
     (LinkState.VERIFY, LinkEvent.VERIFIED): LinkState.STREAM,
     (LinkState.VERIFY, LinkEvent.REBOOT): LinkState.REBOOTED,
     (LinkState.VERIFY, LinkEvent.SILENCE): LinkState.LINK_LOST,
     (LinkState.STREAM, LinkEvent.ALL_ACCEPTED): LinkState.DRAIN,
+    (LinkState.DRAIN, LinkEvent.ALL_ACCEPTED): LinkState.DRAIN,
     (LinkState.DRAIN, LinkEvent.MISSION_OVER): LinkState.STREAM,
     (LinkState.REBOOTED, LinkEvent.MISSION_OVER): LinkState.STREAM,
+    **{(state, LinkEvent.MISSION_OVER): state for state in LinkState if state not in _EMPTIED},
     **{(state, LinkEvent.SILENCE): LinkState.LINK_LOST for state in _UP},
     **{(state, LinkEvent.RENEW): LinkState.HELLO for state in _UP},
     **{(state, LinkEvent.CLOSE): LinkState.CLOSED for state in LinkState},
 }
+
+
+def state_after(state: LinkState, event: LinkEvent) -> LinkState:
+    """What the link becomes; LocalError for an event that cannot happen to it."""
+    if (state, event) not in TRANSITIONS:
+        raise LocalError(f"{event.name} ({event.value}) cannot happen to a link in {state.name}")
+    return TRANSITIONS[state, event]

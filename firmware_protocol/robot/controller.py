@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 from firmware_protocol.robot.follower import Follower, Trouble
 from firmware_protocol.robot.pose_estimate import PoseEstimate
-from firmware_protocol.robot.state import TRANSITIONS, RobotEvent
+from firmware_protocol.robot.state import TRANSITIONS, RobotEvent, state_after
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.drive_settings import DriveSettings
 from firmware_protocol.wire.fixed_point import clip, scale, wrapped
@@ -350,9 +350,7 @@ class RobotController:
         self.news = True
 
     def _change(self, event: RobotEvent, reason: StopReason) -> None:
-        state = TRANSITIONS.get((self.state, event))
-        if state is None:
-            return
+        state = state_after(self.state, event)
         kept = state is self.state and event is not RobotEvent.CLEAR
         self.state = state
         if not kept:

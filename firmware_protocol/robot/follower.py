@@ -6,6 +6,7 @@
   the queue, and in between no more than the brakes can take back.
 - A corner sharper than TURN_ENTER is taken standing. At a stop the robot settles, drives the
   last millimetres where needed, turns to the heading asked for, and dwells.
+- Where the robot is on the line and what lies ahead: `line`.
 - Whole numbers only, the same as in ``firmware/follower.c``: lengths are counts of 64 um and end
   at 2 m, further than any brake or look ahead; angles 2**16 a turn (``fixed_point``); speeds
   eighths of mm/s. Turning is half the difference of the wheels' speeds, "spin", positive to the
@@ -17,9 +18,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum
-from functools import lru_cache
-from typing import Final, NamedTuple
+from typing import Final
 
+from firmware_protocol.robot.line import (
+    FAR,
+    SHORT,
+    TURN_ENTER,
+    Sight,
+    approach,
+    braked,
+    length,
+    look,
+    next_leg,
+    walk,
+)
 from firmware_protocol.robot.pose_estimate import RobotPose
 from firmware_protocol.wire.drive_settings import DriveConstants, DriveSettings
 from firmware_protocol.wire.fixed_point import (
@@ -32,19 +44,11 @@ from firmware_protocol.wire.fixed_point import (
     measured,
     mrad,
     part_of,
-    root,
     sine,
     turned,
 )
 from firmware_protocol.wire.waypoint_record import HEADING_FREE, Target
 
-
-def length(micrometres: int) -> int:
-    """A count of 64 um."""
-    return micrometres // 64
-
-
-TURN_ENTER: Final = mrad(800)
 TURN_STANDING: Final = mrad(200)
 """A robot that stands turns first where it would otherwise swing out."""
 STANDING: Final = 20 * 8
@@ -73,12 +77,6 @@ DOCK_SPEED: Final = 60 * 8
 DOCK_BEARING: Final = mrad(150)
 SIDEWAYS: Final = length(900)
 DOCKED: Final = length(700)
-SHORT: Final = length(1_000)
-"""A line shorter than this has no direction."""
-NOWHERE: Final = length(128)
-"""A line shorter than this is none."""
-FAR: Final = 32_000
-"""2 m; a length counts as no longer."""
 MOST_SPIN: Final = 2_000 * 8
 BEND_MAX: Final = 0x7FFF
 
@@ -113,19 +111,6 @@ class Step:
 
     executed: int = 0
     trouble: Trouble | None = None
-
-
-class _Sight(NamedTuple):
-    """The way to the waypoint at the queue's head, and where the robot is on it."""
-
-    leg: tuple[int, int]
-    """Length and direction."""
-    distance: int
-    """Of the robot from the waypoint."""
-    remaining: int
-    """Along the leg; negative behind the waypoint."""
-    beside: int
-    """Beside the leg, or behind its beginning."""
 
 
 class Follower:
@@ -213,23 +198,14 @@ class Follower:
 
     # The line.
 
-    def _look(self, pose: RobotPose, target: Target) -> _Sight:
-        leg = leg_between(self._from, target.place)
-        distance, bearing = measured(*between(target.place, pose.place))
-        if leg[0] < NOWHERE:
-            return _Sight(leg, clip(distance >> 4, FAR), 0, 0)
-        x, y = turned(distance, 0, bearing - leg[1])
-        remaining, beside = -clip(x >> 4, FAR), abs(clip(y >> 4, FAR))
-        return _Sight(leg, clip(distance >> 4, FAR), remaining, max(beside, remaining - leg[0]))
-
     def _pass_waypoints(
         self, pose: RobotPose, targets: Sequence[Target]
-    ) -> tuple[int, _Sight | None]:
+    ) -> tuple[int, Sight | None]:
         """How many waypoints have been passed, and the way to the next one if there is one."""
         passed = 0
         while passed < len(targets):
             target = targets[passed]
-            sight = self._look(pose, target)
+            sight = look(self._from, pose, target)
             if self.phase > Phase.TURN:
                 return passed, sight
             if target.flags:
@@ -237,7 +213,7 @@ class Follower:
                     self.phase = Phase.SETTLE
                 return passed, sight
             radius = max(target.acceptance * 25 >> 4, PASS_RADIUS)
-            if passed + 1 < len(targets) and _next_leg(sight.leg, target, targets[passed + 1])[0]:
+            if passed + 1 < len(targets) and next_leg(sight.leg, target, targets[passed + 1])[0]:
                 radius = STOP_TOLERANCE
             if self._first:
                 radius = max(radius, START_RADIUS)
@@ -248,7 +224,7 @@ class Follower:
             passed += 1
         return passed, None
 
-    def _track(self, pose: RobotPose, targets: Sequence[Target], sight: _Sight) -> Trouble | None:
+    def _track(self, pose: RobotPose, targets: Sequence[Target], sight: Sight) -> Trouble | None:
         if targets[0].flags and sight.remaining <= SHORT:
             self.phase = Phase.SETTLE
             self._stand()
@@ -266,10 +242,12 @@ class Follower:
         self._drive_along(max(speed, CRAWL))
         return None
 
-    def _steer(self, pose: RobotPose, targets: Sequence[Target], sight: _Sight) -> tuple[int, int]:
+    def _steer(self, pose: RobotPose, targets: Sequence[Target], sight: Sight) -> tuple[int, int]:
         """Steer to the pursued point (``_bend``); the speed allowed, and the point's bearing."""
         constants = self.constants
-        pursued, square, stop = self._walk(pose, targets, sight)
+        pursued, square, stop = walk(
+            constants, self.speed, self._from_speed_mm_s, pose, targets, sight
+        )
         distance, bearing = measured(*pursued)
         off = bearing - (pose.heading >> 16) & 0xFFFF
         # pure pursuit: the bend is twice the bearing's sine over the distance
@@ -280,45 +258,10 @@ class Follower:
         speed = approach(min(square, constants.bend_limit // coarse), stop)
         return min(speed, (constants.max_spin_mm_s << 13) // coarse), off
 
-    def _walk(
-        self, pose: RobotPose, targets: Sequence[Target], sight: _Sight
-    ) -> tuple[tuple[int, int], int, int]:
-        """Along the line ahead: the way to the pursued point, and what the waypoints allow: the
-        square of the speed in mm/s, and the way to a stop, 0xFFFF where there is none yet.
-
-        Each waypoint allows its own speed plus what the brakes take back on the way there.
-        """
-        constants = self.constants
-        lookahead = constants.lookahead + (abs(self.speed) * constants.lookahead_ms >> 9)
-        either = max(self._from_speed_mm_s, targets[0].speed_mm_s)
-        fast = constants.max_speed_mm_s
-        # a line is driven at the speed of its faster end
-        fast = min(fast, either) if either else fast
-        square = fast * fast
-        leg, ahead = sight.leg, max(0, sight.remaining)
-        pursued: tuple[int, int] | None = None
-        for index, target in enumerate(targets):
-            corner, following = False, leg
-            last = index + 1 >= len(targets) or target.flags != 0
-            if not last:
-                corner, following = _next_leg(leg, target, targets[index + 1])
-            last = last or corner
-            allowed = braked(ahead, constants.brake_mm_s2)
-            if pursued is None and (last or ahead >= lookahead):
-                dx, dy = turned((lookahead - ahead) * 16, 0, leg[1])
-                x, y = between(pose.place, target.place)
-                pursued = x + dx, y + dy
-            if pursued is not None and (last or allowed >= square):
-                return pursued, min(allowed, square), ahead if last else 0xFFFF
-            square = min(square, allowed + target.speed_mm_s * target.speed_mm_s)
-            ahead = min(FAR, ahead + following[0])
-            leg = following
-        raise AssertionError("a line without an end")
-
     # The stop.
 
     def _has_settled(
-        self, ahead_um: int | None, target: Target, sight: _Sight, tolerance: int
+        self, ahead_um: int | None, target: Target, sight: Sight, tolerance: int
     ) -> bool:
         """Whether the robot has stood long enough, and stands near enough; otherwise it docks."""
         self._stand()
@@ -358,7 +301,7 @@ class Follower:
         speed = max(CRAWL, min(DOCK_SPEED, 2 * forward))
         self._move(-speed if back else speed, 0)
 
-    def _align(self, pose: RobotPose, ahead_um: int | None, target: Target, sight: _Sight) -> None:
+    def _align(self, pose: RobotPose, ahead_um: int | None, target: Target, sight: Sight) -> None:
         off = angle_of(target.heading) - (pose.heading >> 16) & 0xFFFF
         if aside(off) > HEADING_TOLERANCE:
             self._still_us = 0
@@ -416,41 +359,3 @@ class Follower:
 
 
 _NOTHING: Final = Step()
-
-
-@lru_cache(maxsize=4096)
-def leg_between(start: Place, end: Place) -> tuple[int, int]:
-    """Length and direction of the line from one place to another."""
-    distance, direction = measured(*between(start, end))
-    return clip(distance >> 4, FAR), direction
-
-
-def _next_leg(
-    leg: tuple[int, int], target: Target, following: Target
-) -> tuple[bool, tuple[int, int]]:
-    """Whether the line bends at ``target`` too much to be driven, and the leg behind it.
-
-    A short leg keeps the direction of the one before.
-    """
-    leg_length, direction = ahead = leg_between(target.place, following.place)
-    if leg_length < SHORT:
-        return False, (leg_length, leg[1])
-    return leg[0] >= SHORT and aside(direction - leg[1]) > TURN_ENTER, ahead
-
-
-def braked(distance: int, brake_mm_s2: int) -> int:
-    """The square of the speed in mm/s that brakes take back within a distance.
-
-    Brakes are believed to be 2 % weaker than they are, so that a thousand may be 1024.
-    """
-    return distance * brake_mm_s2 >> 4
-
-
-def approach(square: int, distance: int) -> int:
-    """The speed towards a stop, from the square of what the brakes allow.
-
-    The square root alone would arrive with a jerk that slow motors cannot follow, so near the
-    stop the speed is four times the distance left, a second.
-    """
-    speed = root(square) * 8
-    return distance << 1 if distance < speed >> 1 else speed

@@ -1,7 +1,7 @@
 """What the robot may do, as a table: ``TRANSITIONS[state, event]``.
 
-A pair that is not in the table changes nothing. ESTOP is latched; nothing but START leads to
-RUN, so the robot never resumes by itself.
+A pair that is not in the table cannot be, whatever a host sends. ESTOP is latched;
+nothing but START leads to RUN, so the robot never resumes by itself.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Final
 
+from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.messages import RobotState
 
 
@@ -33,7 +34,10 @@ TRANSITIONS: Final[dict[tuple[RobotState, RobotEvent], RobotState]] = {
     (RobotState.ESTOP, RobotEvent.SESSION): RobotState.ESTOP,
     (RobotState.IDLE, RobotEvent.START): RobotState.RUN,
     (RobotState.HOLD, RobotEvent.START): RobotState.RUN,
+    (RobotState.IDLE, RobotEvent.HALT): RobotState.IDLE,
     (RobotState.RUN, RobotEvent.HALT): RobotState.HOLD,
+    (RobotState.HOLD, RobotEvent.HALT): RobotState.HOLD,
+    (RobotState.ESTOP, RobotEvent.HALT): RobotState.ESTOP,
     (RobotState.IDLE, RobotEvent.CLEAR): RobotState.IDLE,
     (RobotState.RUN, RobotEvent.CLEAR): RobotState.IDLE,
     (RobotState.HOLD, RobotEvent.CLEAR): RobotState.IDLE,
@@ -47,3 +51,10 @@ TRANSITIONS: Final[dict[tuple[RobotState, RobotEvent], RobotState]] = {
     (RobotState.ESTOP, RobotEvent.ESTOP): RobotState.ESTOP,
     (RobotState.ESTOP, RobotEvent.RESET): RobotState.IDLE,
 }
+
+
+def state_after(state: RobotState, event: RobotEvent) -> RobotState:
+    """What the robot becomes; LocalError for an event that cannot happen to it."""
+    if (state, event) not in TRANSITIONS:
+        raise LocalError(f"{event.name} ({event.value}) cannot happen to a robot in {state.name}")
+    return TRANSITIONS[state, event]

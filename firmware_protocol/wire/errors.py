@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class LocalError(ValueError):
-    """This program asked for something that the wire cannot carry; the message says what."""
+    """This program asked for what the wire cannot carry or the state rules out; it says what."""
 
 
 class RemoteError(ValueError):

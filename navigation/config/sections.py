@@ -34,6 +34,7 @@ from navigation.config.values import (
     Station,
     Text,
 )
+from vision.binarise.methods import Method
 
 SIMULATED = "simulated"
 """The word that stands for a source or port made by the simulator."""
@@ -115,9 +116,7 @@ class VisionSection(Section):
     polarity: Literal["dark", "light"] = Field(
         default="dark", description="whether obstacles are darker or lighter than the floor"
     )
-    method: Literal["auto", "otsu", "fixed", "adaptive", "background"] = Field(
-        default="auto", description="how the picture is made black and white"
-    )
+    method: Method = Field(default="auto", description="how the picture is made black and white")
     threshold: Annotated[Number, Field(ge=0, le=65535)] | None = Field(
         default=None, description="grey level for method 'fixed'"
     )

@@ -373,7 +373,7 @@ class Daemon:
             self.scene = glimpse.scene
             self._scene_doubt.see(glimpse.scene)
             self.troubles["arena"] = self._scene_doubt.remark or ""
-            points = None if self.pilot.path is None else self.pilot.path.points
+            points = None if self.pilot.plan.path is None else self.pilot.plan.path.points
             self._scene_s = self._clock()
             self._planner.see(glimpse.scene, self._revision, points)
         if self._recorder is not None:
@@ -443,8 +443,10 @@ class Daemon:
         if orders.upload is not None:
             mission_id, targets = orders.upload
             self.link.upload(mission_id, to_wire(targets))
-            if self.pilot.path is not None:  # none for a turn on the spot
-                self.plans.append(DrivenPlan(self.pilot.path, self.pilot.trajectory, now_s))
+            if self.pilot.plan.path is not None:  # none for a turn on the spot
+                self.plans.append(
+                    DrivenPlan(self.pilot.plan.path, self.pilot.plan.trajectory, now_s)
+                )
         if orders.request is not None:
             self._asked_s = now_s
             self._planner.ask(orders.request)
@@ -465,7 +467,7 @@ class Daemon:
             frame=self._frame,
             poses=self._poses,
             roadmap=self._arena_planner.roadmap,
-            path=self.pilot.path,
+            path=self.pilot.plan.path,
             times=self._times,
             evidence=self._evidence,
             trust=self.pilot.trust.level,
@@ -473,9 +475,9 @@ class Daemon:
         )
 
     def _to_go_m(self, snapshot: LinkSnapshot) -> float | None:
-        if self.pose is None or not self.pilot.targets:
+        if self.pose is None or not self.pilot.plan.targets:
             return None
-        left = self.pilot.targets[min(snapshot.executed, len(self.pilot.targets)) :]
+        left = self.pilot.plan.targets[min(snapshot.executed, len(self.pilot.plan.targets)) :]
         points = [(self.pose.x, self.pose.y), *((t.x_m, t.y_m) for t in left)]
         return float(np.hypot(*np.diff(np.array(points), axis=0).T).sum())
 

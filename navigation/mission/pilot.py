@@ -14,8 +14,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
-
+from navigation.mission.arrival import Arrival
 from navigation.mission.cycle import (
     Orders,
     PilotSettings,
@@ -24,20 +23,19 @@ from navigation.mission.cycle import (
     RobotReport,
     Sight,
 )
+from navigation.mission.facts import FactFinder, Situation
 from navigation.mission.mission import Event, Mission, MissionError, State, Station
 from navigation.mission.progress import Progress
+from navigation.mission.proving import Proving
+from navigation.mission.running_plan import RunningPlan, what_is_driven, why_no_plan
 from navigation.mission.slowing import WORTH_A_PLAN, speed_with
 from navigation.mission.targets import Target
 from navigation.mission.traffic import Encounter, discs_to_avoid, encounter
-from navigation.mission.trust import NEAR_M, Level, Proof, Trust, slow_at_first
-from navigation.mission.trust import Verdict as ProofVerdict
-from navigation.mission.watch import Action, Facts, Verdict, judge
-from planner.path import NoPath, Path, Trajectory
-from planner.scene import FloatArray
+from navigation.mission.trust import Level, Trust, slow_at_first
+from navigation.mission.watch import Action, Verdict, judge
+from planner.path import NoPath
 
-NO_WAY: FloatArray = np.empty((0, 2))
-MEASURE_AGAIN_S = 10.0
-"""A camera that was too late is measured again so long after."""
+NO_PLAN = RunningPlan()
 
 
 class Pilot:
@@ -47,9 +45,7 @@ class Pilot:
         self.settings = settings
         self.mission = Mission()
         self.verdict = Verdict(Action.HOLD, ("nothing was seen yet",))
-        self.path: Path | None = None
-        self.trajectory: Trajectory | None = None
-        self.targets: tuple[Target, ...] = ()
+        self.plan = NO_PLAN
         self.replans = 0
         self.plans = 0
         self.waypoints_sent = 0
@@ -62,18 +58,12 @@ class Pilot:
         self._asked: PlanRequest | None = None
         self._ask_again_s = -math.inf
         self._clear_since_s: float | None = None
-        self._path_start_index = 0
-        self._corrections = 0
-        self._executed_here = 0
-        self._standing_since_s: float | None = None
-        self._idle_since_s: float | None = None
+        self._arrival = Arrival(settings)
         self._progress = Progress()
         self.trust = Trust()
-        self._proof: Proof | None = None
-        self._measure_again_s: float | None = None
-        self._planned_m_s = math.inf
-        self._planned_revision = 0
-        self._closed_way: FloatArray = NO_WAY
+        self._proving = Proving(self.trust)
+        self._facts = FactFinder(settings, self.trust)
+        self._closed_way = NO_PLAN.left
         self.no_path = False
         """Whether the last plan asked for could not be made."""
         self.has_met_its_devices = False
@@ -96,7 +86,7 @@ class Pilot:
 
     def _begin_again(self) -> None:
         """What counts the troubles of a mission counts from here."""
-        self._corrections = 0
+        self._arrival.begin()
         self._progress.begin()
 
     def restore(self, mission: Mission) -> None:
@@ -147,22 +137,19 @@ class Pilot:
     def replan(self) -> None:
         """Plan anew from where the robot is; without a mission under way nothing happens."""
         if self.mission.state is State.DRIVING:
-            self.mission = self.mission.after(Event.REPLAN, "a new plan was asked for")
-            self._forget_plan()
+            self._replan("a new plan was asked for")
 
     # The cycle.
 
     def step(
-        self,
-        now_s: float,
-        sight: Sight,
-        robot: RobotReport,
-        answer: PlanAnswer | None = None,
+        self, now_s: float, sight: Sight, robot: RobotReport, answer: PlanAnswer | None = None
     ) -> Orders:
         """One control cycle; see the module's text for its order."""
         met = self._look_at_traffic(sight)
         self._look_at_identity(sight)
-        self.verdict = judge(self._facts(now_s, sight, robot, met), self.settings.limits)
+        situation = Situation(self.mission, self.plan, self._mission_id, self._rearm)
+        facts = self._facts.facts(now_s, sight, robot, situation, met)
+        self.verdict = judge(facts, self.settings.limits)
         if self._stop_reason is not None:
             self.verdict = Verdict(Action.STOP, (self._stop_reason, *self.verdict.reasons))
         rearm = self._take_rearm(robot)
@@ -200,12 +187,9 @@ class Pilot:
     def _slow_down(self, sight: Sight) -> None:
         """A slower plan where the pictures have become later than the present one allows."""
         allowed_m_s = self._allowed_m_s(sight)
-        if self.mission.state is State.DRIVING and allowed_m_s < WORTH_A_PLAN * self._planned_m_s:
+        if self.mission.state is State.DRIVING and allowed_m_s < WORTH_A_PLAN * self.plan.speed_m_s:
             late_s = sight.evidence.longest_latency_s
-            self.mission = self.mission.after(
-                Event.REPLAN, f"the camera's pictures are {late_s:.2f} s old: planning more slowly"
-            )
-            self._forget_plan()
+            self._replan(f"the camera's pictures are {late_s:.2f} s old: planning more slowly")
 
     def _allowed_m_s(self, sight: Sight) -> float:
         robot = self.settings.traffic
@@ -218,45 +202,24 @@ class Pilot:
     ) -> tuple[int, tuple[Target, ...]] | None:
         """Let a doubted robot turn on the spot, and look at what the camera makes of it."""
         if self.mission.state is State.PROVING:
-            self._judge_proof(now_s, sight, robot)
+            step = self._proving.judge(now_s, sight, robot)
+        elif self.mission.state is State.PLANNING and self.trust.level is Level.DOUBTED:
+            turns = self.settings.turns_on_spot
+            step = self._proving.begin(now_s, self._next_id(), sight, robot, turns=turns)
+        else:
             return None
-        self._proof = None
-        if self.mission.state is not State.PLANNING or self.trust.level is not Level.DOUBTED:
-            return None
-        evidence = sight.evidence
-        if sight.pose is None or robot.place_m is None or not evidence.wheels_stand:
-            return None
-        self._stop_reason = self.trust.moved(evidence)
-        if self._stop_reason is not None:
-            return None
-        if not self.settings.turns_on_spot:
-            self.trust.proved(evidence)
-            return None
-        if math.dist(robot.place_m, sight.pose[:2]) > NEAR_M:
-            return None
-        self._measure_again_s = None
-        self._mission_id = self._next_id()
-        self._proof = Proof(self._mission_id, now_s, evidence)
-        self.mission = self.mission.after(
-            Event.PROVE, f"{self.trust.why}: the robot turns a little to prove itself"
-        )
-        return self._mission_id, self.trust.turn(robot.place_m, sight.pose[2])
-
-    def _judge_proof(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
-        assert self._proof is not None
-        done = robot.mission_id == self._proof.mission_id and robot.executed >= 1
-        verdict, sentence = self._proof.judge(now_s, sight.evidence, done)
-        if verdict is ProofVerdict.PROVED:
-            self._stop_reason = self.trust.moved(sight.evidence)
-        if verdict is ProofVerdict.PROVED and self._stop_reason is None:
-            self.trust.proved(sight.evidence)
-            self.mission = self.mission.after(Event.PROVED, "the robot has proved itself")
-        elif verdict is ProofVerdict.REFUTED:
-            self._stop_reason = sentence
-        elif verdict is ProofVerdict.STILL:
-            self.mission = self.mission.after(Event.HOLD, sentence)
+        if step.stop is not None:
+            self._stop_reason = step.stop
+        if step.event is not None:
+            self.mission = self.mission.after(step.event, step.sentence)
+        if step.event is Event.HOLD:
             self._ask_again_s = now_s + self.settings.retry_s
             self._clear_since_s = None
+        if step.targets is None:
+            return None
+        self._facts.late_camera.measured()
+        self._mission_id = self._next_id()
+        return self._mission_id, step.targets
 
     def _next_id(self) -> int:
         return (self._mission_id + 1) & 0xFFFFFFFF or 1
@@ -265,82 +228,19 @@ class Pilot:
         """What other robots ask for; while holding for one, the way that it had closed counts."""
         if sight.pose is None:
             return None
-        left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
-        way = np.array(left) if left else self._closed_way
+        left = self.plan.left
+        way = left if len(left) else self._closed_way
         return encounter(sight.pose[:2], way, sight.others, self.settings.traffic)
 
     def _make_way(self, met: Encounter | None) -> None:
         """Another plan around a robot that stands in the way."""
         if self.mission.state is State.DRIVING and met is not None and met.stands:
-            self.mission = self.mission.after(Event.REPLAN, f"{met.sentence}: planning around it")
-            self._forget_plan()
-
-    def _facts(
-        self, now_s: float, sight: Sight, robot: RobotReport, met: Encounter | None
-    ) -> Facts:
-        position = None if sight.pose is None else sight.pose[:2]
-        driving = self.mission.state is State.DRIVING
-        running = driving and robot.mission_id == self._mission_id
-        return Facts(
-            frame_age_s=sight.frame_age_s,
-            pose_age_s=sight.pose_age_s,
-            link_age_s=robot.age_s,
-            link_down_reason=robot.down_reason,
-            robot_estopped=robot.estopped and not (self._rearm or robot.leaving_estop),
-            robot_disarmed=robot.disarmed and running,
-            robot_idle_reason=self._idle_reason(now_s, robot),
-            position_m=position,
-            inside_arena=position is None or self.settings.bounds_m.contains(position),
-            clearance_m=sight.clearance_m,
-            deviation_m=self._deviation_m(position) if driving else None,
-            paused=self.mission.paused,
-            near_robot=None if met is None or met.stands else met.sentence,
-            failed=sight.failed,
-            camera_reason=sight.camera_reason,
-            doubles=sight.doubles,
-            parted=sight.evidence.parted if self.mission.state is not State.PROVING else None,
-            latency_s=self._latency_that_matters(now_s, sight),
-            scene_doubt=sight.scene_doubt,
-        )
-
-    def _latency_that_matters(self, now_s: float, sight: Sight) -> float | None:
-        """The camera's latency, but while it is being measured again, or is about to be."""
-        late_s = sight.evidence.latency_s
-        if self.mission.state is State.PROVING or late_s is None:
-            return None
-        if late_s <= self.settings.limits.latency_s or not self.settings.turns_on_spot:
-            self._measure_again_s = None
-            return late_s
-        if self._measure_again_s is None:
-            self._measure_again_s = now_s + MEASURE_AGAIN_S
-            self.trust.doubt("the camera's pictures were too late")
-        return late_s if now_s < self._measure_again_s else None
+            self._replan(f"{met.sentence}: planning around it")
 
     def _take_rearm(self, robot: RobotReport) -> bool:
         """Whether the robot is to be told in this cycle that it may leave its stop."""
         rearm, self._rearm, self._estopped = self._rearm, False, robot.estopped
         return rearm
-
-    def _idle_reason(self, now_s: float, robot: RobotReport) -> str | None:
-        """Why the robot does not do what it was told, once it had time to begin."""
-        if self.mission.state is not State.DRIVING or not self.targets:
-            self._idle_since_s = None
-            return None
-        ours = robot.mission_id == self._mission_id
-        finished = ours and robot.executed >= len(self.targets)
-        if finished or (ours and robot.standing_reason is None):
-            self._idle_since_s = None
-            return None
-        if self._idle_since_s is None:
-            self._idle_since_s = now_s
-        if now_s - self._idle_since_s < self.settings.robot_grace_s:
-            return None
-        return (robot.standing_reason if ours else None) or "it has not taken the plan"
-
-    def _deviation_m(self, position: tuple[float, float] | None) -> float | None:
-        if position is None or self.path is None:
-            return None
-        return distance_to_polyline(self.path.points, position)
 
     def _enter_stop(self, robot: RobotReport) -> None:
         idle = self.mission.state in (State.IDLE, State.DONE, State.FAILED)
@@ -351,16 +251,14 @@ class Pilot:
             self._forget_plan()
 
     def _follow_progress(self, robot: RobotReport) -> None:
-        if not self.targets or robot.mission_id != self._mission_id:
+        if not self.plan.targets or robot.mission_id != self._mission_id:
             return
-        executed = min(robot.executed, len(self.targets))
-        self.waypoints_executed += max(0, executed - self._executed_here)
-        self._executed_here = max(self._executed_here, executed)
-        passed = [t.station for t in self.targets[:executed] if t.station is not None]
+        executed = max(self.plan.executed, min(robot.executed, len(self.plan.targets)))
+        self.waypoints_executed += executed - self.plan.executed
+        self.plan = replace(self.plan, executed=executed)
         last = len(self.mission.stations) - 1
-        visited = self._path_start_index + max(passed, default=0)
         # the last station counts when the camera has seen the robot stand there
-        visited = min(visited, last)
+        visited = min(self.plan.visited, last)
         if visited > self.mission.visited:
             self.mission = self.mission.with_visited(visited)
 
@@ -373,7 +271,7 @@ class Pilot:
         if self.mission.state is not State.PLANNING:
             return None
         if isinstance(answer.path, NoPath):
-            self.mission = self.mission.after(Event.NO_PLAN, _why_no_plan(answer.path, asked))
+            self.mission = self.mission.after(Event.NO_PLAN, why_no_plan(answer.path, asked))
             self._ask_again_s = now_s + self.settings.retry_s
             self.no_path = True
             self._clear_since_s = None
@@ -385,35 +283,34 @@ class Pilot:
         self.plans += 1
         self.no_path = False
         self._mission_id = self._next_id()
-        self.path, self.trajectory, self.targets = answer.path, answer.trajectory, answer.targets
+        targets = answer.targets
         if self.trust.level is Level.PROBATION:
-            self.targets = slow_at_first(asked.start[:2], answer.targets)
-        self._planned_m_s = asked.speed_m_s or self.settings.traffic.speed_m_s
-        self._planned_revision = answer.scene_revision
-        self._path_start_index = self.mission.visited
-        self._executed_here = 0
-        self.waypoints_sent += len(answer.targets)
-        self.mission = self.mission.after(Event.PLANNED, self._describe(answer.path))
-        return self._mission_id, self.targets
-
-    def _describe(self, path: Path) -> str:
-        left = len(self.mission.remaining)
-        return (
-            f"driving {path.length:.2f} m to {left} station{'s' * (left != 1)}, "
-            f"clearance at least {path.min_clearance:.3f} m" + _remarked(path)
+            targets = slow_at_first(asked.start[:2], targets)
+        self.plan = RunningPlan(
+            path=answer.path,
+            trajectory=answer.trajectory,
+            targets=targets,
+            speed_m_s=asked.speed_m_s or self.settings.traffic.speed_m_s,
+            revision=answer.scene_revision,
+            visited_before=self.mission.visited,
         )
+        self.waypoints_sent += len(targets)
+        driven = what_is_driven(answer.path, len(self.mission.remaining))
+        self.mission = self.mission.after(Event.PLANNED, driven)
+        return self._mission_id, targets
 
     def _give_up(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
         state = self.mission.state
         self.has_met_its_devices |= math.isfinite(sight.frame_age_s) and math.isfinite(robot.age_s)
+        here = sight.pose[:2] if sight.pose is not None and state is State.DRIVING else None
         self._progress.look(
             now_s,
             waits=state in (State.HOLDING, State.PLANNING, State.PROVING)
             and not self.mission.paused
             and self.has_met_its_devices,
             visited=self.mission.visited,
-            left_m=self._left_m(sight) if state is State.DRIVING else None,
-            revision=self._planned_revision,
+            left_m=None if here is None else self.plan.left_m(here),
+            revision=self.plan.revision,
         )
         if state is State.HOLDING and self._progress.waited_s > self.settings.give_up_s:
             why = self.mission.reason
@@ -421,21 +318,12 @@ class Pilot:
                 Event.FAIL, f"given up after {self.settings.give_up_s:g} s without progress: {why}"
             )
 
-    def _left_m(self, sight: Sight) -> float | None:
-        """How far it still is through the targets that are left."""
-        left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
-        if sight.pose is None or not left:
-            return None
-        points = np.array([sight.pose[:2], *left])
-        return float(np.hypot(*np.diff(points, axis=0).T).sum())
-
     def _hold_or_go_on(self, now_s: float) -> None:
         if self.verdict.action is Action.HOLD:
             self._clear_since_s = None
             if self.mission.state in (State.DRIVING, State.PLANNING, State.PROVING):
                 self.mission = self.mission.after(Event.HOLD, self.verdict.sentence)
-                left = [(t.x_m, t.y_m) for t in self.targets[self._executed_here :]]
-                self._closed_way = np.array(left).reshape(-1, 2)
+                self._closed_way = self.plan.left
                 self._forget_plan()
             elif self.mission.state is State.HOLDING:
                 self.mission = replace(self.mission, reason=self.verdict.sentence)
@@ -447,7 +335,7 @@ class Pilot:
         settled = now_s - self._clear_since_s >= self.settings.settle_s
         if settled and now_s >= self._ask_again_s:
             self.mission = self.mission.after(Event.CLEARED, "planning from where the robot is")
-            self._closed_way = NO_WAY
+            self._closed_way = NO_PLAN.left
 
     def new_scene(self, path_clearance_m: float | None) -> None:
         """The scene changed; the running path keeps this clearance in it (None: no path runs).
@@ -457,51 +345,31 @@ class Pilot:
         """
         if self.mission.state is not State.DRIVING or path_clearance_m is None:
             return
-        assert self.path is not None
-        nearer_m = self.path.min_clearance - self.settings.limits.clearance_slack_m
-        least_m = max(
-            self.settings.limits.robot_radius_m, min(self.settings.replan_distance_m, nearer_m)
-        )
+        assert self.plan.path is not None
+        limits = self.settings.limits
+        nearer_m = self.plan.path.min_clearance - limits.clearance_slack_m
+        least_m = max(limits.robot_radius_m, min(self.settings.replan_distance_m, nearer_m))
         if path_clearance_m < least_m:
-            self.mission = self.mission.after(
-                Event.REPLAN,
-                f"an obstacle leaves the path {path_clearance_m:.3f} m of clearance: planning anew",
-            )
-            self._forget_plan()
+            left = f"leaves the path {path_clearance_m:.3f} m of clearance"
+            self._replan(f"an obstacle {left}: planning anew")
 
     def _finish(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
-        if self.mission.state is not State.DRIVING or not self.targets:
+        if self.mission.state is not State.DRIVING or not self.plan.targets:
             return
         if robot.mission_id != self._mission_id:
             return
-        if robot.executed < len(self.targets) or sight.pose is None:
-            self._standing_since_s = None
+        if robot.executed < len(self.plan.targets) or sight.pose is None:
+            self._arrival.moves()
             return
-        if self._standing_since_s is None:
-            self._standing_since_s = now_s
-        if now_s - self._standing_since_s < self.settings.settle_s:
+        end = self._arrival.stands(now_s, sight.pose, self.mission.stations[-1])
+        if end is None:
             return
-        goal = self.mission.stations[-1]
-        off_m = math.dist(sight.pose[:2], (goal.x, goal.y))
-        off_rad = 0.0
-        if goal.heading_rad is not None:
-            off_rad = abs(math.remainder(sight.pose[2] - goal.heading_rad, math.tau))
-        within = off_m <= self.settings.goal_tolerance_m
-        if within and off_rad <= self.settings.goal_tolerance_rad:
-            where = f"{off_m * 1e3:.1f} mm and {math.degrees(off_rad):.2f} deg from the goal"
+        event, sentence = end
+        if event is Event.ARRIVED:
             self.mission = self.mission.with_visited(len(self.mission.stations))
-            self.mission = self.mission.after(Event.ARRIVED, f"the robot stands {where}")
-            return
-        if self._corrections < self.settings.corrections:
-            self._corrections += 1
-            self.mission = self.mission.after(Event.REPLAN, "correcting the last stretch")
+        self.mission = self.mission.after(event, sentence)
+        if event is Event.REPLAN:
             self._forget_plan()
-            return
-        self.mission = self.mission.after(
-            Event.FAIL,
-            f"the robot says that it has arrived, the camera sees it {off_m * 1e3:.1f} mm and "
-            f"{math.degrees(off_rad):.2f} deg away after {self._corrections} corrections",
-        )
 
     def _ask(self, now_s: float, sight: Sight) -> PlanRequest | None:
         if self.mission.state is not State.PLANNING or self._asked is not None:
@@ -522,30 +390,10 @@ class Pilot:
         )
         return self._asked
 
+    def _replan(self, why: str) -> None:
+        self.mission = self.mission.after(Event.REPLAN, why)
+        self._forget_plan()
+
     def _forget_plan(self) -> None:
-        self.path = self.trajectory = self._asked = None
-        self.targets = ()
-        self._executed_here = 0
-        self._standing_since_s = None
-
-
-def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
-    """The distance from a position to a polyline (n, 2), n >= 1, in the same units."""
-    here = np.asarray(position, dtype=np.float64)
-    if len(points) == 1:
-        return float(np.hypot(*(points[0] - here)))
-    a, d = points[:-1], points[1:] - points[:-1]
-    squared = (d * d).sum(1)
-    t = ((here - a) * d).sum(1) / np.where(squared > 0.0, squared, 1.0)
-    nearest = a + np.clip(t, 0.0, 1.0)[:, None] * d
-    return float(np.hypot(*(nearest - here).T).min())
-
-
-def _why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
-    robots = sorted({disc.robot_id for disc in asked.avoid})
-    around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
-    return f"no safe plan{around}: {answer.reason}{_remarked(answer)}"
-
-
-def _remarked(answer: Path | NoPath) -> str:
-    return "".join(f"; {remark}" for remark in answer.remarks)
+        self.plan, self._asked = NO_PLAN, None
+        self._arrival.moves()

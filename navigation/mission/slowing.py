@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from navigation.mission.trust import Trust
 from navigation.witness.evidence import FREE_LATENCY_S
 
 REACTION_S: Final = 0.07
 """A control cycle of 50 ms at most, and the order's way over the line."""
+MEASURE_AGAIN_S: Final = 10.0
+"""A camera that was too late is measured again so long after."""
 WORTH_A_PLAN: Final = 0.85
 """A robot that should drive at less than this share of its plan's speed gets a slower plan."""
 
@@ -25,3 +28,27 @@ def speed_with(latency_s: float, full_m_s: float, braking_m_s2: float) -> float:
     usual_m = full_m_s * (REACTION_S + FREE_LATENCY_S) + full_m_s**2 / (2.0 * braking_m_s2)
     late = braking_m_s2 * (REACTION_S + latency_s)
     return math.sqrt(late * late + 2.0 * braking_m_s2 * usual_m) - late
+
+
+class LateCamera:
+    """Measures a camera again that was too late, with a turn of the robot, now and then."""
+
+    def __init__(self) -> None:
+        self._again_s: float | None = None
+
+    def measured(self) -> None:
+        """The robot begins to turn: what was measured before is forgotten."""
+        self._again_s = None
+
+    def look(self, now_s: float, late_s: float, limit_s: float, trust: Trust) -> float | None:
+        """The latency that counts; None where it is about to be measured again.
+
+        A camera that is too late makes its robot doubted, so that it turns.
+        """
+        if late_s <= limit_s:
+            self._again_s = None
+            return late_s
+        if self._again_s is None:
+            self._again_s = now_s + MEASURE_AGAIN_S
+            trust.doubt("the camera's pictures were too late")
+        return late_s if now_s < self._again_s else None

@@ -9,28 +9,25 @@ run is the same on every machine and every time. Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from firmware_protocol.wire.messages import ResetCause, StopReason, Waypoint
-from firmware_protocol.wire.mission import Mission
+from firmware_protocol.wire.messages import ResetCause
 from navigation.config import Config
-from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.troubled_camera import (
     NOWHERE,
-    CameraTroubles,
     Memory,
     TroubledCamera,
     seen_pose,
 )
+from navigation.run.virtual_link import VirtualLink
+from navigation.run.virtual_troubles import Troubles
 from navigation.run.world import calibration_of, camera_over, others_of
 from navigation.shared.supervisor import in_words
-from navigation.shared.track import Track
 from navigation.simulator.arena import load_arena
 from navigation.simulator.drive_model import TruePose
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -42,15 +39,13 @@ from navigation.simulator.settings import (
 )
 from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
+from navigation.simulator.virtual_robot import VirtualRobot
 from planner.scene import FloatArray, Scene
 from vision.camera.camera import Camera, CameraError, Frame
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 
-LATENCIES_KEPT = 10_000
 WATCH_EVERY_S = 0.005
 """How long a read of the camera may keep the control loop waiting."""
-ROBOT_EVERY = 2
-"""Every second of the loop's 10 ms is kept in the robot's track."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,20 +55,6 @@ class VirtualTimes:
     look_s: float = 0.008
     scene_s: float = 0.03
     plan_s: float = 0.03
-
-
-@dataclass(slots=True)
-class Troubles(CameraTroubles):
-    """What a test may switch while a run goes on; everything is well in the beginning."""
-
-    port_broken: bool = False
-    """The port is gone: nothing passes, and it cannot be opened."""
-    cable_out: bool = False
-    """Nothing passes in either direction, without an error."""
-    carried_to: tuple[float, float, float] | None = None
-    """Somebody takes the robot and puts it there, once."""
-    stuck: bool = False
-    """The wheels turn and the robot stays where it is."""
 
 
 class VirtualWorld:
@@ -154,7 +135,7 @@ class VirtualWorld:
 
     def make_link(self) -> VirtualLink:
         """The link to the robot."""
-        return VirtualLink(self)
+        return VirtualLink(self.loop, self.troubles)
 
     def make_planner(
         self,
@@ -188,39 +169,6 @@ class VirtualWorld:
 
     def stop(self) -> None:
         """The robot stays switched on."""
-
-
-class VirtualRobot:
-    """The robot of a virtual loop as the truth knows it."""
-
-    def __init__(self, loop: VirtualLoop) -> None:
-        self._loop = loop
-        self._track = Track()
-        self._rows = 0
-
-    def pose(self) -> TruePose:
-        """Where it is now."""
-        return self._loop.drive.pose
-
-    def track(self) -> FloatArray:
-        """Where it has been, every 20 ms."""
-        return self._track.rows()
-
-    def press_estop(self) -> None:
-        """Press the emergency stop on the robot itself."""
-        self._loop.robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
-
-    def switch_off_and_on(self) -> None:
-        """A power cycle: nothing of before is left in its processor."""
-        self._loop.boot(ResetCause.POWER_ON)
-
-    def keep_track(self) -> None:
-        """Take over what the loop has noted since the last time."""
-        for row in self._loop.track:
-            if self._rows % ROBOT_EVERY == 0:
-                self._track.add(*row)
-            self._rows += 1
-        self._loop.track.clear()
 
 
 class VirtualFrames:
@@ -327,76 +275,3 @@ class VirtualPlanner:
             self._on_answer(self.planner.answer(request))
 
         self._world.after(self._world.times.plan_s, lambda: self._try(planned))
-
-
-@dataclass(slots=True)
-class VirtualLink:
-    """`SerialLink` without its thread and its port, on the virtual loop's line."""
-
-    world: VirtualWorld
-    capture_to_wire_s: deque[float] = field(default_factory=lambda: deque(maxlen=LATENCIES_KEPT))
-    turns: int = 0
-
-    def open(self) -> None:
-        """A new session, as a program that has just been started opens one."""
-        host = self.world.loop.host
-        host.close("another program opens the port")
-        host.open(self.world.clock())
-
-    def failure(self) -> str | None:
-        """There is no thread that could fail."""
-        return None
-
-    def restart(self) -> None:
-        """Nothing to do."""
-
-    def close(self) -> None:
-        """The program is gone; the robot stops when its lease runs out."""
-        self.world.loop.host.close()
-
-    def upload(self, mission: int, waypoints: Sequence[Waypoint]) -> Mission:
-        """Replace the robot's mission and drive it."""
-        whole = Mission(mission, waypoints)
-        self.world.loop.host.upload(whole, self.world.clock(), True)
-        return whole
-
-    def pause(self) -> None:
-        """Stop under control and keep the mission."""
-        self.world.loop.host.pause()
-
-    def clear(self) -> None:
-        """Stop under control and drop the mission."""
-        self.world.loop.host.clear()
-
-    def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
-        """The control loop lives, and the robot may drive."""
-        self.turns += 1
-        self.world.loop.host.lease(self.world.clock(), ttl_s, permit, pose_age_s)
-
-    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
-        """Where the camera saw the robot."""
-        self.world.loop.host.pose_fix(x_m, y_m, heading_rad, captured_s)
-        self.capture_to_wire_s.append(self.world.clock() - captured_s)
-
-    def estop(self) -> None:
-        """Emergency stop."""
-        self.world.loop.host.estop()
-
-    def reset_estop(self) -> None:
-        """Leave the emergency stop."""
-        self.world.loop.host.reset_estop(self.world.clock())
-
-    def snapshot(self) -> LinkSnapshot:
-        """The present state."""
-        loop, now_s = self.world.loop, self.world.clock()
-        broken = self.world.troubles.port_broken
-        snapshot = snapshot_of(
-            loop.host, now_s, port_fault="the port is not open", estop_waits=False
-        )
-        reason = "the port virtual broke" if broken else snapshot.down_reason
-        return replace(
-            snapshot,
-            down_reason=reason,
-            heard_age_s=now_s - loop.host.heard_s,
-            status_age_s=now_s - loop.host.status_s,
-        )

@@ -19,10 +19,10 @@ from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer
 from navigation.simulator.arena import SimulatedArena, load_arena
-from navigation.simulator.camera import SimulatedCamera, make_camera
 from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
-from navigation.simulator.pinhole import pinhole_of
+from navigation.simulator.picture.camera import SimulatedCamera, make_camera
+from navigation.simulator.picture.pinhole import pinhole_of
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.settings import (
     drive_model_of,

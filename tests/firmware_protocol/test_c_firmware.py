@@ -33,10 +33,10 @@ from firmware_protocol.wire.messages import (
 )
 from firmware_protocol.wire.mission import Mission
 from navigation.link.serial_link import SerialLink
-from tests.support.c_robot import FIRMWARE, CRobot, library, missing_tool
-from tests.support.fault_scenarios import SCENARIOS, robot_maker
-from tests.support.robot_pair import Pair
+from tests.support.robots.c_robot import FIRMWARE, CRobot, library, missing_tool
+from tests.support.robots.robot_pair import Pair
 from tests.support.waiting import wait_until
+from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 
 pytestmark = pytest.mark.skipif(
     missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"

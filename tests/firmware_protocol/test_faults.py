@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.fault_scenarios import SCENARIOS
+from tests.support.wire.fault_scenarios import SCENARIOS
 
 
 @pytest.mark.parametrize("name", SCENARIOS)

@@ -12,7 +12,7 @@ import pytest
 from firmware_protocol.wire.drive_settings import DriveSettings
 from navigation.config import load_config
 from navigation.loop.firmware_settings import header_of
-from tests.support.c_robot import FIRMWARE
+from tests.support.robots.c_robot import FIRMWARE
 
 CONFIG = Path(__file__).parents[2] / "configs" / "simulation.yaml"
 needs_avr = pytest.mark.skipif(shutil.which("avr-gcc") is None, reason="needs avr-gcc")

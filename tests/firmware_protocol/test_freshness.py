@@ -1,6 +1,6 @@
 """Sessions that need an answer now, and times that age on the line: single rules, one by one.
 
-Whole drives over a line that strays and delays are in ``tests/support/hostile_scenarios.py``.
+Whole drives over a line that strays and delays are in ``tests/support/wire/hostile_scenarios.py``.
 """
 
 import math
@@ -31,8 +31,8 @@ from firmware_protocol.wire.messages import (
     Waypoints,
 )
 from navigation.link.link_snapshot import snapshot_of
-from tests.firmware_protocol.host.test_host import Table, line
-from tests.firmware_protocol.robot.test_robot import Board, far
+from tests.firmware_protocol.host.table import Table, line
+from tests.firmware_protocol.robot.board import Board, far
 
 DRIVE = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY
 

@@ -5,8 +5,11 @@ import pytest
 
 from firmware_protocol.host.state import TRANSITIONS as HOST
 from firmware_protocol.host.state import LinkEvent, LinkState
+from firmware_protocol.host.state import state_after as link_state_after
 from firmware_protocol.robot.state import TRANSITIONS as ROBOT
 from firmware_protocol.robot.state import RobotEvent
+from firmware_protocol.robot.state import state_after as robot_state_after
+from firmware_protocol.wire.errors import LocalError
 from firmware_protocol.wire.messages import ESTOP_FRAME, STOP_SENTENCES, RobotState, StopReason
 
 
@@ -46,6 +49,19 @@ def test_every_state_that_is_up_can_be_lost() -> None:
 
 def test_every_reason_to_stand_has_a_sentence() -> None:
     assert set(STOP_SENTENCES) == set(StopReason)
+
+
+def test_an_event_that_cannot_happen_is_our_own_mistake() -> None:
+    with pytest.raises(LocalError, match=r"OPEN \(the port was opened\) cannot happen .* in DRAIN"):
+        link_state_after(LinkState.DRAIN, LinkEvent.OPEN)
+    with pytest.raises(LocalError, match=r"CLEAR \(.*\) cannot happen to a robot in BOOT"):
+        robot_state_after(RobotState.BOOT, RobotEvent.CLEAR)
+
+
+def test_what_a_robot_can_be_told_in_a_session_never_raises() -> None:
+    """A host may pause in every state; START, CLEAR and RESET are answered before the table."""
+    for state in set(RobotState) - {RobotState.BOOT}:
+        assert (state, RobotEvent.HALT) in ROBOT
 
 
 @pytest.mark.parametrize("table", [HOST, ROBOT], ids=["host", "robot"])

@@ -18,7 +18,7 @@ from pathlib import Path
 from vision.camera.latest_frame import CameraStatus, LatestFrame
 from vision.camera.sources import camera_for
 
-SERVER = Path(__file__).parents[1] / "support" / "rtsp_server.py"
+SERVER = Path(__file__).parents[1] / "support" / "processes" / "rtsp_server.py"
 RATE_HZ = 25
 MOST_S = 40.0
 """How long anything may take: FFmpeg waits five seconds for a stream that says nothing."""

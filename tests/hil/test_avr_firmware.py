@@ -7,8 +7,8 @@ import pytest
 from firmware_protocol.host.events import MissionDone, RobotRebooted
 from firmware_protocol.wire.messages import RobotState, Waypoint
 from firmware_protocol.wire.mission import Mission
-from tests.support.avr_bench import AvrBench
-from tests.support.avr_robot import AvrRobot, missing_tools
+from tests.support.robots.avr_bench import AvrBench
+from tests.support.robots.avr_robot import AvrRobot, missing_tools
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
 

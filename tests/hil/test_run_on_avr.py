@@ -24,8 +24,8 @@ from navigation.run.world import World
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
 from navigation.simulator.emulated_robot import STEP_S, EmulatedRobot
 from navigation.simulator.line_faults import FaultSpec
-from tests.support.avr_robot import AvrRobot, missing_tools
 from tests.support.pictures import call
+from tests.support.robots.avr_robot import AvrRobot, missing_tools
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")

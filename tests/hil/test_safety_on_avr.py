@@ -8,9 +8,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.support.avr_firmware import AvrBoard
-from tests.support.avr_robot import AvrRobot, missing_tools
-from tests.support.fault_scenarios import SCENARIOS, robot_maker
+from tests.support.robots.avr_firmware import AvrBoard
+from tests.support.robots.avr_robot import AvrRobot, missing_tools
+from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
 

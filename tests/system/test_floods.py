@@ -22,7 +22,7 @@ from pathlib import Path
 import pytest
 
 from navigation.control import send_order
-from tests.support.floods import flood
+from tests.support.processes.floods import flood
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[2] / "configs"

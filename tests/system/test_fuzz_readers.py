@@ -1,6 +1,6 @@
 """Damaged files for every reader: one clear sentence, never a traceback, a hang or a flood.
 
-A few hundred of them; ``python -m tests.support.reader_fuzz --count 20000`` makes a campaign.
+A few hundred of them; ``python -m tests.support.files.reader_fuzz --count 20000`` makes a campaign.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 from planner.scene import SceneError
-from tests.support.picture_formats import chunk, png
+from tests.support.files.png_pictures import chunk, png
+from tests.support.files.reader_fuzz import Reader, campaign, damaged, seeds, wrong_answer
 from tests.support.pictures import call
-from tests.support.reader_fuzz import Reader, campaign, damaged, seeds, wrong_answer
-from vision.binarise.grey import PictureError
 from vision.calibration.calibration import CalibrationError
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import CameraError
 from vision.camera.files import read_picture
+from vision.errors import PictureError
 
 NO_WHOLE_NUMBERS = ("float.tif", ".pfm", ".hdr")
 READERS = ["source", "picture", "map", "scene", "movingai", "ros yaml", "survey", "calibration"]

@@ -28,7 +28,7 @@ from benchmarks.paper import (
 )
 from planner.delaunay.voronoi_diagram import voronoi_arrays
 from planner.scene import Bounds
-from tests.support.planner_scenes import hand_made
+from tests.support.scenes.planner_scenes import hand_made
 
 TOP = Path(__file__).parents[2]
 FOLDER = TOP / "docs" / "paper"

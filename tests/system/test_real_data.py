@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.support.brute_clearance import borders, distances, inside, outline, walk
+from tests.support.oracles.brute_clearance import borders, distances, inside, outline, walk
 from tests.support.pictures import call
 
 

@@ -29,7 +29,15 @@ from planner.scene import (
     SegmentRecord,
     object_records,
 )
-from tests.support.render import coverage, cut_disc, draw, outline_points, polygon, ramp, rounded
+from tests.support.drawn.render import (
+    coverage,
+    cut_disc,
+    draw,
+    outline_points,
+    polygon,
+    ramp,
+    rounded,
+)
 from vision import Calibration, PictureError, extract
 
 

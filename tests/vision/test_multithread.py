@@ -15,7 +15,7 @@ import planner
 import vision
 from planner.formats.scene_io import write_scene_text
 from planner.path import Path as PlannedPath
-from tests.support.boards import marker_patch, render
+from tests.support.drawn.boards import marker_patch, render
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkedRobot, MarkerTracker

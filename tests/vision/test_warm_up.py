@@ -10,8 +10,8 @@ import pytest
 
 COUNT = """
 import sys
-from vision import binarise_kernels as b, calm_kernels as c, dot_kernels as d
-from vision import support_kernels as s
+from vision.binarise import binarise_kernels as b, dot_kernels as d, smoothing_kernels as c
+from vision.binarise import edge_evidence_kernels as s
 from vision.binarise.binarise import warm_up
 warm_up(sys.argv[1])
 kernels = (b.sampled_histogram, b.noise_sigma, b.split_histogram, b.steepest_level,

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -26,7 +26,7 @@ from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
 from vision.binarise.binary import Binary, black_and_white
 from vision.binarise.edge_evidence import Support, follows_edges, leaves_out
 from vision.binarise.faint_regions import Judged, without_faint
-from vision.binarise.grey import PictureError, as_array, as_grey, scaled_threshold
+from vision.binarise.grey import as_array, as_grey, scaled_threshold
 from vision.binarise.grey_classes import (
     LEAST_CONTRAST,
     Classes,
@@ -38,13 +38,10 @@ from vision.binarise.grey_classes import (
 )
 from vision.binarise.grey_picture import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
 from vision.binarise.light import light_surface
+from vision.binarise.methods import METHODS, POLARITIES, Method, Polarity
 from vision.binarise.missed_obstacles import with_left_out
+from vision.errors import PictureError
 from vision.shared.scratch import Room
-
-Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
-Polarity: TypeAlias = Literal["dark", "light", "auto"]
-METHODS: tuple[Method, ...] = ("auto", "otsu", "fixed", "adaptive", "background")
-POLARITIES: tuple[Polarity, ...] = ("dark", "light", "auto")
 
 EVEN_MARGIN = 0.25
 """Least distance of the darkest free pixels from the level, as a share of the contrast, at
@@ -167,22 +164,33 @@ def _by_method(
     look: Look, side: Literal["dark", "light"], method: Method, threshold: float | None
 ) -> Binary:
     classes = classes_of(look)
-    if method == "fixed":
-        level = 127.5 if threshold is None else threshold
-        contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
-        how = Binarisation("fixed", _shown(level, side), side, "the level was given")
-        return black_and_white(look, level, contrast, how)
-    if method == "adaptive":
-        return _adaptive(look, classes, side)
-    if method == "background":
-        return _divided(look, side, "asked for")
-    if method == "otsu":
-        if classes is None:
-            return _uniform(look, side)
-        level = _otsu(look.grey) + 0.5
-        how = Binarisation("otsu", _shown(level, side), side, "asked for")
-        return black_and_white(look, level, classes.contrast, how)
-    return _auto(look, classes, side)
+    match method:
+        case "fixed":
+            return _fixed(look, classes, side, 127.5 if threshold is None else threshold)
+        case "otsu":
+            return _by_otsu(look, classes, side)
+        case "adaptive":
+            return _adaptive(look, classes, side)
+        case "background":
+            return _divided(look, side, "asked for")
+        case "auto":
+            return _auto(look, classes, side)
+
+
+def _fixed(
+    look: Look, classes: Classes | None, side: Literal["dark", "light"], level: float
+) -> Binary:
+    contrast = 2.0 * min(level, 255.0 - level) if classes is None else classes.contrast
+    how = Binarisation("fixed", _shown(level, side), side, "the level was given")
+    return black_and_white(look, level, contrast, how)
+
+
+def _by_otsu(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:
+    if classes is None:
+        return _uniform(look, side)
+    level = _otsu(look.grey) + 0.5
+    how = Binarisation("otsu", _shown(level, side), side, "asked for")
+    return black_and_white(look, level, classes.contrast, how)
 
 
 def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -> Binary:

@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.binarise.binarise import Method, Polarity, binarise
+from vision.binarise.binarise import binarise
 from vision.binarise.binary import Binary
-from vision.binarise.grey import PictureError
+from vision.binarise.methods import Method, Polarity
+from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 SAMPLE = 65536

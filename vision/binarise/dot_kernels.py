@@ -22,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import grown
 from vision.binarise.smoothing_kernels import MARGIN, compare, sum_limit, sum_rows
 
 SIGMAS = 6.0
@@ -63,7 +64,7 @@ def mark_below_but_dots(grey, bound, weights, norm, mask):
         _find_left_out(grey[y], level, marks, left_out)
         count = _list(left_out, y * width, places, count)
         if count + left_out.shape[0] > places.shape[0]:
-            places = _doubled(places)
+            places = grown(places, 2 * places.shape[0])
     return places[:count]
 
 
@@ -81,7 +82,7 @@ def dots_left_out(grey, level, mask):
         _find_left_out(grey[y], level, mask[y + 1, 1 : width + 1], left_out)
         count = _list(left_out, y * width, places, count)
         if count + left_out.shape[0] > places.shape[0]:
-            places = _doubled(places)
+            places = grown(places, 2 * places.shape[0])
     return places[:count]
 
 
@@ -97,7 +98,7 @@ def _list(left_out, first, places, count):
                 continue
             for x in range(8 * word, 8 * word + 8):
                 places[count] = first + x
-                count += left_out[x]
+                count += np.int64(left_out[x])
     return count
 
 
@@ -214,10 +215,3 @@ def _weight(away):
     if away == 0:
         return 0.375
     return 0.25 if away == 1 else 0.0625
-
-
-@njit(cache=True, nogil=True)
-def _doubled(old):
-    new = np.empty(2 * old.shape[0], old.dtype)
-    new[: old.shape[0]] = old
-    return new

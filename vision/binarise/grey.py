@@ -14,9 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-
-class PictureError(ValueError):
-    """A picture cannot be used; the message says what is wrong with it."""
+from vision.errors import PictureError
 
 
 def as_array(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:

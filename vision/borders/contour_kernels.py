@@ -21,6 +21,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import grown
 
 OBSTACLE = np.uint8(1)
 """Bit 0 of a mask byte: the pixel belongs to an obstacle."""
@@ -69,17 +70,17 @@ def follow_borders(mask, xs, ys, directions):
                     continue
                 if borders == border_room:
                     border_room *= 2
-                    starts = _grown_long(starts, border_room + 1)
-                    areas = _grown_long(areas, border_room)
+                    starts = grown(starts, border_room + 1)
+                    areas = grown(areas, border_room)
                 starts[borders] = count
                 x = start - row * stride - 1
                 last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
                 while last < 0:
                     # no room: walk it again where there is
                     room *= 2
-                    xs = _grown_int(xs, room)
-                    ys = _grown_int(ys, room)
-                    directions = _grown_byte(directions, room)
+                    xs = grown(xs, room)
+                    ys = grown(ys, room)
+                    directions = grown(directions, room)
                     last, area = _walk(flat, start, x, row - 1, tables, xs, ys, directions, count)
                 count = last
                 areas[borders] = area
@@ -220,9 +221,24 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
     while size < 4 * holes:
         size *= 2
     keys = np.full(size, -1, np.int64)
-    found = np.full(size, -1, np.int64)
+    asked = _ask_for_owners(mask, xs, ys, starts, areas, keys)
+    found = _walked_by(mask.shape[1], xs, ys, directions, starts, keys)
+    for b in range(borders):
+        if areas[b] >= 0:
+            continue
+        slot = _slot(asked[b], size)
+        while keys[slot] != asked[b]:
+            slot = (slot + 1) & (size - 1)
+        owners[b] = owners[found[slot]]
+    return owners
+
+
+@njit(cache=True, nogil=True)
+def _ask_for_owners(mask, xs, ys, starts, areas, keys):
+    """Of every hole the west crack whose border owns it, also into the table of ``keys``."""
+    borders = areas.shape[0]
+    size = keys.shape[0]
     asked = np.full(borders, -1, np.int64)
-    stride = mask.shape[1]
     for b in range(borders):
         if areas[b] >= 0:
             continue
@@ -233,13 +249,21 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
             x -= 1
         while mask[y, x - 1] & 1:
             x -= 1
-        key = np.int64(y) * stride + x
+        key = np.int64(y) * mask.shape[1] + x
         asked[b] = key
         slot = _slot(key, size)
         while keys[slot] >= 0 and keys[slot] != key:
             slot = (slot + 1) & (size - 1)
         keys[slot] = key
-    for b in range(borders):
+    return asked
+
+
+@njit(cache=True, nogil=True)
+def _walked_by(stride, xs, ys, directions, starts, keys):
+    """For every west crack in the table of ``keys`` the border that walks it."""
+    size = keys.shape[0]
+    found = np.full(size, -1, np.int64)
+    for b in range(starts.shape[0] - 1):
         for i in range(starts[b], starts[b + 1]):
             if directions[i] != 3:
                 continue
@@ -250,14 +274,7 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
                     found[slot] = b
                     break
                 slot = (slot + 1) & (size - 1)
-    for b in range(borders):
-        if areas[b] >= 0:
-            continue
-        slot = _slot(asked[b], size)
-        while keys[slot] != asked[b]:
-            slot = (slot + 1) & (size - 1)
-        owners[b] = owners[found[slot]]
-    return owners
+    return found
 
 
 @njit(**LEAF)
@@ -309,24 +326,3 @@ def contour_pixels(xs, ys, starts):
 @njit(cache=True, nogil=True)
 def _slot(key, size):
     return (key * 2654435761 >> 7) & (size - 1)
-
-
-@njit(cache=True, nogil=True)
-def _grown_long(old, room):
-    new = np.empty(room, np.int64)
-    new[: old.shape[0]] = old
-    return new
-
-
-@njit(cache=True, nogil=True)
-def _grown_int(old, room):
-    new = np.empty(room, np.int32)
-    new[: old.shape[0]] = old
-    return new
-
-
-@njit(cache=True, nogil=True)
-def _grown_byte(old, room):
-    new = np.empty(room, np.int8)
-    new[: old.shape[0]] = old
-    return new

@@ -10,8 +10,11 @@ Rules and units
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from numba import njit
 
+from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, SUMS
 from vision.borders.edge_profile_kernels import CLEAR, DARK, DARK_LEVEL, LIGHT, LIGHT_LEVEL
 
@@ -19,6 +22,21 @@ STRETCH = 64
 """Cracks to either side over which the plateaus are averaged."""
 SAME_GREY = 1e-9
 """A rounding of grey values."""
+
+
+class Kind(NamedTuple):
+    """The rows of one kind of plateau, dark or light; sums run up to every crack."""
+
+    own: FloatArray
+    """Every crack's plateau."""
+    level: FloatArray
+    """Its stretch's: what is looked for."""
+    total: FloatArray
+    """The sum of the plateaus."""
+    number: FloatArray
+    """How many there are."""
+    others: FloatArray
+    """How many of the other kind: without those there is no level either."""
 
 
 @njit(**SUMS)
@@ -38,10 +56,10 @@ def find_plateaus(n, work, sums):
             (DARK, DARK_LEVEL, 0, 1, 3),
             (LIGHT, LIGHT_LEVEL, 2, 3, 1),
         ):
-            rows = work[row], work[level], sums[total], sums[count], sums[others]
-            _set_level(0, reach, reach + 1, n - reach, True, n, *rows)
-            _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, *rows)
-            _set_level(n - reach, n, 1, n - 2 * reach, True, n, *rows)
+            kind = Kind(work[row], work[level], sums[total], sums[count], sums[others])
+            _set_level(0, reach, reach + 1, n - reach, True, n, kind)
+            _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, kind)
+            _set_level(n - reach, n, 1, n - 2 * reach, True, n, kind)
 
 
 @njit(**LEAF)
@@ -100,18 +118,17 @@ def _add_up_the_plain(n, work, sums):
 
 
 @njit(**SUMS)
-def _set_level(begin, end, ahead, behind, around, n, own, level, total, count, others):
+def _set_level(begin, end, ahead, behind, around, n, kind):
     """The means of the stretches of cracks ``begin`` .. ``end`` - 1, dark or light.
 
     The stretch of the first one ends before crack ``ahead`` and begins at crack ``behind``;
-    ``around``: past the border's end. ``own`` and ``level``: each crack's plateau, and its
-    stretch's; ``total`` and ``count``: the sums of the plateaus and their number; ``others``:
-    the number of those of the other kind, without which there is no level either.
+    ``around``: past the border's end.
     One kind at a time: a loop that writes two rows works on one crack at a time.
     """
     cracks = end - begin
-    own = own[begin:end]
-    level = level[begin:end]
+    own = kind.own[begin:end]
+    level = kind.level[begin:end]
+    total, count, others = kind.total, kind.number, kind.others
     total_ahead = total[ahead : ahead + cracks]
     count_ahead = count[ahead : ahead + cracks]
     others_ahead = others[ahead : ahead + cracks]

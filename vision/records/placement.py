@@ -25,7 +25,7 @@ from planner.scene import (
     Units,
     record_edges,
 )
-from vision.binarise.grey import PictureError
+from vision.errors import PictureError
 
 
 class Calibration(Protocol):

@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, record_edges
-from vision.binarise.grey import PictureError
+from vision.binarise.methods import ONE_LEVEL
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 from vision.doubts import doubts_about, with_doubts
+from vision.errors import PictureError
 from vision.pipeline import extract
 from vision.watch.change import Rectangle
 
@@ -37,9 +38,6 @@ _POINTS_A_LINE = 9
 
 _MOST_SHARE = 0.5
 """Of the picture; beyond it the whole picture is as quick."""
-
-_LEVELLED = ("otsu", "fixed")
-"""Methods with one level for the whole picture."""
 
 _Box = tuple[int, int, int, int]
 
@@ -88,7 +86,7 @@ class KnownScene:
         """
         scene, size = self.scene, (image.shape[1], image.shape[0])
         how = scene.binarisation
-        if how is None or how.method not in _LEVELLED or scene.size != size:
+        if how is None or how.method not in ONE_LEVEL or scene.size != size:
             return None
         parts = _parts(rectangles, self.boxes, size)
         if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in parts) > _MOST_SHARE * size[0] * size[1]:

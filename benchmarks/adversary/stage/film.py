@@ -14,9 +14,9 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.simulator.arena import SimulatedArena, load_arena
-from navigation.simulator.camera import SimulatedBody, SimulatedCamera, TruePose
-from navigation.simulator.drawing import Look
-from navigation.simulator.pinhole import Pinhole, pinhole_of
+from navigation.simulator.picture.camera import SimulatedBody, SimulatedCamera, TruePose
+from navigation.simulator.picture.drawing import Look
+from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from vision.camera.camera import Image
 
 AWAY: TruePose = (-50.0, -50.0, 0.0)

@@ -13,6 +13,7 @@ import click
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
+from vision.binarise.methods import METHODS, Method
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class ExtractError(ValueError):
 @polarity_option("Whether the obstacles are dark or light.")
 @click.option(
     "--method",
-    type=click.Choice(["auto", "otsu", "fixed", "adaptive", "background"]),
+    type=click.Choice(METHODS),
     default="auto",
     show_default=True,
     help="How the picture is made black and white.",
@@ -49,7 +50,7 @@ def command(
     output: Path | None,
     paper: bool,
     polarity: Literal["dark", "light", "auto"],
-    method: Literal["auto", "otsu", "fixed", "adaptive", "background"],
+    method: Method,
     threshold: float | None,
     render: Path | None,
 ) -> None:

@@ -73,7 +73,7 @@ def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
 
 
 def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
-    from navigation.simulator.pinhole import pinhole_of
+    from navigation.simulator.picture.pinhole import pinhole_of
     from vision.calibration.calibration import Calibration, CalibrationError
     from vision.calibration.calibration_file import load_calibration
 

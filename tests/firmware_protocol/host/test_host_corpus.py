@@ -7,7 +7,7 @@ import pytest
 from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
-from tests.support.corpus import inputs
+from tests.support.wire.corpus import inputs
 
 
 @pytest.mark.parametrize("name", ["link", "robot"])

@@ -10,8 +10,8 @@ import pytest
 
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, RobotState, Start, StopReason
 from tests.firmware_protocol.test_c_firmware import begin_to_drive
-from tests.support.c_robot import missing_tool
-from tests.support.robot_pair import TICK_S, Pair
+from tests.support.robots.c_robot import missing_tool
+from tests.support.robots.robot_pair import TICK_S, Pair
 
 pytestmark = pytest.mark.skipif(
     missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"

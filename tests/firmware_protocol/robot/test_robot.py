@@ -1,34 +1,17 @@
-"""The robot's end as a state machine, driven by hypothesis with anything a host might do."""
+"""The robot's end, rule by rule."""
 
-import math
-
-from hypothesis import settings
-from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-
-from firmware_protocol.robot.connection import (
-    Identity,
-    RobotConnection,
-)
-from firmware_protocol.robot.controller import QUEUE_SIZE, RobotController
-from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
+from firmware_protocol.robot.controller import QUEUE_SIZE
 from firmware_protocol.wire.messages import (
     ESTOP_FRAME,
-    RELIABLE,
     SCHEMA_HASH,
-    Ack,
-    Challenge,
     Clear,
     CommandResult,
-    Confirm,
     Hello,
     HelloAck,
     Lease,
     LeaseFlag,
-    Message,
     MessageType,
     Pause,
-    PoseFix,
     ResetEstop,
     RobotState,
     Start,
@@ -36,87 +19,11 @@ from firmware_protocol.wire.messages import (
     StopReason,
     TimeSync,
     TimeSyncReply,
-    Waypoint,
     Waypoints,
     read_message,
 )
-from firmware_protocol.wire.mission import Mission, mission_seed
-
-
-class Board:
-    """A robot on the table: its wheels do what they are told, exactly."""
-
-    def __init__(self) -> None:
-        self.control = RobotController()
-        self.robot = RobotConnection(Identity(77), self.control)
-        self.parser = FrameParser(Sender.ROBOT)
-        self.now_s = 10.0
-        self.wheels = [0.0, 0.0]
-        self.session = 0
-        self.sequence = 0
-        self.answers: list[Message] = []
-        self.last = self.control.step(self.now_s, 0.0, 0.0)
-
-    def send(
-        self, message: Message, sequence: int | None = None, session: int | None = None
-    ) -> None:
-        reliable = message.TYPE in RELIABLE
-        frame = Frame(
-            message.TYPE,
-            self.session if session is None else session,
-            message.pack(),
-            self.sequence if sequence is None and reliable else sequence or 0,
-            reliable=reliable,
-        )
-        if reliable and sequence is None:
-            self.sequence = (self.sequence + 1) % 256
-        self.robot.receive_bytes(encode_frame(frame, Sender.HOST), self.now_s)
-
-    @property
-    def clock_us(self) -> int:
-        return round(self.now_s * 1e6)
-
-    def hello(self, session: int) -> None:
-        """Ask for a session, and give the challenge back."""
-        self.session, self.sequence = session, 0
-        self.send(Hello(SCHEMA_HASH))
-        if self.robot.session != session:
-            self.send(Confirm(self.robot._nonce))
-
-    def lease(self, flags: LeaseFlag = LeaseFlag.PERMIT | LeaseFlag.ODOMETRY) -> None:
-        self.send(Lease(0.5, flags, 0.0, self.clock_us))
-
-    def pass_time(self, seconds: float) -> None:
-        for _ in range(max(1, round(seconds / 0.01))):
-            self.now_s += 0.01
-            for side in (0, 1):
-                self.wheels[side] += 0.01 * self.last[side]
-            self.last = self.control.step(self.now_s, *self.wheels)
-            while frame := self.robot.next_frame(self.now_s):
-                self.answers += [read_message(f) for f in self.parser.feed(frame)]
-
-    def answer(self, kind: type[Message]) -> Message:
-        self.answers.clear()
-        self.pass_time(0.06)
-        return next(m for m in reversed(self.answers) if isinstance(m, kind))
-
-    def status(self) -> Status:
-        status = self.answer(Status)
-        assert isinstance(status, Status)
-        return status
-
-    def run(self, mission: Mission) -> None:
-        self.hello(5)
-        self.lease()
-        self.send(Clear(1, mission.id))
-        for first in range(0, min(30, len(mission)), 6):
-            self.send(Waypoints(mission.id, first, mission.records[first : first + 6]))
-        self.send(Start(2, mission.id, 0))
-        assert self.control.state is RobotState.RUN
-
-
-def far(count: int = 3) -> Mission:
-    return Mission(9, [Waypoint(1.0 + 0.1 * i, 0.0, 0.3) for i in range(count)])
+from firmware_protocol.wire.mission import mission_seed
+from tests.firmware_protocol.robot.board import Board, far
 
 
 def test_a_robot_says_nothing_before_it_is_asked() -> None:
@@ -369,100 +276,3 @@ def test_the_robots_clock_answers_in_microseconds() -> None:
     assert isinstance(reply, TimeSyncReply)
     assert reply.host_sent_us == 4_000_000_000
     assert 0 <= reply.robot_sent_us - reply.robot_received_us <= 20_000
-
-
-class AnyHost(RuleBasedStateMachine):
-    """Whatever a host sends, in whatever order: the promises of the protocol hold."""
-
-    @initialize()
-    def boot(self) -> None:
-        self.board = Board()
-        self.mission = Mission(9, [Waypoint(0.02 * i, 0.0, 0.3) for i in range(60)])
-        self.started = False
-        self.was = RobotState.BOOT
-        self.commands = 0
-
-    def command(self) -> int:
-        self.commands = self.commands % 0xFFFF + 1
-        return self.commands
-
-    @rule(session=st.integers(1, 9))
-    def hello(self, session: int) -> None:
-        self.board.hello(session)
-
-    @rule(mission=st.sampled_from([0, 9, 9, 10]))
-    def clear(self, mission: int) -> None:
-        self.board.send(Clear(self.command(), mission))
-
-    @rule(first=st.integers(0, 59), count=st.integers(1, 6))
-    def waypoints(self, first: int, count: int) -> None:
-        records = self.mission.records[first : first + count]
-        self.board.send(Waypoints(9, first, records))
-
-    @rule(count=st.integers(1, 6))
-    def next_waypoints(self, count: int) -> None:
-        self.waypoints(min(self.board.control.accept_next, 59), count)
-
-    @rule()
-    def start(self) -> None:
-        self.started = True
-        self.board.send(Start(self.command(), 9, self.board.control.exec_next))
-
-    @rule()
-    def pause(self) -> None:
-        self.board.send(Pause(self.command()))
-
-    @rule(permit=st.booleans())
-    def lease(self, permit: bool) -> None:
-        self.board.lease(LeaseFlag.PERMIT | LeaseFlag.ODOMETRY if permit else LeaseFlag.NONE)
-
-    @rule(x=st.floats(-1.0, 1.0), age=st.floats(0.0, 0.5))
-    def pose(self, x: float, age: float) -> None:
-        self.board.send(PoseFix(x, 0.0, 0.0, self.board.clock_us - round(age * 1e6)))
-
-    @rule()
-    def estop(self) -> None:
-        self.board.robot.receive_bytes(ESTOP_FRAME, self.board.now_s)
-        assert self.board.control.state is RobotState.ESTOP
-
-    @rule()
-    def reset_estop(self) -> None:
-        self.board.send(ResetEstop(self.command()))
-
-    @rule(noise=st.binary(max_size=200))
-    def noise(self, noise: bytes) -> None:
-        self.board.robot.receive_bytes(noise, self.board.now_s)
-
-    @rule(sequence=st.integers(0, 255))
-    def wrong_sequence(self, sequence: int) -> None:
-        expected = self.board.robot._sequence.expected
-        if sequence != expected:
-            self.board.send(Clear(1, 11), sequence=sequence)
-            assert self.board.control.mission != 11
-
-    @rule(seconds=st.floats(0.01, 1.0))
-    def wait(self, seconds: float) -> None:
-        self.board.pass_time(seconds)
-
-    @invariant()
-    def holds(self) -> None:
-        control = self.board.control
-        state, was = control.state, self.was
-        self.was = state
-        assert not (state is RobotState.RUN and was is not RobotState.RUN and not self.started)
-        self.started = False
-        assert control.exec_next <= control.accept_next <= control.exec_next + QUEUE_SIZE
-        assert control.credit == QUEUE_SIZE - (control.accept_next - control.exec_next)
-        if control.mission == 9:
-            assert control.prefix_crc == self.mission.prefix_crc(control.accept_next)
-            assert control.exec_crc == self.mission.prefix_crc(control.exec_next)
-        if state is RobotState.ESTOP:
-            self.board.pass_time(0.01)
-            assert self.board.last == (0.0, 0.0, False)
-        assert all(math.isfinite(v) for v in control.estimate.pose)
-        for message in self.board.answers:
-            assert isinstance(message, Status | HelloAck | Challenge | Ack | TimeSyncReply)
-
-
-AnyHost.TestCase.settings = settings(max_examples=40, stateful_step_count=40, deadline=None)
-TestAnyHost = AnyHost.TestCase

@@ -1,7 +1,7 @@
 """What the fuzzers found worth keeping, run again: in C under sanitizers, and on both robots.
 
-``firmware/fuzz.c`` says what an input's bytes mean, ``tests/support/corpus.py`` where they come
-from.
+``firmware/fuzz.c`` says what an input's bytes mean, ``tests/support/wire/corpus.py`` where they
+come from.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from firmware_protocol.wire.messages import (
     Start,
 )
 from firmware_protocol.wire.values import heading_from_wire
-from tests.support.c_robot import FIRMWARE, missing_tool
-from tests.support.corpus import CORPUS, inputs
-from tests.support.robot_pair import Pair
+from tests.support.robots.c_robot import FIRMWARE, missing_tool
+from tests.support.robots.robot_pair import Pair
+from tests.support.wire.corpus import CORPUS, inputs
 
 SESSION = 7
 

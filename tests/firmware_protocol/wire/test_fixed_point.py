@@ -22,7 +22,7 @@ from firmware_protocol.wire.fixed_point import (
     sine,
     turned,
 )
-from tests.support.c_robot import library, missing_tool
+from tests.support.robots.c_robot import library, missing_tool
 
 TURN = 2.0**16
 ANGLE_ERROR = 7e-4 / math.tau * TURN

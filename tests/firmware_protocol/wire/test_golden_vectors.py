@@ -5,7 +5,7 @@ import pytest
 from firmware_protocol.wire.crc import crc32c
 from firmware_protocol.wire.framing import Frame, FrameParser, Sender, encode_frame
 from firmware_protocol.wire.messages import read_message
-from tests.support import protocol_vectors
+from tests.support.wire import protocol_vectors
 
 GOLDEN = json.loads(protocol_vectors.GOLDEN.read_text())
 

@@ -22,7 +22,7 @@ from firmware_protocol.wire.messages import (
     wrap_angle,
 )
 from firmware_protocol.wire.mission import Mission, mission_seed
-from tests.support import protocol_vectors
+from tests.support.wire import protocol_vectors
 
 ANGLES = st.floats(-1000.0, 1000.0)
 POSITIONS = st.floats(-2147.0, 2147.0)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
-from tests.support.boards import chessboard_patch, render
-from tests.support.picture_formats import chunk, exif
+from tests.support.drawn.boards import chessboard_patch, render
+from tests.support.files.png_pictures import chunk, exif
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import load_calibration
 

@@ -17,8 +17,9 @@ from navigation.cli.decoder_lines import caught_decoder_lines
 from navigation.cli.pictures.sources import hold_points, load_source, read_shades
 from planner.formats.scene_io import read_scene_text
 from planner.scene import Bounds, SceneError
-from tests.support.picture_formats import chunk, formats
-from tests.support.render import outline_points
+from tests.support.drawn.render import outline_points
+from tests.support.files.picture_formats import formats
+from tests.support.files.png_pictures import chunk
 
 FORMATS = dict(formats())
 

@@ -17,7 +17,7 @@ from navigation.config.marks import MOST_CHARACTERS, MOST_DEPTH, MOST_VALUES
 from navigation.config.reference import json_schema
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.control import ControlError, read_stations
-from tests.navigation.config.test_config import GOOD
+from tests.navigation.config.texts import GOOD
 
 MEMORY_BYTES = 1_500_000_000
 

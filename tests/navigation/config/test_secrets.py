@@ -25,7 +25,7 @@ from navigation.machine.bundle import write_bundle
 from navigation.machine.logs import EventLog
 from navigation.recording.json_bodies import configuration_body
 from tests.support.pictures import call
-from tests.support.virtual import short_config
+from tests.support.runs.virtual import short_config
 
 TOKEN = "s3cr3t-t0ken.of_16~chars"
 PASSWORD = "geh eim/4711@%"

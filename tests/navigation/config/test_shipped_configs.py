@@ -10,7 +10,7 @@ import pytest
 from navigation.cli.setup.check import file_problems
 from navigation.config import load_config
 from navigation.simulator.arena import load_arena
-from navigation.simulator.pinhole import pinhole_of
+from navigation.simulator.picture.pinhole import pinhole_of
 from planner.formats.scene_io import load_scene
 from vision.calibration.calibration_file import load_calibration
 

@@ -10,7 +10,7 @@ from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
 from navigation.shared.supervisor import Part
-from tests.support.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, short_config
 from tests.support.waiting import wait_until
 
 

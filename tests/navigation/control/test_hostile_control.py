@@ -29,7 +29,7 @@ from navigation.control.clients import (
 from navigation.control.order_thread import Job
 from navigation.control.server import STUCK_S
 from navigation.mission.mission import Station
-from tests.support.floods import flood
+from tests.support.processes.floods import flood
 from tests.support.waiting import wait_until
 
 STOPPED_WITHIN_S = 0.3

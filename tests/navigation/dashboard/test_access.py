@@ -8,7 +8,7 @@ from navigation.dashboard.admission.access import Gate, Refusal, Role, bearer_of
 from navigation.dashboard.admission.seat import AWAY_S, LEFT_S, Seat, public_half
 from navigation.dashboard.orders import give, refusal_of
 from navigation.mission.mission import Mission, State, Station
-from tests.support.shown import FakeDaemon, shown_config
+from tests.support.runs.shown import FakeDaemon, shown_config
 
 TOKEN, OTHER = "a-token-of-some-length", "another-token-to-look"
 KEY, ELSE = "k" * 32, "e" * 32

@@ -24,9 +24,9 @@ from navigation.dashboard.admission.access import Gate, Refusal, Role
 from navigation.dashboard.admission.allowance import Allowance
 from navigation.dashboard.admission.places import Places
 from navigation.dashboard.hub import MOST_VIEWERS
-from tests.navigation.dashboard.test_server import KEY, Page, Site
-from tests.support.floods import flood
-from tests.support.shown import FakeDaemon, laboratory
+from tests.navigation.dashboard.site import KEY, Page, Site
+from tests.support.processes.floods import flood
+from tests.support.runs.shown import FakeDaemon, laboratory
 from tests.support.waiting import wait_until
 
 OWN = "the-programs-own-token-32-letters"

@@ -28,7 +28,7 @@ from navigation.mission.trust import Level
 from planner.path import Bottleneck, NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
-from tests.support.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
+from tests.support.runs.shown import RADIUS_M, SCALE_M, SIZE_PX, FakeDaemon, frame, laboratory
 from vision.calibration.calibration import Calibration
 from vision.markers.markers import RobotPose
 

@@ -11,8 +11,8 @@ from navigation.config import load_config
 from navigation.loop.eye import Eye, Glimpse
 from navigation.loop.stages import eye_settings, marked_robots
 from navigation.simulator.arena import load_arena
-from navigation.simulator.camera import SimulatedCamera, make_camera
-from navigation.simulator.pinhole import pinhole_of
+from navigation.simulator.picture.camera import SimulatedCamera, make_camera
+from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import CircleRecord, SceneObject
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker

@@ -9,8 +9,8 @@ import pytest
 
 from navigation.journal.journal import Journal, owner_of
 from navigation.mission.mission import State
-from tests.support.kills import drive_under_fire, stands
-from tests.support.virtual import short_config
+from tests.support.runs.kills import drive_under_fire, stands
+from tests.support.runs.virtual import short_config
 
 TOUR = [
     {"x_m": 0.20, "y_m": 0.60, "dwell_s": 0.5},

@@ -11,14 +11,14 @@ import pytest
 from navigation.loop.planning import ArenaPlanner, PlannerThread, PlanSettings, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Station
-from navigation.mission.pilot import distance_to_polyline
+from navigation.mission.running_plan import distance_to_polyline
 from navigation.mission.traffic import Disc
 from planner.borders.polyline import arc_lengths, points_at
 from planner.motion.smooth import SmoothError
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath, Path
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject, SegmentRecord
-from tests.support.bends import bends_of
+from tests.support.oracles.bends import bends_of
 from tests.support.waiting import wait_until
 
 RADIUS_M, MARGIN_M = 0.09, 0.02

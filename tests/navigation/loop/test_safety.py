@@ -19,7 +19,7 @@ from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
 from planner.scene import Scene
-from tests.support.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 FAR = [{"x_m": 0.20, "y_m": 1.60}]
 FRAME_S = 1 / 30

@@ -15,7 +15,7 @@ from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld
 from planner.scene import Scene
 from tests.support.pictures import blank, box_and_disc
-from tests.support.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 EMPTY = vision.extract(blank(320, 240, 200))
 SOUND = vision.extract(box_and_disc())

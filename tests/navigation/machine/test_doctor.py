@@ -18,7 +18,7 @@ from navigation.config.secrets import HIDDEN
 from navigation.machine import doctor
 from navigation.machine.doctor import Finding, worst
 from tests.support.pictures import call
-from tests.support.recordings import make_recording
+from tests.support.runs.recordings import make_recording
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from navigation.machine.sd_notify import Notifier, Watchdog, watchdog_period_s
-from tests.support.systemd import told
+from tests.support.processes.systemd import told
 
 
 def test_a_message_is_one_datagram_of_assignments(

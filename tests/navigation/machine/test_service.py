@@ -15,7 +15,7 @@ import pytest
 
 from navigation.machine.service import ServiceError, UsbAdapter, udev_text, unit_text
 from tests.support.pictures import call
-from tests.support.systemd import told
+from tests.support.processes.systemd import told
 from tests.support.waiting import wait_until
 
 CONFIGS = Path(__file__).parents[3] / "configs"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.recordings import EVERY, RecordedBench, make_recording
+from tests.support.runs.recordings import EVERY, RecordedBench, make_recording
 
 
 def see_and_plan(bench: RecordedBench) -> None:

@@ -22,7 +22,7 @@ from navigation.recording.events import Told
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
 from navigation.run.replay import replay
-from tests.support.recordings import BEGAN, EVERY, RecordedBench, make_recording
+from tests.support.runs.recordings import BEGAN, EVERY, RecordedBench, make_recording
 from tests.support.waiting import wait_until
 
 
@@ -203,7 +203,7 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
 KILLED = """
 import sys, time
 from pathlib import Path
-from tests.support.recordings import RecordedBench, recording_config
+from tests.support.runs.recordings import RecordedBench, recording_config
 
 bench = RecordedBench(recording_config(), Path(sys.argv[1]))
 bench.clock = None

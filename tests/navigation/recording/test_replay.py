@@ -18,7 +18,7 @@ from navigation.run.replay import replay
 from planner.path import Path as PlannedPath
 from planner.scene import Scene
 from tests.support.pictures import call
-from tests.support.recordings import make_recording
+from tests.support.runs.recordings import make_recording
 
 EXACT = Tolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
 

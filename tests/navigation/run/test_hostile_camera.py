@@ -21,7 +21,7 @@ from navigation.mission.trust import Level
 from navigation.run.virtual_world import VirtualWorld
 from navigation.shared.track import driven_pieces
 from planner.borders.polyline import arc_lengths
-from tests.support.virtual import cycle_until, is_driving, short_config
+from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
 GOAL = (0.20, 1.60)
 FAR = [{"x_m": GOAL[0], "y_m": GOAL[1]}]
@@ -216,7 +216,7 @@ def test_a_robot_that_was_hidden_proves_itself_slowly_before_it_drives_on(stage:
     stage.until(State.DRIVING)
     assert math.dist(stood, stage.world.robot.pose()[:2]) < 0.01, "it turned on the spot"
     assert stage.daemon.pilot.trust.level is Level.PROBATION
-    assert stage.daemon.pilot.targets[0].speed_m_s <= 0.08
+    assert stage.daemon.pilot.plan.targets[0].speed_m_s <= 0.08
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
 
@@ -251,7 +251,7 @@ def test_a_stream_that_becomes_late_is_held_for_and_driven_with_more_slowly(stag
     stage.world.troubles.stream_latency_s = 0.22
     ended = stage.until(State.DONE, State.FAILED, State.STOPPED)
     assert ended.mission.state is State.DONE, ended.sentence
-    assert stage.daemon.pilot._planned_m_s < 0.27
+    assert stage.daemon.pilot.plan.speed_m_s < 0.27
     assert stage.clearance_m() > 0.02
 
 

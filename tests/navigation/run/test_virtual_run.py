@@ -15,8 +15,8 @@ from navigation.mission.mission import State
 from navigation.run.summary import summarise, write_run
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
-from tests.support.bends import bends_of
-from tests.support.virtual import CONFIGS, cycle_until, is_driving, short_config
+from tests.support.oracles.bends import bends_of
+from tests.support.runs.virtual import CONFIGS, cycle_until, is_driving, short_config
 
 NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}]
 

@@ -71,7 +71,7 @@ import sys
 from numba.core.dispatcher import Dispatcher
 from navigation.run.virtual_run import run_virtually
 from navigation.run.warm_up import warm_up
-from tests.support.virtual import short_config
+from tests.support.runs.virtual import short_config
 
 def loaded():
     kernels = [module for name, module in sys.modules.items() if name.endswith("_kernels")]

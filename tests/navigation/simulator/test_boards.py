@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from navigation.config import Config, load_config
-from navigation.simulator.boards import (
+from navigation.simulator.picture.boards import (
     Board,
     BoardPainter,
     BoardPose,
@@ -17,8 +17,8 @@ from navigation.simulator.boards import (
     measured_discs,
     survey_picture,
 )
-from navigation.simulator.drawing import Look
-from navigation.simulator.pinhole import pinhole_of
+from navigation.simulator.picture.drawing import Look
+from navigation.simulator.picture.pinhole import pinhole_of
 from planner.scene import Bounds, FloatArray, Scene
 from vision.camera.camera import Image
 

@@ -27,8 +27,8 @@ from navigation.sweep.variations import (
     varied,
 )
 from navigation.sweep.workers import local_executor
-from tests.support import sweeps
 from tests.support.pictures import call
+from tests.support.runs import sweeps
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 

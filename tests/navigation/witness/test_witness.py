@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from navigation.witness import Evidence, Witness
-from tests.support.moving_robot import LIMITS, MovingRobot, Sight, status
+from tests.support.robots.moving_robot import LIMITS, MovingRobot, Sight, status
 from vision.markers.markers import RobotPose
 
 Place = tuple[float, float, float]

@@ -8,7 +8,7 @@ import pytest
 from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders, gather_borders
 from planner.scene import FloatArray, primitive_kernels
-from tests.support.planner_scenes import hand_made, random_scene, slow_distance
+from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance
 
 
 def _least(borders: Borders, a: FloatArray, b: FloatArray) -> float:

@@ -19,7 +19,7 @@ from planner.scene import (
     SegmentRecord,
     Vec,
 )
-from tests.support.planner_scenes import polygon, scene_of
+from tests.support.scenes.planner_scenes import polygon, scene_of
 
 A, B, C, D = (50.0, 30.0), (60.0, 35.0), (60.0, 35.0), (59.0, 30.0)
 BOUNDS = Bounds(0.0, 0.0, 100.0, 80.0)

@@ -7,7 +7,7 @@ import pytest
 
 from planner.borders.generators import gather_borders
 from planner.scene import primitive_kernels
-from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
+from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -19,8 +19,8 @@ from planner.scene import (
     SegmentRecord,
     primitive_kernels,
 )
-from tests.support.exact_distance import exact_distance
-from tests.support.planner_scenes import scene_of
+from tests.support.oracles.exact_distance import exact_distance
+from tests.support.scenes.planner_scenes import scene_of
 
 ROUNDINGS = 16.0 * 2.0**-52
 """What a distance may be off, in parts of the largest coordinate or radius."""

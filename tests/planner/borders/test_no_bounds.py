@@ -11,7 +11,7 @@ import planner
 from planner.borders.generators import gather_borders
 from planner.path import Path
 from planner.scene import CircleRecord, PointRecord, Primitives, Record, SegmentRecord
-from tests.support.planner_scenes import bay, scene_of
+from tests.support.scenes.planner_scenes import bay, scene_of
 
 
 @dataclass(frozen=True)

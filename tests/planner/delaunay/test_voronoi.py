@@ -18,7 +18,7 @@ from scipy.spatial import Delaunay
 import planner
 from planner.delaunay.half_edges import HalfEdges
 from planner.delaunay.voronoi_diagram import voronoi_arrays
-from tests.support.voronoi_oracle import exact_edges, exact_neighbours
+from tests.support.oracles.voronoi_oracle import exact_edges, exact_neighbours
 
 Sites = NDArray[np.float64]
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))

@@ -13,7 +13,7 @@ from planner.diagram import bend_kernels, bisector_kernels, mesh, mesh_kernels
 from planner.diagram.bend_kernels import BULGE
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray, primitive_kernels
-from tests.support.planner_scenes import hand_made, random_scene, slow_distance
+from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance
 
 
 def _distance(borders: Borders, piece: int, at: FloatArray) -> float:

@@ -8,7 +8,7 @@ import pytest
 import planner
 from planner.diagram.bisectors import edge_curve
 from planner.scene import CircleRecord
-from tests.support.planner_scenes import box, scene_of
+from tests.support.scenes.planner_scenes import box, scene_of
 
 FLATNESS = 0.05
 

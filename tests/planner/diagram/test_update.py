@@ -17,7 +17,7 @@ from planner.roadmap.graph import lay_strands
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
 from planner.scene.primitive_kernels import ARC, CIRCLE
-from tests.support.planner_scenes import box, hand_made, polygon, scene_of
+from tests.support.scenes.planner_scenes import box, hand_made, polygon, scene_of
 
 Edge = tuple[float, ...]
 

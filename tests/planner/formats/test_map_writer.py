@@ -20,7 +20,13 @@ from planner.scene import (
     SceneObject,
     SegmentRecord,
 )
-from tests.support.planner_scenes import box, random_scene, slow_distance, slow_inside, with_hole
+from tests.support.scenes.planner_scenes import (
+    box,
+    random_scene,
+    slow_distance,
+    slow_inside,
+    with_hole,
+)
 
 METRES = Bounds(-1.0, 2.0, 3.0, 5.0)
 

@@ -12,78 +12,18 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import Track, speed_cells, wrap_angle, wrap_angles
+from planner.motion.stops_and_bends import wrap_angle, wrap_angles
 from planner.motion.trajectory import TrajectoryError, default_limits, time_path, turning_time
-from planner.path import Limits, Path, Trajectory
-
-RADIUS = 0.1
-LIMITS = Limits(
-    speed=0.5,
-    acceleration=0.6,
-    lateral_acceleration=0.4,
-    angular_rate_rad_s=1.5,
-    angular_acceleration_rad_s2=4.0,
-    jerk=3.0,
-    spacing=0.2,
-    chord_tolerance=0.005,
-    slow_clearance=0.3,
-    slow_speed=0.1,
+from planner.path import Limits
+from tests.planner.motion.trajectories import (
+    LIMITS,
+    RADIUS,
+    check_bounds,
+    distance_to_polyline,
+    heading,
+    make_path,
+    polylines,
 )
-
-
-def make_path(points, clearance=1.0, stations=None, headings=None, radius=RADIUS) -> Path:
-    points = np.array(points, dtype=float).reshape(-1, 2)
-    clearances = np.broadcast_to(np.asarray(clearance, dtype=float), len(points)).copy()
-    stations = stations or (0, len(points) - 1)
-    return Path(
-        points=points,
-        clearances=clearances,
-        length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
-        min_clearance=float(clearances.min()),
-        min_clearance_at=tuple(points[int(clearances.argmin())]),
-        robot_radius=radius,
-        stations=stations,
-        headings_rad=headings or (None,) * len(stations),
-        order=tuple(range(len(stations) - 2)),
-    )
-
-
-def distance_to_polyline(points: np.ndarray, line: np.ndarray) -> np.ndarray:
-    best = np.full(len(points), np.inf)
-    for a, b in pairwise(line):
-        d = b - a
-        squared = float(d @ d)
-        t = np.clip((points - a) @ d / squared, 0, 1) if squared > 0 else np.zeros(len(points))
-        best = np.minimum(best, np.hypot(*(points - a - t[:, None] * d).T))
-    return best
-
-
-def check_bounds(trajectory: Trajectory, limits: Limits) -> None:
-    """Mean values between waypoints never exceed the limits of what they average."""
-    at_rest = (trajectory.waypoints[0].speed, trajectory.waypoints[-1].speed)
-    assert at_rest == (0.0, 0.0)
-    for a, b in pairwise(trajectory.waypoints):
-        dt = b.time_s - a.time_s - a.dwell_s
-        way = math.dist((a.x, a.y), (b.x, b.y))
-        turn = abs(wrap_angle(b.heading_rad - a.heading_rad))
-        assert dt >= 0.0
-        if way > 0.0 or turn > 1e-5:
-            assert dt > 0.0
-        tight = 1.0 + 1e-6
-        assert way <= limits.speed * dt * tight + 1e-9
-        assert max(a.speed, b.speed) <= limits.speed * tight
-        assert abs(b.speed - a.speed) <= limits.acceleration * dt * tight + 1e-9
-        assert turn <= limits.angular_rate_rad_s * dt * tight + 1e-6
-        if way > 0.0 and dt > 0.0:
-            # the mean of v omega over the stretch: no more than the lateral limit
-            assert turn / dt * way / dt <= limits.lateral_acceleration * 1.3 + 1e-6
-        else:
-            assert way == 0.0
-
-
-coordinate = st.integers(-40, 40).map(lambda k: k / 10)
-polylines = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=9)
-heading = st.none() | st.floats(-math.pi, math.pi)
 
 
 @settings(max_examples=80, deadline=None)
@@ -298,140 +238,6 @@ def test_default_limits_scale_with_the_robot():
     large_path = make_path([(0, 0), (1000, 0), (1000, 1000)], 1000.0, radius=100.0)
     large = time_path(large_path, default_limits(100.0))
     assert large.duration_s == pytest.approx(small.duration_s, rel=1e-9)
-
-
-def _driven(path: Path, limits: Limits, clearance=None):
-    """Each leg as it is driven: times, lengths along it, and the heading there, densely."""
-    track = Track(path, limits, clearance, (0.0,) * len(path.stations))
-    for leg in track.legs():
-        if not len(leg.lengths):
-            continue
-        nodes = speed_cells(leg, limits.spacing)
-        speed, gentle = track.speed_limits(leg, nodes)
-        profile = plan_speed(nodes, speed, limits.acceleration, limits.jerk, gentle)
-        times = np.linspace(0.0, profile.duration_s, 40_001)
-        lengths = profile.position(times)
-        yield times, lengths, leg.headings(lengths)
-
-
-def _check_motion(path: Path, limits: Limits) -> None:
-    """Differences of what is driven, over steps at which rounding no longer matters."""
-    for times, lengths, heading in _driven(path, limits):
-        step = 20
-        dt = float(times[1]) * step
-        s, h = lengths[::step], heading[::step]
-        speed, rate = np.diff(s) / dt, np.diff(h) / dt
-        acceleration, spin, jerk = np.diff(speed) / dt, np.diff(rate) / dt, np.diff(s, 3) / dt**3
-        tiny = 1e-12 * max(1.0, float(s[-1]), float(np.abs(h).max()))
-        assert speed.max() <= limits.speed * (1 + 1e-6) + tiny / dt
-        assert np.abs(acceleration).max() <= limits.acceleration * (1 + 1e-6) + tiny / dt**2
-        assert np.abs(jerk).max() <= limits.jerk * (1 + 1e-3) + 8 * tiny / dt**3
-        assert np.abs(rate).max() <= limits.angular_rate_rad_s * (1 + 1e-6) + tiny / dt
-        grip = limits.lateral_acceleration
-        assert np.abs(rate * speed).max() <= grip * (1 + 1e-3) + tiny / dt
-        most = limits.angular_acceleration_rad_s2
-        assert np.abs(spin).max() <= most * (1 + 1e-3) + 4 * tiny / dt**2
-
-
-def _arc(radius: float, sweep: float, count: int) -> np.ndarray:
-    a = np.linspace(0.0, sweep, count)
-    return radius * np.c_[np.sin(a), 1.0 - np.cos(a)]
-
-
-def _bends() -> dict[str, np.ndarray]:
-    line = np.array([[-2.0, 0.0]])
-    s_bend = np.concatenate([line, _arc(0.7, 2.0, 60)])
-    a = s_bend[-1]
-    c, s = math.cos(2.0), math.sin(2.0)
-    back = _arc(0.5, 2.2, 50) * (1.0, -1.0) @ np.array([[c, s], [-s, c]]) + a
-    return {
-        "corner": np.array([(0, 0), (2, 0), (2, 2)]),
-        "gentle corner": np.array([(0, 0), (2, 0), (4, 0.4)]),
-        "arc": _arc(1.0, 3.0, 200),
-        "coarse arc": _arc(1.0, 3.0, 20),
-        "tight arc": _arc(0.3, 3.0, 60),
-        "line into arc": np.concatenate([line, _arc(0.6, 3.0, 90)]),
-        "S": np.concatenate([s_bend, back[1:]]),
-        "zigzag": np.array([(i * 0.6, 0.25 * (i % 2)) for i in range(9)]),
-    }
-
-
-@pytest.mark.parametrize("spin", [0.6, 4.0])
-@pytest.mark.parametrize("on_spot", [True, False])
-@pytest.mark.parametrize("name", list(_bends()))
-def test_rates_and_accelerations_keep_their_limits_at_every_moment(name, on_spot, spin):
-    limits = replace(LIMITS, turns_on_spot=on_spot, angular_acceleration_rad_s2=spin)
-    for clearance in (1.0, RADIUS + 0.05):
-        _check_motion(make_path(_bends()[name], clearance), limits)
-
-
-@settings(max_examples=60, deadline=None)
-@given(polylines, st.booleans(), st.floats(0.5, 6.0), st.floats(0.1, 1.0))
-def test_no_polyline_makes_the_robot_break_its_limits(points, on_spot, spin, clearance):
-    limits = replace(LIMITS, turns_on_spot=on_spot, angular_acceleration_rad_s2=spin)
-    _check_motion(make_path(points, clearance), limits)
-
-
-def test_a_bend_is_entered_slower_where_the_robot_is_slow_to_turn():
-    path = make_path(np.concatenate([[(-3.0, 0.0)], _arc(0.8, 3.0, 100)]))
-    times = [
-        time_path(path, replace(LIMITS, angular_acceleration_rad_s2=a)).duration_s
-        for a in (100.0, 4.0, 0.5)
-    ]
-    assert times[0] <= times[1] < times[2]
-
-
-def test_headings_turn_by_as_much_as_the_path_and_end_in_its_direction():
-    for points in _bends().values():
-        for _, _, heading in _driven(make_path(points), replace(LIMITS, turns_on_spot=False)):
-            ends = np.diff(points[[0, 1, -2, -1]], axis=0)[[0, 2]]
-            wanted = np.arctan2(ends[:, 1], ends[:, 0])
-            assert wrap_angle(heading[0] - wanted[0]) == pytest.approx(0.0, abs=0.06)
-            assert wrap_angle(heading[-1] - wanted[1]) == pytest.approx(0.0, abs=0.06)
-
-
-def _tightest(path: Path, limits: Limits) -> float:
-    """The least radius that is driven: way over turn, between moments that are close."""
-    least = math.inf
-    for _, lengths, heading in _driven(path, limits):
-        turn, way = np.abs(np.diff(heading[::40])), np.diff(lengths[::40])
-        moving = way > 1e-6
-        least = min(least, float((way[moving] / np.maximum(turn[moving], 1e-12)).min()))
-    return least
-
-
-@pytest.mark.parametrize("name", list(_bends()))
-def test_no_bend_is_tighter_than_the_turning_radius(name):
-    path = make_path(_bends()[name])
-    free = _tightest(path, LIMITS)
-    for radius in (0.3, 0.65, 3.0):
-        limits = replace(LIMITS, turning_radius=radius)
-        assert _tightest(path, limits) >= radius * (1 - 1e-3)
-        check_bounds(time_path(path, limits), limits)
-        if free > radius * 1.01:
-            assert time_path(path, limits) == time_path(path, LIMITS)
-
-
-def test_a_bend_that_is_wide_enough_is_driven_without_a_stop():
-    path = make_path(_arc(1.0, 3.0, 200))
-    trajectory = time_path(path, replace(LIMITS, turning_radius=0.95))
-    assert all(w.speed > 0 for w in trajectory.waypoints[1:-1])
-
-
-def test_a_robot_that_can_neither_bend_nor_turn_is_told_where():
-    limits = replace(LIMITS, turns_on_spot=False, turning_radius=0.5)
-    with pytest.raises(
-        TrajectoryError, match=r"at \(1\.999\d*, 0\) the path bends with a .* 0\.01"
-    ):
-        time_path(make_path([(0, 0), (2, 0), (2, 2)]), limits)
-    wide = make_path(_arc(1.0, 3.0, 200))
-    assert time_path(wide, limits).duration_s > 0.0
-
-
-@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])
-def test_the_turning_radius_must_be_finite_and_not_negative(value):
-    with pytest.raises(TrajectoryError, match=r"limits\.turning_radius = "):
-        time_path(make_path([(0, 0), (1, 0)]), replace(LIMITS, turning_radius=value))
 
 
 def test_an_angle_a_hair_beyond_half_a_turn_is_brought_into_the_range() -> None:

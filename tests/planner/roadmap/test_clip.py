@@ -15,7 +15,7 @@ from planner.formats.scene_io import read_scene_text
 from planner.roadmap.clip import Clipped
 from planner.roadmap.graph import without_spurs
 from planner.scene import Bounds, CircleRecord, Scene
-from tests.support.planner_scenes import (
+from tests.support.scenes.planner_scenes import (
     box,
     hand_made,
     polygon,

@@ -12,7 +12,13 @@ import planner
 from planner.formats.scene_io import read_scene_text
 from planner.roadmap.graph import lay_strands
 from planner.scene import Bounds, CircleRecord
-from tests.support.planner_scenes import hand_made, random_scene, scene_of, slow_distance, with_hole
+from tests.support.scenes.planner_scenes import (
+    hand_made,
+    random_scene,
+    scene_of,
+    slow_distance,
+    with_hole,
+)
 
 EVERYWHERE = Bounds(-1e6, -1e6, 1e6, 1e6)
 

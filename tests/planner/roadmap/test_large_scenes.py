@@ -13,8 +13,8 @@ from planner.formats.grid_maps import grid_scene
 from planner.motion.smooth import smooth_path
 from planner.motion.trajectory import default_limits, time_path
 from planner.path import Path
-from tests.support.mazes import Grid, maze, noise, plate
-from tests.support.planner_scenes import slow_distance
+from tests.support.scenes.mazes import Grid, maze, noise, plate
+from tests.support.scenes.planner_scenes import slow_distance
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import planner
 from planner.borders.generators import Borders
 from planner.diagram.bisector_kernels import heading, slide_between
 from planner.scene import FloatArray, IntArray, Scene, SegmentRecord
-from tests.support.planner_scenes import random_scene, scene_of, slow_distance
+from tests.support.scenes.planner_scenes import random_scene, scene_of, slow_distance
 
 STEPS = 20
 ROUNDING = 1e-7

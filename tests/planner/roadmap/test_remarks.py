@@ -8,7 +8,7 @@ import pytest
 
 import planner
 from planner.scene import Arc, CircleRecord, PointRecord, PolygonRecord, Segment, SegmentRecord
-from tests.support.planner_scenes import bay, box, hand_made, scene_of, stadium, with_hole
+from tests.support.scenes.planner_scenes import bay, box, hand_made, scene_of, stadium, with_hole
 
 EXPECTED = {
     "touching boxes": ("obstacles 0 and 1 touch or cross",),

@@ -11,7 +11,7 @@ import pytest
 
 import planner
 from planner.scene import Scene, primitive_kernels
-from tests.support.planner_scenes import (
+from tests.support.scenes.planner_scenes import (
     box,
     hand_made,
     random_scene,

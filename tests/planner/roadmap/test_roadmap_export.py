@@ -12,7 +12,7 @@ import pytest
 from planner.formats.scene_io import read_scene_text
 from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.roadmap.roadmap_export import ExchangeError, to_geojson, to_graphml, to_node_link
-from tests.support.nav2_graph import NoValidGraphError, load_graph
+from tests.support.oracles.nav2_graph import NoValidGraphError, load_graph
 
 SCENE = (
     "#@ clearway.scene/1\n#@ units m\n#@ bounds given 0 0 10 8\n"

@@ -8,8 +8,8 @@ import pytest
 import planner
 from planner.path import NoPath, Path
 from planner.scene import Bounds
-from tests.support.grid_scenes import Tally, judge
-from tests.support.planner_scenes import polygon, scene_of
+from tests.support.scenes.grid_scenes import Tally, judge
+from tests.support.scenes.planner_scenes import polygon, scene_of
 
 
 @pytest.mark.parametrize("first", range(0, 200, 25))

@@ -13,7 +13,7 @@ from planner.path import Path
 from planner.route.hysteresis import STAY
 from planner.scene import CircleRecord, FloatArray, Scene
 from planner.search.homotopy import anchors, word
-from tests.support.planner_scenes import box, random_scene, scene_of
+from tests.support.scenes.planner_scenes import box, random_scene, scene_of
 
 RADIUS = 4.0
 START, GOAL = (10.0, 59.5), (150.0, 59.5)

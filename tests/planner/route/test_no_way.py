@@ -14,8 +14,14 @@ from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
 from planner.roadmap.roadmap import FINER
 from planner.scene import Bounds, Scene, SegmentRecord
-from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
-from tests.support.visibility_oracle import shortest_length
+from tests.support.oracles.visibility_oracle import shortest_length
+from tests.support.scenes.planner_scenes import (
+    box,
+    hand_made,
+    random_scene,
+    scene_of,
+    slow_distance,
+)
 
 NEAR = 2e-3
 

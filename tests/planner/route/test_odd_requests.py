@@ -9,7 +9,7 @@ import pytest
 
 import planner
 from planner.scene import SegmentRecord
-from tests.support.planner_scenes import box, scene_of
+from tests.support.scenes.planner_scenes import box, scene_of
 
 ARENA = scene_of(box(60, 40, 100, 80))
 HALVED = scene_of(SegmentRecord((80.0, -0.5), (80.0, 119.5)))

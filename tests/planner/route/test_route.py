@@ -13,7 +13,14 @@ import planner
 from planner.path import NoPath, Path
 from planner.route.taut import judge
 from planner.scene import Bounds, CircleRecord, Scene
-from tests.support.planner_scenes import bay, box, hand_made, random_scene, scene_of, slow_distance
+from tests.support.scenes.planner_scenes import (
+    bay,
+    box,
+    hand_made,
+    random_scene,
+    scene_of,
+    slow_distance,
+)
 
 
 def _plan(scene: Scene, radius: float, start: tuple[float, ...], goal: tuple[float, ...], **kw):

@@ -11,7 +11,7 @@ from scipy import ndimage
 import planner
 from planner.path import Path
 from planner.scene import FloatArray, Scene
-from tests.support.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
+from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance, slow_inside
 
 FOUR = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]])
 EIGHT = np.ones((3, 3))

@@ -14,7 +14,7 @@ from planner.route.route import OTHERS_WORK
 from planner.scene import FloatArray
 from planner.search.chain_search import Network, attach, cheapest_routes, routes, widest_gap
 from planner.search.search_kernels import Gates
-from tests.support.planner_scenes import box, hand_made, random_scene, scene_of
+from tests.support.scenes.planner_scenes import box, hand_made, random_scene, scene_of
 
 
 def _stations(roadmap: Roadmap, rng: np.random.Generator) -> list[tuple[float, float]]:

@@ -13,7 +13,7 @@ from planner.path import Path
 from planner.roadmap.roadmap import Roadmap
 from planner.route import taut_kernels
 from planner.scene import FloatArray, Scene
-from tests.support.planner_scenes import random_scene, slow_distance
+from tests.support.scenes.planner_scenes import random_scene, slow_distance
 
 ROUNDING = 1e-7
 

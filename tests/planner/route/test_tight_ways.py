@@ -10,7 +10,7 @@ from planner.formats.map_files import parse_movingai
 from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
 from planner.scene import CircleRecord, Scene, SegmentRecord
-from tests.support.planner_scenes import scene_of, slow_distance, with_hole
+from tests.support.scenes.planner_scenes import scene_of, slow_distance, with_hole
 
 PREFERENCES = ["length", "balanced", "clearance"]
 ROUNDING = 1e-12

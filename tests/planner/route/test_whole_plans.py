@@ -18,7 +18,7 @@ from planner.motion.smooth import smooth_path
 from planner.motion.trajectory import default_limits, time_path
 from planner.path import Limits, NoPath, Path, Trajectory, Waypoint
 from planner.scene import Bounds, FloatArray, Scene, SegmentRecord
-from tests.support.planner_scenes import random_scene, scene_of, slow_distance
+from tests.support.scenes.planner_scenes import random_scene, scene_of, slow_distance
 
 TIGHT = 1.0 + 1e-6
 SECOND = 1e-7

@@ -10,7 +10,7 @@ import pytest
 from planner.formats.scene_io import read_scene_text
 from planner.path import NoPath, Path
 from planner.roadmap.roadmap import build_roadmap
-from tests.support.planner_scenes import random_scene, slow_distance
+from tests.support.scenes.planner_scenes import random_scene, slow_distance
 
 WALL_AND_POST = read_scene_text(
     "#@ clearway.scene/1\n#@ units px\n#@ bounds given 0 0 400 300\n"

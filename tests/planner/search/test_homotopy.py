@@ -11,7 +11,7 @@ import planner
 from planner.path import Path
 from planner.scene import FloatArray, Scene
 from planner.search.homotopy import word
-from tests.support.planner_scenes import all_edges, box, hand_made, random_scene, scene_of
+from tests.support.scenes.planner_scenes import all_edges, box, hand_made, random_scene, scene_of
 
 
 def _crossings(way: FloatArray, place: tuple[float, float]) -> float:

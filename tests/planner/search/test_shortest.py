@@ -14,8 +14,14 @@ from planner.route.route import GAVE_UP
 from planner.scene import ArcRecord, Bounds, CircleRecord, FloatArray, PointRecord, Scene
 from planner.search import shortest
 from planner.search.shortest import shortest_way
-from tests.support.planner_scenes import box, hand_made, random_scene, scene_of, slow_distance
-from tests.support.visibility_oracle import shortest_length
+from tests.support.oracles.visibility_oracle import shortest_length
+from tests.support.scenes.planner_scenes import (
+    box,
+    hand_made,
+    random_scene,
+    scene_of,
+    slow_distance,
+)
 
 WITHIN = 1e-3
 """Chords around arcs are longer by less: asked for is 2 %."""

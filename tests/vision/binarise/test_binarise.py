@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord
-from tests.support.render import coverage, draw, outline_points, polygon, ramp
+from tests.support.drawn.render import coverage, draw, outline_points, polygon, ramp
 from vision.binarise.binarise import binarise
 from vision.binarise.binarise_kernels import noise_sigma
-from vision.binarise.grey import PictureError, as_grey
+from vision.binarise.grey import as_grey
 from vision.binarise.light import light_surface
+from vision.errors import PictureError
 from vision.pipeline import extract
 
 SIZE = (320, 240)

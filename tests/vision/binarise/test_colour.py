@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import vision
 from planner.scene import CircleRecord, Scene, SceneObject
-from vision.binarise.grey import PictureError
+from vision.errors import PictureError
 
 Colour = tuple[float, float, float]
 WIDTH, HEIGHT, FINER = 240, 180, 4

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord
-from tests.support.render import draw
+from tests.support.drawn.render import draw
 from vision.binarise.edge_evidence import Support, follows_edges
 from vision.binarise.grey_classes import classes_of
 from vision.binarise.grey_picture import Look

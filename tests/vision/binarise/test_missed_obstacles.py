@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord
-from tests.support.render import coverage, draw, outline_points, polygon
+from tests.support.drawn.render import coverage, draw, outline_points, polygon
 from vision import extract
 from vision.binarise.binarise import binarise
 

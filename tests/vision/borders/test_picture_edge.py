@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.scene import Arc, CircleRecord, PolygonRecord, Segment, object_records
-from tests.support.render import outline_points
+from tests.support.drawn.render import outline_points
 from vision import extract
 from vision.records.clipping import clip_circle, clip_polygon
 

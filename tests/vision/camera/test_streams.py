@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tests.support.mjpeg_server import RATE_HZ, MjpegServer, mjpeg_server
+from tests.support.processes.mjpeg_server import RATE_HZ, MjpegServer, mjpeg_server
 from vision.camera.arrival_clock import ArrivalClock
 from vision.camera.camera import Image
 from vision.camera.capture import StreamCamera

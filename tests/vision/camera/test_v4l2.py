@@ -14,7 +14,7 @@ import pytest
 
 from vision.camera.latest_frame import WatchLimits
 
-SOURCE = Path(__file__).parents[2] / "support" / "v4l2_camera.c"
+SOURCE = Path(__file__).parents[2] / "support" / "processes" / "v4l2_camera.c"
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
 
@@ -51,7 +51,7 @@ os._exit(0)  # the hung thread ends with the process
 
 LIST = """
 import json, sys
-from vision import capture
+from vision.camera import capture
 nodes = {"/dev/video*": sys.argv[1:]}
 capture.glob.glob = lambda pattern: nodes.get(pattern, [])
 refused = ""

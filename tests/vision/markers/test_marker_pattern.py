@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from tests.support.boards import LIGHT, Patch, marker_patch, pose_bound, render
+from tests.support.drawn.boards import LIGHT, Patch, marker_patch, pose_bound, render
 from vision.calibration.calibration import Calibration
 from vision.markers.marker_pattern import fit_pattern, pattern_bits
 from vision.markers.markers import dictionary_by_name

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from tests.support.boards import DARK, LIGHT, Patch, marker_patch, render
+from tests.support.drawn.boards import DARK, LIGHT, Patch, marker_patch, render
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.sources import read_picture

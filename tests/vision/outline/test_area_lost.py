@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord, PolygonRecord, Scene, object_records
-from tests.support.render import coverage, outline_points
+from tests.support.drawn.render import coverage, outline_points
 from vision import extract
 
 SIDE = 200

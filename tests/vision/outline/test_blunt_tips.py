@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord, PolygonRecord, Segment
-from tests.support.render import draw, polygon
+from tests.support.drawn.render import draw, polygon
 from vision import extract
 
 SIZE = (220, 220)

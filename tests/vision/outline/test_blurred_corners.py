@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from planner.scene import PolygonRecord
-from tests.support.render import Points, draw, polygon
+from tests.support.drawn.render import Points, draw, polygon
 from vision import extract
 from vision.outline.corners.dropped_side_kernels import sharpen
 from vision.outline.corners.joint_kernels import edge_end

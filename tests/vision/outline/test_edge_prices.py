@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from tests.support.render import cut_disc, draw, polygon
+from tests.support.drawn.render import cut_disc, draw, polygon
 from vision import extract
 from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices, saving_of_noise
 

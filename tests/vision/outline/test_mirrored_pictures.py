@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from planner.scene import Arc, CircleRecord, PolygonRecord, Record
-from tests.support.render import draw, polygon
+from tests.support.drawn.render import draw, polygon
 from vision import extract
 
 SIZE = 180

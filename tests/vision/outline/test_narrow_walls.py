@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.scene import PolygonRecord, Scene, object_records
-from tests.support.render import coverage, outline_points
+from tests.support.drawn.render import coverage, outline_points
 from vision import extract
 
 DARK, LIGHT = 40.0, 215.0

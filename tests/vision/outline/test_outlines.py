@@ -1,8 +1,8 @@
 """Every outline lies on its border and every border has its outline, whatever the picture.
 
 Rules and units
-- The judge is ``tests.support.outline_judge``: it knows the black and white picture and the written
-  records only. ``python -m benchmarks.outlines`` runs it over thousands of pictures more.
+- The judge is ``tests.support.drawn.outline_judge``: it knows the black and white picture and the
+  written records only. ``python -m benchmarks.outlines`` runs it over thousands of pictures more.
 - Pixels, centres at integers, y down.
 """
 
@@ -29,8 +29,8 @@ from planner.scene import (
     Vec,
     object_records,
 )
-from tests.support.outline_judge import failures, judge, mask_of
-from tests.support.outline_pictures import FAMILIES, LOOKS, every_look, shown, slits
+from tests.support.drawn.outline_judge import failures, judge, mask_of
+from tests.support.drawn.outline_pictures import FAMILIES, LOOKS, every_look, shown, slits
 from vision import Calibration, extract
 from vision.outline.check.stray_kernels import outline_strays
 from vision.outline.fit.shape_kernels import goes_round

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from planner.scene import PolygonRecord
-from tests.support.render import draw, outline_points, polygon
+from tests.support.drawn.render import draw, outline_points, polygon
 from tests.vision.outline.test_mirrored_pictures import SIZE, blob, ellipse, spiral
 from vision import extract
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from planner.scene import Arc, PolygonRecord, Segment, object_records
-from tests.support.render import Points, coverage, draw, outline_points, polygon, rounded
+from tests.support.drawn.render import Points, coverage, draw, outline_points, polygon, rounded
 from vision import extract
 
 SIZE = 200, 200

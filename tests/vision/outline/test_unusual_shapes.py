@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord, PolygonRecord, Scene, Segment, object_records
-from tests.support.render import outline_points
+from tests.support.drawn.render import outline_points
 from vision import PictureError, extract
 
 Mask = np.ndarray

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord
-from tests.support.render import draw, polygon
+from tests.support.drawn.render import draw, polygon
 from vision.borders.contours import follow_borders
 from vision.paper.circles import digital_circle
 from vision.pipeline import extract

@@ -6,7 +6,7 @@ from threading import Thread
 
 import numpy as np
 
-from tests.support.render import draw, polygon
+from tests.support.drawn.render import draw, polygon
 from vision import extract
 from vision.binarise.binarise import binarise
 from vision.borders.contours import follow_borders

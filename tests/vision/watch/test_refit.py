@@ -20,7 +20,7 @@ from planner.scene import (
     SceneObject,
     record_edges,
 )
-from tests.support.render import draw, polygon
+from tests.support.drawn.render import draw, polygon
 from vision.calibration.calibration import Calibration
 from vision.doubts import doubts_about
 from vision.watch.refit import KnownScene

@@ -24,7 +24,7 @@ STRAY_PX = 2.0
 """How far a written outline and its border may be apart, but for a pointed corner that blur rounded
 back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
 (``vision.outline.fitting_kernels.MOST_PX``), and there is a point for every row or column of a
-border only: what ``tests/support/outline_judge.py`` fails, which allows 3 px, fails here
+border only: what ``tests/support/drawn/outline_judge.py`` fails, which allows 3 px, fails here
 (``python -m benchmarks.outlines``)."""
 TURNS = 8
 """Steps in which an arc's points are looked at for its turning sense."""

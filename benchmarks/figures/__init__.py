@@ -1,0 +1,1 @@
+"""The figures of docs/outlines.md and docs/diagram.md, from the running code."""

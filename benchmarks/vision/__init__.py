@@ -1,0 +1,1 @@
+"""Global Vision beside OpenCV, with truth: ``python -m benchmarks.vision``."""

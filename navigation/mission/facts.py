@@ -1,0 +1,98 @@
+"""What safety is judged by in a cycle: what camera and link say, and what that means now.
+
+The same report means another thing while the robot is to drive, to prove itself or to stand: a
+robot is idle only where it was told to move, and a late camera that is about to be measured again
+is not too late yet. Metres, seconds.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from navigation.mission.cycle import PilotSettings, RobotReport, Sight
+from navigation.mission.mission import Mission, State
+from navigation.mission.running_plan import RunningPlan
+from navigation.mission.slowing import LateCamera
+from navigation.mission.traffic import Encounter
+from navigation.mission.trust import Trust
+from navigation.mission.watch import Facts
+
+
+class Situation(NamedTuple):
+    """What the pilot is at: its mission, the plan, and their mission on the wire."""
+
+    mission: Mission
+    plan: RunningPlan
+    wire_id: int
+    rearms: bool
+    """Whether the robot is about to be told to leave its emergency stop."""
+
+
+class FactFinder:
+    """Keeps since when the robot is idle, and how late the camera may be."""
+
+    def __init__(self, settings: PilotSettings, trust: Trust) -> None:
+        self.late_camera = LateCamera()
+        self._settings, self._trust = settings, trust
+        self._idle_since_s: float | None = None
+
+    def facts(
+        self,
+        now_s: float,
+        sight: Sight,
+        robot: RobotReport,
+        situation: Situation,
+        met: Encounter | None,
+    ) -> Facts:
+        """The facts of one cycle; ``met`` is the robot that comes near, if one does."""
+        mission, plan, wire_id, rearms = situation
+        position = None if sight.pose is None else sight.pose[:2]
+        driving = mission.state is State.DRIVING
+        running = driving and robot.mission_id == wire_id
+        return Facts(
+            frame_age_s=sight.frame_age_s,
+            pose_age_s=sight.pose_age_s,
+            link_age_s=robot.age_s,
+            link_down_reason=robot.down_reason,
+            robot_estopped=robot.estopped and not (rearms or robot.leaving_estop),
+            robot_disarmed=robot.disarmed and running,
+            robot_idle_reason=self._idle_reason(now_s, robot, situation),
+            position_m=position,
+            inside_arena=position is None or self._settings.bounds_m.contains(position),
+            clearance_m=sight.clearance_m,
+            deviation_m=plan.deviation_m(position) if driving else None,
+            paused=mission.paused,
+            near_robot=None if met is None or met.stands else met.sentence,
+            failed=sight.failed,
+            camera_reason=sight.camera_reason,
+            doubles=sight.doubles,
+            parted=sight.evidence.parted if mission.state is not State.PROVING else None,
+            latency_s=self._latency_that_matters(now_s, sight, mission.state),
+            scene_doubt=sight.scene_doubt,
+        )
+
+    def _latency_that_matters(self, now_s: float, sight: Sight, state: State) -> float | None:
+        """The camera's latency, but while it is being measured again, or is about to be."""
+        late_s = sight.evidence.latency_s
+        if state is State.PROVING or late_s is None:
+            return None
+        if not self._settings.turns_on_spot:
+            return late_s
+        return self.late_camera.look(now_s, late_s, self._settings.limits.latency_s, self._trust)
+
+    def _idle_reason(self, now_s: float, robot: RobotReport, situation: Situation) -> str | None:
+        """Why the robot does not do what it was told, once it had time to begin."""
+        targets = situation.plan.targets
+        if situation.mission.state is not State.DRIVING or not targets:
+            self._idle_since_s = None
+            return None
+        ours = robot.mission_id == situation.wire_id
+        finished = ours and robot.executed >= len(targets)
+        if finished or (ours and robot.standing_reason is None):
+            self._idle_since_s = None
+            return None
+        if self._idle_since_s is None:
+            self._idle_since_s = now_s
+        if now_s - self._idle_since_s < self._settings.robot_grace_s:
+            return None
+        return (robot.standing_reason if ours else None) or "it has not taken the plan"

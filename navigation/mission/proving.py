@@ -1,0 +1,84 @@
+"""A doubted robot proves itself: it turns on the spot, and the camera has to see it turn.
+
+When a robot may be asked to, what its turn has shown, and what follows from that for the mission.
+Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from navigation.mission.cycle import RobotReport, Sight
+from navigation.mission.mission import Event
+from navigation.mission.targets import Target
+from navigation.mission.trust import NEAR_M, Proof, Trust, Verdict
+
+
+class ProofStep(NamedTuple):
+    """What one cycle of a proof asks for; nothing at all while it goes on."""
+
+    event: Event | None = None
+    """Of the mission."""
+    sentence: str = ""
+    stop: str | None = None
+    """Why the robot has to be stopped."""
+    targets: tuple[Target, ...] | None = None
+    """The turn to be driven."""
+
+
+_NOTHING = ProofStep()
+
+
+class Proving:
+    """The proof that is under way, if any."""
+
+    def __init__(self, trust: Trust) -> None:
+        self._trust = trust
+        self._proof: Proof | None = None
+
+    def begin(
+        self, now_s: float, mission_id: int, sight: Sight, robot: RobotReport, *, turns: bool
+    ) -> ProofStep:
+        """Let a doubted robot turn as mission ``mission_id``, once it can be asked to.
+
+        ``turns``: whether it can turn on the spot; one that cannot is believed when it stands
+        where its wheels brought it.
+        """
+        trust, evidence = self._trust, sight.evidence
+        if sight.pose is None or robot.place_m is None or not evidence.wheels_stand:
+            return _NOTHING
+        stop = trust.moved(evidence)
+        if stop is not None:
+            return ProofStep(stop=stop)
+        if not turns:
+            trust.proved(evidence)
+            return _NOTHING
+        if math.dist(robot.place_m, sight.pose[:2]) > NEAR_M:
+            return _NOTHING
+        self._proof = Proof(mission_id, now_s, evidence)
+        return ProofStep(
+            Event.PROVE,
+            f"{trust.why}: the robot turns a little to prove itself",
+            targets=trust.turn(robot.place_m, sight.pose[2]),
+        )
+
+    def judge(self, now_s: float, sight: Sight, robot: RobotReport) -> ProofStep:
+        """What the turn under way has shown by now."""
+        assert self._proof is not None
+        evidence = sight.evidence
+        done = robot.mission_id == self._proof.mission_id and robot.executed >= 1
+        verdict, sentence = self._proof.judge(now_s, evidence, done)
+        match verdict:
+            case Verdict.PROVED:
+                stop = self._trust.moved(evidence)
+                if stop is not None:
+                    return ProofStep(stop=stop)
+                self._trust.proved(evidence)
+                return ProofStep(Event.PROVED, "the robot has proved itself")
+            case Verdict.REFUTED:
+                return ProofStep(stop=sentence)
+            case Verdict.STILL:
+                return ProofStep(Event.HOLD, sentence)
+            case Verdict.OPEN:
+                return _NOTHING

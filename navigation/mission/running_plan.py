@@ -1,0 +1,91 @@
+"""The plan that the robot drives: where it leads, how far the robot has got, and its sentences.
+
+Nothing in it changes: progress and the next plan replace it whole. Metres, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.targets import Target
+from planner.path import NoPath, Path, Trajectory
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class RunningPlan:
+    """A path, what the robot was given for it, and what it has executed of that."""
+
+    path: Path | None = None
+    """None where nothing is driven."""
+    trajectory: Trajectory | None = None
+    targets: tuple[Target, ...] = ()
+    speed_m_s: float = math.inf
+    """No faster than this."""
+    revision: int = 0
+    """Of the scene that it was made in."""
+    visited_before: int = 0
+    """The mission's stations that were visited when it was made."""
+    executed: int = 0
+    """How many targets the robot has reached."""
+
+    @property
+    def left(self) -> FloatArray:
+        """The places (n, 2) of the targets that are left."""
+        places = [(t.x_m, t.y_m) for t in self.targets[self.executed :]]
+        return np.array(places, dtype=np.float64).reshape(-1, 2)
+
+    @property
+    def visited(self) -> int:
+        """The mission's stations that are visited by what was executed."""
+        passed = [t.station for t in self.targets[: self.executed] if t.station is not None]
+        return self.visited_before + max(passed, default=0)
+
+    def left_m(self, place_m: tuple[float, float]) -> float | None:
+        """How far it still is from a place through the targets that are left; None without any."""
+        left = self.left
+        if len(left) == 0:
+            return None
+        points = np.vstack([[place_m], left])
+        return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+    def deviation_m(self, place_m: tuple[float, float] | None) -> float | None:
+        """How far a place is from the path; None where either is missing."""
+        if place_m is None or self.path is None:
+            return None
+        return distance_to_polyline(self.path.points, place_m)
+
+
+def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
+    """The distance from a position to a polyline (n, 2), n >= 1, in the same units."""
+    here = np.asarray(position, dtype=np.float64)
+    if len(points) == 1:
+        return float(np.hypot(*(points[0] - here)))
+    a, d = points[:-1], points[1:] - points[:-1]
+    squared = (d * d).sum(1)
+    t = ((here - a) * d).sum(1) / np.where(squared > 0.0, squared, 1.0)
+    nearest = a + np.clip(t, 0.0, 1.0)[:, None] * d
+    return float(np.hypot(*(nearest - here).T).min())
+
+
+def what_is_driven(path: Path, stations_left: int) -> str:
+    """The sentence to a plan that is driven."""
+    return (
+        f"driving {path.length:.2f} m to {stations_left} station{'s' * (stations_left != 1)}, "
+        f"clearance at least {path.min_clearance:.3f} m" + _remarked(path)
+    )
+
+
+def why_no_plan(answer: NoPath, asked: PlanRequest) -> str:
+    """The sentence where there is none."""
+    robots = sorted({disc.robot_id for disc in asked.avoid})
+    around = f" around robot {' and '.join(map(str, robots))}" if robots else ""
+    return f"no safe plan{around}: {answer.reason}{_remarked(answer)}"
+
+
+def _remarked(answer: Path | NoPath) -> str:
+    return "".join(f"; {remark}" for remark in answer.remarks)

@@ -1,0 +1,91 @@
+"""The link to the robot in virtual time: on the loop's own line, without thread and port.
+
+Metres, radians, virtual seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from firmware_protocol.wire.messages import Waypoint
+from firmware_protocol.wire.mission import Mission
+from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
+from navigation.run.virtual_troubles import Troubles
+from navigation.simulator.virtual_loop import VirtualLoop
+
+LATENCIES_KEPT = 10_000
+
+
+@dataclass(slots=True)
+class VirtualLink:
+    """`SerialLink` without its thread and its port, on the virtual loop's line."""
+
+    loop: VirtualLoop
+    troubles: Troubles
+    capture_to_wire_s: deque[float] = field(default_factory=lambda: deque(maxlen=LATENCIES_KEPT))
+    turns: int = 0
+
+    def open(self) -> None:
+        """A new session, as a program that has just been started opens one."""
+        host = self.loop.host
+        host.close("another program opens the port")
+        host.open(self.loop.now_s)
+
+    def failure(self) -> str | None:
+        """There is no thread that could fail."""
+        return None
+
+    def restart(self) -> None:
+        """Nothing to do."""
+
+    def close(self) -> None:
+        """The program is gone; the robot stops when its lease runs out."""
+        self.loop.host.close()
+
+    def upload(self, mission: int, waypoints: Sequence[Waypoint]) -> Mission:
+        """Replace the robot's mission and drive it."""
+        whole = Mission(mission, waypoints)
+        self.loop.host.upload(whole, self.loop.now_s, True)
+        return whole
+
+    def pause(self) -> None:
+        """Stop under control and keep the mission."""
+        self.loop.host.pause()
+
+    def clear(self) -> None:
+        """Stop under control and drop the mission."""
+        self.loop.host.clear()
+
+    def lease(self, permit: bool, pose_age_s: float = math.inf, ttl_s: float = 0.5) -> None:
+        """The control loop lives, and the robot may drive."""
+        self.turns += 1
+        self.loop.host.lease(self.loop.now_s, ttl_s, permit, pose_age_s)
+
+    def pose_fix(self, x_m: float, y_m: float, heading_rad: float, captured_s: float) -> None:
+        """Where the camera saw the robot."""
+        self.loop.host.pose_fix(x_m, y_m, heading_rad, captured_s)
+        self.capture_to_wire_s.append(self.loop.now_s - captured_s)
+
+    def estop(self) -> None:
+        """Emergency stop."""
+        self.loop.host.estop()
+
+    def reset_estop(self) -> None:
+        """Leave the emergency stop."""
+        self.loop.host.reset_estop(self.loop.now_s)
+
+    def snapshot(self) -> LinkSnapshot:
+        """The present state."""
+        host, now_s = self.loop.host, self.loop.now_s
+        snapshot = snapshot_of(host, now_s, port_fault="the port is not open", estop_waits=False)
+        broken = self.troubles.port_broken
+        reason = "the port virtual broke" if broken else snapshot.down_reason
+        return replace(
+            snapshot,
+            down_reason=reason,
+            heard_age_s=now_s - host.heard_s,
+            status_age_s=now_s - host.status_s,
+        )

@@ -1,0 +1,282 @@
+"""The simulated overhead camera: pictures of the arena and its robots, 30 a second.
+
+It gives `vision.camera.camera.Frame` like any other camera, and nothing in them says that they are
+simulated: dark obstacles lie flat on a light, unevenly lit floor; a robot is an upright
+cylinder with its marker on top, seen in perspective through a distorting lens; then come the
+lens's blur and the sensor's noise.
+
+How it is fast enough: floor and obstacles are drawn once; a frame adds a window of ready-made
+noise while it waits for its time, and then the robots' patches. `captured_s` is the moment of
+the exposure, at which the robots' true poses are asked for.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from navigation.config import Config
+from navigation.config.sections import MarkerSection
+from navigation.simulator.arena import SimulatedArena
+from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainter
+from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
+from planner.scene import Scene
+from vision.camera.camera import CameraError, Clock, Frame, Image, RateMeter, SourceState
+
+TruePose: TypeAlias = tuple[float, float, float]
+"""x, y in metres and the heading in radians."""
+PoseNow: TypeAlias = Callable[[], TruePose]
+Wait: TypeAlias = Callable[[float], None]
+
+NOISE_MARGIN_PX = 128
+"""The noise bank is this much larger than a picture, so that windows of it all differ."""
+NOISY_PX = 64
+"""With so many pixels that noise changes, on an average, two pictures' noise is never the same:
+a picture without any comes once in e^64."""
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedBody:
+    """A robot to draw: its marker and its body, and where it stands at any moment."""
+
+    marker_id: int
+    marker_size_m: float
+    marker_height_m: float
+    radius_m: float
+    dictionary: str
+    marker_turn_rad: float
+    pose_now: PoseNow
+
+
+class SimulatedCamera:
+    """A camera above a simulated arena; `vision.camera.camera.Camera` says what its members mean.
+
+    ``clock`` gives monotonic seconds and ``wait`` lets them pass: real ones in a run, the
+    simulation's own in virtual time. ``seed`` makes the noise repeatable.
+    """
+
+    name = "simulated camera"
+
+    def __init__(
+        self,
+        pinhole: Pinhole,
+        scene: Scene,
+        bodies: Sequence[SimulatedBody],
+        look: Look,
+        clock: Clock,
+        wait: Wait = time.sleep,
+        rate_hz: float = 30.0,
+        latency_s: float = 0.0,
+        seed: int = 0,
+    ) -> None:
+        self._arena_painter = ArenaPainter(pinhole, look)
+        self._robot_painters = [
+            RobotPainter(
+                pinhole, look, self._arena_painter, _marker_picture(body), body.radius_m,
+                body.marker_size_m, body.marker_height_m, body.marker_turn_rad,
+            )
+            for body in bodies
+        ]  # fmt: skip
+        self._bodies = tuple(bodies)
+        self._clock, self._wait = clock, wait
+        self._period_s, self._latency_s = 1.0 / rate_hz, latency_s
+        self._look = look
+        self._rng = np.random.default_rng(seed)
+        self._noise = _noise_bank(pinhole.size_px, look.noise_grey, self._rng)
+        self._may_repeat = _changed_px(self._noise, pinhole.size_px) < NOISY_PX
+        self._meter = RateMeter()
+        self._lock = threading.Lock()
+        self._state: SourceState = "closed"
+        self._next_s = 0.0
+        self._sequence = 0
+        self._background = self._arena_painter.picture(scene)
+        self._to_come: list[tuple[float, Image]] = []
+
+    @property
+    def state(self) -> SourceState:
+        """``closed`` or ``running``."""
+        return self._state
+
+    @property
+    def reason(self) -> str:
+        """Nothing to say."""
+        return ""
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames a second really got lately; 0.0 before the second frame."""
+        return self._meter.rate_hz
+
+    @property
+    def may_repeat(self) -> bool:
+        """Pictures without noise that eight bits show are equal while nothing moves."""
+        return self._may_repeat
+
+    def open(self) -> None:
+        """Start giving frames."""
+        self._state = "running"
+        self._next_s = self._clock()
+
+    def close(self) -> None:
+        """Stop; it can be opened again."""
+        self._state = "closed"
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame at its time; None where that is later than ``timeout_s`` from now.
+
+        A reader that comes too late misses frames, as with a real camera.
+        """
+        if self._state != "running":
+            raise CameraError(f"{self.name}: is not open")
+        delay_s = self._next_s - self._clock()
+        if delay_s > timeout_s:
+            self._wait(timeout_s)
+            return None
+        floor = self._floor(self._rng)
+        delay_s = self._next_s - self._clock()
+        if delay_s > 0.0:
+            self._wait(delay_s)
+        captured_s = self._clock()
+        late = max(0, int((captured_s - self._next_s) / self._period_s))
+        self._next_s += (late + 1) * self._period_s
+        image = self._with_robots(floor, [body.pose_now() for body in self._bodies])
+        if self._latency_s > 0.0:
+            self._wait(max(0.0, captured_s + self._latency_s - self._clock()))
+        self._meter.add(captured_s)
+        self._sequence += 1
+        return Frame(image, captured_s, self._sequence - 1, self.name)
+
+    def set_scene(self, scene: Scene) -> None:
+        """Show another scene from the next frame on; any thread may call."""
+        background = self._arena_painter.picture(scene)
+        with self._lock:
+            self._background = background
+
+    def follow(self, scenes: Sequence[tuple[float, Scene]]) -> None:
+        """Show other scenes, each from its moment of the clock on; they are drawn here."""
+        drawn = [(from_s, self._arena_painter.picture(scene)) for from_s, scene in scenes]
+        with self._lock:
+            self._to_come = sorted(drawn, key=lambda item: item[0])
+
+    def render(self, poses: Sequence[TruePose], rng: np.random.Generator | None) -> Image:
+        """The picture (h, w) with the robots at ``poses``; without noise where ``rng`` is None."""
+        return self._with_robots(self._floor(rng), poses)
+
+    def _floor(self, rng: np.random.Generator | None) -> _Floor:
+        """The arena without robots, as far as it can be drawn before the exposure."""
+        now_s = self._next_s  # when it will be exposed
+        with self._lock:
+            while self._to_come and self._to_come[0][0] <= now_s:
+                self._background = self._to_come.pop(0)[1]
+            background = self._background
+        if rng is None or self._look.noise_grey == 0.0:
+            return _Floor(background.copy(), background, None)
+        height, width = background.shape
+        down, right = rng.integers(0, NOISE_MARGIN_PX, 2)
+        noise = self._noise[:, down : down + height, right : right + width]
+        return _Floor(_noisy(background, noise), background, noise)
+
+    def _with_robots(self, floor: _Floor, poses: Sequence[TruePose]) -> Image:
+        picture, noise = floor.picture, floor.noise
+        painted = list(zip(self._robot_painters, poses, strict=True))
+        boxes = [painter.box(pose, picture.shape) for painter, pose in painted]
+        parts = [np.s_[box[1] : box[3], box[0] : box[2]] for box in boxes if box is not None]
+        for part in parts:
+            picture[part] = floor.background[part]
+        for painter, pose in painted:
+            painter.paint(picture, pose)
+        if noise is not None:
+            clean = [picture[part].copy() for part in parts]  # two robots' boxes may overlap
+            for part, pixels in zip(parts, clean, strict=True):
+                picture[part] = _noisy(pixels, noise[:, *part])
+        return picture
+
+
+@dataclass(frozen=True, slots=True)
+class _Floor:
+    """A picture without robots: with noise, without it, and the noise itself (2, h, w)."""
+
+    picture: Image
+    background: Image
+    noise: NDArray[np.uint8] | None
+
+
+def _noisy(picture: Image, noise: NDArray[np.uint8]) -> Image:
+    brighter = cv2.add(picture, noise[0])
+    return np.asarray(cv2.subtract(brighter, noise[1], dst=brighter), dtype=np.uint8)
+
+
+def _noise_bank(
+    size_px: tuple[int, int], sigma: float, rng: np.random.Generator
+) -> NDArray[np.uint8]:
+    """What noise adds and what it takes away, (2, h + margin, w + margin)."""
+    width, height = size_px
+    shape = (height + NOISE_MARGIN_PX, width + NOISE_MARGIN_PX)
+    noise = np.rint(rng.normal(0.0, sigma, shape))
+    return np.stack([np.clip(noise, 0, 255), np.clip(-noise, 0, 255)]).astype(np.uint8)
+
+
+def _changed_px(noise: NDArray[np.uint8], size_px: tuple[int, int]) -> float:
+    """How many pixels of a picture the noise changes, on an average."""
+    width, height = size_px
+    share = np.count_nonzero(noise) / noise[0].size  # no pixel gets brighter and darker
+    return float(share * width * height)
+
+
+def _marker_picture(body: SimulatedBody) -> Image:
+    """The marker's cells, one pixel each, its black border included."""
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, body.dictionary))
+    cells = int(dictionary.markerSize) + 2
+    return np.asarray(cv2.aruco.generateImageMarker(dictionary, body.marker_id, cells))
+
+
+def make_camera(
+    config: Config,
+    arena: SimulatedArena,
+    pose_now: PoseNow,
+    clock: Clock,
+    wait: Wait = time.sleep,
+    others: Sequence[PoseNow | None] = (),
+    scenes: Sequence[tuple[float, Scene]] = (),
+    doubles: Sequence[PoseNow] = (),
+) -> SimulatedCamera:
+    """The simulated camera of a configuration.
+
+    ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
+    is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
+    ``doubles`` say where else something looks like the robot.
+    Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
+    """
+    pinhole = pinhole_of(config)
+    assert config.simulation is not None
+    settings = config.simulation.camera
+    robot = config.robot
+    turn_rad = float(np.deg2rad(robot.marker_turn_deg))
+    seen: list[tuple[MarkerSection, PoseNow, float]] = [(robot, pose_now, turn_rad)]
+    seen += [(robot, pose, turn_rad) for pose in doubles]
+    seen += [
+        (other, pose, 0.0)
+        for other, pose in zip(config.other_robots, others, strict=bool(others))
+        if pose is not None
+    ]
+    bodies = [
+        SimulatedBody(
+            one.marker_id, one.marker_size_m, one.marker_height_m, one.radius_m,
+            robot.dictionary, turn, pose,
+        )
+        for one, pose, turn in seen
+    ]  # fmt: skip
+    look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
+    camera = SimulatedCamera(
+        pinhole, arena.scene, bodies, look, clock, wait,
+        config.camera.rate_hz, settings.latency_s, config.simulation.seed,
+    )  # fmt: skip
+    camera.follow(scenes)
+    return camera

@@ -1,0 +1,45 @@
+"""The robot of a virtual loop as the truth knows it. Metres, radians, virtual seconds."""
+
+from __future__ import annotations
+
+from firmware_protocol.wire.messages import ResetCause, StopReason
+from navigation.shared.track import Track
+from navigation.simulator.drive_model import TruePose
+from navigation.simulator.virtual_loop import VirtualLoop
+from planner.scene import FloatArray
+
+ROBOT_EVERY = 2
+"""Every second of the loop's 10 ms is kept in the robot's track."""
+
+
+class VirtualRobot:
+    """The robot of a virtual loop as the truth knows it."""
+
+    def __init__(self, loop: VirtualLoop) -> None:
+        self._loop = loop
+        self._track = Track()
+        self._rows = 0
+
+    def pose(self) -> TruePose:
+        """Where it is now."""
+        return self._loop.drive.pose
+
+    def track(self) -> FloatArray:
+        """Where it has been, every 20 ms."""
+        return self._track.rows()
+
+    def press_estop(self) -> None:
+        """Press the emergency stop on the robot itself."""
+        self._loop.robot.controller.emergency_stop(StopReason.ESTOP_LOCAL)
+
+    def switch_off_and_on(self) -> None:
+        """A power cycle: nothing of before is left in its processor."""
+        self._loop.boot(ResetCause.POWER_ON)
+
+    def keep_track(self) -> None:
+        """Take over what the loop has noted since the last time."""
+        for row in self._loop.track:
+            if self._rows % ROBOT_EVERY == 0:
+                self._track.add(*row)
+            self._rows += 1
+        self._loop.track.clear()

@@ -1,0 +1,223 @@
+"""The counts of the code, on small trees that are made up: each is counted by hand beside it."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import networkx as nx
+import pytest
+
+from benchmarks.house import counts
+from benchmarks.house.__main__ import main
+from benchmarks.house.documents import texts, unnamed
+from benchmarks.house.drawing import drawn
+from benchmarks.house.files import page
+from benchmarks.house.imports import circles, module_graph
+from benchmarks.house.layers import laid_out
+from benchmarks.house.tree import PACKAGES, File, read
+
+ROOT = Path(__file__).parents[2]
+
+
+def written(root: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        path = root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        for folder in path.relative_to(root).parents:
+            if folder != Path("."):
+                (root / folder / "__init__.py").touch()
+    return root
+
+
+def function(name: str, lines: int) -> str:
+    return f"def {name}():\n" + "    x = 1\n" * (lines - 1)
+
+
+def kernel(name: str, count: int, decorator: str = "@njit(cache=True)") -> str:
+    return f"{decorator}\ndef {name}({', '.join(f'p{i}' for i in range(count))}):\n    return p0\n"
+
+
+def test_kernels_are_counted_by_all_their_parameters_and_other_functions_are_not(
+    tmp_path: Path,
+) -> None:
+    text = kernel("twelve", 12) + kernel("ten", 10) + kernel("plain", 12, "@cache")
+    text += kernel("bare", 11, "@numba.njit")
+    text += "@njit\ndef mixed(a, /, b, c, d, e, f, g, h, i, *, j, k): ...\n"
+    found = counts.wide_kernels(read(written(tmp_path, {"vision/a.py": text}), ["vision"]), 10)
+    assert found == [
+        "vision/a.py:2: twelve takes 12 parameters",
+        "vision/a.py:11: bare takes 11 parameters",
+        "vision/a.py:14: mixed takes 11 parameters",
+    ]
+
+
+def test_a_function_is_as_long_as_from_its_def_to_its_last_line(tmp_path: Path) -> None:
+    text = function("just", 80) + "@cache\n" + function("over", 81)
+    text += "class A:\n    async def method(self):\n" + "        x = 1\n" * 80
+    found = counts.long_functions(read(written(tmp_path, {"vision/a.py": text}), ["vision"]), 80)
+    assert found == [
+        "vision/a.py:82: over has 81 lines",
+        "vision/a.py:164: method has 81 lines",
+    ]
+
+
+def test_folders_and_files_beyond_their_limits_are_named(tmp_path: Path) -> None:
+    names = {f"vision/full/m{i}.py": "" for i in range(15)}  # and __init__.py
+    names |= {f"vision/fits/m{i}.py": "" for i in range(14)}
+    names |= {f"vision/fits/__pycache__/m{i}.py": "" for i in range(9)}
+    names |= {"vision/long.py": "x = 1\n" * 401, "vision/short.py": "x = 1\n" * 400}
+    files = read(written(tmp_path, names), ["vision"])
+    assert counts.crowded_folders(files, 15) == ["vision/full: 16 Python files"]
+    assert counts.long_files(files, 400) == ["vision/long.py: 401 lines"]
+
+
+def test_short_files_are_listed_where_they_hold_a_kernel(tmp_path: Path) -> None:
+    names = {"vision/a.py": kernel("a", 1), "vision/b.py": function("b", 3)}
+    names["vision/c.py"] = kernel("c", 1) + "# a line\n" * 37
+    files = read(written(tmp_path, names), ["vision"])
+    assert counts.short_kernel_files(files, 40) == ["vision/a.py: 3 lines"]
+
+
+def branches(count: int) -> str:
+    return "".join(f"    if x == {i}:\n        return {i}\n" for i in range(count))
+
+
+def test_complex_functions_need_a_reason_beside_their_exemption(tmp_path: Path) -> None:
+    text = "def plain(x):\n" + branches(14)  # 15: one more than its branches
+    text += "def tangled(x):\n" + branches(15)
+    text += "def bare(x):  # noqa: C901\n" + branches(15)
+    text += "def told(x):  # noqa: C901 - a table of codes, one a line\n" + branches(15)
+    written(tmp_path, {"vision/a.py": text})
+    found = counts.complex_functions(tmp_path, ["vision"], 15)
+    assert found == [
+        "vision/a.py:30: `tangled` is too complex (16 > 15)",
+        "vision/a.py:61: `bare` is too complex (16 > 15)",
+    ]
+
+
+def test_a_file_is_named_by_a_path_a_module_or_a_name_that_no_other_file_has(
+    tmp_path: Path,
+) -> None:
+    names = ["by_path", "by_module", "by_name", "nobody", "one/twin", "two/twin", "ill_by_name"]
+    files = read(written(tmp_path, {f"vision/{name}.py": "" for name in names}), ["vision"])
+    text = "`vision/by_path.py`, vision.by_module, by_name.py: [two](../vision/two/twin.py) twin.py"
+    assert unnamed(files, text) == [
+        "vision/ill_by_name.py",
+        "vision/nobody.py",
+        "vision/one/twin.py",
+    ]
+
+
+CIRCLE = {
+    "planner/north/a.py": "from planner.east.b import x\n",
+    "planner/east/b.py": "def later():\n    from ..south import c\n",
+    "planner/south/c.py": "import planner.north.a\n",
+    "planner/west/d.py": "from planner import north, west\nfrom planner.west.e import y\n",
+    "planner/west/e.py": "from . import d\n",
+}
+
+
+def test_circles_are_found_between_folders_and_within_each(tmp_path: Path) -> None:
+    files = read(written(tmp_path, CIRCLE), ["planner"])
+    assert circles(files) == [
+        "planner: planner.east, planner.north, planner.south import each other in a circle",
+        "planner.west: planner.west.d, planner.west.e import each other in a circle",
+    ]
+
+
+def test_a_package_s_public_face_closes_no_circle(tmp_path: Path) -> None:
+    names = {
+        "planner/a/one.py": "import planner\nfrom planner.b import two\n",
+        "planner/b/two.py": "",
+    }
+    written(tmp_path, names)
+    (tmp_path / "planner/__init__.py").write_text("from planner.a.one import x\n")
+    files = read(tmp_path, ["planner"])
+    assert circles(files) == []
+    assert set(module_graph(files).edges) == {
+        ("planner", "planner.a.one"),
+        ("planner.a.one", "planner"),
+        ("planner.a.one", "planner.b.two"),
+    }
+
+
+def test_the_page_of_files_has_each_file_s_first_sentence(tmp_path: Path) -> None:
+    names = {
+        "vision/a.py": '"""Finds a.py or ``b``, in\npixels. More.\n\nMost.\n"""\n',
+        "vision/in/b.py": '"""Either | or: as it comes."""\n',
+    }
+    written(tmp_path, names)
+    (tmp_path / "vision/in/__init__.py").write_text('"""What is in it."""\n')
+    rows = page(read(tmp_path, ["vision"])).splitlines()
+    assert rows[rows.index("## vision") :] == [
+        *("## vision", "", "| file | what it does |", "|---|---|"),
+        "| [`a.py`](../vision/a.py) | Finds a.py or `b`, in pixels |",
+        *("", "### vision/in", "", "What is in it", "", "| file | what it does |", "|---|---|"),
+        "| [`b.py`](../vision/in/b.py) | Either \\| or: as it comes |",
+    ]
+
+
+def test_every_arrow_of_the_picture_runs_downwards_and_no_boxes_overlap() -> None:
+    graph = nx.DiGraph([("a", "b"), ("b", "c"), ("a", "c"), ("a", "d"), ("d", "e"), ("f", "e")])
+    graph.add_edge("a", "e")
+    graph.add_node("alone")
+    widths = dict.fromkeys(graph, 60.0)
+    layout = laid_out(graph, widths)
+    row = {place: i for i, floor in enumerate(layout.floors) for place in floor}
+    assert {name for name in row if isinstance(name, str)} == set(graph)
+    drawn_arrows = {(arrow[0], arrow[-1]) for arrow in layout.arrows}
+    assert drawn_arrows == {("a", "b"), ("b", "c"), ("a", "d"), ("d", "e"), ("f", "e")}
+    for arrow in layout.arrows:
+        assert [row[place] for place in arrow] == list(range(row[arrow[0]], row[arrow[-1]] + 1))
+    for floor in layout.floors:
+        sides = [(layout.x_px[p] - 30.0, layout.x_px[p] + 30.0) for p in floor if p in widths]
+        assert all(a[1] < b[0] for a, b in pairwise(sides))
+        assert all(left >= 0.0 and right <= layout.width_px for left, right in sides)
+
+
+def test_the_command_ends_with_1_where_a_limit_is_broken(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folders = (*PACKAGES, "tests", "benchmarks")
+    written(tmp_path, {f"{folder}/__init__.py": "" for folder in folders} | CIRCLE)
+    (tmp_path / "README.md").write_text("a.py b.py c.py d.py e.py")
+    assert main(["--root", str(tmp_path), "--list"]) == 1
+    told = capsys.readouterr().out
+    assert "| import circles between folders | 2 | 0 | no |" in told
+    assert "| source files named by no document | 0 | 0 | yes |" in told
+    assert "- planner.west: planner.west.d, planner.west.e import each other" in told
+    (tmp_path / "planner/west/e.py").write_text("")
+    (tmp_path / "planner/south/c.py").write_text("")
+    assert main(["--root", str(tmp_path), "--format", "json"]) == 0
+    assert all(one["holds"] and one["found"] == [] for one in json.loads(capsys.readouterr().out))
+
+
+# The repository.
+
+
+@pytest.fixture(scope="module")
+def shipped() -> list[File]:
+    return read(ROOT, PACKAGES)
+
+
+def test_no_folders_import_each_other_in_a_circle(shipped: list[File]) -> None:
+    assert circles(shipped) == []
+
+
+def test_the_picture_of_the_folders_is_what_the_imports_are(
+    shipped: list[File],
+) -> None:
+    picture = (ROOT / "docs/pictures/folders.svg").read_text()
+    assert picture == drawn(shipped), "make pictures draws it again"
+
+
+def test_the_page_of_all_files_is_what_their_docstrings_say(shipped: list[File]) -> None:
+    said = "python -m benchmarks.house --files docs/files.md writes it again"
+    assert (ROOT / "docs/files.md").read_text() == page(shipped), said
+
+
+def test_every_source_file_is_named_by_a_document(shipped: list[File]) -> None:
+    assert unnamed(shipped, texts(ROOT)) == []

@@ -1,0 +1,137 @@
+"""A daemon that only shows: the dashboard's tests set its state and look at its orders."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import planner
+from firmware_protocol.host.state import LinkState
+from navigation.config import Config, parse_config
+from navigation.link.serial_link import LinkSnapshot
+from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import Mission, MissionError, State, Station
+from navigation.mission.watch import Action, Verdict
+from planner.formats.scene_io import load_scene
+from planner.path import Limits, NoPath
+from planner.roadmap.roadmap import Roadmap
+from vision.calibration.calibration import Calibration
+from vision.camera.camera import Frame
+from vision.camera.latest_frame import CameraStatus
+from vision.markers.markers import RobotPose
+
+ROOT = Path(__file__).parents[3]
+RADIUS_M = 0.09
+LIMITS = Limits(0.3, 0.5, 0.4, 2.0, 6.0, 5.0, 0.05, 0.002, 0.2, 0.12)
+SIZE_PX = (480, 360)
+SCALE_M = 0.005
+"""A plan to scale: 480 x 360 pixels of 5 mm are the arena of 2.4 m x 1.8 m."""
+
+
+def shown_config(**dashboard: object) -> Config:
+    """The shipped simulation with a camera that is a plan to scale, its page at a free port."""
+    text = (ROOT / "configs/simulation.yaml").read_text()
+    lines = {"port": 0, "picture_width_px": 160, **dashboard}
+    text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
+    return parse_config(text, "shown.yaml", ROOT / "configs", {})
+
+
+def laboratory() -> Roadmap:
+    """The roadmap of the arena of the shipped simulation."""
+    scene = load_scene(ROOT / "configs/arenas/laboratory.txt")
+    return planner.build_roadmap(scene, RADIUS_M)
+
+
+def frame(number: int, captured_s: float = 0.0) -> Frame:
+    """A picture with a slope, and a bright square at (0, 0) m, so that it can be told apart."""
+    width, height = SIZE_PX
+    image = np.tile(np.linspace(40, 200, width).astype(np.uint8), (height, 1))
+    image[-20:, :20] = 255
+    image[0, 0] = number % 256
+    return Frame(image, captured_s, number, "a test")
+
+
+def pose(x: float = 0.2, y: float = 0.2, heading_rad: float = 0.5) -> RobotPose:
+    """The driven robot."""
+    corner = np.array([[x / SCALE_M - 0.5, (1.8 - y) / SCALE_M - 0.5]])
+    return RobotPose(7, x, y, heading_rad, 0.0, np.repeat(corner, 4, axis=0))
+
+
+class FakeDaemon:
+    """Takes orders and notes them; shows what a test sets."""
+
+    def __init__(self, config: Config | None = None, roadmap: Roadmap | None = None) -> None:
+        self.config = config or shown_config()
+        self.calibration = Calibration.from_scale(SCALE_M, SIZE_PX)
+        self.camera = CameraStatus("running", "", 30.0, 100, 1, 0, 0.01)
+        self.orders: list[object] = []
+        self.plan_gate = threading.Event()
+        self.plan_gate.set()
+        self._roadmap = roadmap
+        self.state: DaemonState | None = DaemonState(
+            time_s=1.0,
+            mission=Mission(),
+            sentence="no mission was given",
+            pose=pose(),
+            link=LinkSnapshot(LinkState.STREAM, None, 0.02),
+            to_go_m=None,
+            clearance_m=0.2,
+            verdict=Verdict(Action.GO, ()),
+            frame=frame(1),
+            poses={7: pose()},
+            roadmap=roadmap,
+            path=None,
+            times=StageTimes(0.005, 0.02, None),
+        )
+
+    def show(self, **changes: Any) -> None:
+        """A new state, as after a cycle."""
+        assert self.state is not None
+        self.state = replace(self.state, **changes)
+
+    def camera_status(self) -> CameraStatus:
+        return self.camera
+
+    def last_wire_s(self) -> float | None:
+        return 0.009
+
+    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
+        assert self.plan_gate.wait(10.0)
+        assert self._roadmap is not None
+        *vias, goal = [(one.x, one.y) for one in stations]
+        path = self._roadmap.plan((0.2, 0.2), goal, via=vias)
+        if isinstance(path, NoPath):
+            return PlanAnswer(1, 1, path)
+        return PlanAnswer(1, 1, path, planner.time_path(path, LIMITS))
+
+    def give(self, stations: tuple[Station, ...]) -> None:
+        if any(station.x > 5.0 for station in stations):
+            raise MissionError("station 1 at (9, 9) m: outside the arena")
+        self.orders.append(stations)
+
+    def stop(self, reason: str) -> None:
+        self.orders.append(("stop", reason))
+        assert self.state is not None
+        self.show(mission=replace(self.state.mission, state=State.STOPPED, reason=reason))
+
+    def pause(self) -> None:
+        self.orders.append("pause")
+
+    def resume(self) -> None:
+        self.orders.append("resume")
+        assert self.state is not None
+        if self.state.mission.state is State.STOPPED:
+            self.show(mission=replace(self.state.mission, state=State.IDLE))
+
+    def replan(self) -> None:
+        self.orders.append("replan")
+
+    def describe(self) -> Mapping[str, Any]:
+        assert self.state is not None
+        return {"state": self.state.mission.state.value, "reason": self.state.mission.reason}

@@ -1,0 +1,16 @@
+"""Which ways there are to make a picture black and white: the one list of their names.
+
+``vision.binarise.binarise`` has a function for each; configuration and command line offer what
+stands here.
+"""
+
+from __future__ import annotations
+
+from typing import Final, Literal, TypeAlias, get_args
+
+Method: TypeAlias = Literal["auto", "otsu", "fixed", "adaptive", "background"]
+Polarity: TypeAlias = Literal["dark", "light", "auto"]
+METHODS: Final[tuple[Method, ...]] = get_args(Method)
+POLARITIES: Final[tuple[Polarity, ...]] = get_args(Polarity)
+ONE_LEVEL: Final[tuple[Method, ...]] = ("otsu", "fixed")
+"""Methods with one level for the whole picture."""

@@ -1,0 +1,117 @@
+"""A robot with a marker on its back: where the marker is, where the robot is, what its body hides.
+
+- A pose is in the arena: metres, y up, heading counter-clockwise in (-pi, pi]. The marker's
+  own x axis runs from its top left to its top right corner (as printed upright); a marker
+  mounted with ``marker_yaw_rad = 0`` shows to the robot's front with its right side.
+- Pixels are raw, centres at integers; corners in the order top left, top right, bottom right,
+  bottom left of the upright marker.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vision.calibration.calibration import Calibration, FloatArray
+from vision.markers.marker_search import MarkerError
+from vision.markers.tracking import Pose, TrackLimits, wrap
+
+
+@dataclass(frozen=True, slots=True)
+class MarkedRobot:
+    """A robot with a marker on its back.
+
+    ``marker_size_m``: the black square's side. ``marker_height_m``: above the floor.
+    ``marker_x_m``, ``marker_y_m``, ``marker_yaw_rad``: where the marker's centre is in the
+    robot's own frame (x ahead, y left) and how it is turned there.
+    """
+
+    id: int
+    marker_size_m: float
+    marker_height_m: float = 0.0
+    marker_x_m: float = 0.0
+    marker_y_m: float = 0.0
+    marker_yaw_rad: float = 0.0
+    limits: TrackLimits = field(default_factory=TrackLimits)
+
+    def __post_init__(self) -> None:
+        if self.id < 0:
+            raise MarkerError(f"marker id = {self.id}: must be >= 0")
+        if not (math.isfinite(self.marker_size_m) and self.marker_size_m > 0.0):
+            raise MarkerError(f"marker_size_m = {self.marker_size_m}: must be > 0")
+        if not (math.isfinite(self.marker_height_m) and self.marker_height_m >= 0.0):
+            raise MarkerError(f"marker_height_m = {self.marker_height_m}: must be >= 0")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RobotPose:
+    """Where a robot was at ``captured_s`` and how it moved.
+
+    ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
+    from the square fitted to them.
+    """
+
+    id: int
+    x: float
+    y: float
+    heading_rad: float
+    captured_s: float
+    corners_px: FloatArray
+    vx: float = 0.0
+    vy: float = 0.0
+    turn_rate_rad_s: float = 0.0
+    residual_m: float = 0.0
+
+    def at(self, time_s: float) -> Pose:
+        """(x, y, heading) at another time, with the velocity kept."""
+        dt_s = time_s - self.captured_s
+        heading = wrap(self.heading_rad + self.turn_rate_rad_s * dt_s)
+        return self.x + self.vx * dt_s, self.y + self.vy * dt_s, heading
+
+
+def robot_pose(marker: Pose, robot: MarkedRobot) -> Pose:
+    """The robot's pose from its marker's."""
+    heading = wrap(marker[2] - robot.marker_yaw_rad)
+    c, s = math.cos(heading), math.sin(heading)
+    x = marker[0] - c * robot.marker_x_m + s * robot.marker_y_m
+    y = marker[1] - s * robot.marker_x_m - c * robot.marker_y_m
+    return x, y, heading
+
+
+def marker_pose(pose: Pose, robot: MarkedRobot) -> Pose:
+    """The marker's pose from the robot's."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    x = pose[0] + c * robot.marker_x_m - s * robot.marker_y_m
+    y = pose[1] + s * robot.marker_x_m + c * robot.marker_y_m
+    return x, y, wrap(pose[2] + robot.marker_yaw_rad)
+
+
+def body_discs_px(
+    pose: RobotPose | Pose,
+    body_radius_m: float,
+    calibration: Calibration,
+    top_height_m: float = 0.0,
+    margin_px: float = 3.0,
+) -> FloatArray:
+    """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
+
+    The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer
+    is a disc that lies a little farther from the picture's foot than the one below.
+    """
+    x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
+    angles = np.linspace(0.0, math.tau, 16, endpoint=False)
+    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * body_radius_m
+    floor, top = (
+        calibration.image_from_arena(np.vstack([[(0.0, 0.0)], ring]) + np.array([x, y]), h)
+        for h in (0.0, top_height_m)
+    )
+    radii = [float(np.linalg.norm(p[1:] - p[0], axis=1).max()) for p in (floor, top)]
+    # Discs half a radius apart leave less than 4 % of a radius uncovered between them.
+    length = float(np.linalg.norm(top[0] - floor[0]))
+    count = 1 if length < 0.5 else 1 + math.ceil(length / max(0.5 * min(radii), 1.0))
+    share = np.linspace(0.0, 1.0, count)[:, None] if count > 1 else np.ones((1, 1))
+    centers = floor[0] * (1.0 - share) + top[0] * share
+    radius = (radii[0] * (1.0 - share) + radii[1] * share) * 1.04 + margin_px
+    return np.hstack([centers, radius])
