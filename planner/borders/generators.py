@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import border_kernels, box_tree_kernels, generator_kernels, inside_kernels
-from planner.borders.border_arrays import Pieces, Tree
+from planner.borders.border_arrays import Corners, Pieces, Tree
 from planner.borders.inside_kernels import ClosedBorders
 from planner.scene import SEGMENT, FloatArray, IntArray, Primitives
 from planner.scene.primitives import ROUND
@@ -89,6 +89,11 @@ class Borders:
             self.kind, self.data, self.owner, self.backwards, self.following, self.preceding,
             self.solid, self.before, self.after,
         )  # fmt: skip
+
+    @property
+    def corners(self) -> Corners:
+        """What the diagram's kernels take of the pieces."""
+        return Corners(self.kind, self.data, self.owner, self.before, self.after)
 
     @property
     def primitive_count(self) -> int:

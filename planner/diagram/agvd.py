@@ -138,7 +138,7 @@ def omit_invalid(sites: DiagramArrays, generators: Generators, mode: Mode) -> Ag
         sites.vertices,
         generators.sites,
         generators.label,
-        borders.pieces,
+        borders.corners,
         borders.closed,
         borders.box,
         generators.spacing,

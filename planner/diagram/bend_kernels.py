@@ -215,7 +215,7 @@ def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
     return abs(gap) <= 4.0 * tolerance
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _halve(pieces, at, link, tolerances, run, line, stack, top):
     """Where a link is to be halved, and whether it has to be.
 
@@ -271,7 +271,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
     return split, astray, as_sampled, x, y, q
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts):
     """Write a place of a run and, where its circle is not empty, the sites that are missing.
 
@@ -304,7 +304,7 @@ def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts
     return n + 1, missing
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
     """Write the places of the run after station s, without those of the stations themselves.
 

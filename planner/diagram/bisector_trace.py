@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.borders.border_arrays import Pieces
+from planner.borders.border_arrays import Corners
 from planner.diagram import chain_kernels
 from planner.diagram.bend_kernels import HALVINGS, BendRoom, MissingSites, Places, Stack, Stations
 from planner.diagram.diagram_arrays import Bent, FlatMesh, KnownRuns, Tolerances, Triangles
@@ -23,7 +23,7 @@ def bend_chains(
     first: IntArray,
     link: NDArray[np.int64],
     mesh: FlatMesh,
-    pieces: Pieces,
+    pieces: Corners,
     triangles: Triangles,
     tolerances: Tolerances,
     known: KnownRuns,

@@ -49,7 +49,7 @@ def solve_rings(mesh, pieces, triangles, node, tolerances):
         state[i] = INTRUDED if which >= 0 else (EXACT if found else KEPT)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _order_turns(pieces, at, link, half, stations, last):
     """Swap turning points of the two sides that sampling put in the wrong order.
 
@@ -81,7 +81,7 @@ def _order_turns(pieces, at, link, half, stations, last):
             run[i, 1] = run[i, 0]
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _lay_stations(mesh, triangles, link, lo, hi, stations):
     """Write the stations of the chain with the links ``lo`` to ``hi``: the last one's number."""
     tri, label = mesh.tri, mesh.label
@@ -107,7 +107,7 @@ def _lay_stations(mesh, triangles, link, lo, hi, stations):
     return m - 1
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _copy_run(known, p, way, stations, s, out, n):
     """Write the run after station s as it was known, from its point p: how many points then.
 

@@ -158,7 +158,7 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     Changes the mesh; its chains are then ``traced`` and ``bent``.
     """
     half = 0.5 * spacing
-    pieces, tolerances = borders.pieces, Tolerances(half, half, borders.equal)
+    pieces, tolerances = borders.corners, Tolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat = _flat(mesh, sag)
     for turn in range(ROUNDS + 1):
@@ -206,11 +206,11 @@ def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
     )
     mesh.stale[changed] = True
     mesh_kernels.mark_sides(
-        mesh.xy, mesh.up, mesh.tri, mesh.triangles, changed, borders.pieces, borders.closed,
+        mesh.xy, mesh.up, mesh.tri, mesh.triangles, changed, borders.corners, borders.closed,
         borders.box, spacing,
     )  # fmt: skip
     vertex_kernels.mark_valid(
-        mesh.tri, mesh.label, mesh.triangles, changed, borders.pieces,
+        mesh.tri, mesh.label, mesh.triangles, changed, borders.corners,
         SAME_PLACE * borders.extent,
     )  # fmt: skip
     return changed

@@ -97,7 +97,7 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     return square >= relevant * relevant and apart <= 16.0 * tolerance * math.sqrt(square)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _meeting(pieces, a, b, c, x, y, tolerances):
     """Where three pieces are equally far, and not by one corner of two: x, y, found."""
     kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
@@ -111,7 +111,7 @@ def _meeting(pieces, a, b, c, x, y, tolerances):
     return qx, qy, found
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
     """The turning point of a piece and its own corner, ``a`` and ``b``, opposite ``c``.
 
@@ -141,7 +141,7 @@ def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
     return qx, qy, found, empty
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _middle_of_arc(pieces, a, b, c, x, y):
     """Which of three labels is an arc whose centre (x, y) is, or -1."""
     kind, data = pieces.kind, pieces.data
@@ -154,7 +154,7 @@ def _middle_of_arc(pieces, a, b, c, x, y):
     return np.int64(-1)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**BORROWING, error_model="numpy", forceinline=True)
 def _slid(pieces, a, b, x, y, tolerance):
     """(x, y) on the bisector of two pieces, and its state."""
     qx, qy, found = slide_between(pieces.kind, pieces.data, a, b, x, y, tolerance)

@@ -213,7 +213,7 @@ class Queue(NamedTuple):
     size: int
 
 
-@njit(**BORROWING)
+@njit(**BORROWING, forceinline=True)
 def _is_worse(place, p, r, side, a, cost):
     """Whether the way got to a direction of a disc of radius r sooner: by way of place p, or next.
 
@@ -281,7 +281,7 @@ def _tangents_to(item, last):
     return way
 
 
-@njit(**BORROWING)
+@njit(**BORROWING, forceinline=True)
 def _first_nearer(tree, discs, item, t, floor):
     """A primitive nearer than ``floor`` to the tangent of item t, or -1."""
     i, b = int(item[t, 4]), item[t, 6]

@@ -139,11 +139,11 @@ def test_the_nearest_border_is_found_among_the_sites_around_a_place(
     places = rng.uniform((0.0, 0.0), (159.0, 119.0), (200, 2))
     want = slow_distance(scene, places)
     for (x, y), distance in zip(places, want, strict=True):
-        got, which = mesh_kernels.nearest_piece(flat, borders.pieces, start, x, y, np.inf, half)
+        got, which = mesh_kernels.nearest_piece(flat, borders.corners, start, x, y, np.inf, half)
         assert which >= 0
         assert got == pytest.approx(distance, abs=1e-9)
         _, none = mesh_kernels.nearest_piece(
-            flat, borders.pieces, start, x, y, 0.999 * distance, half
+            flat, borders.corners, start, x, y, 0.999 * distance, half
         )
         assert none == -1
 
