@@ -175,7 +175,7 @@ def work_of(roadmap: planner.Roadmap, start: Vec, goal: Vec) -> int:
         borders.kind[:k], borders.data[:k], RADIUS, JOINT * borders.extent, *ends, math.inf
     )
     found = tangent_kernels.shortest(
-        *borders.tree, discs, RADIUS * (1 - 1e-9), math.inf, shortest.BUDGET
+        borders.tree, discs, RADIUS * (1 - 1e-9), math.inf, shortest.BUDGET
     )
     return int(found[3])
 

@@ -216,7 +216,7 @@ def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
     span = content.clearance_span()
     if content.roadmap is None or span is None:
         return
-    from planner.diagram.chain_lines import edge_curve
+    from planner.diagram.bisectors import edge_curve
 
     borders = content.roadmap.borders
     curves = [

@@ -1,7 +1,7 @@
 """From flat primitives to pieces that join; and to those of a scene that differs a little.
 
 Rules and units
-- Pieces, and what belongs to them, are those of :class:`planner.borders.generators.Borders`: the
+- Pieces are those of :class:`planner.borders.border_arrays.Pieces`: the
   primitives in the order of their objects, the bounds last, then the corner points likewise.
 - No border knows of any other: what belongs to an object is the same wherever it stands, but
   for the numbers of its pieces.
@@ -12,9 +12,13 @@ Rules and units
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
+from planner.borders.border_arrays import Pieces
 from planner.borders.box_tree_kernels import build_tree, object_spans
 from planner.borders.corner_point_kernels import corner_points, link_borders, without_repeats
 from planner.borders.generator_kernels import count_generators, place_generators
@@ -23,13 +27,26 @@ from planner.scene.compile_options import BORROWING
 from planner.scene.primitive_kernels import POINT, with_middles
 
 
+class NewBorders(NamedTuple):
+    """The borders of objects that came.
+
+    ``kind`` (m,) and ``rows`` (m, 6) are their primitives, ``turned`` (t,) the rows that run
+    backwards; ``borders`` (b, 3) how many rows each border has, whose it is and whether it is a
+    hole's.
+    """
+
+    kind: NDArray[np.int8]
+    rows: NDArray[np.float64]
+    turned: NDArray[np.int32]
+    borders: NDArray[np.int32]
+
+
 @njit(cache=True, nogil=True)
 def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, joint, every):
     """The pieces of flat primitives and how they join.
 
     Edges up to ``no_length`` are points, ends up to ``joint`` apart are one joint; with
-    ``every``, each joint has a corner point. Returns kind, data, owner, backwards, following,
-    preceding, solid, before, after.
+    ``every``, each joint has a corner point.
     """
     all_kind, all_data, keep = without_repeats(kind, data, border, backwards, no_length)
     k = 0
@@ -61,7 +78,7 @@ def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, jo
         out_kind[k + i] = POINT
         out[k + i, 0], out[k + i, 1] = at[i, 0], at[i, 1]
         out_owner[k + i] = flat_owner[max(before[i], after[i])]
-    return out_kind, out, out_owner, turned, following, preceding, solid, before, after
+    return Pieces(out_kind, out, out_owner, turned, following, preceding, solid, before, after)
 
 
 @njit(**BORROWING, error_model="numpy")
@@ -77,24 +94,20 @@ def walls_box(data, owner):
 
 @njit(cache=True, nogil=True)
 def find_pieces(pieces):
-    """What finds pieces: a box tree's order, large and boxes; the objects' boxes and spans; and
-    the index of the closed ones."""
-    kind, data, owner, backwards, following, preceding, solid, _, _ = pieces
-    k = len(solid)
-    order, large, boxes = build_tree(kind[:k], data[:k])
-    object_boxes, span = object_spans(kind, data, owner, k)
-    closed = index_closed(kind, data, owner, backwards, following, preceding, solid)
-    return order, large, boxes, object_boxes, span, closed
+    """What finds pieces: the primitives' box tree, the objects' boxes and spans, and the index of
+    the closed ones."""
+    kind, data = pieces.kind, pieces.data
+    k = len(pieces.solid)
+    tree = build_tree(kind[:k], data[:k])
+    object_boxes, span = object_spans(kind, data, pieces.owner, k)
+    return tree, object_boxes, span, index_closed(pieces)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _flatten(rows, turned, borders):
-    """Owner, border, is_hole and reversed of ``rows``: what :func:`join_primitives` takes.
-
-    ``turned`` are the rows that run backwards; ``borders`` (b, 3) how many rows each border
-    has, whose it is and whether it is a hole's.
-    """
-    n = len(rows)
+def _flatten(new):
+    """Owner, border, is_hole and reversed of the new rows: what :func:`join_primitives` takes."""
+    borders = new.borders
+    n = len(new.rows)
     owner, border = np.empty(n, np.int32), np.empty(n, np.int32)
     is_hole, backwards = np.empty(n, np.bool_), np.zeros(n, np.bool_)
     m = 0
@@ -102,32 +115,31 @@ def _flatten(rows, turned, borders):
         for _ in range(borders[b, 0]):
             owner[m], border[m], is_hole[m] = borders[b, 1], b, borders[b, 2] != 0
             m += 1
-    for i in turned:
+    for i in new.turned:
         backwards[i] = True
     return owner, border, is_hole, backwards
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def change_borders(
-    kept, objects, old, old_boxes, kind, rows, turned, borders, no_length, joint, spacing
-):  # fmt: skip
+def change_borders(kept, objects, old, old_boxes, new, no_length, joint, spacing):
     """The borders of a scene of ``kept`` objects, see :func:`patch_borders`, and of new ones.
 
-    ``kind`` (m,), ``rows`` (m, 6), ``turned`` and ``borders`` are the new objects' primitives,
-    see `_flatten`; ``no_length`` and ``joint`` as in :func:`join_primitives`; ``old_boxes``
-    (o, 4) the old objects' boxes. Returns all pieces as :func:`join_primitives` does; what
-    finds them: order, large, boxes, the objects' boxes and spans; where the old pieces are now;
-    the generators of the new objects, at most ``spacing`` apart, and the pieces they are on; and
-    (b, 4) the boxes of what came and went.
+    ``new`` are the new objects' (:class:`NewBorders`), ``no_length`` and ``joint`` as in
+    :func:`join_primitives`, ``old_boxes`` (o, 4) the old objects' boxes. Returns all pieces; what
+    finds them, as :func:`find_pieces`; where the old pieces are now; the generators of the new
+    objects, at most ``spacing`` apart, and the pieces they are on; and (b, 4) the boxes of what
+    came and went.
     """
     came = 0
     for j in range(len(kept)):
         came += kept[j] < 0
-    owner, border, is_hole, backwards = _flatten(rows, turned, borders)
-    fresh = join_primitives(kind, rows, owner, border, is_hole, backwards, no_length, joint, False)
+    owner, border, is_hole, backwards = _flatten(new)
+    fresh = join_primitives(
+        new.kind, new.rows, owner, border, is_hole, backwards, no_length, joint, False
+    )
     pieces, label, fresh_label = patch_borders(kept, objects, old, came, fresh)
     found = find_pieces(pieces)
-    object_boxes = found[3]
+    object_boxes = found[1]
     touched = np.empty((objects + came, 4))
     stays = np.zeros(objects, np.bool_)
     n = 0
@@ -142,11 +154,11 @@ def change_borders(
         if not stays[o]:
             touched[n] = old_boxes[o]
             n += 1
-    k = len(fresh[3])
-    fresh_kind, fresh_data, at = fresh[0][:k], fresh[1][:k], fresh[1][k:, :2]
+    k = len(fresh.backwards)
+    fresh_kind, fresh_data, at = fresh.kind[:k], fresh.data[:k], fresh.data[k:, :2]
     room = int(count_generators(fresh_kind, fresh_data, spacing)) + len(at)
     places, labels = place_generators(
-        fresh_kind, fresh_data, fresh[3], at, fresh[7], fresh[8], spacing, room
+        fresh_kind, fresh_data, fresh.backwards, at, fresh.before, fresh.after, spacing, room
     )
     for i in range(len(labels)):
         labels[i] = fresh_label[labels[i]]
@@ -169,15 +181,13 @@ def patch_borders(kept, objects, old, came, fresh):
     """The pieces of objects that were there before, of new ones, and of the old bounds.
 
     ``kept`` (n,) is which of the old ``objects`` each one is, -1 for the ``came`` new ones in
-    turn; ``old`` and ``fresh`` are what :func:`join_primitives` returns, the new objects alone.
-    Returns the same of all, where the old pieces are now (-1 for those that are no more, and at
+    turn; ``old`` and ``fresh`` are pieces, the latter those of the new objects alone. Returns
+    those of all, where the old pieces are now (-1 for those that are no more, and at
     the end), and where the fresh ones are.
     """
-    kind, data, owner, backwards, following, preceding, solid, before, after = old
-    new_kind, new_data, new_owner, new_backwards = fresh[0], fresh[1], fresh[2], fresh[3]
-    new_following, new_preceding, new_solid = fresh[4], fresh[5], fresh[6]
-    new_before, new_after = fresh[7], fresh[8]
-    old_k, new_k, n = len(solid), len(new_solid), len(kept)
+    kind, data, owner = old.kind, old.data, old.owner
+    new_kind, new_data, new_owner = fresh.kind, fresh.data, fresh.owner
+    old_k, new_k, n = len(old.solid), len(fresh.solid), len(kept)
     label = np.full(len(kind) + 1, -1, np.int32)
     new_label = np.empty(len(new_kind), np.int32)
     total = len(kind) + len(new_kind)
@@ -207,39 +217,29 @@ def patch_borders(kept, objects, old, came, fresh):
                 m += 1
         if part == 0:
             k = m
-    out_backwards, out_solid = np.empty(k, np.bool_), np.empty(k, np.int8)
-    out_following, out_preceding = np.empty(k, np.int32), np.empty(k, np.int32)
-    out_before, out_after = np.empty(m - k, np.int32), np.empty(m - k, np.int32)
-    _renumber(
-        label, (backwards, solid, following, preceding, before, after), k,
-        out_backwards, out_solid, out_following, out_preceding, out_before, out_after,
+    pieces = Pieces(
+        out_kind[:m], out[:m], out_owner[:m], np.empty(k, np.bool_), np.empty(k, np.int32),
+        np.empty(k, np.int32), np.empty(k, np.int8), np.empty(m - k, np.int32),
+        np.empty(m - k, np.int32),
     )  # fmt: skip
-    _renumber(
-        new_label,
-        (new_backwards, new_solid, new_following, new_preceding, new_before, new_after), k,
-        out_backwards, out_solid, out_following, out_preceding, out_before, out_after,
-    )  # fmt: skip
-    arrays = (
-        out_kind[:m], out[:m], out_owner[:m], out_backwards, out_following, out_preceding,
-        out_solid, out_before, out_after,
-    )  # fmt: skip
-    return arrays, label, new_label
+    _renumber(label, old, pieces)
+    _renumber(new_label, fresh, pieces)
+    return pieces, label, new_label
 
 
 @njit(**BORROWING, error_model="numpy")
-def _renumber(
-    label, arrays, k, out_backwards, out_solid, out_following, out_preceding, out_before, out_after
-):
-    """Copy what belongs to pieces to where they are now, ``label``; -1 is left out."""
-    backwards, solid, following, preceding, before, after = arrays
-    for i in range(len(solid)):
+def _renumber(label, old, out):
+    """Copy how the ``old`` pieces join to where they are now, ``label``; -1 is left out."""
+    following, preceding, before, after = old.following, old.preceding, old.before, old.after
+    k = len(out.solid)
+    for i in range(len(old.solid)):
         m = label[i]
         if m >= 0:
-            out_backwards[m], out_solid[m] = backwards[i], solid[i]
-            out_following[m] = label[following[i]] if following[i] >= 0 else -1
-            out_preceding[m] = label[preceding[i]] if preceding[i] >= 0 else -1
+            out.backwards[m], out.solid[m] = old.backwards[i], old.solid[i]
+            out.following[m] = label[following[i]] if following[i] >= 0 else -1
+            out.preceding[m] = label[preceding[i]] if preceding[i] >= 0 else -1
     for c in range(len(before)):
-        m = label[len(solid) + c] - k
+        m = label[len(old.solid) + c] - k
         if m >= 0:
-            out_before[m] = label[before[c]] if before[c] >= 0 else -1
-            out_after[m] = label[after[c]] if after[c] >= 0 else -1
+            out.before[m] = label[before[c]] if before[c] >= 0 else -1
+            out.after[m] = label[after[c]] if after[c] >= 0 else -1

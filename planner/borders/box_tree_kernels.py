@@ -19,6 +19,7 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.borders.border_arrays import Tree
 from planner.scene.compile_options import BORROWING
 from planner.scene.primitive_kernels import box_of, distance, segment_distance
 
@@ -60,11 +61,7 @@ def morton_codes(boxes):
 
 @njit(cache=True, nogil=True)
 def build_tree(kind, data):
-    """The box tree of all primitives.
-
-    Returns ``order`` (k,) int32 with the large ones first, ``large`` how many those are, and
-    ``boxes`` (2 leaves, 4) float64, empty boxes being (inf, inf, -inf, -inf).
-    """
+    """The box tree of all primitives: an empty box is (inf, inf, -inf, -inf)."""
     n = len(kind)
     own = np.empty((n, 4), np.float64)
     for i in range(n):
@@ -92,7 +89,7 @@ def build_tree(kind, data):
         for c in range(2):
             boxes[node, c] = min(boxes[2 * node, c], boxes[2 * node + 1, c])
             boxes[node, c + 2] = max(boxes[2 * node, c + 2], boxes[2 * node + 1, c + 2])
-    return order, large, boxes
+    return Tree(kind, data, order, large, boxes)
 
 
 @njit(**BORROWING)
@@ -118,11 +115,12 @@ def _after_branch(node, later):
 
 
 @njit(**BORROWING)
-def nearest(kind, data, order, large, boxes, x, y, bound):
+def nearest(tree, x, y, bound):
     """Distance to and index of the primitive nearest to (x, y), if nearer than ``bound``.
 
     Returns (bound, -1) where none is.
     """
+    kind, data, order, large, boxes = tree
     best, which = bound, -1
     for j in range(large):
         d = distance(kind, data, order[j], x, y)
@@ -162,12 +160,13 @@ def _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny):
 
 
 @njit(**BORROWING)
-def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
+def segment_clearance(tree, ax, ay, bx, by, bound):
     """Least distance between the segment a b and any primitive, if less than ``bound``.
 
     Returns the distance, where along a b it is taken, and the primitive; (bound, 0, -1)
     where none is nearer.
     """
+    kind, data, order, large, boxes = tree
     best, at, which = bound, 0.0, -1
     for j in range(large):
         d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
@@ -194,25 +193,23 @@ def segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound):
 
 
 @njit(cache=True, nogil=True)
-def nearest_many(kind, data, order, large, boxes, points):
+def nearest_many(tree, points):
     """Distance and nearest primitive of every point."""
     out = np.empty(len(points), np.float64)
     which = np.empty(len(points), np.int32)
     for i in range(len(points)):
-        out[i], which[i] = nearest(
-            kind, data, order, large, boxes, points[i, 0], points[i, 1], np.inf
-        )
+        out[i], which[i] = nearest(tree, points[i, 0], points[i, 1], np.inf)
     return out, which
 
 
 @njit(cache=True, nogil=True)
-def polyline_clearance(kind, data, order, large, boxes, points):
+def polyline_clearance(tree, points):
     """Least distance between a polyline and any primitive: distance, place, piece, primitive."""
-    best, where = nearest(kind, data, order, large, boxes, points[0, 0], points[0, 1], np.inf)
+    best, where = nearest(tree, points[0, 0], points[0, 1], np.inf)
     px, py, piece = points[0, 0], points[0, 1], 0
     for i in range(len(points) - 1):
         ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
-        d, t, which = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, best)
+        d, t, which = segment_clearance(tree, ax, ay, bx, by, best)
         if which >= 0:
             best, where, piece = d, which, i
             px, py = ax + t * (bx - ax), ay + t * (by - ay)

@@ -23,12 +23,13 @@ from planner.scene.primitive_kernels import POINT, SEGMENT, distance, segment_di
 
 
 @njit(**BORROWING)
-def _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, keep):
+def _beyond(kind, data, i, ax, ay, nx, ny, around, keep):
     """Whether primitive i lies beyond a line's box, or ``keep`` or more to one of its sides.
 
-    The box is the line's, grown by ``keep``; (nx, ny) is normal to the line through a. Where
-    this is False the distance has to be taken.
+    ``around``, x_min, y_min, x_max, y_max, is the line's box, grown by ``keep``; (nx, ny) is
+    normal to the line through a. Where this is False the distance has to be taken.
     """
+    x0, y0, x1, y1 = around
     ux, uy = data[i, 0], data[i, 1]
     off = nx * (ux - ax) + ny * (uy - ay)
     if kind[i] == SEGMENT:
@@ -49,16 +50,18 @@ def _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, keep):
 
 
 @njit(**BORROWING)
-def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
+def blocker(tree, ax, ay, bx, by, keep, guess):
     """A primitive nearer than ``keep`` to the segment a b, -1 where there is none.
 
     ``guess`` is a primitive to look at first, or -1: what stood in the way of the last line
     often stands in the way of the next.
     """
+    kind, data, order, large, boxes = tree
     if guess >= 0 and segment_distance(kind, data, guess, ax, ay, bx, by)[0] < keep:
         return guess
     x0, x1 = min(ax, bx) - keep, max(ax, bx) + keep
     y0, y1 = min(ay, by) - keep, max(ay, by) + keep
+    around = x0, y0, x1, y1
     length = math.hypot(bx - ax, by - ay)
     nx, ny = 0.0, 0.0
     if length > 0.0:
@@ -67,7 +70,7 @@ def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
     sure = keep * (1.0 + 1e-9)
     for j in range(large):
         i = order[j]
-        if _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, sure):
+        if _beyond(kind, data, i, ax, ay, nx, ny, around, sure):
             continue
         if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
             return i
@@ -88,7 +91,7 @@ def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
                 i = order[j]
-                if _beyond(kind, data, i, ax, ay, x0, y0, x1, y1, nx, ny, sure):
+                if _beyond(kind, data, i, ax, ay, nx, ny, around, sure):
                     continue
                 if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
                     return i
@@ -100,23 +103,21 @@ def blocker(kind, data, order, large, boxes, ax, ay, bx, by, keep, guess):
 
 
 @njit(**BORROWING)
-def keeps(kind, data, order, large, boxes, line, keep):
+def keeps(tree, line, keep):
     """Whether the polyline (n, 2), n >= 1, is nowhere nearer than ``keep`` to any primitive."""
     last = len(line) - 1
     for i in range(max(last, 1)):
         j = min(i + 1, last)
-        met = blocker(
-            kind, data, order, large, boxes,
-            line[i, 0], line[i, 1], line[j, 0], line[j, 1], keep, -1,
-        )  # fmt: skip
+        met = blocker(tree, line[i, 0], line[i, 1], line[j, 0], line[j, 1], keep, -1)
         if met >= 0:
             return False
     return True
 
 
 @njit(**BORROWING)
-def spare(kind, data, order, large, boxes, x, y, most):
+def spare(tree, x, y, most):
     """The distance from (x, y) to the nearest primitive, or ``most`` where that is less."""
+    kind, data, order, large, boxes = tree
     best = most
     for j in range(large):
         best = min(best, distance(kind, data, order[j], x, y))
@@ -140,8 +141,9 @@ def spare(kind, data, order, large, boxes, x, y, most):
 
 
 @njit(cache=True, nogil=True)
-def within(kind, data, order, large, boxes, x, y, reach):
+def within(tree, x, y, reach):
     """The primitives no farther than ``reach`` from (x, y), in the tree's order."""
+    kind, data, order, large, boxes = tree
     out = np.empty(len(order), np.int32)
     m = 0
     for j in range(large):

@@ -24,7 +24,9 @@ from planner.scene.primitive_kernels import (
     POINT,
     SEGMENT,
     TAU,
-    on_sweep,
+    circles_cross,
+    has_ends,
+    on_circle,
     segment_distance,
 )
 
@@ -39,8 +41,7 @@ def _end(kind, data, backwards, i, last):
         return (data[i, 2], data[i, 3]) if last else (data[i, 0], data[i, 1])
     if kind[i] == POINT:
         return data[i, 0], data[i, 1]
-    a = data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0)
-    return data[i, 0] + data[i, 2] * math.cos(a), data[i, 1] + data[i, 2] * math.sin(a)
+    return on_circle(data, i, data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0))
 
 
 @njit(cache=True, nogil=True)
@@ -195,14 +196,7 @@ def _meet(kind, data, i, j):
     r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
     if square == 0.0 or square > (r + s) ** 2 or square < (r - s) ** 2:
         return False
-    along = 0.5 * (1.0 + (r * r - s * s) / square)
-    across = math.sqrt(max(r * r / square - along * along, 0.0))
-    for sign in (-1.0, 1.0):
-        x = data[i, 0] + along * dx - sign * across * dy
-        y = data[i, 1] + along * dy + sign * across * dx
-        if on_sweep(data, i, x, y) and on_sweep(data, j, x, y):
-            return True
-    return False
+    return circles_cross(data, i, j)
 
 
 @njit(**BORROWING)
@@ -233,7 +227,7 @@ def corner_points(kind, data, backwards, following, preceding, solid, every):
     after = np.empty(2 * n, np.int32)
     c = 0
     for i in range(n):
-        if kind[i] == POINT or kind[i] == CIRCLE:
+        if not has_ends(kind[i]):
             continue
         if preceding[i] < 0:
             at[c, 0], at[c, 1] = _end(kind, data, backwards, i, False)

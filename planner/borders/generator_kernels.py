@@ -15,7 +15,7 @@ from numba import njit
 
 from planner.borders.corner_point_kernels import length_of
 from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, TAU
+from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, TAU, on_circle
 
 ROUND_LEAST, ROUND_APART = 8.0, 0.8
 """A circle has so many generators at least; an arc's are no further apart than that, in radians,
@@ -72,8 +72,7 @@ def place_generators(kind, data, backwards, at, before, after, spacing, room):
             else:
                 sweep = TAU if kind[i] == CIRCLE else data[i, 4]
                 a = data[i, 3] + sweep * (1.0 - t if turned else t)
-                sites[n, 0] = data[i, 0] + data[i, 2] * math.cos(a)
-                sites[n, 1] = data[i, 1] + data[i, 2] * math.sin(a)
+                sites[n, 0], sites[n, 1] = on_circle(data, i, a)
             label[n] = i
             n += 1
     for c in range(len(before)):

@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders import border_kernels, box_tree_kernels, generator_kernels, inside_kernels
+from planner.borders.border_arrays import Corners, Pieces, Tree
 from planner.borders.inside_kernels import ClosedBorders
-from planner.scene import CIRCLE, SEGMENT, FloatArray, IntArray, Primitives
+from planner.scene import SEGMENT, FloatArray, IntArray, Primitives
+from planner.scene.primitives import ROUND
 from planner.shared.numbers import as_float
 
 Mode: TypeAlias = Literal["exact", "paper"]
@@ -81,12 +83,17 @@ class Borders:
     equal: float
 
     @property
-    def pieces(self) -> tuple[Any, ...]:
-        """The pieces alone, as :func:`~.border_kernels.join_primitives` returns them."""
-        return (
+    def pieces(self) -> Pieces:
+        """The pieces alone, as kernels take them."""
+        return Pieces(
             self.kind, self.data, self.owner, self.backwards, self.following, self.preceding,
             self.solid, self.before, self.after,
         )  # fmt: skip
+
+    @property
+    def corners(self) -> Corners:
+        """What the diagram's kernels take of the pieces."""
+        return Corners(self.kind, self.data, self.owner, self.before, self.after)
 
     @property
     def primitive_count(self) -> int:
@@ -94,18 +101,18 @@ class Borders:
         return len(self.solid)
 
     @property
-    def tree(self) -> tuple[NDArray[np.int8], FloatArray, IntArray, int, FloatArray]:
+    def tree(self) -> Tree:
         """What every query of :mod:`planner.borders.box_tree_kernels` starts with."""
-        return self.kind, self.data, self.order, self.large, self.boxes
+        return Tree(self.kind, self.data, self.order, self.large, self.boxes)
 
     def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
         """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
-        return box_tree_kernels.nearest_many(*self.tree, points)  # type: ignore[no-any-return]
+        return box_tree_kernels.nearest_many(self.tree, points)  # type: ignore[no-any-return]
 
     def signed_distances(self, points: FloatArray) -> FloatArray:
         """As :meth:`distances`, negative in an obstacle and out of the bounds."""
         return inside_kernels.signed_distances(  # type: ignore[no-any-return]
-            *self.tree, self.closed, self.box, points
+            self.tree, self.closed, self.box, points
         )
 
     def is_solid(self, x: float, y: float, reach: float) -> bool:
@@ -166,26 +173,17 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     return as_borders(pieces, border_kernels.find_pieces(pieces), box)
 
 
-def as_borders(pieces: tuple[Any, ...], found: tuple[Any, ...], box: FloatArray) -> Borders:
+def as_borders(pieces: Pieces, found: tuple[Any, ...], box: FloatArray) -> Borders:
     """Joined pieces and what finds them, see :mod:`planner.borders.border_kernels`."""
-    kind, data, owner, backwards, following, preceding, solid, before, after = pieces
-    order, large, boxes, object_boxes, span, closed = found
+    tree, object_boxes, span, closed = found
     return Borders(
-        kind=kind,
-        data=data,
-        owner=owner,
-        backwards=backwards,
-        following=following,
-        preceding=preceding,
-        solid=solid,
-        before=before,
-        after=after,
-        order=order,
-        large=large,
-        boxes=boxes,
+        **pieces._asdict(),
+        order=tree.order,
+        large=tree.large,
+        boxes=tree.boxes,
         object_boxes=object_boxes,
         span=span,
-        closed=ClosedBorders(*closed),
+        closed=closed,
         box=box,
         extent=extent_of(box),
         equal=_equal(box),
@@ -213,7 +211,7 @@ def _free_box(flat: Primitives) -> FloatArray:
         return np.array(walls)
     if not len(flat.kind):
         raise ValueError("the scene has neither objects nor bounds")
-    around = flat.data[:, 2] * (flat.kind >= CIRCLE)
+    around = flat.data[:, 2] * np.isin(flat.kind, ROUND)
     far_end = np.where((flat.kind == SEGMENT)[:, None], flat.data[:, 2:4], flat.data[:, :2])
     low = np.minimum(flat.data[:, :2], far_end) - around[:, None]
     high = np.maximum(flat.data[:, :2], far_end) + around[:, None]

@@ -63,8 +63,10 @@ def _height(kind, data, backwards, i, last):
 
 
 @njit(cache=True, nogil=True)
-def _closed_runs(owner, following, preceding, solid):
+def _closed_runs(pieces):
     """The closed borders: rows (m, 3), first and last primitive, and owner; of objects only."""
+    owner, solid = pieces.owner, pieces.solid
+    following, preceding = pieces.following, pieces.preceding
     runs = np.empty((len(solid), 3), np.int32)
     m, i = 0, 0
     while i < len(solid):
@@ -104,12 +106,12 @@ def _in_order(kind, data, runs, objects):
 
 
 @njit(cache=True, nogil=True)
-def index_closed(kind, data, owner, backwards, following, preceding, solid):
-    """The index of the closed borders among pieces as of ``join_primitives``. O(n log n)."""
+def index_closed(pieces):
+    """The index of the closed borders among the pieces (:class:`ClosedBorders`). O(n log n)."""
     objects = 0
-    for i in range(len(solid)):
-        objects = max(objects, owner[i] + 1)
-    runs = _in_order(kind, data, _closed_runs(owner, following, preceding, solid), objects)
+    for i in range(len(pieces.solid)):
+        objects = max(objects, pieces.owner[i] + 1)
+    runs = _in_order(pieces.kind, pieces.data, _closed_runs(pieces), objects)
     n = 0
     for r in range(len(runs)):
         n += runs[r, 1] + 1 - runs[r, 0]
@@ -131,8 +133,17 @@ def index_closed(kind, data, owner, backwards, following, preceding, solid):
         top += 1
     level = level[: top + 2].copy()
     blocks = np.empty((max(level[top + 1], 0), 8))
-    for p in range(n):
-        box_of(kind, data, order[p], blocks[p])
+    _fill_boxes(pieces, order, level, blocks)
+    _fill_heights(pieces, order, begin, end, level, blocks)
+    return ClosedBorders(order, holder, level, blocks, np.empty(0, np.int32))
+
+
+@njit(cache=True, nogil=True)
+def _fill_boxes(pieces, order, level, blocks):
+    """Write the box of every block: those of one primitive, and then those of two blocks each."""
+    for p in range(len(order)):
+        box_of(pieces.kind, pieces.data, order[p], blocks[p])
+    top = len(level) - 2
     for tier in range(1, top + 1):
         for b in range(level[tier + 1] - level[tier]):
             row, left = blocks[level[tier] + b], level[tier - 1] + 2 * b
@@ -141,7 +152,14 @@ def index_closed(kind, data, owner, backwards, following, preceding, solid):
                 for c in range(2):
                     row[c] = min(row[c], blocks[left + 1, c])
                     row[c + 2] = max(row[c + 2], blocks[left + 1, c + 2])
-    for tier in range(top + 1):
+
+
+@njit(cache=True, nogil=True)
+def _fill_heights(pieces, order, begin, end, level, blocks):
+    """Write where in y the first and the last border of every block are entered and left."""
+    kind, data, backwards = pieces.kind, pieces.data, pieces.backwards
+    n = len(order)
+    for tier in range(len(level) - 1):
         for b in range(level[tier + 1] - level[tier]):
             first, last = b << tier, min((b + 1) << tier, n) - 1
             row = blocks[level[tier] + b]
@@ -153,7 +171,6 @@ def index_closed(kind, data, owner, backwards, following, preceding, solid):
             if begin[last] >= first and end[last] == last + 1:
                 row[7] = row[6] if begin[first] != begin[last] else row[7]
                 row[4] = row[5] if begin[first] == begin[last] else row[4]
-    return order, holder, level, blocks, np.empty(0, np.int32)
 
 
 @njit(**BORROWING)
@@ -263,16 +280,17 @@ def vote(kind, data, closed, x, y, reach, objects):
 
 
 @njit(cache=True, nogil=True)
-def signed_distances(kind, data, order, large, boxes, closed, box, points):
+def signed_distances(tree, closed, box, points):
     """The distance of every point (n, 2), negative in an object and out of the ``box``.
 
     A point within the clearance of the one before lies on the same side of every border.
     """
+    kind, data = tree.kind, tree.data
     out = np.empty(len(points))
     last_x, last_y, near, solid = 0.0, 0.0, -1.0, False
     for i in range(len(points)):
         x, y = points[i, 0], points[i, 1]
-        d, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
+        d, _ = nearest(tree, x, y, np.inf)
         if not (x - last_x) ** 2 + (y - last_y) ** 2 < near * abs(near):
             solid = in_object(kind, data, closed, x, y, d)
             last_x, last_y, near = x, y, d * SAME_SIDE

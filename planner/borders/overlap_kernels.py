@@ -21,8 +21,11 @@ from planner.scene.primitive_kernels import (
     POINT,
     SEGMENT,
     box_of,
+    circles_cross,
     distance,
-    on_sweep,
+    grown,
+    is_round,
+    on_circle,
     segment_distance,
 )
 
@@ -33,16 +36,15 @@ MEET, WITHIN = 1, 2
 @njit(**BORROWING)
 def _start(kind, data, i):
     """A point of primitive i."""
-    if kind[i] == POINT or kind[i] == SEGMENT:
-        return data[i, 0], data[i, 1]
-    a = data[i, 3]
-    return data[i, 0] + data[i, 2] * math.cos(a), data[i, 1] + data[i, 2] * math.sin(a)
+    if is_round(kind[i]):
+        return on_circle(data, i, data[i, 3])
+    return data[i, 0], data[i, 1]
 
 
 @njit(**BORROWING)
 def _meet(kind, data, i, j, tolerance):
     """Whether primitives i and j come within the tolerance of each other."""
-    if kind[j] == POINT or kind[j] == SEGMENT:
+    if not is_round(kind[j]):
         i, j = j, i
     if kind[i] == POINT:
         return distance(kind, data, j, data[i, 0], data[i, 1]) <= tolerance
@@ -60,14 +62,7 @@ def _meet(kind, data, i, j, tolerance):
     d = math.sqrt(square)
     if d == 0.0 or d > r + s + tolerance or d < abs(r - s) - tolerance:
         return False
-    along = 0.5 * (1.0 + (r * r - s * s) / square)
-    across = math.sqrt(max(r * r / square - along * along, 0.0))
-    for sign in (-1.0, 1.0):
-        x = data[i, 0] + along * dx - sign * across * dy
-        y = data[i, 1] + along * dy + sign * across * dx
-        if on_sweep(data, i, x, y) and on_sweep(data, j, x, y):
-            return True
-    return False
+    return circles_cross(data, i, j)
 
 
 @njit(cache=True, nogil=True)
@@ -117,9 +112,7 @@ def related_objects(kind, data, closed, boxes, span, tolerance):
             if how == 0:
                 continue
             if n == len(out):
-                grown = np.empty((2 * n, 3), np.int32)
-                grown[:n] = out
-                out = grown
+                out = grown(out, 2 * n)
             if how == MEET:
                 first, second = min(a, b), max(a, b)
             out[n, 0], out[n, 1], out[n, 2] = first, second, how

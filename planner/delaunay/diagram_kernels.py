@@ -15,8 +15,15 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.delaunay.insertion_kernels import DEAD, conflict, load_sites, triangulate
+from planner.delaunay.insertion_kernels import conflict, load_sites, triangulate
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre, in_circle, orient
+from planner.delaunay.triangle_kernels import (
+    DEAD,
+    next_side,
+    previous_side,
+    side_of,
+    triangle_of,
+)
 from planner.scene.compile_options import BORROWING
 
 VERTEX_TOLERANCE = 1e-11
@@ -107,11 +114,11 @@ def list_edges(w, xy, ghost, tri, circ, label, ties, linked):
             o = np.int64(tri[e + 4])
             if o < e:
                 continue
-            a = np.int64(tri[t + ((9 >> (2 * k)) & 3)])
-            b = np.int64(tri[t + ((18 >> (2 * k)) & 3)])
+            a = np.int64(tri[t + next_side(k)])
+            b = np.int64(tri[t + previous_side(k)])
             if a == ghost or b == ghost:
                 continue
-            back = (o >> 3) << 3
+            back = triangle_of(o)
             edges[j, 0] = label[a]
             edges[j, 1] = label[b]
             edges[j, 2] = np.int32(tri[back + 3])
@@ -143,9 +150,9 @@ def _links(n, tri, ids, n_half_edges):
             if here < 0:
                 continue
             # the half-edge of the same cell that leaves this triangle; its twin is edge k + 2
-            o = np.int64(tri[t + 4 + ((18 >> (2 * k)) & 3)])
+            o = np.int64(tri[t + 4 + previous_side(k)])
             if ids[4 * (o >> 3) + (o & 3)] < 0:
-                o = np.int64(tri[((o >> 3) << 3) + 4 + ((18 >> (2 * (o & 3))) & 3)])
+                o = np.int64(tri[triangle_of(o) + 4 + previous_side(side_of(o))])
             there = ids[4 * (o >> 3) + (o & 3)]
             after[here] = there
             before[there] = here

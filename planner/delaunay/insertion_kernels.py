@@ -34,10 +34,15 @@ from numba import njit
 
 from planner.delaunay.predicate_kernels import SCRATCH, UNIT, in_circle, orient
 from planner.delaunay.site_order_kernels import coarse_to_fine, spatial_order
+from planner.delaunay.triangle_kernels import (
+    DEAD,
+    next_side,
+    previous_side,
+    side_of,
+    triangle_of,
+)
 from planner.scene.compile_options import BORROWING
 
-DEAD = 0xFFFFFFFF
-"""The first site of a triangle that does not exist."""
 TINY = 2.0**-215
 """Scaled coordinates below this are rounded to multiples of 2^-268 (see above)."""
 CIRCLE_SLACK = 32.0 * UNIT
@@ -110,8 +115,8 @@ def _locate(w, xy, ghost, tri, t, px, py):
             v = np.int64(tri[t + k])
             if v != ghost and xy[2 * v] == px and xy[2 * v + 1] == py:
                 return -1 - v
-            a = np.int64(tri[t + (k + 1) % 3])
-            b = np.int64(tri[t + (k + 2) % 3])
+            a = np.int64(tri[t + next_side(k)])
+            b = np.int64(tri[t + previous_side(k)])
             if a == ghost or b == ghost:
                 continue
             side = orient(w, xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], px, py)
@@ -120,7 +125,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
                 over = k
         if over < 0:
             break
-        t = (np.int64(tri[t + 4 + over]) >> 3) << 3
+        t = triangle_of(np.int64(tri[t + 4 + over]))
     for s in range(n_slots):
         if np.int64(tri[8 * s]) != DEAD:
             if conflict(w, xy, ghost, tri, 8 * s, px, py) == 1:
@@ -162,11 +167,11 @@ def _first_triangle(w, xy, n, ghost, tri, circ):
         tri[k] = corner[k]
         tri[4 + k] = slot[k + 1] + 2
         g = slot[k + 1]
-        tri[g] = corner[(k + 2) % 3]
-        tri[g + 1] = corner[(k + 1) % 3]
+        tri[g] = corner[previous_side(k)]
+        tri[g + 1] = corner[next_side(k)]
         tri[g + 2] = ghost
-        tri[g + 4] = slot[1 + (k + 2) % 3] + 1
-        tri[g + 5] = slot[1 + (k + 1) % 3]
+        tri[g + 4] = slot[1 + previous_side(k)] + 1
+        tri[g + 5] = slot[1 + next_side(k)]
         tri[g + 6] = k
     for k in range(4):
         # no circle: decided exactly
@@ -207,6 +212,135 @@ def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
     return x, y, square - band, square + band
 
 
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _walk(xy, tri, circ, t, px, py, limit):
+    """Walk from triangle t towards p: the triangle, and whether p surely lies in its circle.
+
+    Plain arithmetic, at most ``limit`` steps: :func:`_locate` does what is doubtful.
+    """
+    found = False
+    for _ in range(limit):
+        dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
+        if dx * dx + dy * dy < circ[(t >> 1) + 2]:
+            found = True
+            break
+        a, b, c = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
+        ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
+        bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
+        cx, cy = xy[2 * c] - px, xy[2 * c + 1] - py
+        least = 0.0
+        over = -1
+        side = bx * cy - by * cx
+        if side < least:
+            least, over = side, 0
+        side = cx * ay - cy * ax
+        if side < least:
+            least, over = side, 1
+        side = ax * by - ay * bx
+        if side < least:
+            least, over = side, 2
+        if over < 0:
+            break
+        t = triangle_of(np.int64(tri[t + 4 + over]))
+    return t, found
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
+    """The removed tree, from triangle t outwards, its rim counter-clockwise.
+
+    How many triangles go, how many half-edges are on the rim, and how often p lay on a circle.
+    The triangles are in ``space[3]``, the rim's half-edges, of those that stay, in ``space[1]``
+    and the sites where they end in ``space[2]``.
+    """
+    stamp, rim, rim_site, gone, stack = space[0], space[1], space[2], space[3], space[4]
+    px, py = xy[2 * p], xy[2 * p + 1]
+    n_gone, n_rim, depth, ties = 1, 0, 2, 0
+    gone[0] = t
+    stamp[tri[t]] = p
+    stamp[tri[t + 1]] = p
+    stamp[tri[t + 2]] = p
+    stack[0], stack[1] = t + 2, t + 1
+    e = t
+    while True:
+        o = np.int64(tri[e + 4])
+        t = triangle_of(o)
+        dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
+        square = dx * dx + dy * dy
+        k = side_of(o)
+        if square > circ[(t >> 1) + 3]:
+            hit = False
+        elif square < circ[(t >> 1) + 2]:
+            hit = stamp[tri[o]] != p
+        else:
+            sign = conflict(w, xy, ghost, tri, t, px, py)
+            ties += sign == 0
+            hit = sign > 0 and stamp[tri[o]] != p
+        if hit:
+            stamp[tri[o]] = p
+            gone[n_gone] = t
+            n_gone += 1
+            stack[depth] = t + previous_side(k)
+            depth += 1
+            e = t + next_side(k)
+            continue
+        # the rim's site is where the kept side's half-edge ends
+        rim_site[n_rim] = tri[t + previous_side(k)]
+        rim[n_rim] = o
+        n_rim += 1
+        if depth == 0:
+            return n_gone, n_rim, ties
+        depth -= 1
+        e = np.int64(stack[depth])
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _fill(xy, tri, circ, p, n_gone, n_rim, space):
+    r"""The new cell: a fan of triangles around p, in the place of those that go; the last one.
+
+      before                 after
+    d ------- c            d ------- c
+    | \       |            | \     / |       the rim a, b, c, d stays; p's own two
+    |   \  p  |            |    p    |       triangles, and those that go, are the fan
+    |     \   |            | /     \ |
+    a ------- b            a ------- b
+    """
+    rim, rim_site, gone = space[1], space[2], space[3]
+    px, py = xy[2 * p], xy[2 * p + 1]
+    gone[n_gone] = 16 * p
+    gone[n_gone + 1] = 16 * p + 8
+    before = np.int64(gone[n_rim - 1])
+    here = np.int64(gone[0])
+    a = np.int64(rim_site[0])
+    rim_site[n_rim] = a
+    gone[n_rim] = here
+    ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
+    a_square = ax * ax + ay * ay
+    a_sum = abs(ax) + abs(ay)
+    for j in range(n_rim):
+        b = np.int64(rim_site[j + 1])
+        after = np.int64(gone[j + 1])
+        o = np.int64(rim[j])
+        tri[here] = p
+        tri[here + 1] = a
+        tri[here + 2] = b
+        tri[here + 4] = o
+        tri[here + 5] = after + 2
+        tri[here + 6] = before + 1
+        tri[o + 4] = here
+        bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
+        b_square = bx * bx + by * by
+        b_sum = abs(bx) + abs(by)
+        x, y, low, high = circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum)
+        circ[here >> 1] = x
+        circ[(here >> 1) + 1] = y
+        circ[(here >> 1) + 2] = low
+        circ[(here >> 1) + 3] = high
+        a, ax, ay, a_square, a_sum = b, bx, by, b_square, b_sum
+        before, here = here, after
+    return before
+
+
 @njit(**BORROWING, error_model="numpy")
 def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
     """:func:`insert` with ``space`` (5, 2 ghost + 8) uint32 to work in.
@@ -216,44 +350,19 @@ def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
     once on its rim: it is a tree, and each touched cell meets it in one piece. A refused
     triangle is simply kept.
     """
-    n = ghost
-    stamp, rim, rim_site, gone, stack = space[0], space[1], space[2], space[3], space[4]
     ties = 0
     given = start.shape[0]
-    limit = 64 + 4 * np.int64(math.sqrt(n))
+    limit = 64 + 4 * np.int64(math.sqrt(ghost))
     last = np.int64(0)
     while np.int64(tri[last]) == DEAD:
         last += 8
-    for j_todo in range(todo.shape[0]):
-        p = np.int64(todo[j_todo])
+    for j in range(todo.shape[0]):
+        p = np.int64(todo[j])
         px, py = xy[2 * p], xy[2 * p + 1]
         t = np.int64(last)
-        if j_todo < given and start[j_todo] >= 0:
-            t = np.int64(start[j_todo])
-        found = False
-        for _ in range(limit):
-            dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
-            if dx * dx + dy * dy < circ[(t >> 1) + 2]:
-                found = True
-                break
-            a, b, c = np.int64(tri[t]), np.int64(tri[t + 1]), np.int64(tri[t + 2])
-            ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
-            bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
-            cx, cy = xy[2 * c] - px, xy[2 * c + 1] - py
-            least = 0.0
-            over = -1
-            side = bx * cy - by * cx
-            if side < least:
-                least, over = side, 0
-            side = cx * ay - cy * ax
-            if side < least:
-                least, over = side, 1
-            side = ax * by - ay * bx
-            if side < least:
-                least, over = side, 2
-            if over < 0:
-                break
-            t = (np.int64(tri[t + 4 + over]) >> 3) << 3
+        if j < given and start[j] >= 0:
+            t = np.int64(start[j])
+        t, found = _walk(xy, tri, circ, t, px, py, limit)
         if not found:
             t = _locate(w, xy, ghost, tri, t, px, py)
             if t < 0:
@@ -261,77 +370,9 @@ def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
                 tri[16 * p] = DEAD
                 tri[16 * p + 8] = DEAD
                 continue
-        # the removed tree, from triangle t outwards, its rim counter-clockwise
-        n_gone, n_rim, depth = 1, 0, 2
-        gone[0] = t
-        stamp[tri[t]] = p
-        stamp[tri[t + 1]] = p
-        stamp[tri[t + 2]] = p
-        stack[0], stack[1] = t + 2, t + 1
-        e = t
-        while True:
-            o = np.int64(tri[e + 4])
-            t = (o >> 3) << 3
-            dx, dy = px - circ[t >> 1], py - circ[(t >> 1) + 1]
-            square = dx * dx + dy * dy
-            k = o & 3
-            if square > circ[(t >> 1) + 3]:
-                hit = False
-            elif square < circ[(t >> 1) + 2]:
-                hit = stamp[tri[o]] != p
-            else:
-                sign = conflict(w, xy, ghost, tri, t, px, py)
-                ties += sign == 0
-                hit = sign > 0 and stamp[tri[o]] != p
-            if hit:
-                stamp[tri[o]] = p
-                gone[n_gone] = t
-                n_gone += 1
-                stack[depth] = t + ((18 >> (2 * k)) & 3)
-                depth += 1
-                e = t + ((9 >> (2 * k)) & 3)
-                continue
-            # the rim's site is where the kept side's half-edge ends
-            rim_site[n_rim] = tri[t + ((18 >> (2 * k)) & 3)]
-            rim[n_rim] = o
-            n_rim += 1
-            if depth == 0:
-                break
-            depth -= 1
-            e = np.int64(stack[depth])
-        # the new cell: a fan of triangles around p
-        gone[n_gone] = 16 * p
-        gone[n_gone + 1] = 16 * p + 8
-        before = np.int64(gone[n_rim - 1])
-        here = np.int64(gone[0])
-        a = np.int64(rim_site[0])
-        rim_site[n_rim] = a
-        gone[n_rim] = here
-        ax, ay = xy[2 * a] - px, xy[2 * a + 1] - py
-        a_square = ax * ax + ay * ay
-        a_sum = abs(ax) + abs(ay)
-        for j in range(n_rim):
-            b = np.int64(rim_site[j + 1])
-            after = np.int64(gone[j + 1])
-            o = np.int64(rim[j])
-            tri[here] = p
-            tri[here + 1] = a
-            tri[here + 2] = b
-            tri[here + 4] = o
-            tri[here + 5] = after + 2
-            tri[here + 6] = before + 1
-            tri[o + 4] = here
-            bx, by = xy[2 * b] - px, xy[2 * b + 1] - py
-            b_square = bx * bx + by * by
-            b_sum = abs(bx) + abs(by)
-            x, y, low, high = circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum)
-            circ[here >> 1] = x
-            circ[(here >> 1) + 1] = y
-            circ[(here >> 1) + 2] = low
-            circ[(here >> 1) + 3] = high
-            a, ax, ay, a_square, a_sum = b, bx, by, b_square, b_sum
-            before, here = here, after
-        last = before
+        n_gone, n_rim, on_circle = _grow_removed(w, xy, ghost, tri, circ, t, p, space)
+        ties += on_circle
+        last = _fill(xy, tri, circ, p, n_gone, n_rim, space)
     return ties
 
 

@@ -17,9 +17,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.delaunay.insertion_kernels import DEAD, circle_band
+from planner.delaunay.insertion_kernels import circle_band
 from planner.delaunay.predicate_kernels import SCRATCH, in_circle, orient
+from planner.delaunay.triangle_kernels import DEAD, next_side, side_of, triangle_of
 from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import predecessor, successor
 
 
 @njit(**BORROWING, error_model="numpy")
@@ -40,7 +42,7 @@ def _find_ear(w, xy, ring, m, circle):
     """
     before = m - 1
     for i in range(m):
-        after = i + 1 if i + 1 < m else 0
+        after = successor(i, m)
         a, b, c = ring[before], ring[i], ring[after]
         ax, ay, bx, by = xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1]
         cx, cy = xy[2 * c], xy[2 * c + 1]
@@ -103,25 +105,63 @@ def _find_stars(tri, wanted, at):
 
 
 @njit(**BORROWING, error_model="numpy")
+def _star(tri, ghost, start, ring, outer, slot):
+    """Write the star of the site opposite half-edge ``start``, counter-clockwise: its size.
+
+    ``ring`` are the sites round it, ``outer`` the half-edges across from it, ``slot`` its
+    triangles. -1 where the site is on the hull.
+    """
+    m = 0
+    e = start
+    while True:
+        t = triangle_of(e)
+        v = t + next_side(side_of(e))
+        ring[m], outer[m], slot[m] = np.int64(tri[v]), np.int64(tri[e + 4]), t
+        if ring[m] == ghost:
+            return -1
+        m += 1
+        o = np.int64(tri[v + 4])
+        e = triangle_of(o) + next_side(side_of(o))
+        if e == start:
+            return m
+
+
+@njit(**BORROWING, error_model="numpy")
+def _free_own(tri, circ, at, p, free_0, free_1):
+    """Make the two triangles of site p free: two others are, and what lies in p's moves there."""
+    tri[free_0], tri[free_1] = DEAD, DEAD
+    for own in (16 * p, 16 * p + 8):
+        if np.int64(tri[own]) == DEAD:
+            continue
+        if free_0 not in (16 * p, 16 * p + 8):
+            _move(tri, circ, at, own, free_0)
+            free_0 = np.int64(own)
+        else:
+            _move(tri, circ, at, own, free_1)
+            free_1 = np.int64(own)
+        tri[own] = DEAD
+    at[p] = -1
+
+
+@njit(**BORROWING, error_model="numpy")
 def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
-    """:func:`remove` in ``order``, with a half-edge ``at`` each of them, and space to work in."""
+    r""":func:`remove` in ``order``, with a half-edge ``at`` each of them, and space to work in.
+
+    The star of site p becomes a hole; each ear that is cut off it is a triangle of what stays.
+
+          before                 a hole                 an ear at b
+        d ------- c            d ------- c            d ------- c
+        | \     / |            |         |            |       / |
+        |    p    |            |         |            |     /   |
+        | /     \ |            |         |            |   /     |
+        a ------- b            a ------- b            a ------- b
+    """
     ring, outer, slot = space[0], space[1], space[2]
     for p in order:
-        # the star, counter-clockwise; the site's own two triangles last among its slots
-        m = 0
-        e = at[p]
-        while True:
-            t = (e >> 3) << 3
-            v = t + ((9 >> (2 * (e - t))) & 3)
-            ring[m], outer[m], slot[m] = np.int64(tri[v]), np.int64(tri[e + 4]), t
-            if ring[m] == ghost:
-                return False
-            m += 1
-            o = np.int64(tri[v + 4])
-            t = (o >> 3) << 3
-            e = t + ((9 >> (2 * (o - t))) & 3)
-            if e == at[p]:
-                break
+        m = _star(tri, ghost, at[p], ring, outer, slot)
+        if m < 0:
+            return False
+        # the site's own two triangles last among the slots
         last = m - 1
         for own in (16 * p + 8, 16 * p):
             for j in range(last):
@@ -135,8 +175,7 @@ def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
             ear = _find_ear(w, xy, ring, m, circle)
             if ear < 0:
                 return False
-            before = ear - 1 if ear > 0 else m - 1
-            after = ear + 1 if ear + 1 < m else 0
+            before, after = predecessor(ear, m), successor(ear, m)
             s = slot[n]
             n += 1
             _place(
@@ -155,19 +194,7 @@ def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
         circ[s >> 1], circ[(s >> 1) + 1], circ[(s >> 1) + 2], circ[(s >> 1) + 3] = _circle(
             xy[2 * a], xy[2 * a + 1], xy[2 * b], xy[2 * b + 1], xy[2 * c], xy[2 * c + 1]
         )
-        # the site's own two triangles become free, if they are not already
-        tri[free_0], tri[free_1] = DEAD, DEAD
-        for own in (16 * p, 16 * p + 8):
-            if np.int64(tri[own]) == DEAD:
-                continue
-            if free_0 not in (16 * p, 16 * p + 8):
-                _move(tri, circ, at, own, free_0)
-                free_0 = np.int64(own)
-            else:
-                _move(tri, circ, at, own, free_1)
-                free_1 = np.int64(own)
-            tri[own] = DEAD
-        at[p] = -1
+        _free_own(tri, circ, at, p, free_0, free_1)
     return True
 
 

@@ -20,6 +20,7 @@ from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generator
 from planner.delaunay.voronoi_diagram import DiagramArrays, voronoi_arrays
 from planner.diagram import agvd_kernels as kernels
 from planner.diagram import chain_kernels
+from planner.diagram.diagram_arrays import ChainArrays
 from planner.diagram.mesh import Mesh, generators_of, ordinary, solve
 from planner.diagram.vertex_kernels import EXACT, UNUSED
 from planner.scene import FloatArray, IntArray
@@ -115,6 +116,14 @@ class Chains:
     def __len__(self) -> int:
         return len(self.ends)
 
+    @property
+    def arrays(self) -> ChainArrays:
+        """The chains as kernels take them."""
+        return ChainArrays(
+            self.points, self.first, self.pieces, self.proved, self.rho, self.gap, self.step,
+            self.ends, self.length, self.clearance,
+        )  # fmt: skip
+
 
 def diagram(generators: Generators) -> DiagramArrays:
     """The ordinary Voronoi diagram of the generators."""
@@ -129,12 +138,7 @@ def omit_invalid(sites: DiagramArrays, generators: Generators, mode: Mode) -> Ag
         sites.vertices,
         generators.sites,
         generators.label,
-        borders.kind,
-        borders.data,
-        borders.owner,
-        borders.solid,
-        borders.before,
-        borders.after,
+        borders.corners,
         borders.closed,
         borders.box,
         generators.spacing,
@@ -154,7 +158,7 @@ def join_chains(agvd: Agvd) -> Chains:
     lonely = _centres_alone(borders, points)
     points, pieces = _with_lonely(points, pieces, lonely)
     ends, first = _with_own_chains(ends, first, len(node_vertex), len(lonely))
-    rho, gap, step, length, clearance = kernels.measure_chains(*borders.tree, points, first)
+    rho, gap, step, length, clearance = kernels.measure_chains(borders.tree, points, first)
     proved = np.zeros(len(points), np.bool_)
     node_xy = np.concatenate([xy[node_vertex], lonely])
     measured = rho, gap, step, length, clearance
@@ -187,7 +191,7 @@ def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
         ends, first = _with_own_chains(ends, first, len(node), len(lonely))
         proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
         node_xy = np.concatenate([node_xy, lonely])
-    xy, *measured = chain_kernels.measure_chains(*borders.tree, points, proved, first)
+    xy, *measured = chain_kernels.measure_chains(borders.tree, points, proved, first)
     return _as_chains(xy, first, pieces, ends, node_xy, proved, measured)
 
 
@@ -243,17 +247,7 @@ def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:
     greatest there: the way from one place to another leads over it.
     """
     alone: FloatArray = kernels.lonely_centres(
-        borders.kind,
-        borders.data,
-        borders.owner,
-        borders.backwards,
-        borders.solid,
-        borders.order,
-        borders.large,
-        borders.boxes,
-        borders.box,
-        points,
-        1e-7 * borders.extent,
+        borders.pieces, borders.tree, borders.box, points, 1e-7 * borders.extent
     )
     if not len(alone):
         return alone

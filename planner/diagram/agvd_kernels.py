@@ -21,7 +21,7 @@ from numba import njit
 from planner.borders.box_tree_kernels import nearest, segment_clearance
 from planner.borders.inside_kernels import in_object
 from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, distance
+from planner.scene.primitive_kernels import POINT, SEGMENT, distance, is_round
 
 
 @njit(cache=True, nogil=True)
@@ -90,23 +90,26 @@ def free_vertices(edges, vertices, sites, kind, data, closed, box, spacing):
 
 
 @njit(**BORROWING, error_model="numpy", forceinline=True)
-def is_valid(kind, data, label_a, label_b, k, before, after, owner, paper, tolerance):
+def is_valid(pieces, label_a, label_b, paper, tolerance):
     """Whether a Voronoi edge between two labels belongs to the diagram."""
     if paper:
-        return owner[label_a] != owner[label_b]
+        return pieces.owner[label_a] != pieces.owner[label_b]
     if label_a == label_b:
         return False
+    kind = pieces.kind
+    k = len(kind) - len(pieces.before)
     if label_a < k and label_b < k and kind[label_a] != POINT and kind[label_b] != POINT:
         return True
     return not (
-        is_end(kind, data, label_a, label_b, k, before, after, tolerance)
-        or is_end(kind, data, label_b, label_a, k, before, after, tolerance)
+        is_end(pieces, label_a, label_b, tolerance) or is_end(pieces, label_b, label_a, tolerance)
     )
 
 
 @njit(**BORROWING, error_model="numpy")
-def is_end(kind, data, p, q, k, before, after, tolerance):
+def is_end(pieces, p, q, tolerance):
     """Whether p is a point that lies on piece q, as a corner point on its sides."""
+    kind, data, before, after = pieces.kind, pieces.data, pieces.before, pieces.after
+    k = len(kind) - len(before)
     if p >= k:
         if before[p - k] == q or after[p - k] == q:
             return True
@@ -126,19 +129,16 @@ def is_end(kind, data, p, q, k, before, after, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def valid_edges(
-    edges, vertices, sites, label, kind, data, owner, solid, before, after, closed, box, spacing,
-    tolerance, paper
-):  # fmt: skip
+def valid_edges(edges, vertices, sites, label, pieces, closed, box, spacing, tolerance, paper):
     """The valid edges between two free vertices: ``keep`` (m,) bool."""
-    m, k = len(edges), len(solid)
+    m = len(edges)
     keep = np.zeros(m, np.bool_)
-    free = free_vertices(edges, vertices, sites, kind, data, closed, box, spacing)
+    free = free_vertices(edges, vertices, sites, pieces.kind, pieces.data, closed, box, spacing)
     for e in range(m):
         u, w = edges[e, 2], edges[e, 3]
         if u >= 0 and w >= 0 and free[u] and free[w]:
             a, b = label[edges[e, 0]], label[edges[e, 1]]
-            keep[e] = is_valid(kind, data, a, b, k, before, after, owner, paper, tolerance)
+            keep[e] = is_valid(pieces, a, b, paper, tolerance)
     return keep
 
 
@@ -152,24 +152,8 @@ def trace_chains(edges, keep, vertex_count):
     without a node gets one at its first vertex.
     """
     m = len(edges)
-    degree = np.zeros(vertex_count + 1, np.int32)
-    total = 0
-    for e in range(m):
-        if keep[e]:
-            degree[edges[e, 2]] += 1
-            degree[edges[e, 3]] += 1
-            total += 1
-    start = np.zeros(vertex_count + 2, np.int32)
-    for w in range(vertex_count):
-        start[w + 1] = start[w] + degree[w]
-    fill = start.copy()
-    incident = np.empty(2 * total, np.int32)
-    for e in range(m):
-        if keep[e]:
-            for end in range(2, 4):
-                w = edges[e, end]
-                incident[fill[w]] = e
-                fill[w] += 1
+    degree, start, incident = _edges_around(edges, keep, vertex_count)
+    total = len(incident) // 2
     node_of = np.full(vertex_count, -1, np.int32)
     node_vertex = np.empty(2 * total, np.int32)
     nodes = 0
@@ -219,7 +203,32 @@ def trace_chains(edges, keep, vertex_count):
 
 
 @njit(cache=True, nogil=True)
-def measure_chains(kind, data, order, large, boxes, points, first):
+def _edges_around(edges, keep, vertex_count):
+    """How many kept edges meet every vertex, and which: offsets into the vertices' edges."""
+    m = len(edges)
+    degree = np.zeros(vertex_count + 1, np.int32)
+    total = 0
+    for e in range(m):
+        if keep[e]:
+            degree[edges[e, 2]] += 1
+            degree[edges[e, 3]] += 1
+            total += 1
+    start = np.zeros(vertex_count + 2, np.int32)
+    for w in range(vertex_count):
+        start[w + 1] = start[w] + degree[w]
+    fill = start.copy()
+    incident = np.empty(2 * total, np.int32)
+    for e in range(m):
+        if keep[e]:
+            for end in range(2, 4):
+                w = edges[e, end]
+                incident[fill[w]] = e
+                fill[w] += 1
+    return degree, start, incident
+
+
+@njit(cache=True, nogil=True)
+def measure_chains(tree, points, first):
     """Length and exact clearance of every straight link of the chains.
 
     ``points`` (p, 2) hold chain c at ``first[c] : first[c + 1]``. Returns ``rho`` (p,), the
@@ -234,7 +243,7 @@ def measure_chains(kind, data, order, large, boxes, points, first):
     length = np.zeros(c)
     clearance = np.full(c, np.inf)
     for i in range(p):
-        rho[i] = nearest(kind, data, order, large, boxes, points[i, 0], points[i, 1], np.inf)[0]
+        rho[i] = nearest(tree, points[i, 0], points[i, 1], np.inf)[0]
     for j in range(c):
         if first[j + 1] - first[j] == 1:
             clearance[j] = rho[first[j]]
@@ -242,7 +251,7 @@ def measure_chains(kind, data, order, large, boxes, points, first):
             ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
             step[i] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
             bound = min(rho[i], rho[i + 1])
-            gap[i], _, _ = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, bound)
+            gap[i], _, _ = segment_clearance(tree, ax, ay, bx, by, bound)
             length[j] += step[i]
             clearance[j] = min(clearance[j], gap[i])
     return rho, gap, step, length, clearance
@@ -282,21 +291,20 @@ def chain_points(edges, vertices, label, first, link, along):
 
 
 @njit(cache=True, nogil=True)
-def lonely_centres(
-    kind, data, owner, backwards, solid, order, large, boxes, box, points, tolerance
-):  # fmt: skip
+def lonely_centres(pieces, tree, box, points, tolerance):
     """Centres of circles and arcs that are free, as near to nothing else, and on no chain."""
+    data, solid = pieces.data, pieces.solid
     out = np.empty((len(solid), 2))
     n = 0
     for i in range(len(solid)):
-        if kind[i] != CIRCLE and kind[i] != ARC:
+        if not is_round(pieces.kind[i]):
             continue
-        if solid[i] != 0 and ((solid[i] > 0) != backwards[i]):
+        if solid[i] != 0 and ((solid[i] > 0) != pieces.backwards[i]):
             continue
         x, y, r = data[i, 0], data[i, 1], data[i, 2]
         if not (box[0] < x < box[2] and box[1] < y < box[3]):
             continue
-        d, _ = nearest(kind, data, order, large, boxes, x, y, r)
+        d, _ = nearest(tree, x, y, r)
         if d < r - tolerance:
             continue
         alone = True

@@ -22,7 +22,7 @@ from numba import njit
 
 from planner.borders.box_tree_kernels import segment_clearance
 from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import SEGMENT, foot
+from planner.scene.primitive_kernels import SEGMENT, foot, grown
 
 STEPS = 40
 """Newton steps; four were enough on random scenes, near-parallel borders take more."""
@@ -177,15 +177,15 @@ def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _keeps(kind, data, order, large, boxes, ax, ay, bx, by, need):
+def _keeps(tree, ax, ay, bx, by, need):
     """Whether the straight line from a to b is ``need`` off all borders."""
-    _, _, which = segment_clearance(kind, data, order, large, boxes, ax, ay, bx, by, need)
+    _, _, which = segment_clearance(tree, ax, ay, bx, by, need)
     return which < 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def follow(
-    kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, exact=np.inf
+    tree, points, pairs, need, flatness, tolerance, exact=np.inf
 ):  # fmt: skip
     """A polyline that follows the bisectors its links stand for, as closely as it must.
 
@@ -196,6 +196,7 @@ def follow(
     bulge towards one another the tangent at the narrowest place is nowhere nearer. Returns
     points and pairs.
     """
+    kind, data = tree.kind, tree.data
     n = len(points)
     room = 4 * n + 64
     xy = np.empty((room, 2))
@@ -206,7 +207,7 @@ def follow(
     for i in range(n):
         if m + 1 >= room:
             room *= 2
-            xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+            xy, pair = grown(xy, room), grown(pair, room)
         xy[m] = points[i]
         pair[m] = pairs[i]
         m += 1
@@ -224,26 +225,24 @@ def follow(
             span = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
             split = found and deep < HALVINGS and tolerance < bulge < 0.5 * span
             if split and bulge <= flatness:
-                if exact < np.inf and not _keeps(
-                    kind, data, order, large, boxes, ax, ay, bx, by, exact
-                ):
+                if exact < np.inf and not _keeps(tree, ax, ay, bx, by, exact):
                     qx, qy, met = _tangents_meet(
                         kind, data, pairs[i, 0], pairs[i, 1], ax, ay, bx, by
                     )
                     if (
                         met
-                        and _keeps(kind, data, order, large, boxes, ax, ay, qx, qy, exact)
-                        and _keeps(kind, data, order, large, boxes, qx, qy, bx, by, exact)
+                        and _keeps(tree, ax, ay, qx, qy, exact)
+                        and _keeps(tree, qx, qy, bx, by, exact)
                     ):
                         if m + 2 >= room:
                             room *= 2
-                            xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+                            xy, pair = grown(xy, room), grown(pair, room)
                         xy[m, 0], xy[m, 1] = qx, qy
                         pair[m] = pairs[i]
                         m += 1
                         split = False
                 if split:
-                    split = not _keeps(kind, data, order, large, boxes, ax, ay, bx, by, need)
+                    split = not _keeps(tree, ax, ay, bx, by, need)
             if split:
                 stack[top, 0], stack[top, 1], level[top] = mx, my, deep + 1
                 level[top - 1] = deep + 1
@@ -253,22 +252,8 @@ def follow(
             if top > 0:
                 if m + 1 >= room:
                     room *= 2
-                    xy, pair = _grown(xy, room), _grown_pairs(pair, room)
+                    xy, pair = grown(xy, room), grown(pair, room)
                 xy[m, 0], xy[m, 1] = bx, by
                 pair[m] = pairs[i]
                 m += 1
     return xy[:m], pair[:m]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _grown(a, room):
-    out = np.empty((room, 2))
-    out[: len(a)] = a
-    return out
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _grown_pairs(a, room):
-    out = np.empty((room, 2), np.int32)
-    out[: len(a)] = a
-    return out

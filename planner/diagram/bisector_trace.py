@@ -6,72 +6,64 @@ more as a part of that, it took 1.3 times as long.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.borders.generators import BoolArray
+from planner.borders.border_arrays import Corners
 from planner.diagram import chain_kernels
-from planner.diagram.chain_kernels import HALVINGS
+from planner.diagram.bend_kernels import HALVINGS, BendRoom, MissingSites, Places, Stack, Stations
+from planner.diagram.diagram_arrays import Bent, FlatMesh, KnownRuns, Tolerances, Triangles
 from planner.scene import FloatArray, IntArray
 
 LEAST, MISSING = 64, 64
 """Room for so many points, and for so many missing sites, at first."""
 
 
-@dataclass(frozen=True, slots=True)
-class Bent:
-    """Where chains run.
-
-    ``points`` (p, 3) are x, y and exact clearance, ``pieces`` (p, 2) those left and right of the
-    link that follows (-1 at a chain's last point), ``start`` (c + 1,) the chains' offsets, and
-    ``proved`` (p,) says whether the link that follows is on the bisector of its pieces.
-    """
-
-    points: FloatArray
-    pieces: IntArray
-    start: IntArray
-    proved: BoolArray
-
-
 def bend_chains(
-    first: IntArray, link: NDArray[np.int64], mesh: tuple[Any, ...], at: FloatArray, *rest: Any
+    first: IntArray,
+    link: NDArray[np.int64],
+    mesh: FlatMesh,
+    pieces: Corners,
+    triangles: Triangles,
+    tolerances: Tolerances,
+    known: KnownRuns,
 ) -> tuple[Bent, tuple[FloatArray, IntArray, NDArray[np.int64]]]:
     """The chains' points on their bisectors, with the narrowest place of every run.
 
     Chain c has the links ``first[c]`` to ``first[c + 1]`` of
-    :func:`planner.diagram.trace_kernels.trace_chains`; ``first`` need not begin at 0. The ``rest``
-    is what :func:`planner.diagram.chain_kernels.bend` takes after them. Runs that are known, the
-    last of it, see :func:`planner.diagram.kept_run_kernels.index_runs`, are not bent again. Returns
+    :func:`planner.diagram.trace_kernels.trace_chains`; ``first`` need not begin at 0. Runs that are
+    ``known``, see :func:`planner.diagram.kept_run_kernels.index_runs`, are not bent again. Returns
     the chains and the sites that are missing as
     :func:`planner.diagram.vertex_kernels.solve_vertices` does.
     """
     chains = len(first) - 1
     longest = chain_kernels.most_links(first) + 1
     place = np.empty((longest, 4))
-    stations = (
+    stations = Stations(
         place, place.view(np.int64), np.empty((longest, 2), np.int32),
         np.empty((longest, 2), np.int64),
     )  # fmt: skip
     depth = HALVINGS + 2
-    todo = (
+    stack = Stack(
         np.empty((depth, 2)), np.empty(depth, np.int64), np.zeros(depth, np.bool_),
         np.zeros(depth, np.bool_),
     )  # fmt: skip
     room, more = 2 * int(first[-1] - first[0] + chains) + LEAST, MISSING
     while True:
-        points, pieces = np.empty((room, 3)), np.empty((room, 2), np.int32)
-        proved, start = np.zeros(room, np.bool_), np.zeros(chains + 1, np.int32)
-        extra, label = np.empty((more, 2)), np.empty(more, np.int32)
-        where = np.empty(more, np.int64)
+        out = Places(
+            np.empty((room, 3)), np.empty((room, 2), np.int32), np.zeros(room, np.bool_),
+            np.zeros(chains + 1, np.int32), np.empty(room, np.bool_), np.empty(room, np.bool_),
+        )  # fmt: skip
+        extra = MissingSites(
+            np.empty((more, 2)), np.empty(more, np.int32), np.empty(more, np.int64)
+        )
         n, missing = chain_kernels.bend(
-            mesh, at, first, link, *rest, (points, pieces, proved, start, extra, label, where),
-            np.empty(room, np.bool_), np.empty(room, np.bool_), stations, todo,
+            mesh, pieces, triangles, first, link, tolerances, known,
+            BendRoom(out, extra, stations, stack),
         )  # fmt: skip
         if n >= 0 and missing >= 0:
-            bent = Bent(points[:n], pieces[:n], start, proved[:n])
-            return bent, (extra[:missing], label[:missing], where[:missing])
+            bent = Bent(out.points[:n], out.pieces[:n], out.start, out.proved[:n])
+            place, label, where = extra
+            return bent, (place[:missing], label[:missing], where[:missing])
         # rare: all of it again, with twice the room
         room, more = room * (1 + (n < 0)), more * (1 + (missing < 0))

@@ -7,15 +7,18 @@ Rules and units
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from planner.borders.generators import BoolArray, Borders
-from planner.scene import ARC, CIRCLE, POINT, FloatArray, IntArray, Vec
+from planner.diagram import bisector_kernels
+from planner.scene import POINT, FloatArray, IntArray, Vec
+from planner.scene.primitives import ROUND
 
-__all__ = ["Curve", "Piece", "describe"]
+__all__ = ["Curve", "Piece", "describe", "edge_curve"]
 
 Curve: TypeAlias = Literal["line", "parabola", "hyperbola", "ellipse", "straight"]
 
@@ -63,6 +66,18 @@ def describe(
     return tuple(out)
 
 
+def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> FloatArray:
+    """An edge's exact geometry as a polyline (n, 2) that leaves it by about ``flatness``."""
+    points = np.array([pieces[0].start, *(piece.end for piece in pieces)])
+    pairs = [(-1, -1) if p.curve == "straight" else (p.left, p.right) for p in pieces]
+    curve: FloatArray
+    curve, _ = bisector_kernels.follow(
+        borders.tree, points, np.array([*pairs, (-1, -1)], np.int32), 0.0, flatness,
+        borders.equal,
+    )  # fmt: skip
+    return curve
+
+
 def _curve(borders: Borders, left: int, right: int, at: FloatArray) -> Curve:
     """What the bisector of two pieces is, seen from a place on it."""
     round_left, round_right = _radius(borders, left, at), _radius(borders, right, at)
@@ -80,7 +95,7 @@ def _radius(borders: Borders, piece: int, at: FloatArray) -> float | None:
     kind = borders.kind[piece]
     if kind == POINT:
         return 0.0
-    if kind not in (CIRCLE, ARC):
+    if kind not in ROUND:
         return None
     x, y, r = (float(v) for v in borders.data[piece, :3])
     outside = np.hypot(at[0] - x, at[1] - y) >= r

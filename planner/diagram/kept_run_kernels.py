@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.diagram.diagram_arrays import KnownRuns
 from planner.scene.compile_options import BORROWING
 
 
@@ -27,12 +28,13 @@ def _slot(bits_x, bits_y, size):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def index_runs(kept, points, pieces, start, proved):
+def index_runs(kept, bent):
     """The points of the chains that are not ``kept`` (m,), found by their place.
 
-    ``points`` (p, 3), ``pieces`` (p, 2), ``start`` (c + 1,) and ``proved`` (p,) are chains as
-    from :func:`planner.diagram.bisector_trace.bend_chains`. Returns what :func:`find_run` takes.
+    ``bent`` are the chains, :class:`planner.diagram.diagram_arrays.Bent`; only those that are not
+    kept are indexed. Returns what :func:`find_run` takes.
     """
+    points, start = bent.points, bent.start
     count = 0
     chains = len(start) - 1
     is_kept = np.zeros(chains, np.bool_)
@@ -54,7 +56,7 @@ def index_runs(kept, points, pieces, start, proved):
             while table[h] >= 0:
                 h = (h + 1) & (size - 1)
             table[h] = p
-    return points, bits, pieces, proved, table
+    return KnownRuns(points, bits, bent.pieces, bent.proved, table)
 
 
 @njit(**BORROWING, error_model="numpy")

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators
 from planner.delaunay import insertion_kernels, predicate_kernels
+from planner.delaunay.triangle_kernels import DEAD
 from planner.delaunay.voronoi_diagram import DiagramArrays
 from planner.diagram import (
     chain_kernels,
@@ -27,7 +28,8 @@ from planner.diagram import (
     trace_kernels,
     vertex_kernels,
 )
-from planner.diagram.bisector_trace import Bent, bend_chains
+from planner.diagram.bisector_trace import bend_chains
+from planner.diagram.diagram_arrays import Bent, FlatMesh, Tolerances, Traced, Triangles
 from planner.scene import FloatArray, IntArray
 
 ROUNDS = 6
@@ -36,24 +38,12 @@ DOUBTS = 2
 """In how many rounds vertices that could not be solved ask for generators, too."""
 ROOM = 0.125
 """Room for generators to add, as a share of those there are."""
-DEAD = insertion_kernels.DEAD
 ROWS = {
     "tri": (16, DEAD), "circ": (8, np.nan), "label": (1, 0), "refined": (1, 0), "also": (1, -1),
     "seen": (2, DEAD), "at": (2, np.nan), "place": (2, 0.0), "rho": (2, 0.0), "state": (2, 0),
     "side": (2, 0), "mask": (2, 0), "stale": (2, 0),
 }  # fmt: skip
 """The mesh's arrays that grow with it: rows for each site there is room for, and their filling."""
-
-
-@dataclass(frozen=True, slots=True)
-class Traced:
-    """Chains as links, see :mod:`planner.diagram.trace_kernels`; ``mask`` as it was then."""
-
-    mask: NDArray[np.uint8]
-    node: IntArray
-    ends: IntArray
-    first: IntArray
-    link: NDArray[np.int64]
 
 
 @dataclass(slots=True)
@@ -90,6 +80,13 @@ class Mesh:
     vacant: list[int]
     traced: Traced
     bent: Bent
+
+    @property
+    def triangles(self) -> Triangles:
+        """What is known of every triangle, as kernels take it."""
+        return Triangles(
+            self.seen, self.at, self.place, self.rho, self.state, self.side, self.mask, self.stale
+        )
 
     @property
     def ghost(self) -> int:
@@ -129,7 +126,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
         also=mesh_kernels.link_coincident(alias, label, ghost),
         used=n,
         exponent=exponent,
-        seen=np.full((2 * ghost, 3), insertion_kernels.DEAD, np.uint32),
+        seen=np.full((2 * ghost, 3), DEAD, np.uint32),
         at=np.full((2 * ghost, 2), np.nan),
         place=np.empty((2 * ghost, 2)),
         rho=np.zeros(2 * ghost),
@@ -160,38 +157,27 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
 
     Changes the mesh; its chains are then ``traced`` and ``bent``.
     """
-    half, tolerance = 0.5 * spacing, borders.equal
-    pieces = borders.kind, borders.data, borders.before, borders.after
+    half = 0.5 * spacing
+    pieces, tolerances = borders.corners, Tolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat = _flat(mesh, sag)
     for turn in range(ROUNDS + 1):
         changed = mark_valid(mesh, borders, spacing)
         missing = vertex_kernels.solve_vertices(
-            flat, changed, mesh.mask, mesh.at, *pieces, borders.owner, half, half, turn < DOUBTS,
-            tolerance, mesh.place, mesh.rho, mesh.state,
-        )  # fmt: skip
+            flat, pieces, mesh.triangles, changed, turn < DOUBTS, tolerances
+        )
         if len(missing[0]) and turn < ROUNDS:
             add_sites(mesh, *missing)
             flat = _flat(mesh, sag)
             continue
         kept = _trace(mesh)
         new, old = mesh.traced, mesh.bent
-        chain_kernels.solve_rings(
-            flat, new.node, mesh.at, *pieces, half, tolerance, mesh.place, mesh.rho, mesh.state
-        )  # fmt: skip
+        chain_kernels.solve_rings(flat, pieces, mesh.triangles, new.node, tolerances)
         bent, missing = bend_chains(
-            new.first[len(kept) :], new.link, flat, mesh.at, *pieces, half, half, tolerance,
-            mesh.place, mesh.rho, mesh.state,
-            kept_run_kernels.index_runs(kept, old.points, old.pieces, old.start, old.proved),
+            new.first[len(kept) :], new.link, flat, pieces, mesh.triangles, tolerances,
+            kept_run_kernels.index_runs(kept, old),
         )  # fmt: skip
-        if len(kept):
-            bent = Bent(
-                *trace_kernels.join_chains(
-                    kept, old.start, (old.points, old.pieces, old.proved), bent.start,
-                    (bent.points, bent.pieces, bent.proved),
-                )
-            )  # fmt: skip
-        mesh.bent = bent
+        mesh.bent = trace_kernels.join_chains(kept, old, bent) if len(kept) else bent
         if not len(missing[0]) or turn == ROUNDS:
             break
         add_sites(mesh, *missing)
@@ -201,34 +187,31 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
 def _trace(mesh: Mesh) -> IntArray:
     """Trace the chains that are not as they were; which of the old ones are kept."""
     old = mesh.traced
-    kept, *traced = trace_kernels.trace_chains(
-        mesh.tri, mesh.mask, mesh.stale, old.mask, old.node, old.ends, old.first, old.link
-    )
+    kept, *traced = trace_kernels.trace_chains(mesh.tri, mesh.mask, mesh.stale, old)
     mesh.traced = Traced(mesh.mask.copy(), *traced)
     mesh.stale[:] = False
     return kept  # type: ignore[no-any-return]
 
 
-def _flat(mesh: Mesh, sag: float) -> tuple[Any, ...]:
+def _flat(mesh: Mesh, sag: float) -> FlatMesh:
     """What :func:`planner.diagram.mesh_kernels.nearest_piece` takes."""
     stamp, queue = np.zeros(mesh.ghost + 2, np.int32), np.empty(mesh.ghost, np.int64)
-    return mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag
+    return FlatMesh(mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag)
 
 
 def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
     """Bring centres, sides and valid edges of triangles that changed up to date: which did."""
     changed: IntArray = mesh_kernels.centres(
-        mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.seen, mesh.at, mesh.state,
-        mesh.side,
-    )  # fmt: skip
+        mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.triangles
+    )
     mesh.stale[changed] = True
     mesh_kernels.mark_sides(
-        mesh.xy, mesh.up, mesh.tri, mesh.at, changed, borders.kind, borders.data, borders.closed,
-        borders.box, spacing, mesh.side,
+        mesh.xy, mesh.up, mesh.tri, mesh.triangles, changed, borders.corners, borders.closed,
+        borders.box, spacing,
     )  # fmt: skip
     vertex_kernels.mark_valid(
-        mesh.tri, mesh.label, mesh.side, changed, borders.kind, borders.data, borders.before,
-        borders.after, borders.owner, SAME_PLACE * borders.extent, mesh.mask,
+        mesh.tri, mesh.label, mesh.triangles, changed, borders.corners,
+        SAME_PLACE * borders.extent,
     )  # fmt: skip
     return changed
 

@@ -22,10 +22,16 @@ from numba import njit
 
 from planner.borders.inside_kernels import in_object
 from planner.delaunay.diagram_kernels import finite_vertices, list_edges
-from planner.delaunay.insertion_kernels import DEAD
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre
+from planner.delaunay.triangle_kernels import (
+    DEAD,
+    next_side,
+    previous_side,
+    side_of,
+    triangle_of,
+)
 from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, CIRCLE, distance
+from planner.scene.primitive_kernels import distance, is_round
 
 FREE, BLOCKED, PENDING = 1, 2, 3
 LOOSE = 1e-9
@@ -51,8 +57,9 @@ def link_coincident(alias, label, count):
 
 
 @njit(**BORROWING, error_model="numpy")
-def _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w):
+def _find_changed(xy, ghost, up, tri, circ, triangles, changed, w):
     """:func:`centres` into ``changed`` (2 ghost,): how many; ``w`` is working space."""
+    seen, at, state, side = triangles.seen, triangles.at, triangles.state, triangles.side
     n = 0
     for i in range(2 * ghost):
         t = 8 * i
@@ -77,23 +84,23 @@ def _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def centres(xy, ghost, up, tri, circ, seen, at, state, side):
-    """The centres of new triangles into ``at`` (2 ghost, 2), in the scene's units.
+def centres(xy, ghost, up, tri, circ, triangles):
+    """The centres of new ``triangles`` into their ``at``, in the scene's units.
 
-    ``seen`` (2 ghost, 3) holds the sites that a row of ``at`` was computed for. A row is NaN
-    for a triangle that does not exist or reaches infinity. ``state`` and ``side`` become 0
-    where the triangle changed. Returns the rows that changed, (c,) int32.
+    ``seen`` holds the sites that a row of ``at`` was computed for. A row is NaN for a triangle
+    that does not exist or reaches infinity. ``state`` and ``side`` become 0 where the triangle
+    changed. Returns the rows that changed, (c,) int32.
     """
     changed = np.empty(2 * ghost, np.int32)
     w = np.empty(SCRATCH)
-    n = _find_changed(xy, ghost, up, tri, circ, seen, at, state, side, changed, w)
+    n = _find_changed(xy, ghost, up, tri, circ, triangles, changed, w)
     return changed[:n]
 
 
 @njit(**BORROWING, error_model="numpy")
 def _is_joined(xy, up, tri, at, i, k, j, limit):
     """Whether the Voronoi edge from i over half-edge k to j stays off the borders."""
-    a, b = np.int64(tri[8 * i + ((9 >> (2 * k)) & 3)]), np.int64(tri[8 * i + ((18 >> (2 * k)) & 3)])
+    a, b = np.int64(tri[8 * i + next_side(k)]), np.int64(tri[8 * i + previous_side(k)])
     ax, ay = xy[2 * a] * up, xy[2 * a + 1] * up
     bx, by = xy[2 * b] * up, xy[2 * b + 1] * up
     if 0.25 * ((bx - ax) ** 2 + (by - ay) ** 2) > limit:
@@ -107,8 +114,9 @@ def _is_joined(xy, up, tri, at, i, k, j, limit):
 
 
 @njit(**BORROWING, error_model="numpy")
-def _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side, queue):
+def _mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing, queue):
     """:func:`mark_sides` with a ``queue`` (2 ghost,) to work in."""
+    at, side = triangles.at, triangles.side
     limit = (0.5 * spacing) ** 2 * (1.0 + 1e-9)
     for first in changed:
         if side[first] != 0:
@@ -146,14 +154,14 @@ def _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side
         if known == 0:
             x, y = at[widest, 0], at[widest, 1]
             known = FREE
-            if in_object(kind, data, closed, x, y, math.sqrt(room)):
+            if in_object(pieces.kind, pieces.data, closed, x, y, math.sqrt(room)):
                 known = BLOCKED
         for m in range(tail):
             side[queue[m]] = known
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side):
+def mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing):
     """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
 
     ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge that stays
@@ -161,8 +169,8 @@ def mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side)
     by such edges lie on one side. One is asked for all, the one with the most room, where none is
     marked yet.
     """
-    queue = np.empty(len(at), np.int32)
-    _mark_sides(xy, up, tri, at, changed, kind, data, closed, box, spacing, side, queue)
+    queue = np.empty(len(triangles.at), np.int32)
+    _mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing, queue)
 
 
 @njit(**BORROWING, error_model="numpy")
@@ -174,15 +182,13 @@ def _nearest_site(xy, tri, h, x, y):
         to = np.int64(-1)
         e = h
         while True:
-            t = (e >> 3) << 3
-            v = t + ((9 >> (2 * (e - t))) & 3)
+            v = triangle_of(e) + next_side(side_of(e))
             s = np.int64(tri[v])
             d = (xy[2 * s] - x) ** 2 + (xy[2 * s + 1] - y) ** 2
             if d < best:
                 best, to = d, v
             o = np.int64(tri[v + 4])
-            t = (o >> 3) << 3
-            e = t + ((9 >> (2 * (o - t))) & 3)
+            e = triangle_of(o) + next_side(side_of(o))
             if e == h:
                 break
         if to < 0:
@@ -195,21 +201,19 @@ def largest_sag(kind, data, half):
     """The largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
     sag = 0.0
     for i in range(len(kind)):
-        if (kind[i] == CIRCLE or kind[i] == ARC) and data[i, 2] > 0.0:
+        if is_round(kind[i]) and data[i, 2] > 0.0:
             s = min(half, 0.4 * data[i, 2])
             sag = max(sag, s * s / data[i, 2])
     return sag
 
 
 @njit(**BORROWING, error_model="numpy")
-def nearest_piece(
-    mesh, kind, data, before, after, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=-1
-):  # fmt: skip
+def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=-1):
     """Distance to and number of the primitive nearest to (x, y), if nearer than ``bound``.
 
     (bound, -1) where none is. The primitives ``but_a``, ``but_b`` and ``but_c`` do not count.
-    ``mesh`` is xy, tri, label, also, stamp (ghost + 2,) int32, a queue (ghost,) int64, ``up``
-    and ``sag``; ``t`` a triangle to start from, with no site at infinity. Of a primitive that
+    ``mesh`` is a :class:`planner.diagram.diagram_arrays.FlatMesh`; ``t`` a triangle to start
+    from, with no site at infinity. Of a primitive that
     is nearer, the site nearest to its foot is its own or its corner's and within ``half`` of
     it, and so nearer to (x, y) than the root of bound^2 + half^2 + sag bound: on a round piece
     of radius R the chord s to that site adds s^2 bound / R, and ``sag`` is the largest s^2 / R
@@ -217,6 +221,7 @@ def nearest_piece(
     are all that is looked at.
     """
     xy, tri, label, also, stamp, queue, up, sag = mesh
+    kind, data, before, after = pieces.kind, pieces.data, pieces.before, pieces.after
     k = len(kind) - len(before)
     down = 1.0 / up
     sx, sy = x * down, y * down
@@ -256,8 +261,7 @@ def nearest_piece(
             s = np.int64(also[s])
         e = h
         while True:
-            t = (e >> 3) << 3
-            v = t + ((9 >> (2 * (e - t))) & 3)
+            v = triangle_of(e) + next_side(side_of(e))
             s = np.int64(tri[v])
             if stamp[s] != query:
                 stamp[s] = query
@@ -265,8 +269,7 @@ def nearest_piece(
                     queue[tail] = v
                     tail += 1
             o = np.int64(tri[v + 4])
-            t = (o >> 3) << 3
-            e = t + ((9 >> (2 * (o - t))) & 3)
+            e = triangle_of(o) + next_side(side_of(o))
             if e == h:
                 break
     return best, which

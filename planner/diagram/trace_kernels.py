@@ -17,33 +17,32 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.diagram.diagram_arrays import Bent
 from planner.scene.compile_options import BORROWING
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_link):
+def trace_chains(tri, mask, stale, old):
     """Runs of valid edges through vertices with two of them.
 
     ``mask`` (n,) holds every triangle's valid edges, ``stale`` (n,) says which triangles
-    changed. The ``old`` answer is the mask and what was returned for it; empty where there is
-    none. Returns ``kept`` (m,) int32, the old chains that are the first m of the new ones, and
-    of all of them ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node
+    changed. The ``old`` answer is a :class:`planner.diagram.diagram_arrays.Traced`, empty where
+    there is none. Returns ``kept`` (m,) int32, the old chains that are the first m of the new ones,
+    and of all of them ``node`` (n,) int32, the nodes' triangles, ``ends`` (c, 2) int32 node
     numbers, and offsets ``first`` (c + 1,) into ``link`` (l,) int64.
     """
     n = len(mask)
-    kept, todo = _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link)
-    edges = len(old_link)
+    kept, todo = _split_chains(mask, stale, old)
+    edges = len(old.link)
     for i in todo:
         edges += int(mask[i] & 1) + int((mask[i] >> 1) & 1) + int(mask[i] >> 2)
     number = np.full(n, -1, np.int32)
-    node = np.empty(len(old_node) + len(todo), np.int32)
+    node = np.empty(len(old.node) + len(todo), np.int32)
     used = np.zeros(n, np.uint8)
     ends = np.empty((edges, 2), np.int32)
     first = np.zeros(edges + 1, np.int32)
     link = np.empty(edges, np.int64)
-    nodes = _keep_chains(
-        tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
-    )
+    nodes = _keep_chains(tri, kept, old, number, node, used, ends, first, link)
     count = len(todo)
     for m in range(count):
         i = todo[m]
@@ -83,8 +82,9 @@ def trace_chains(tri, mask, stale, old_mask, old_node, old_ends, old_first, old_
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link):
+def _split_chains(mask, stale, old):
     """The chains that are as they were, and the triangles where any other chain may pass."""
+    old_mask, old_node, old_ends, old_first, old_link = old
     n, known = len(mask), len(old_mask)
     changed = np.empty(n, np.bool_)
     for i in range(known):
@@ -119,13 +119,12 @@ def _split_chains(mask, stale, old_mask, old_node, old_ends, old_first, old_link
 
 
 @njit(**BORROWING, error_model="numpy")
-def _keep_chains(
-    tri, kept, old_node, old_ends, old_first, old_link, number, node, used, ends, first, link
-):  # fmt: skip
+def _keep_chains(tri, kept, old, number, node, used, ends, first, link):
     """Write the ``kept`` chains into node, ends, first and link; returns how many nodes they have.
 
     ``number`` gets the nodes' numbers and ``used`` the edges at which the chains leave them.
     """
+    old_node, old_ends, old_first, old_link = old.node, old.ends, old.first, old.link
     nodes, links = 0, 0
     for m in range(len(kept)):
         c = kept[m]
@@ -147,15 +146,13 @@ def _keep_chains(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def join_chains(kept, old_start, old_arrays, start, arrays):
+def join_chains(kept, old, new):
     """The kept chains' points and then the new ones'.
 
-    ``arrays`` and ``old_arrays`` are out (p, 3), pair (p, 2) and proved (p,), ``start`` the
-    offsets of chains into them, as from :func:`planner.diagram.bisector_trace.bend_chains`. Returns
-    out, pair, start and proved.
+    All are :class:`planner.diagram.diagram_arrays.Bent`.
     """
-    old_out, old_pair, old_proved = old_arrays
-    new_out, new_pair, new_proved = arrays
+    old_out, old_pair, old_start, old_proved = old
+    new_out, new_pair, start, new_proved = new
     m = len(kept)
     offsets = np.empty(m + len(start), np.int32)
     n = 0
@@ -180,4 +177,4 @@ def join_chains(kept, old_start, old_arrays, start, arrays):
         proved[to : to + hi - lo] = old_proved[lo:hi]
         c = last + 1
     out[n:], pair[n:], proved[n:] = new_out, new_pair, new_proved
-    return out, pair, offsets, proved
+    return Bent(out, pair, offsets, proved)

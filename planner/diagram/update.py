@@ -12,15 +12,16 @@ Rules and units
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from planner.borders import border_kernels
+from planner.borders.border_kernels import NewBorders
 from planner.borders.generators import JOINT, NO_LENGTH, Borders, as_borders
 from planner.delaunay import insertion_kernels, predicate_kernels, removal_kernels
 from planner.diagram import update_kernels
 from planner.diagram.agvd import Agvd
+from planner.diagram.diagram_arrays import MeshSites
 from planner.diagram.mesh import Mesh, add_sites, copy_mesh
 from planner.scene import (
     ArcRecord,
@@ -122,10 +123,12 @@ def _change_borders(
     flat = Flattener(scene.y_down)
     for n, j in enumerate(came):
         flat.add_object(scene.objects[j], n)
-    pieces, found, *rest = border_kernels.change_borders(
-        np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes,
+    new = NewBorders(
         np.array(flat.kind, np.int8), np.array(flat.rows, np.float64).reshape(-1, 6),
         np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),
+    )  # fmt: skip
+    pieces, found, *rest = border_kernels.change_borders(
+        np.array(kept, np.int64), old_objects, old.pieces, old.object_boxes, new,
         NO_LENGTH * old.extent, JOINT * old.extent, agvd.spacing,
     )  # fmt: skip
     new_label, places, labels, touched = rest
@@ -135,13 +138,12 @@ def _change_borders(
 def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
     """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
     traced, bent = mesh.traced, mesh.bent
+    sites = MeshSites(mesh.tri, mesh.alias, mesh.label, mesh.refined, mesh.also, mesh.used)
     gone, quiet, heirs, pieces, proved = update_kernels.unlink(
-        touched, new_label, mesh.tri, mesh.alias, mesh.label, mesh.refined, mesh.also, mesh.used,
-        mesh.at, mesh.place, mesh.rho, mesh.state, mesh.seen, mesh.stale,
-        traced.first, traced.link, bent.points, bent.start, bent.pieces, bent.proved,
-    )  # fmt: skip
+        touched, new_label, sites, mesh.triangles, traced, bent
+    )
     done = not len(gone) or removal_kernels.remove(mesh.xy, mesh.ghost, mesh.tri, mesh.circ, gone)
-    mesh.bent = replace(bent, pieces=pieces, proved=proved)
+    mesh.bent = bent._replace(pieces=pieces, proved=proved)
     mesh.vacant += [*gone.tolist(), *quiet.tolist()]
     if done and len(heirs):
         w, nowhere = np.empty(predicate_kernels.SCRATCH), np.empty(0, np.int64)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.delaunay.insertion_kernels import DEAD
+from planner.delaunay.triangle_kernels import DEAD
 from planner.scene.compile_options import BORROWING
 
 SLACK = 1e-9
@@ -40,15 +40,15 @@ def _mark_inside(boxes, at, inside):
 
 
 @njit(**BORROWING, error_model="numpy")
-def _forget_touched(
-    boxes, at, inside, place, rho, state, seen, stale, first, link, out, start, proved
-):
+def _forget_touched(boxes, triangles, inside, traced, bent, proved):
     """Make everything in the ``boxes`` (b, 4) be computed again.
 
     Triangles are forgotten (``seen``), chains with a touched point become ``stale``, and
     nothing is ``proved`` of the links there. ``inside`` (n,) is False for every triangle, and
     becomes True where it is forgotten.
     """
+    seen, at, place, rho, state, _, _, stale = triangles
+    out, start, first = bent.points, bent.start, traced.first
     _mark_inside(boxes, at, inside)
     for i in range(len(at)):
         if state[i] != 0 and not inside[i]:
@@ -62,20 +62,21 @@ def _forget_touched(
             for b in range(len(boxes)):
                 touched |= _reaches(boxes, b, out[p, 0], out[p, 1], out[p, 2])
             if touched:
-                stale[link[first[c]] >> 3] = True
+                stale[traced.link[first[c]] >> 3] = True
                 proved[p] = False
                 if p > start[c]:
                     proved[p - 1] = False
 
 
 @njit(**BORROWING, error_model="numpy")
-def _doubtful_sites(tri, forgotten, refined, alias, used, added, around, doubtful, goes):
+def _doubtful_sites(sites, forgotten, added, around, doubtful, goes):
     """Sites that were added around a vertex that is forgotten: there may be no reason any more.
 
     Nor may there be for those that were added next to them. Where borders are nearer than the
     spacing, what was added decides what is found. Set in ``goes`` (ghost,), of which all is
     False, as of ``added`` and ``doubtful`` (ghost + 1,); ``around`` (n,) is working space.
     """
+    tri, alias, _, refined, _, used = sites
     any_added = False
     for s in range(used):
         if refined[s]:
@@ -107,15 +108,14 @@ def _doubtful_sites(tri, forgotten, refined, alias, used, added, around, doubtfu
 
 
 @njit(**BORROWING, error_model="numpy")
-def _unlink_sites(
-    label, new_label, doubtful, refined, alias, also, used, stands, gone, quiet, heirs
-):
+def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
     """Give all sites their new labels and find out which have to go: the ``doubtful``, too.
 
     ``new_label`` holds -1 for labels that are no more. Writes the sites that are in the
     triangulation and go, those that go without being in it, and those that have to be put in
     because the site that stood for them goes; returns how many. ``stands`` (used,) is False.
     """
+    _, alias, label, refined, also, used = sites
     n_gone, n_quiet, n_heirs = 0, 0, 0
     for p in range(used):
         if label[p] >= 0:
@@ -156,36 +156,31 @@ def _unlink_sites(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def unlink(
-    boxes, new_label, tri, alias, label, refined, also, used, at, place, rho, state,
-    seen, stale, first, link, points, start, pieces, proved,
-):  # fmt: skip
-    """Find the sites of pieces that are no more in a mesh, see :class:`planner.diagram.mesh.Mesh`.
+def unlink(boxes, new_label, sites, triangles, traced, bent):
+    """Find the sites of pieces that are no more in a mesh, given as its sites, triangles and
+    chains (:mod:`planner.diagram.diagram_arrays`).
 
     Everything that reaches into the ``boxes`` (b, 4) of what changed is to be computed again.
     ``new_label`` is where the pieces are now, -1 for those that are no more. Sites that were
     added around what is computed again go, too. Returns the sites to be taken out of the
     triangulation, those that were not in it and go, and those that have to be put in because
-    the site that stood for them goes; the chains' ``pieces`` (p, 2) as they are numbered now,
-    and what is still ``proved`` (p,) of them.
+    the site that stood for them goes; the chains' pieces (p, 2) as they are numbered now, and
+    what is still proved (p,) of them.
     """
-    n, ghost = len(seen), len(alias)
-    proved = proved.copy()
+    n, ghost, used, pieces = len(triangles.seen), len(sites.alias), sites.used, bent.pieces
+    proved = bent.proved.copy()
     forgotten = np.zeros(n, np.bool_)
-    _forget_touched(
-        boxes, at, forgotten, place, rho, state, seen, stale, first, link, points, start, proved
-    )
+    _forget_touched(boxes, triangles, forgotten, traced, bent, proved)
     doubtful = np.zeros(ghost, np.bool_)
     _doubtful_sites(
-        tri, forgotten, refined, alias, used, np.zeros(ghost + 1, np.bool_),
-        np.empty(n, np.int64), np.zeros(ghost + 1, np.bool_), doubtful,
+        sites, forgotten, np.zeros(ghost + 1, np.bool_), np.empty(n, np.int64),
+        np.zeros(ghost + 1, np.bool_), doubtful,
     )  # fmt: skip
     gone, quiet = np.empty(used, np.int64), np.empty(used, np.int64)
     heirs = np.empty(used, np.int32)
     n_gone, n_quiet, n_heirs = _unlink_sites(
-        label, new_label, doubtful, refined, alias, also, used, np.zeros(used, np.bool_), gone,
-        quiet, heirs,
-    )  # fmt: skip
+        sites, new_label, doubtful, np.zeros(used, np.bool_), gone, quiet, heirs
+    )
     new_pieces = np.empty_like(pieces)
     for p in range(len(pieces)):
         # -1 where a chain ends stays -1

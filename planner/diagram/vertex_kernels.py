@@ -19,7 +19,8 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.delaunay.insertion_kernels import DEAD, TINY
+from planner.delaunay.insertion_kernels import TINY
+from planner.delaunay.triangle_kernels import DEAD, next_side, previous_side
 from planner.diagram.agvd_kernels import is_end, is_valid
 from planner.diagram.bisector_kernels import meet_three, slide_between, turn_at
 from planner.diagram.mesh_kernels import FREE, nearest_piece
@@ -39,13 +40,13 @@ empty; that near-parallel pieces left it as sampled; that a border lies inside i
 
 
 @njit(**BORROWING, error_model="numpy")
-def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tolerance, mask):
-    """Set in ``mask`` (t,) bit k where the edge opposite site k of a free triangle is valid.
+def mark_valid(tri, label, triangles, changed, pieces, tolerance):
+    """Set bit k in the ``mask`` of free triangles where the edge opposite site k is valid.
 
     Only the edges of the ``changed`` triangles are looked at; they may change the masks of
     their neighbours.
     """
-    k = len(kind) - len(before)
+    side, mask = triangles.side, triangles.mask
     for i in changed:
         mask[i] = WAITING
     for i in changed:
@@ -66,11 +67,9 @@ def mark_valid(tri, label, side, changed, kind, data, before, after, owner, tole
                 mask[n] |= bit << DONE
             valid = False
             if side[n] == FREE:
-                a = label[np.int64(tri[8 * i + ((9 >> (2 * j)) & 3)])]
-                b = label[np.int64(tri[8 * i + ((18 >> (2 * j)) & 3)])]
-                valid = a != b and is_valid(
-                    kind, data, a, b, k, before, after, owner, False, tolerance
-                )
+                a = label[np.int64(tri[8 * i + next_side(j)])]
+                b = label[np.int64(tri[8 * i + previous_side(j)])]
+                valid = a != b and is_valid(pieces, a, b, False, tolerance)
             if valid:
                 mask[i] |= np.uint8(1 << j)
                 mask[n] |= bit
@@ -98,75 +97,107 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     return square >= relevant * relevant and apart <= 16.0 * tolerance * math.sqrt(square)
 
 
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _meeting(pieces, a, b, c, x, y, tolerances):
+    """Where three pieces are equally far, and not by one corner of two: x, y, found."""
+    kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
+    reach = 4.0 * half + distance(kind, data, a, x, y)
+    qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
+    found = found and not (
+        _is_corner(kind, data, a, b, qx, qy, half, tolerance)
+        or _is_corner(kind, data, b, c, qx, qy, half, tolerance)
+        or _is_corner(kind, data, c, a, qx, qy, half, tolerance)
+    )
+    return qx, qy, found
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
+    """The turning point of a piece and its own corner, ``a`` and ``b``, opposite ``c``.
+
+    x, y, whether it was found, and whether its circle is known to be empty.
+    """
+    kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
+    # a point of one object may lie on another's piece: they touch
+    corner, side = (a, b) if is_end(pieces, a, b, tolerance) else (b, a)
+    if kind[side] == POINT:
+        return x, y, False, False
+    qx, qy, found = turn_at(kind, data, corner, side, c, x, y, tolerance)
+    empty = False
+    for _ in range(TURN_TRIES):
+        if not found:
+            break
+        s = math.sqrt((qx - data[corner, 0]) ** 2 + (qy - data[corner, 1]) ** 2)
+        _, i = nearest_piece(mesh, pieces, t, qx, qy, s - 4.0 * tolerance, half, side, c, -1)
+        empty = i < 0
+        if empty:
+            break
+        if is_end(pieces, corner, i, tolerance):
+            # the corner's other side comes before this one all along its normal
+            found = False
+            break
+        c = i
+        qx, qy, found = turn_at(kind, data, corner, side, i, qx, qy, tolerance)
+    return qx, qy, found, empty
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _middle_of_arc(pieces, a, b, c, x, y):
+    """Which of three labels is an arc whose centre (x, y) is, or -1."""
+    kind, data = pieces.kind, pieces.data
+    k = len(kind) - len(pieces.before)
+    for i in (a, b, c):
+        if i < k and kind[i] == ARC:
+            gone = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2
+            if gone < (1e-3 * data[i, 2]) ** 2:
+                return np.int64(i)
+    return np.int64(-1)
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _slid(pieces, a, b, x, y, tolerance):
+    """(x, y) on the bisector of two pieces, and its state."""
+    qx, qy, found = slide_between(pieces.kind, pieces.data, a, b, x, y, tolerance)
+    return qx, qy, EXACT if found else KEPT, False
+
+
 @njit(**BORROWING, error_model="numpy")
-def solve_one(
-    mesh, kind, data, before, after, owner, t, a, b, c, x, y, half, tolerance
-):  # fmt: skip
+def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
     """The exact place of the sampled vertex (x, y) of labels a, b, c.
 
     Returns x, y, state and whether its circle is known to be empty.
     """
-    k = len(kind) - len(before)
+    tolerance = tolerances.equal
     if a in (b, c) or b == c:
         if a == b:
             b = c
         if a == b:
             return x, y, KEPT, False
-        qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
-        return qx, qy, EXACT if found else KEPT, False
-    ab = is_valid(kind, data, a, b, k, before, after, owner, False, tolerance)
-    bc = is_valid(kind, data, b, c, k, before, after, owner, False, tolerance)
-    ca = is_valid(kind, data, c, a, k, before, after, owner, False, tolerance)
+        return _slid(pieces, a, b, x, y, tolerance)
+    ab = is_valid(pieces, a, b, False, tolerance)
+    bc = is_valid(pieces, b, c, False, tolerance)
+    ca = is_valid(pieces, c, a, False, tolerance)
     if ab and bc and ca:
-        reach = 4.0 * half + distance(kind, data, a, x, y)
-        qx, qy, found = meet_three(kind, data, a, b, c, x, y, reach, tolerance)
-        if found and not (
-            _is_corner(kind, data, a, b, qx, qy, half, tolerance)
-            or _is_corner(kind, data, b, c, qx, qy, half, tolerance)
-            or _is_corner(kind, data, c, a, qx, qy, half, tolerance)
-        ):
+        qx, qy, found = _meeting(pieces, a, b, c, x, y, tolerances)
+        if found:
             return qx, qy, EXACT, False
     elif ab + bc + ca == 2:
         if not bc:
             a, b, c = b, c, a
         elif not ca:
             a, b, c = c, a, b
-        # a point of one object may lie on another's piece: they touch
-        corner, side = (a, b) if is_end(kind, data, a, b, k, before, after, tolerance) else (b, a)
-        if kind[side] != POINT:
-            qx, qy, found = turn_at(kind, data, corner, side, c, x, y, tolerance)
-            empty = False
-            for _ in range(TURN_TRIES):
-                if not found:
-                    break
-                s = math.sqrt((qx - data[corner, 0]) ** 2 + (qy - data[corner, 1]) ** 2)
-                _, i = nearest_piece(
-                    mesh, kind, data, before, after, t, qx, qy, s - 4.0 * tolerance, half,
-                    side, c, -1,
-                )  # fmt: skip
-                empty = i < 0
-                if empty:
-                    break
-                if is_end(kind, data, corner, i, k, before, after, tolerance):
-                    # the corner's other side comes before this one all along its normal
-                    found = False
-                    break
-                c = i
-                qx, qy, found = turn_at(kind, data, corner, side, i, qx, qy, tolerance)
-            if found:
-                return qx, qy, EXACT, empty
+        qx, qy, found, empty = _turning(mesh, pieces, t, a, b, c, x, y, tolerances)
+        if found:
+            return qx, qy, EXACT, empty
     elif ab + bc + ca == 1:
-        for i in (a, b, c):
-            if i < k and kind[i] == ARC:
-                gone = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2
-                if gone < (1e-3 * data[i, 2]) ** 2:
-                    return data[i, 0], data[i, 1], EXACT, False
+        i = _middle_of_arc(pieces, a, b, c, x, y)
+        if i >= 0:
+            return pieces.data[i, 0], pieces.data[i, 1], EXACT, False
         if bc:
             a, b = b, c
         elif ca:
             a, b = c, a
-        qx, qy, found = slide_between(kind, data, a, b, x, y, tolerance)
-        return qx, qy, EXACT if found else KEPT, False
+        return _slid(pieces, a, b, x, y, tolerance)
     return x, y, KEPT, False
 
 
@@ -196,25 +227,21 @@ def _choose(tri, label, changed, mask, state, wanted, todo):
 
 
 @njit(**BORROWING, error_model="numpy")
-def _solve(
-    mesh, todo, at, kind, data, before, after, owner, half, relevant, doubt, tolerance, xy, rho,
-    state, bad
-):  # fmt: skip
+def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
     """Solve the vertices ``todo``: how many rows of ``bad`` (v, 2) are set.
 
     Those are vertices whose circles are not empty, and what they lack, see
     :func:`solve_vertices`.
     """
-    tri, label = mesh[1], mesh[2]
-    k = len(kind) - len(before)
+    tri, label, kind, data = mesh.tri, mesh.label, pieces.kind, pieces.data
+    at, xy, rho, state = triangles.at, triangles.place, triangles.rho, triangles.state
+    half, relevant, tolerance = tolerances
     count = 0
     for i in todo:
         t = 8 * np.int64(i)
         a, b, c = label[np.int64(tri[t])], label[np.int64(tri[t + 1])], label[np.int64(tri[t + 2])]
         px, py = at[i, 0], at[i, 1]
-        x, y, got, empty = solve_one(
-            mesh, kind, data, before, after, owner, t, a, b, c, px, py, half, tolerance
-        )  # fmt: skip
+        x, y, got, empty = solve_one(mesh, pieces, t, a, b, c, px, py, tolerances)
         far = (PROVED_NEAR if empty else NEAR) * half
         if (x - px) ** 2 + (y - py) ** 2 > far * far:
             x, y, got, empty = px, py, KEPT, False
@@ -222,16 +249,14 @@ def _solve(
         r = min(r, distance(kind, data, c, x, y))
         near, which = r, -1
         if not empty:
-            near, which = nearest_piece(
-                mesh, kind, data, before, after, t, x, y, r - 4.0 * tolerance, half, a, b, c
-            )
+            near, which = nearest_piece(mesh, pieces, t, x, y, r - 4.0 * tolerance, half, a, b, c)
         if which >= 0:
             r = near
             got = INTRUDED
             overshot = (a in (b, c) or b == c) and not (
-                is_valid(kind, data, which, a, k, before, after, owner, False, tolerance)
-                and is_valid(kind, data, which, b, k, before, after, owner, False, tolerance)
-                and is_valid(kind, data, which, c, k, before, after, owner, False, tolerance)
+                is_valid(pieces, which, a, False, tolerance)
+                and is_valid(pieces, which, b, False, tolerance)
+                and is_valid(pieces, which, c, False, tolerance)
             )
             if r >= relevant and not overshot:
                 bad[count, 0], bad[count, 1] = i, which
@@ -241,9 +266,7 @@ def _solve(
             far = max(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
             far = max(far, distance(kind, data, c, x, y))
             if doubt:
-                _, which = nearest_piece(
-                    mesh, kind, data, before, after, t, x, y, far, half, a, b, c
-                )
+                _, which = nearest_piece(mesh, pieces, t, x, y, far, half, a, b, c)
             if which < 0 and far - r > 4.0 * tolerance:
                 # or the nearest of them has: a circle reached through it to what is behind
                 which = a
@@ -259,29 +282,25 @@ def _solve(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def solve_vertices(
-    mesh, changed, mask, at, kind, data, before, after, owner, half, relevant, doubt, tolerance,
-    xy, rho, state
-):  # fmt: skip
+def solve_vertices(mesh, pieces, triangles, changed, doubt, tolerances):
     """Exact places of the vertices that valid edges meet, passages left out.
 
-    Writes ``xy`` (t, 2), ``rho`` (t,), the exact clearance, and ``state`` (t,) of every vertex
-    that is UNUSED; the others are as they were. Only the ``changed`` triangles and their
+    Writes ``place``, ``rho``, the exact clearance, and ``state`` of every vertex that is UNUSED;
+    the others are as they were. Only the ``changed`` triangles and their
     neighbours, whose valid edges may have, are looked at. Returns sites that are missing
-    around circles that were not empty, at clearances of ``relevant`` and more: places (e, 2),
+    around circles that were not empty, at clearances that are relevant: places (e, 2),
     labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
     of them is nearer than its sites and, with ``doubt``, because another one is.
     """
-    tri, label = mesh[1], mesh[2]
-    k = len(kind) - len(before)
-    n = len(mask)
+    tri, label = mesh.tri, mesh.label
+    at, xy, rho = triangles.at, triangles.place, triangles.rho
+    k = len(pieces.kind) - len(pieces.before)
+    n = len(triangles.mask)
     todo = np.empty(n, np.int32)
-    todo = todo[: _choose(tri, label, changed, mask, state, np.zeros(n, np.bool_), todo)]
+    wanted = np.zeros(n, np.bool_)
+    todo = todo[: _choose(tri, label, changed, triangles.mask, triangles.state, wanted, todo)]
     bad = np.empty((len(todo), 2), np.int32)
-    count = _solve(
-        mesh, todo, at, kind, data, before, after, owner, half, relevant, doubt, tolerance, xy,
-        rho, state, bad,
-    )  # fmt: skip
+    count = _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad)
     extra = np.empty((4 * count, 2))
     extra_label = np.empty(4 * count, np.int32)
     where = np.empty(4 * count, np.int64)
@@ -292,12 +311,12 @@ def solve_vertices(
             lab = bad[j, 1] if m == 3 else label[np.int64(tri[8 * i + m])]
             if lab >= k:
                 continue
-            fx, fy = foot(kind, data, lab, xy[i, 0], xy[i, 1])
+            fx, fy = foot(pieces.kind, pieces.data, lab, xy[i, 0], xy[i, 1])
             extra[n, 0], extra[n, 1], extra_label[n], where[n] = fx, fy, lab, 8 * i
             n += 1
         xy[i, 0], xy[i, 1] = at[i, 0], at[i, 1]
         rho[i], _ = nearest_piece(
-            mesh, kind, data, before, after, 8 * i, at[i, 0], at[i, 1], np.inf, half, -1, -1, -1
+            mesh, pieces, 8 * i, at[i, 0], at[i, 1], np.inf, tolerances.half, -1, -1, -1
         )
     return extra[:n], extra_label[:n], where[:n]
 

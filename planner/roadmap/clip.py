@@ -18,7 +18,6 @@ import numpy as np
 from planner.borders.generators import BoolArray, Borders
 from planner.diagram.agvd import Chains
 from planner.roadmap import clip_kernels
-from planner.scene import FloatArray, IntArray
 from planner.search.chain_search import ROUNDING
 
 EQUAL = 4.0
@@ -43,39 +42,25 @@ def clip_chains(borders: Borders, chains: Chains, radius: float) -> Clipped:
     rounding = ROUNDING * borders.extent
     # in the paper's mode no chain is on its bisectors
     astray = ASTRAY * borders.equal if chains.proved.any() else math.inf
-    solids = borders.closed, borders.box
-    where, places, wide = clip_kernels.wide_parts(
-        *borders.tree, solids, chains.points, chains.first, chains.pieces, chains.proved,
-        chains.rho, chains.gap, chains.clearance, chains.ends, len(chains.node_xy), radius,
-        radius - EQUAL * borders.equal, rounding, borders.equal, astray,
-    )  # fmt: skip
-    if len(where):
-        chains, wide = _cut(borders, chains, where, places, wide)
+    solids = clip_kernels.Solids(borders.closed, borders.box)
+    limits = clip_kernels.Limits(
+        radius, radius - EQUAL * borders.equal, rounding, borders.equal, astray
+    )
+    parts, wide = clip_kernels.wide_parts(
+        borders.tree, solids, chains.arrays, len(chains.node_xy), limits
+    )
+    if len(parts.where):
+        chains, wide = _cut(borders, chains, parts, wide)
     same = clip_kernels.same_nodes(chains.node_xy, chains.ends, wide, rounding)
     return Clipped(replace(chains, ends=same[chains.ends]), wide)
 
 
 def _cut(
-    borders: Borders, chains: Chains, where: IntArray, places: FloatArray, whole: BoolArray
+    borders: Borders, chains: Chains, parts: clip_kernels.Parts, whole: BoolArray
 ) -> tuple[Chains, BoolArray]:
-    points, first, pieces, proved, rho, gap, step, ends, length, clearance, wide, new = (
-        clip_kernels.cut_chains(
-            *borders.tree, chains.points, chains.first, chains.pieces, chains.proved, chains.rho,
-            chains.gap, chains.step, chains.ends, len(chains.node_xy), where, places, whole,
-        )
-    )  # fmt: skip
-    cut = Chains(
-        points=points,
-        first=first,
-        pieces=pieces,
-        rho=rho,
-        gap=gap,
-        step=step,
-        ends=ends,
-        length=length,
-        clearance=clearance,
-        node_xy=np.concatenate([chains.node_xy, new[:, :2]]),
-        node_rho=np.concatenate([chains.node_rho, new[:, 2]]),
-        proved=proved,
+    cut, wide, new = clip_kernels.cut_chains(
+        borders.tree, chains.arrays, len(chains.node_xy), parts, whole
     )
-    return cut, wide
+    node_xy = np.concatenate([chains.node_xy, new[:, :2]])
+    node_rho = np.concatenate([chains.node_rho, new[:, 2]])
+    return Chains(**cut._asdict(), node_xy=node_xy, node_rho=node_rho), wide

@@ -17,42 +17,77 @@ Rules and units
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from planner.borders.box_tree_kernels import nearest, segment_clearance
-from planner.borders.inside_kernels import in_object
+from planner.borders.inside_kernels import ClosedBorders, in_object
 from planner.diagram.bisector_kernels import slide_between
-from planner.scene.primitive_kernels import distance
+from planner.diagram.diagram_arrays import ChainArrays
+from planner.scene.primitive_kernels import distance, grown
 
 HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""
 
 
+class Solids(NamedTuple):
+    """Where no disc is: in a closed border, or out of the ``box``, x_min, y_min, x_max, y_max."""
+
+    closed: ClosedBorders
+    box: NDArray[np.float64]
+
+
+class Limits(NamedTuple):
+    """What a part is: as wide as ``radius``, or as ``floor`` but for rounding, and longer than
+    ``least``.
+
+    Places are equidistant within ``equal``; a dead end may be ``astray`` off its bisector.
+    """
+
+    radius: float
+    floor: float
+    least: float
+    equal: float
+    astray: float
+
+
+class Parts(NamedTuple):
+    """Wide parts of chains.
+
+    ``where`` (m, 3): the chain and the links that the part begins and ends in; ``places``
+    (m, 2, 3): x, y and clearance of both ends.
+    """
+
+    where: NDArray[np.int32]
+    places: NDArray[np.float64]
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def _copy(points, rho, i, out):
+def _copy(chains, i, out):
     """Write x, y and clearance of point i."""
-    out[0], out[1], out[2] = points[i, 0], points[i, 1], rho[i]
+    out[0], out[1], out[2] = chains.points[i, 0], chains.points[i, 1], chains.rho[i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _reach(kind, data, order, large, boxes, a, b, left, right, proved, radius, tolerance, out):
+def _reach(tree, chains, link, a, b, limits, out):
     """Write how far from ``a`` (3,), which is wide, the link to b keeps the radius: x, y, rho."""
+    kind, data, radius = tree.kind, tree.data, limits.radius
+    left, right = chains.pieces[link, 0], chains.pieces[link, 1]
     out[:] = a
     lo, hi = 0.0, 1.0
     for _ in range(HALVINGS):
         m = 0.5 * (lo + hi)
         x, y = a[0] + m * (b[0] - a[0]), a[1] + m * (b[1] - a[1])
-        if proved:
-            x, y, found = slide_between(kind, data, left, right, x, y, tolerance)
+        if chains.proved[link]:
+            x, y, found = slide_between(kind, data, left, right, x, y, limits.equal)
             d = min(distance(kind, data, left, x, y), distance(kind, data, right, x, y))
             wide = found and d >= radius
         else:
-            d, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
-            _, _, which = segment_clearance(
-                kind, data, order, large, boxes, a[0], a[1], x, y, radius
-            )
+            d, _ = nearest(tree, x, y, np.inf)
+            _, _, which = segment_clearance(tree, a[0], a[1], x, y, radius)
             wide = which < 0
         if wide:
             lo = m
@@ -77,180 +112,182 @@ def _is_longer(points, where, ends, least):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _is_astray(kind, data, solids, points, pieces, rho, i, link, tolerance):
+def _is_astray(tree, solids, chains, i, link, tolerance):
     """Whether a chain's end, point i, is off the bisector of its link, or behind a border."""
-    closed, box = solids
-    x, y, r = points[i, 0], points[i, 1], rho[i]
+    kind, data, box = tree.kind, tree.data, solids.box
+    x, y, r = chains.points[i, 0], chains.points[i, 1], chains.rho[i]
     for side in range(2):
-        if abs(distance(kind, data, pieces[link, side], x, y) - r) > tolerance:
+        if abs(distance(kind, data, chains.pieces[link, side], x, y) - r) > tolerance:
             return True
     if not (box[0] < x < box[2] and box[1] < y < box[3]):
         return True
-    return in_object(kind, data, closed, x, y, r)
+    return in_object(kind, data, solids.closed, x, y, r)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _trusted(kind, data, solids, points, first, pieces, proved, rho, is_end, c, radius, tolerance):
+def _trusted(tree, solids, chains, is_end, c, limits):
     """The first and the last point of a chain between which it is not a dead end gone astray.
 
     ``is_end`` are two flags, whether the chain is a dead end there.
     """
-    lo, hi = first[c], first[c + 1] - 1
+    proved, rho, radius = chains.proved, chains.rho, limits.radius
+    lo, hi = chains.first[c], chains.first[c + 1] - 1
     a, b = lo, hi
     if lo == hi:
         return a, b
     doubted = is_end[0] and not proved[lo] and rho[lo] >= radius
-    if doubted and _is_astray(kind, data, solids, points, pieces, rho, lo, lo, tolerance):
+    if doubted and _is_astray(tree, solids, chains, lo, lo, limits.astray):
         while a < hi and not proved[a]:
             a += 1
     doubted = is_end[1] and not proved[hi - 1] and rho[hi] >= radius
-    if doubted and _is_astray(kind, data, solids, points, pieces, rho, hi, hi - 1, tolerance):
+    if doubted and _is_astray(tree, solids, chains, hi, hi - 1, limits.astray):
         while b > a and not proved[b - 1]:
             b -= 1
     return a, b
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def wide_parts(
-    kind, data, order, large, boxes, solids, points, first, pieces, proved, rho, gap, clearance,
-    ends, nodes, radius, floor, least, tolerance, astray,
-):  # fmt: skip
+def _parts_of(tree, chains, c, lo, hi, limits, parts, m):
+    """Write the wide parts of chain c between its points lo and hi: how many parts there are then.
+
+    ``m`` parts are there before; there is room for one for every link, and one more.
+    """
+    where, places = parts
+    rho, gap, radius, floor = chains.rho, chains.gap, limits.radius, limits.floor
+    begin, end = chains.first[c], chains.first[c + 1] - 1
+    here = np.empty((2, 3))
+    begun, is_open = m, False
+    # since the last part's end, or the chain's beginning
+    narrowest = np.inf if lo == begin else -np.inf
+    for i in range(lo, hi):
+        _copy(chains, i, here[0])
+        _copy(chains, i + 1, here[1])
+        if i == lo and rho[i] >= radius:
+            where[m, 0], where[m, 1], is_open = c, i, True
+            places[m, 0] = here[0]
+        if is_open and gap[i] >= radius:
+            continue
+        if is_open:
+            _reach(tree, chains, i, here[0], here[1], limits, places[m, 1])
+            where[m, 2] = i
+            m += 1
+            is_open, narrowest = False, np.inf
+        narrowest = min(narrowest, gap[i])
+        if rho[i + 1] < radius:
+            continue
+        is_open = True
+        if narrowest >= floor and m > begun:
+            m -= 1  # narrow by rounding only: as if it had not ended
+        elif narrowest >= floor:
+            where[m, 0], where[m, 1] = c, lo
+            _copy(chains, lo, places[m, 0])
+        else:
+            where[m, 0], where[m, 1] = c, i
+            _reach(tree, chains, i, here[1], here[0], limits, places[m, 0])
+    if not is_open and hi == end and narrowest >= floor and m > begun:
+        m, is_open = m - 1, True
+    if is_open:
+        where[m, 2] = hi - 1
+        _copy(chains, hi, places[m, 1])
+        m += 1
+    return m
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def wide_parts(tree, solids, chains, nodes, limits):
     """The parts of chains that keep the radius, of every chain that does so in places only.
 
-    Returns ``where`` (m, 3) int32, the chain and the links that the part begins and ends in, and
-    ``places`` (m, 2, 3), x, y and clearance of both ends. Parts no longer than ``least`` are left
-    out. Chains that keep ``floor`` throughout have none, nor those that keep the radius nowhere:
-    ``whole`` (c,) says which are the former. ``solids`` are the index of
-    :mod:`planner.borders.inside_kernels` and the box of the bounds; dead ends may be ``astray`` off
-    their bisectors.
+    ``nodes`` is how many nodes the chains have. Parts that are too short are left out. Chains that
+    keep the floor throughout have none, nor those that keep the radius nowhere: ``whole`` (c,),
+    the second value, says which are the former.
     """
-    where, places = np.empty((64, 3), np.int32), np.empty((64, 2, 3))
+    first, ends = chains.first, chains.ends
+    parts = Parts(np.empty((64, 3), np.int32), np.empty((64, 2, 3)))
     whole = np.zeros(len(first) - 1, np.bool_)
     degree = np.zeros(nodes, np.int32)
     for c in range(len(first) - 1):
         degree[ends[c, 0]] += 1
         degree[ends[c, 1]] += 1
-    here = np.empty((2, 3))
     m = 0
     for c in range(len(first) - 1):
         begin, end = first[c], first[c + 1] - 1
         is_end = degree[ends[c, 0]] == 1, degree[ends[c, 1]] == 1
-        lo, hi = _trusted(
-            kind, data, solids, points, first, pieces, proved, rho, is_end, c, radius, astray
-        )
-        if lo == begin and hi == end and clearance[c] >= floor:
+        lo, hi = _trusted(tree, solids, chains, is_end, c, limits)
+        if lo == begin and hi == end and chains.clearance[c] >= limits.floor:
             whole[c] = True
             continue
-        begun, is_open = m, False
-        # since the last part's end, or the chain's beginning
-        narrowest = np.inf if lo == begin else -np.inf
-        for i in range(lo, hi):
-            if m + 1 >= len(where):
-                more, others = np.empty((2 * m + 2, 3), np.int32), np.empty((2 * m + 2, 2, 3))
-                more[:m], others[:m] = where[:m], places[:m]
-                where, places = more, others
-            _copy(points, rho, i, here[0])
-            _copy(points, rho, i + 1, here[1])
-            if i == lo and rho[i] >= radius:
-                where[m, 0], where[m, 1], is_open = c, i, True
-                places[m, 0] = here[0]
-            if is_open and gap[i] >= radius:
-                continue
-            if is_open:
-                _reach(
-                    kind, data, order, large, boxes, here[0], here[1], pieces[i, 0],
-                    pieces[i, 1], proved[i], radius, tolerance, places[m, 1],
-                )  # fmt: skip
-                where[m, 2] = i
-                m += 1
-                is_open, narrowest = False, np.inf
-            narrowest = min(narrowest, gap[i])
-            if rho[i + 1] < radius:
-                continue
-            is_open = True
-            if narrowest >= floor and m > begun:
-                m -= 1  # narrow by rounding only: as if it had not ended
-            elif narrowest >= floor:
-                where[m, 0], where[m, 1] = c, lo
-                places[m, 0, 0], places[m, 0, 1], places[m, 0, 2] = (
-                    points[lo, 0],
-                    points[lo, 1],
-                    rho[lo],
-                )
-            else:
-                where[m, 0], where[m, 1] = c, i
-                _reach(
-                    kind, data, order, large, boxes, here[1], here[0], pieces[i, 0],
-                    pieces[i, 1], proved[i], radius, tolerance, places[m, 0],
-                )  # fmt: skip
-        if not is_open and hi == end and narrowest >= floor and m > begun:
-            m, is_open = m - 1, True
-        if is_open:
-            where[m, 2] = hi - 1
-            places[m, 1, 0], places[m, 1, 1], places[m, 1, 2] = (
-                points[hi, 0],
-                points[hi, 1],
-                rho[hi],
-            )
-            m += 1
-        kept = begun
-        for k in range(begun, m):
-            if _is_longer(points, where[k], places[k], least):
-                where[kept], places[kept] = where[k], places[k]
+        room = m + hi - lo + 2
+        if room > len(parts.where):
+            parts = Parts(grown(parts.where, 2 * room), grown(parts.places, 2 * room))
+        kept = m
+        for k in range(m, _parts_of(tree, chains, c, lo, hi, limits, parts, m)):
+            where, places = parts.where[k], parts.places[k]
+            if _is_longer(chains.points, where, places, limits.least):
+                parts.where[kept], parts.places[kept] = where, places
                 kept += 1
         m = kept
-    return where[:m], places[:m], whole
+    return Parts(parts.where[:m], parts.places[:m]), whole
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _write(
-    kind, data, order, large, boxes, points, pieces, proved, rho, gap, a, s, b, e,
-    xy, pair, sure, new_rho, new_gap, new_step, n,
-):  # fmt: skip
+def _write(tree, chains, a, s, b, e, out, n):
     """Write a chain from the place a in link s to the place b in link e; how many points then."""
+    points, rho = chains.points, chains.rho
     if s < e and a[0] == points[s + 1, 0] and a[1] == points[s + 1, 1]:
         s += 1
     if s < e and b[0] == points[e, 0] and b[1] == points[e, 1]:
         e -= 1
     for k in range(s, e + 1):
-        xy[n], pair[n], sure[n], new_rho[n] = points[k], pieces[k], proved[k], rho[k]
+        out.points[n], out.pieces[n] = points[k], chains.pieces[k]
+        out.proved[n], out.rho[n] = chains.proved[k], rho[k]
         if k == s:
-            xy[n, 0], xy[n, 1], new_rho[n] = a[0], a[1], a[2]
+            out.points[n, 0], out.points[n, 1], out.rho[n] = a[0], a[1], a[2]
         bx, by, there = points[k + 1, 0], points[k + 1, 1], rho[k + 1]
         if k == e:
             bx, by, there = b[0], b[1], b[2]
-        ax, ay = xy[n, 0], xy[n, 1]
-        new_step[n] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
-        new_gap[n] = gap[k]
+        ax, ay = out.points[n, 0], out.points[n, 1]
+        out.step[n] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+        out.gap[n] = chains.gap[k]
         if k in (s, e):
-            new_gap[n] = min(new_rho[n], there)
-            if not proved[k]:
-                new_gap[n], _, _ = segment_clearance(
-                    kind, data, order, large, boxes, ax, ay, bx, by, new_gap[n]
-                )
+            out.gap[n] = min(out.rho[n], there)
+            if not chains.proved[k]:
+                out.gap[n], _, _ = segment_clearance(tree, ax, ay, bx, by, out.gap[n])
         n += 1
-    xy[n, 0], xy[n, 1], new_rho[n] = b[0], b[1], b[2]
-    pair[n, 0], pair[n, 1], sure[n] = -1, -1, False
-    new_gap[n], new_step[n] = np.inf, 0.0
+    out.points[n, 0], out.points[n, 1], out.rho[n] = b[0], b[1], b[2]
+    out.pieces[n, 0], out.pieces[n, 1], out.proved[n] = -1, -1, False
+    out.gap[n], out.step[n] = np.inf, 0.0
     return n + 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def cut_chains(
-    kind, data, order, large, boxes, points, first, pieces, proved, rho, gap, step, ends, nodes,
-    where, places, whole,
-):  # fmt: skip
+def _copy_chain(chains, c, out, n):
+    """Write chain c as it is; how many points then."""
+    for i in range(chains.first[c], chains.first[c + 1]):
+        out.points[n], out.pieces[n], out.proved[n] = (
+            chains.points[i], chains.pieces[i], chains.proved[i],
+        )  # fmt: skip
+        out.rho[n], out.gap[n], out.step[n] = chains.rho[i], chains.gap[i], chains.step[i]
+        n += 1
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cut_chains(tree, chains, nodes, parts, whole):
     """The chains, those with wide parts cut into these and what is between them, in order.
 
-    ``where``, ``places`` and ``whole`` are as :func:`wide_parts` returns them, ``nodes`` is how
-    many nodes there are. Returns points, first, pieces, proved, rho, gap, step, ends, length and
-    clearance of the chains, which of them are wide, and the new nodes' x, y and clearance (k, 3).
+    ``parts`` and ``whole`` are as :func:`wide_parts` returns them, ``nodes`` is how many nodes
+    there are. Returns the chains, which of them are wide, and the new nodes' x, y and clearance
+    (k, 3).
     """
+    where, places = parts
+    first, ends = chains.first, chains.ends
     m = len(where)
-    most, room = len(first) - 1 + 2 * m, len(points) + 4 * m
-    xy, pair, sure = np.empty((room, 2)), np.empty((room, 2), np.int32), np.empty(room, np.bool_)
-    new_rho, new_gap, new_step = np.empty(room), np.empty(room), np.empty(room)
-    new_first, new_ends = np.zeros(most + 1, np.int32), np.empty((most, 2), np.int32)
+    most, room = len(first) - 1 + 2 * m, len(chains.points) + 4 * m
+    out = ChainArrays(
+        np.empty((room, 2)), np.zeros(most + 1, np.int32), np.empty((room, 2), np.int32),
+        np.empty(room, np.bool_), np.empty(room), np.empty(room), np.empty(room),
+        np.empty((most, 2), np.int32), np.zeros(most), np.empty(most),
+    )  # fmt: skip
     wide = np.zeros(most, np.bool_)
     node = np.empty((2 * m, 3))
     mark, link = np.empty((2 * m + 2, 3)), np.empty(2 * m + 2, np.int32)
@@ -259,16 +296,13 @@ def cut_chains(
     for c in range(len(first) - 1):
         lo, hi = first[c], first[c + 1] - 1
         if k == m or where[k, 0] != c:
-            for i in range(lo, hi + 1):
-                xy[n], pair[n], sure[n] = points[i], pieces[i], proved[i]
-                new_rho[n], new_gap[n], new_step[n] = rho[i], gap[i], step[i]
-                n += 1
-            new_ends[count], wide[count] = ends[c], whole[c]
+            n = _copy_chain(chains, c, out, n)
+            out.ends[count], wide[count] = ends[c], whole[c]
             count += 1
-            new_first[count] = n
+            out.first[count] = n
             continue
         # the chain's beginning, beginning and end of every wide part, the chain's end
-        _copy(points, rho, lo, mark[0])
+        _copy(chains, lo, mark[0])
         link[0], number[0] = lo, ends[c, 0]
         marks = 1
         while k < m and where[k, 0] == c:
@@ -277,7 +311,7 @@ def cut_chains(
                 number[marks] = -1
                 marks += 1
             k += 1
-        _copy(points, rho, hi, mark[marks])
+        _copy(chains, hi, mark[marks])
         link[marks], number[marks] = hi - 1, ends[c, 1]
         whole_before = link[1] == lo and mark[1, 0] == mark[0, 0] and mark[1, 1] == mark[0, 1]
         j = marks - 1
@@ -294,24 +328,27 @@ def cut_chains(
         for i in range(marks):
             if (i == 0 and whole_before) or (i == j and whole_after):
                 continue
-            n = _write(
-                kind, data, order, large, boxes, points, pieces, proved, rho, gap, mark[i],
-                link[i], mark[i + 1], link[i + 1], xy, pair, sure, new_rho, new_gap, new_step, n,
-            )  # fmt: skip
-            new_ends[count, 0], new_ends[count, 1] = number[i], number[i + 1]
+            n = _write(tree, chains, mark[i], link[i], mark[i + 1], link[i + 1], out, n)
+            out.ends[count, 0], out.ends[count, 1] = number[i], number[i + 1]
             wide[count] = i % 2 == 1
             count += 1
-            new_first[count] = n
-    length, clearance = np.zeros(count), np.empty(count)
-    for c in range(count):
-        clearance[c] = new_rho[new_first[c]]
-        for i in range(new_first[c], new_first[c + 1] - 1):
-            length[c] += new_step[i]
-            clearance[c] = min(clearance[c], new_gap[i])
-    return (
-        xy[:n], new_first[: count + 1], pair[:n], sure[:n], new_rho[:n], new_gap[:n],
-        new_step[:n], new_ends[:count], length, clearance, wide[:count], node[:made],
+            out.first[count] = n
+    _measure(out, count)
+    cut = ChainArrays(
+        out.points[:n], out.first[: count + 1], out.pieces[:n], out.proved[:n], out.rho[:n],
+        out.gap[:n], out.step[:n], out.ends[:count], out.length[:count], out.clearance[:count],
     )  # fmt: skip
+    return cut, wide[:count], node[:made]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _measure(chains, count):
+    """Write length and clearance of the first ``count`` chains, the lengths being 0."""
+    for c in range(count):
+        chains.clearance[c] = chains.rho[chains.first[c]]
+        for i in range(chains.first[c], chains.first[c + 1] - 1):
+            chains.length[c] += chains.step[i]
+            chains.clearance[c] = min(chains.clearance[c], chains.gap[i])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

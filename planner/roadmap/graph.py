@@ -117,7 +117,7 @@ def make_graph(clipped: Clipped, borders: Borders, radius: float, spacing: float
     for n, data in graph.nodes(data=True):
         reach = data["clearance"] + SAME * borders.extent
         x, y = data["pos"]
-        around = clear_kernels.within(*borders.tree, x, y, reach)
+        around = clear_kernels.within(borders.tree, x, y, reach)
         data["owners"] = tuple(sorted(owners[n] | set(borders.owner[around].tolist())))
     return graph
 
@@ -238,9 +238,7 @@ def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
     """The run with its proved links halved on their bisectors, where chords leave them too far."""
     keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
-    points, _ = bisector_kernels.follow(
-        *borders.tree, run.points, pairs, keep, bulge, borders.equal
-    )
+    points, _ = bisector_kernels.follow(borders.tree, run.points, pairs, keep, bulge, borders.equal)
     if len(points) == len(run.points):
         return run
     # every point of the run is still there, in order
@@ -291,7 +289,7 @@ def _with_points(borders: Borders, run: Run, points: FloatArray, link: IntArray)
     for i in range(len(points) - 1):
         gap[i] = min(rho[i], rho[i + 1])
         if not proved[i]:
-            gap[i] = polyline_clearance(*borders.tree, points[i : i + 2])[0]
+            gap[i] = polyline_clearance(borders.tree, points[i : i + 2])[0]
     return Run(points, rho, run.pairs[link], gap, step, proved)
 
 

@@ -161,7 +161,7 @@ class Roadmap:
         xy = _places("polyline", polyline)
         if not len(xy):
             raise ValueError("polyline: must have at least one point")
-        gap, x, y, piece, which = box_tree_kernels.polyline_clearance(*self.borders.tree, xy)
+        gap, x, y, piece, which = box_tree_kernels.polyline_clearance(self.borders.tree, xy)
         return Clearance(gap, (x, y), piece, int(self.borders.owner[which]))
 
     def plan(

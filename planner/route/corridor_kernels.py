@@ -21,7 +21,7 @@ from numba import njit
 from planner.borders.clear_kernels import keeps
 from planner.diagram.bisector_kernels import slide_between
 from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, CIRCLE, foot
+from planner.scene.primitive_kernels import foot, grown, is_round
 
 DENSER = 12
 """How often a link is halved at most for its feet to turn slowly enough."""
@@ -66,7 +66,7 @@ def _turns_little(a, b, round_left, round_right, least_cosine):
 @njit(**BORROWING)
 def _roundness(kind, data, piece, keep):
     """How much more a chord around a piece bulges than one around a point."""
-    if kind[piece] == CIRCLE or kind[piece] == ARC:
+    if is_round(kind[piece]):
         return 1.0 + data[piece, 2] / keep
     return 1.0
 
@@ -87,7 +87,7 @@ def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
         left, right = pairs[i, 0], pairs[i, 1]
         as_before = i > 0 and left == pairs[i - 1, 0] and right == pairs[i - 1, 1]
         if m + 4 >= len(out):
-            out = _grown(out)
+            out = grown(out, 2 * len(out))
         if left < 0:
             for k in range(1 if as_before else 0, 2):
                 out[m, 0], out[m, 1] = points[i + k, 0], points[i + k, 1]
@@ -120,17 +120,10 @@ def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
             top -= 1
             here[:] = there
             if m + 1 >= len(out):
-                out = _grown(out)
+                out = grown(out, 2 * len(out))
             _portal(here, keep, out[m])
             m += 1
     return out[:m]
-
-
-@njit(cache=True, nogil=True)
-def _grown(table):
-    more = np.empty((2 * len(table), 4))
-    more[: len(table)] = table
-    return more
 
 
 @njit(**BORROWING)
@@ -214,7 +207,7 @@ def funnel(gates, sx, sy, gx, gy):
 
 
 @njit(cache=True, nogil=True)
-def pull_taut(kind, data, order, large, boxes, points, pairs, keep, need, tolerance):
+def pull_taut(tree, points, pairs, keep, need, tolerance):
     """The taut polyline along a route; empty where it cannot be proved to keep ``need``.
 
     ``pairs`` (n, 2) are the pieces left and right of each link, -1 where unknown: there the
@@ -232,11 +225,11 @@ def pull_taut(kind, data, order, large, boxes, points, pairs, keep, need, tolera
     if lo <= hi:
         for turn in TURNS_RAD:
             gates = portals(
-                kind, data, points[lo : hi + 2], pairs[lo : hi + 2],
+                tree.kind, tree.data, points[lo : hi + 2], pairs[lo : hi + 2],
                 keep / math.cos(0.5 * turn), math.cos(turn), tolerance,
             )  # fmt: skip
             first, last = between(gates, sx, sy, gx, gy)
             way = funnel(gates[first:last], sx, sy, gx, gy)
-            if keeps(kind, data, order, large, boxes, way, need):
+            if keeps(tree, way, need):
                 return way.copy()
     return np.empty((0, 2))

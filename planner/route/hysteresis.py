@@ -85,14 +85,14 @@ def _joined(
     for part in (1.0, 0.5, 0.25):
         there = at + math.copysign(part * reach, towards - at)
         ends = np.array([place, *points_at(line, lengths, np.array([there]))])
-        if clear_kernels.keeps(*borders.tree, ends, need):
+        if clear_kernels.keeps(borders.tree, ends, need):
             return there
     return at
 
 
 def is_kept(borders: Borders, way: FloatArray, need: float) -> bool:
     """Whether the way is nowhere nearer to a border than is needed."""
-    return bool(clear_kernels.keeps(*borders.tree, way, need - borders.equal))
+    return bool(clear_kernels.keeps(borders.tree, way, need - borders.equal))
 
 
 def preferred(
@@ -121,5 +121,5 @@ def _cost(borders: Borders, way: FloatArray, need: float, preference: float) -> 
     """What a way costs; for the widest way how narrow it is."""
     if preference < 1.0:
         return judge(borders, way, need, preference)
-    gap = float(box_tree_kernels.polyline_clearance(*borders.tree, way)[0])
+    gap = float(box_tree_kernels.polyline_clearance(borders.tree, way)[0])
     return math.inf if gap <= 0.0 else 1.0 / gap

@@ -50,7 +50,7 @@ def way_out(
 ) -> WayOut | None:
     """The shortest straight way out of the margin, None where none is short enough."""
     need, reach = radius + margin, REACH * (radius + margin)
-    standing, which = box_tree_kernels.nearest(*borders.tree, *place, np.inf)
+    standing, which = box_tree_kernels.nearest(borders.tree, *place, np.inf)
     fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)
     least = max(need - standing, ROUNDING * borders.extent)
     for keep in (standing, radius):
@@ -58,7 +58,7 @@ def way_out(
         found = _shortest(borders, place, away, least, reach, need, keep)
         if found is not None:
             length = math.dist(place, found)
-            gap = box_tree_kernels.polyline_clearance(*borders.tree, np.array([place, found]))[0]
+            gap = box_tree_kernels.polyline_clearance(borders.tree, np.array([place, found]))[0]
             return WayOut(
                 found,
                 f"the margin of {_sized(margin, units)} is given up within {_sized(length, units)} "
@@ -85,7 +85,7 @@ def _shortest(
             borders, place, way[k], float(steps[max(i - 1, 0)]), float(steps[i]), need
         )
         line = np.array([place, end])
-        if clear_kernels.keeps(*borders.tree, line, keep - ROUNDING * borders.extent):
+        if clear_kernels.keeps(borders.tree, line, keep - ROUNDING * borders.extent):
             return end
     return None
 

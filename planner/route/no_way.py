@@ -96,7 +96,7 @@ def widest_way(
             return None
         way = certain(borders, route, gap)
         line = route.points if way is None else way
-        wide, x, y, _, _ = box_tree_kernels.polyline_clearance(*borders.tree, line)
+        wide, x, y, _, _ = box_tree_kernels.polyline_clearance(borders.tree, line)
         if wide <= least:
             return None
         if narrowest is None or wide < narrowest[0]:
@@ -115,7 +115,7 @@ def why_not(
     box = borders.box
     if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
         return f"{name} {_at(place)} lies outside the bounds"
-    distance, which = box_tree_kernels.nearest(*borders.tree, x, y, np.inf)
+    distance, which = box_tree_kernels.nearest(borders.tree, x, y, np.inf)
     if borders.is_solid(x, y, distance):
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
         if len(inside):

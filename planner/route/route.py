@@ -28,7 +28,6 @@ from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.scene import FloatArray, Vec
 from planner.search.chain_search import (
     ROUNDING,
-    Gates,
     Network,
     attach,
     cheapest_routes,
@@ -36,6 +35,7 @@ from planner.search.chain_search import (
     widest_gap,
 )
 from planner.search.homotopy import Word, anchors, word
+from planner.search.search_kernels import Gates
 from planner.search.shortest import shortest_way
 from planner.search.tour import best_tour
 
@@ -235,7 +235,7 @@ def _certified(leg: Leg, found: Ways) -> Ways:
     proved = tuple(
         line
         for line in found.lines
-        if box_tree_kernels.polyline_clearance(*leg.borders.tree, line)[0] >= least
+        if box_tree_kernels.polyline_clearance(leg.borders.tree, line)[0] >= least
     )
     return replace(found, lines=proved)
 
@@ -286,7 +286,7 @@ def _routes(leg: Leg, alternatives: int) -> Ways:
     for anywhere in (False, True):
         entries = attach(borders, network, leg.start, floor, anywhere)
         exits = attach(borders, network, leg.goal, floor, anywhere)
-        if not (len(entries) and len(exits)):
+        if not (len(entries.where) and len(exits.where)):
             continue
         best = None
         if preference >= 1.0:
@@ -378,7 +378,7 @@ def _as_path(
         points.append(leg[1:])
         stations.append(stations[-1] + len(leg) - 1)
     polyline = np.concatenate(points)
-    gap, x, y, _, _ = box_tree_kernels.polyline_clearance(*borders.tree, polyline)
+    gap, x, y, _, _ = box_tree_kernels.polyline_clearance(borders.tree, polyline)
     rho, _ = borders.distances(polyline)
     for array in (polyline, rho):
         array.setflags(write=False)

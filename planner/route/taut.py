@@ -38,7 +38,7 @@ def is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: f
         return False
     ends = np.array([start, goal])
     standing = float(borders.distances(ends)[0].min())
-    gap, *_ = box_tree_kernels.polyline_clearance(*borders.tree, ends)
+    gap, *_ = box_tree_kernels.polyline_clearance(borders.tree, ends)
     wish = min(need * (1.0 + ROOM * preference), standing)
     rounding = ROUNDING * borders.extent
     return bool(gap >= max(need - borders.equal, wish - rounding))
@@ -70,7 +70,7 @@ def _proved(
 ) -> tuple[FloatArray, IntArray]:
     ways: FloatArray
     ways, first = taut_kernels.finish(
-        *borders.tree, lines.points, lines.pairs, lines.begin, wish, need, flatness,
+        borders.tree, lines.points, lines.pairs, lines.begin, wish, need, flatness,
         borders.equal, borders.equal + TIGHT * need,
     )  # fmt: skip
     return ways, first
@@ -84,7 +84,7 @@ def best_cut(
     They may change to another side of an obstacle. Never longer.
     """
     best: FloatArray = taut_kernels.best_cut(
-        *borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
+        borders.tree, ways, first, need, need * (1.0 + ROOM * preference), DETOUR * preference,
         borders.equal,
     )  # fmt: skip
     return best
@@ -92,7 +92,7 @@ def best_cut(
 
 def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
     """What a way costs: its length, and more where it is narrow."""
-    return float(taut_kernels.judge(*borders.tree, way, need, DETOUR * preference, math.inf))
+    return float(taut_kernels.judge(borders.tree, way, need, DETOUR * preference, math.inf))
 
 
 def certain(borders: Borders, lines: Lines, need: float) -> FloatArray | None:

@@ -21,6 +21,7 @@ from planner.borders.box_tree_kernels import nearest, segment_clearance
 from planner.borders.clear_kernels import blocker, keeps, spare
 from planner.diagram.bisector_kernels import follow
 from planner.route.corridor_kernels import pull_taut
+from planner.scene.primitive_kernels import grown
 
 UNEQUAL = 1e-2
 """What corners may be short of, in parts of what is equal: rounding."""
@@ -29,24 +30,21 @@ FOLD = 0.25
 
 
 @njit(cache=True, nogil=True)
-def certain(kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding):
+def certain(tree, points, pairs, need, flatness, tolerance, rounding):
     """The route as it is, so close to its bisectors that it keeps ``need``; else empty.
 
     A way through a bend that is no wider than needed goes round it in corners outside it; where
     both borders bend alike it falls short by its chords' bulge: by ``rounding`` at most.
     """
     keep = need - 0.5 * rounding
-    way, _ = follow(
-        kind, data, order, large, boxes, points, pairs, keep, flatness, tolerance,
-        need - UNEQUAL * tolerance,
-    )  # fmt: skip
-    if keeps(kind, data, order, large, boxes, way, need - rounding):
+    way, _ = follow(tree, points, pairs, keep, flatness, tolerance, need - UNEQUAL * tolerance)
+    if keeps(tree, way, need - rounding):
         return way.copy()
     return np.empty((0, 2))
 
 
 @njit(cache=True, nogil=True)
-def unfolded(kind, data, order, large, boxes, way, reach, tolerance):
+def unfolded(tree, way, reach, tolerance):
     """The way (n, 2) without turns back by more than a right angle before or after ``reach``.
 
     Where the way came onto a chain, or changed to another, it may overshoot by a hair. A turn
@@ -62,11 +60,9 @@ def unfolded(kind, data, order, large, boxes, way, reach, tolerance):
             short = min(ux * ux + uy * uy, vx * vx + vy * vy)
             if ux * vx + uy * vy >= 0.0 or short > reach * reach:
                 break
-            old, _, _ = segment_clearance(kind, data, order, large, boxes, px, py, qx, qy, np.inf)
-            old, _, _ = segment_clearance(kind, data, order, large, boxes, qx, qy, x, y, old)
-            _, _, which = segment_clearance(
-                kind, data, order, large, boxes, px, py, x, y, old - tolerance
-            )
+            old, _, _ = segment_clearance(tree, px, py, qx, qy, np.inf)
+            old, _, _ = segment_clearance(tree, qx, qy, x, y, old)
+            _, _, which = segment_clearance(tree, px, py, x, y, old - tolerance)
             if which >= 0:
                 break
             m -= 1
@@ -76,9 +72,7 @@ def unfolded(kind, data, order, large, boxes, way, reach, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def finish(
-    kind, data, order, large, boxes, line, pair, begin, wish, need, flatness, tolerance, rounding
-):
+def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
     """Every route taut, or as it is where that cannot be proved, one behind the other.
 
     Routes are ``line[begin[i] : begin[i + 1]]`` with their ``pair``; those that cannot be proved
@@ -92,19 +86,15 @@ def finish(
         points, pairs = line[begin[i] : begin[i + 1]], pair[begin[i] : begin[i + 1]]
         way = np.empty((0, 2))
         if wish < np.inf:
-            way = pull_taut(kind, data, order, large, boxes, points, pairs, wish, need, tolerance)
+            way = pull_taut(tree, points, pairs, wish, need, tolerance)
         if len(way) == 0:
-            way = certain(
-                kind, data, order, large, boxes, points, pairs, need, flatness, tolerance, rounding
-            )
+            way = certain(tree, points, pairs, need, flatness, tolerance, rounding)
         if len(way) == 0:
             continue
-        way = unfolded(kind, data, order, large, boxes, way, FOLD * need, tolerance)
+        way = unfolded(tree, way, FOLD * need, tolerance)
         lo, hi = first[count], first[count] + len(way)
         if hi > len(out):
-            more = np.empty((2 * hi, 2))
-            more[:lo] = out[:lo]
-            out = more
+            out = grown(out, 2 * hi)
         out[lo:hi] = way
         count += 1
         first[count] = hi
@@ -112,7 +102,7 @@ def finish(
 
 
 @njit(cache=True, nogil=True)
-def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
+def cut_short(tree, way, need, wish, rounding):
     """The way (n, 2) with straight lines put in, from its start on and then from its end.
 
     From each point the line to the last one is tried, then to one half as far, and so on:
@@ -122,7 +112,7 @@ def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
     xy = way.copy()
     rho = np.empty(len(way))
     for i in range(len(way)):
-        rho[i] = spare(kind, data, order, large, boxes, xy[i, 0], xy[i, 1], wish)
+        rho[i] = spare(tree, xy[i, 0], xy[i, 1], wish)
     n = len(way)
     guess = -1
     for _ in range(2):
@@ -132,8 +122,7 @@ def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
             while step > 1:
                 there = here + step
                 met = blocker(
-                    kind, data, order, large, boxes,
-                    xy[here, 0], xy[here, 1], xy[there, 0], xy[there, 1],
+                    tree, xy[here, 0], xy[here, 1], xy[there, 0], xy[there, 1],
                     max(need, min(rho[here], rho[there])) - rounding, guess,
                 )  # fmt: skip
                 if met < 0:
@@ -153,7 +142,7 @@ def cut_short(kind, data, order, large, boxes, way, need, wish, rounding):
 
 
 @njit(cache=True, nogil=True)
-def judge(kind, data, order, large, boxes, way, need, weight, most):
+def judge(tree, way, need, weight, most):
     """The way's length, each step 1 + ``weight * need / clearance`` as dear, there >= need.
 
     Infinity where that is ``most`` or more, found as soon as it is sure.
@@ -168,13 +157,13 @@ def judge(kind, data, order, large, boxes, way, need, weight, most):
             break
         ax, ay, bx, by = way[i, 0], way[i, 1], way[i + 1, 0], way[i + 1, 1]
         x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
-        rho, _ = nearest(kind, data, order, large, boxes, x, y, np.inf)
+        rho, _ = nearest(tree, x, y, np.inf)
         total += math.hypot(bx - ax, by - ay) * weight * need / max(rho, need)
     return total if total < most else np.inf
 
 
 @njit(cache=True, nogil=True)
-def best_cut(kind, data, order, large, boxes, ways, first, need, wish, weight, rounding):
+def best_cut(tree, ways, first, need, wish, weight, rounding):
     """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` when they are cut short.
 
     A cut may change to another side of an obstacle; it is never longer. The cheapest is cut from
@@ -182,14 +171,12 @@ def best_cut(kind, data, order, large, boxes, ways, first, need, wish, weight, r
     """
     best, least, which = ways[:0].copy(), np.inf, 0
     for i in range(len(first) - 1):
-        way = cut_short(
-            kind, data, order, large, boxes, ways[first[i] : first[i + 1]], need, wish, rounding
-        )
-        cost = judge(kind, data, order, large, boxes, way, need, weight, least)
+        way = cut_short(tree, ways[first[i] : first[i + 1]], need, wish, rounding)
+        cost = judge(tree, way, need, weight, least)
         if cost < least:
             best, least, which = way, cost, i
     back = ways[first[which] : first[which + 1]][::-1].copy()
-    way = cut_short(kind, data, order, large, boxes, back, need, wish, rounding)
-    if judge(kind, data, order, large, boxes, way, need, weight, least) < least:
+    way = cut_short(tree, back, need, wish, rounding)
+    if judge(tree, way, need, weight, least) < least:
         best = way[::-1].copy()
     return best

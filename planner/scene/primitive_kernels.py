@@ -17,13 +17,34 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import BORROWING, LEAF
+from planner.scene.primitives import ARC as ARC
+from planner.scene.primitives import CIRCLE as CIRCLE
+from planner.scene.primitives import POINT as POINT
+from planner.scene.primitives import SEGMENT as SEGMENT
 
-POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
 TAU = 2.0 * math.pi
 SURE_COSINE = 1e-14
 """Cosines of unit vectors are equal within this: some 40 roundings of 2^-53."""
 TURN_SLACK = (3.0 + 16.0 * 2.0**-53) * 2.0**-53
 """Error bound of a turn's determinant over its two products (Shewchuk 1997, ccwerrboundA)."""
+
+
+@njit(**LEAF, forceinline=True)
+def is_round(kind):
+    """Whether a primitive of this kind is curved: it has a centre and a radius."""
+    return (kind == CIRCLE) | (kind == ARC)
+
+
+@njit(**LEAF, forceinline=True)
+def has_ends(kind):
+    """Whether a primitive of this kind begins and ends somewhere: a segment or an arc."""
+    return (kind == SEGMENT) | (kind == ARC)
+
+
+@njit(**LEAF, forceinline=True)
+def on_circle(data, i, angle):
+    """The point of circle or arc i at an angle in radians."""
+    return data[i, 0] + data[i, 2] * math.cos(angle), data[i, 1] + data[i, 2] * math.sin(angle)
 
 
 @njit(**BORROWING, error_model="numpy", forceinline=True)
@@ -99,12 +120,9 @@ def _round_foot(kind, data, i, x, y):
     if kind[i] == CIRCLE or on_sweep(data, i, x, y):
         if d > 0.0:
             return cx + r * dx / d, cy + r * dy / d
-        a = data[i, 3]
-        return cx + r * math.cos(a), cy + r * math.sin(a)
-    a0 = data[i, 3]
-    a1 = a0 + data[i, 4]
-    x0, y0 = cx + r * math.cos(a0), cy + r * math.sin(a0)
-    x1, y1 = cx + r * math.cos(a1), cy + r * math.sin(a1)
+        return on_circle(data, i, data[i, 3])
+    x0, y0 = on_circle(data, i, data[i, 3])
+    x1, y1 = on_circle(data, i, data[i, 3] + data[i, 4])
     if (x - x0) ** 2 + (y - y0) ** 2 <= (x - x1) ** 2 + (y - y1) ** 2:
         return x0, y0
     return x1, y1
@@ -218,11 +236,26 @@ def _round_to_segment(kind, data, i, ax, ay, bx, by):
                     return 0.0, t
     if kind[i] == ARC and data[i, 4] < TAU:
         for end in range(2):
-            a = data[i, 3] + end * data[i, 4]
-            d, t = point_to_segment(cx + r * math.cos(a), cy + r * math.sin(a), ax, ay, bx, by)
+            ex, ey = on_circle(data, i, data[i, 3] + end * data[i, 4])
+            d, t = point_to_segment(ex, ey, ax, ay, bx, by)
             if d < best:
                 best, at = d, t
     return best, at
+
+
+@njit(**BORROWING)
+def circles_cross(data, i, j):
+    """Whether the circles or arcs i and j, whose circles meet in two points, share one of these."""
+    dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
+    r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
+    along = 0.5 * (1.0 + (r * r - s * s) / square)
+    across = math.sqrt(max(r * r / square - along * along, 0.0))
+    for sign in (-1.0, 1.0):
+        x = data[i, 0] + along * dx - sign * across * dy
+        y = data[i, 1] + along * dy + sign * across * dx
+        if on_sweep(data, i, x, y) and on_sweep(data, j, x, y):
+            return True
+    return False
 
 
 @njit(**BORROWING)

@@ -26,6 +26,8 @@ IntArray: TypeAlias = NDArray[np.int32]
 
 POINT, SEGMENT, CIRCLE, ARC = 0, 1, 2, 3
 """The kinds of a flat primitive, see :class:`Primitives`."""
+ROUND = CIRCLE, ARC
+"""Those that have a centre and a radius."""
 
 
 @dataclass(frozen=True, slots=True)

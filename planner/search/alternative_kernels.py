@@ -15,10 +15,14 @@ Rules and units
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import grown
 from planner.search.route_kernels import (
     CLEARED,
     between,
@@ -28,14 +32,41 @@ from planner.search.route_kernels import (
     put_behind,
     search,
 )
+from planner.search.search_kernels import GateCosts, Graph
 
 COST, ENTRY, EXIT, BEGIN, END, TAKEN = 0, 1, 2, 3, 4, 5
 """Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told."""
 
 
+class Query(NamedTuple):
+    """What is asked, the same for every search.
+
+    ``ahead`` (n,) as :func:`planner.search.route_kernels.left_to` returns it, ``dearer`` (c,) ones;
+    what the gates of both stations cost, and the steps that lead over a station's ``own`` chain
+    (2 c,).
+    """
+
+    graph: Graph
+    ahead: NDArray[np.float64]
+    floor: float
+    dearer: NDArray[np.float64]
+    start: GateCosts
+    goal: GateCosts
+    own: NDArray[np.bool_]
+
+
+class Table(NamedTuple):
+    """The routes that were found: ``filled`` rows of ``routes`` (r, 6), and all their ``steps``."""
+
+    routes: NDArray[np.float64]
+    steps: NDArray[np.int32]
+    filled: int
+
+
 @njit(cache=True, nogil=True)
-def _noted(routes, steps, count, cost, entry, out, root, rest):
-    """Note a route with the steps ``root`` and then ``rest``, unless it is known; the tables."""
+def _noted(table, cost, entry, out, root, rest):
+    """The table with a route with the steps ``root`` and then ``rest``, unless it is known."""
+    routes, steps, count = table
     n = len(root) + len(rest)
     for k in range(count):
         begin, end = int(routes[k, BEGIN]), int(routes[k, END])
@@ -44,21 +75,17 @@ def _noted(routes, steps, count, cost, entry, out, root, rest):
             step = root[i] if i < len(root) else rest[i - len(root)]
             same = same and steps[begin + i] == step
         if same:
-            return routes, steps, count
+            return Table(routes, steps, count)
     begin = int(routes[count - 1, END]) if count > 0 else 0
     if count == len(routes):
-        more = np.empty((2 * count, 6))
-        more[:count] = routes
-        routes = more
+        routes = grown(routes, 2 * count)
     if begin + n > len(steps):
-        longer = np.empty(2 * (begin + n), np.int32)
-        longer[:begin] = steps[:begin]
-        steps = longer
+        steps = grown(steps, 2 * (begin + n))
     steps[begin : begin + len(root)] = root
     steps[begin + len(root) : begin + n] = rest
     routes[count, COST], routes[count, ENTRY], routes[count, EXIT] = cost, entry, out
     routes[count, BEGIN], routes[count, END], routes[count, TAKEN] = begin, begin + n, 0.0
-    return routes, steps, count + 1
+    return Table(routes, steps, count + 1)
 
 
 @njit(**BORROWING)
@@ -101,120 +128,139 @@ def _passes(way, chain):
     return passes
 
 
+@njit(**BORROWING)
+def _cheapest(routes, count):
+    """The cheapest of the routes that are not told yet, or -1."""
+    pick, least = -1, np.inf
+    for k in range(count):
+        if routes[k, TAKEN] == 0.0 and routes[k, COST] < least:
+            pick, least = k, routes[k, COST]
+    return pick
+
+
+@njit(**BORROWING)
+def _bar_told(table, told, entry, way, at, barred, to_cost):
+    """Bar what routes that were told do after the first ``at`` steps of a ``way``, if they share
+    them: the next step, or the gate that they leave by."""
+    routes, steps, _ = table
+    for t in range(len(told)):
+        k = told[t]
+        lo, hi = int(routes[k, BEGIN]), int(routes[k, END])
+        shares = routes[k, ENTRY] == entry and hi - lo >= at
+        for i in range(at if shares else 0):
+            shares = shares and steps[lo + i] == way[i]
+        if shares and hi - lo > at:
+            barred[steps[lo + at]] = True
+        elif shares:
+            to_cost[int(routes[k, EXIT])] = np.inf
+
+
 @njit(cache=True, nogil=True)
-def cheapest_routes(
-    around, leaving, ends, total, cost, clearance, points, first, pieces, proved, rho, gap,
-    floor, s_where, s_access, s_price, g_where, g_access, g_price, wanted, rounding, budget,
-):  # fmt: skip
+def _first_routes(query, start, goal):
+    """The cheapest route, and those within one chain, in a new table; and the work."""
+    table = Table(np.empty((32, 6)), np.empty(64, np.int32), 0)
+    none = np.empty(0, np.int32)
+    shut = np.zeros(len(query.graph.around) - 1, np.bool_)
+    best, entry, out, way, work = search(
+        query.graph, query.dearer, query.ahead, query.floor, query.start, query.goal, shut,
+        query.own,
+    )  # fmt: skip
+    if best < np.inf:
+        table = _noted(table, best, entry, out, none, way)
+    for i in range(len(start.where)):
+        for j in range(len(goal.where)):
+            if start.where[i, 0] == goal.where[j, 0]:
+                wide, apart = between(query.graph, start, i, goal, j)
+                if wide >= query.floor:
+                    cost = start.price[i, 1] + goal.price[j, 1] + apart
+                    table = _noted(table, cost, -1 - i, -1 - j, none, none)
+    return table, work
+
+
+@njit(cache=True, nogil=True)
+def _leave(query, table, told, pick, way, work, budget):
+    """Leave route ``pick``, its steps ``way``, at its gate and at each of its nodes.
+
+    The table with the routes that were found, and the work, which ends at ``budget``.
+    """
+    graph, ends, own = query.graph, query.graph.chains.ends, query.own
+    entry = int(table.routes[pick, ENTRY])
+    shut = np.zeros(len(graph.around) - 1, np.bool_)
+    gone = 0.0
+    # at its gate (-1), and then at each of its nodes
+    for at in range(-1, len(way) + 1):
+        barred = own.copy()
+        origin = GateCosts(query.start.node, query.start.cost.copy())
+        goal = GateCosts(query.goal.node, query.goal.cost.copy())
+        if at < 0:
+            for t in range(len(told)):
+                if table.routes[told[t], ENTRY] >= 0:
+                    origin.cost[int(table.routes[told[t], ENTRY])] = np.inf
+        else:
+            if at == 0:
+                u, gone = query.start.node[entry], query.start.cost[entry]
+            else:
+                gone += graph.total[way[at - 1] // 2]
+                u = ends[way[at - 1] // 2, 1 - way[at - 1] % 2]
+            _bar_told(table, told, entry, way, at, barred, goal.cost)
+            origin = GateCosts(np.full(1, u, np.int32), np.full(1, gone))
+            shut[u] = True
+        found, way_in, way_out, rest, looked_at = search(
+            graph, query.dearer, query.ahead, query.floor, origin, goal, shut, barred
+        )
+        work += looked_at + len(own) // CLEARED + len(told) * (at + 2) + table.filled
+        if found < np.inf:
+            table = _noted(
+                table, found, way_in if at < 0 else entry, way_out, way[: max(at, 0)], rest
+            )
+        if work > budget:
+            break
+    return table, work
+
+
+@njit(cache=True, nogil=True)
+def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget):
     """The ``wanted`` cheapest routes, the cheapest first: fewer where there are no more.
 
-    Entries nearer to one another than ``rounding`` are one. The search ends, too, where it has
-    done the work of looking at ``budget`` steps over chains. Returns what
-    :func:`planner.search.route_kernels.routes` does, and the work.
+    ``start`` and ``goal`` are the stations' gates; those nearer to one another than ``rounding``
+    are one. The search ends, too, where it has done the work of looking at ``budget`` steps over
+    chains. Returns what :func:`planner.search.route_kernels.routes` does, and the work.
     """
     line = np.empty((64, 2))
     pair = np.empty((64, 2), np.int32)
     begin = np.zeros(wanted + 1, np.int32)
-    none = np.empty(0, np.int32)
-    same = np.ones(len(total))
-    s_node, s_cost = gates_of(s_where, s_price, ends, floor, same)
-    g_node, g_cost = gates_of(g_where, g_price, ends, floor, same)
-    _shut_repeats(s_access, s_cost, rounding)
-    _shut_repeats(g_access, g_cost, rounding)
-    shut = np.zeros(len(around) - 1, np.bool_)
-    own = np.zeros(2 * len(ends), np.bool_)
-    _bar_own(s_where, s_cost, own)
-    _bar_own(g_where, g_cost, own)
-    routes = np.empty((32, 6))
-    steps = np.empty(64, np.int32)
-    count = 0
-    if len(s_where) == 0 or len(g_where) == 0:
+    same = np.ones(len(graph.total))
+    if len(start.where) == 0 or len(goal.where) == 0:
         return line[:0], pair[:0], begin[:1].copy(), 0
-    ahead = left_to(
-        around, leaving, ends, total, clearance, floor, s_where, s_price, g_where, g_price
-    )
-    best, entry, out, way, work = search(
-        around, leaving, ends, total, clearance, same, ahead, floor, s_node, s_cost,
-        g_node, g_cost, shut, own,
-    )  # fmt: skip
-    if best < np.inf:
-        routes, steps, count = _noted(routes, steps, count, best, entry, out, none, way)
-    for i in range(len(s_where)):
-        for j in range(len(g_where)):
-            if s_where[i, 0] == g_where[j, 0]:
-                wide, apart = between(
-                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
-                )
-                if wide >= floor:
-                    routes, steps, count = _noted(
-                        routes, steps, count, s_price[i, 1] + g_price[j, 1] + apart,
-                        -1 - i, -1 - j, none, none,
-                    )  # fmt: skip
+    from_cost = gates_of(start, graph.chains.ends, floor, same)
+    to_cost = gates_of(goal, graph.chains.ends, floor, same)
+    _shut_repeats(start.access, from_cost.cost, rounding)
+    _shut_repeats(goal.access, to_cost.cost, rounding)
+    own = np.zeros(2 * len(graph.chains.ends), np.bool_)
+    _bar_own(start.where, from_cost.cost, own)
+    _bar_own(goal.where, to_cost.cost, own)
+    ahead = left_to(graph, floor, start, goal)
+    query = Query(graph, ahead, floor, same, from_cost, to_cost, own)
+    table, work = _first_routes(query, start, goal)
     taken = np.empty(wanted * 4 + 8, np.int32)
     told, laid = 0, 0
     while laid < wanted and told < len(taken) and work <= budget:
-        work += count
-        pick, least = -1, np.inf
-        for k in range(count):
-            if routes[k, TAKEN] == 0.0 and routes[k, COST] < least:
-                pick, least = k, routes[k, COST]
+        work += table.filled
+        pick = _cheapest(table.routes, table.filled)
         if pick < 0:
             break
-        taken[told], routes[pick, TAKEN] = pick, 1.0
+        taken[told], table.routes[pick, TAKEN] = pick, 1.0
         told += 1
-        entry, out = int(routes[pick, ENTRY]), int(routes[pick, EXIT])
-        way = steps[int(routes[pick, BEGIN]) : int(routes[pick, END])].copy()
+        entry, out = int(table.routes[pick, ENTRY]), int(table.routes[pick, EXIT])
+        way = table.steps[int(table.routes[pick, BEGIN]) : int(table.routes[pick, END])].copy()
         round_trip = entry >= 0 and (
-            _passes(way, s_where[entry // 2, 0]) or _passes(way, g_where[out // 2, 0])
+            _passes(way, start.where[entry // 2, 0]) or _passes(way, goal.where[out // 2, 0])
         )
         if not round_trip:
-            xy, beside = lay(
-                points, first, pieces, proved, s_where, s_access, s_price, entry, way,
-                g_where, g_access, g_price, out,
-            )  # fmt: skip
+            xy, beside = lay(graph.chains, start, entry, way, goal, out)
             line, pair = put_behind(line, pair, begin[laid], xy, beside)
             laid += 1
             begin[laid] = begin[laid - 1] + len(xy)
-        if entry < 0:
-            continue
-        # leave it at its gate (-1), and then at each of its nodes
-        shut[:] = False
-        gone = 0.0
-        for at in range(-1, len(way) + 1):
-            barred = own.copy()
-            from_node, from_cost, to_cost = s_node, s_cost.copy(), g_cost.copy()
-            if at < 0:
-                for t in range(told):
-                    if routes[taken[t], ENTRY] >= 0:
-                        from_cost[int(routes[taken[t], ENTRY])] = np.inf
-            else:
-                if at == 0:
-                    u, gone = s_node[entry], s_cost[entry]
-                else:
-                    gone += total[way[at - 1] // 2]
-                    u = ends[way[at - 1] // 2, 1 - way[at - 1] % 2]
-                for t in range(told):
-                    k = taken[t]
-                    lo, hi = int(routes[k, BEGIN]), int(routes[k, END])
-                    shares = routes[k, ENTRY] == entry and hi - lo >= at
-                    for i in range(at if shares else 0):
-                        shares = shares and steps[lo + i] == way[i]
-                    if shares and hi - lo > at:
-                        barred[steps[lo + at]] = True
-                    elif shares:
-                        to_cost[int(routes[k, EXIT])] = np.inf
-                from_node, from_cost = np.full(1, u, np.int32), np.full(1, gone)
-                shut[u] = True
-            found, way_in, way_out, rest, steps_looked_at = search(
-                around, leaving, ends, total, clearance, same, ahead, floor, from_node, from_cost,
-                g_node, to_cost, shut, barred,
-            )  # fmt: skip
-            work += steps_looked_at + len(own) // CLEARED + told * (at + 2) + count
-            if found < np.inf:
-                routes, steps, count = _noted(
-                    routes, steps, count, found, way_in if at < 0 else entry, way_out,
-                    way[: max(at, 0)], rest,
-                )  # fmt: skip
-            if work > budget:
-                break
+        if entry >= 0:
+            table, work = _leave(query, table, taken[:told], pick, way, work, budget)
     return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy(), work

@@ -21,13 +21,14 @@ from planner.borders.box_tree_kernels import nearest, polyline_clearance
 from planner.diagram.bisector_kernels import slide_between
 from planner.scene.compile_options import BORROWING
 from planner.scene.primitive_kernels import foot, point_to_segment
+from planner.search.search_kernels import Gates
 
 SHRINKS = 60
 """Steps of the shrinking ball; it took at most 12 on random scenes."""
 
 
 @njit(cache=True, nogil=True)
-def retract(kind, data, order, large, boxes, x, y, reach):
+def retract(tree, x, y, reach):
     """Move (x, y) away from the nearest border until a second border is as near.
 
     The shrinking ball of Ma, Bae and Choi (2012): a ball through the nearest foot, centred
@@ -35,7 +36,8 @@ def retract(kind, data, order, large, boxes, x, y, reach):
     its radius and the two primitives. ``reach`` is the first ball's radius, larger than any
     clearance in the scene.
     """
-    d, a = nearest(kind, data, order, large, boxes, x, y, np.inf)
+    kind, data = tree.kind, tree.data
+    d, a = nearest(tree, x, y, np.inf)
     fx, fy = foot(kind, data, a, x, y)
     if d <= 0.0:
         return x, y, d, a, a
@@ -43,7 +45,7 @@ def retract(kind, data, order, large, boxes, x, y, reach):
     r, b = max(reach, d), a
     for _ in range(SHRINKS):
         cx, cy = fx + r * nx, fy + r * ny
-        _, i = nearest(kind, data, order, large, boxes, cx, cy, r * (1.0 - 1e-12))
+        _, i = nearest(tree, cx, cy, r * (1.0 - 1e-12))
         if i < 0:
             break
         qx, qy = foot(kind, data, i, cx, cy)
@@ -96,12 +98,19 @@ def nearest_links(points, first, x, y, count):
 
 
 @njit(**BORROWING)
-def _to_ends(first, rho, gap, cost, proved, chain, link, part, out):
+def _to_ends(graph, chain, link, part, out):
     """Write cost and clearance from a place inside a chain to its first and to its last point.
 
     A proved link grows or shrinks all along: a part of it is as wide as the narrower of its ends,
     and the place's own clearance is that of the access.
     """
+    first, rho, gap, proved = (
+        graph.chains.first,
+        graph.chains.rho,
+        graph.chains.gap,
+        graph.chains.proved,
+    )
+    cost = graph.cost
     lo, hi = first[chain], first[chain + 1] - 1
     if lo == hi:
         out[0], out[1], out[2], out[3] = 0.0, rho[lo], 0.0, rho[lo]
@@ -117,19 +126,14 @@ def _to_ends(first, rho, gap, cost, proved, chain, link, part, out):
 
 
 @njit(cache=True, nogil=True)
-def attach(
-    kind, data, order, large, boxes, points, first, pieces, proved, rho, gap, cost,
-    x, y, floor, within, rounding, tolerance, reach, most,
-):  # fmt: skip
+def attach(tree, graph, x, y, floor, within, rounding, tolerance, reach, most):
     """Ways from (x, y) onto at most ``most`` chains, with clearance >= ``floor``, nearest first.
 
     Where retraction ends nearer than ``within`` to a chain that chain is the way, and those as
     near but for ``rounding``; else any of the nearest chains that a straight line reaches.
-    Returns ``where`` (m, 2), chain and link; ``access`` (m, 3, 2), from the place over the
-    retracted one to that on the chain; and ``price`` (m, 7): the part of the link gone, length
-    and clearance of the access, cost and clearance to the chain's first end, and to its last.
     """
-    rx, ry, _, _, _ = retract(kind, data, order, large, boxes, x, y, reach)
+    points, first, pieces = graph.chains.points, graph.chains.first, graph.chains.pieces
+    rx, ry, _, _, _ = retract(tree, x, y, reach)
     chain, link, part, away = nearest_links(points, first, rx, ry, most)
     where = np.empty((most, 2), np.int32)
     access = np.empty((most, 3, 2))
@@ -143,17 +147,19 @@ def attach(
         j = min(i + 1, first[c + 1] - 1)
         px = points[i, 0] + part[k] * (points[j, 0] - points[i, 0])
         py = points[i, 1] + part[k] * (points[j, 1] - points[i, 1])
-        if proved[i]:
-            px, py, _ = slide_between(kind, data, pieces[i, 0], pieces[i, 1], px, py, tolerance)
+        if graph.chains.proved[i]:
+            px, py, _ = slide_between(
+                tree.kind, tree.data, pieces[i, 0], pieces[i, 1], px, py, tolerance
+            )
         access[m, 0, 0], access[m, 0, 1] = x, y
         access[m, 1, 0], access[m, 1, 1] = rx, ry
         access[m, 2, 0], access[m, 2, 1] = px, py
-        clear = polyline_clearance(kind, data, order, large, boxes, access[m])[0]
+        clear = polyline_clearance(tree, access[m])[0]
         if clear < floor:
             continue
         where[m, 0], where[m, 1] = c, i
         price[m, 0], price[m, 2] = part[k], clear
         price[m, 1] = math.sqrt((rx - x) ** 2 + (ry - y) ** 2) + away[k]
-        _to_ends(first, rho, gap, cost, proved, c, i, part[k], price[m, 3:])
+        _to_ends(graph, c, i, part[k], price[m, 3:])
         m += 1
-    return where[:m].copy(), access[:m].copy(), price[:m].copy()
+    return Gates(where[:m].copy(), access[:m].copy(), price[:m].copy())

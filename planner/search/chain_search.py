@@ -9,20 +9,15 @@ Rules and units
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 
-from planner.borders.generators import BoolArray, Borders
+from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.scene import FloatArray, IntArray, Vec
 from planner.search import alternative_kernels, attach_kernels, route_kernels, search_kernels
+from planner.search.search_kernels import GateCosts, Gates, Graph
 
-Graph: TypeAlias = tuple[
-    IntArray, IntArray, IntArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray,
-    IntArray, BoolArray, FloatArray, FloatArray,
-]  # fmt: skip
-"""What the kernels that search for routes begin with."""
 DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
 NEAR = 0.25
@@ -55,30 +50,17 @@ class Network:
         around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
         return cls(chains, cost, total, around, leaving)
 
+    @property
+    def graph(self) -> Graph:
+        """What the kernels that search for routes begin with."""
+        return Graph(self.chains.arrays, self.cost, self.total, self.around, self.leaving)
 
-@dataclass(frozen=True, slots=True)
-class Gates:
-    """A station's m ways onto the chains, the nearest first.
-
-    ``where`` (m, 2) are chain and link; ``access`` (m, 3, 2) runs from the station over the
-    retracted place to the one on the chain; ``price`` (m, 7) is the part of the link gone, the
-    access's length and exact clearance, and cost and clearance to the chain's two ends.
-    """
-
-    where: IntArray
-    access: FloatArray
-    price: FloatArray
-
-    def __len__(self) -> int:
-        return len(self.where)
-
-    def costs(self, network: Network, floor: float) -> tuple[IntArray, FloatArray]:
-        """Node and cost (2 m,) of both ways along the chain, infinity below ``floor``."""
-        same = np.ones(len(network.total))
-        gates: tuple[IntArray, FloatArray] = route_kernels.gates_of(
-            self.where, self.price, network.chains.ends, floor, same
+    def gate_costs(self, gates: Gates, floor: float) -> GateCosts:
+        """Node and cost (2 m,) of both ways over each gate, infinity below ``floor``."""
+        same = np.ones(len(self.total))
+        return route_kernels.gates_of(  # type: ignore[no-any-return]
+            gates, self.chains.ends, floor, same
         )
-        return gates
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,23 +96,16 @@ def attach(
     Where retraction meets a chain that chain is the way; with ``anywhere``, or where it meets
     none, any of the nearest chains that a straight line reaches.
     """
-    chains, extent = network.chains, borders.extent
-    found = attach_kernels.attach(
-        *borders.tree, chains.points, chains.first, chains.pieces, chains.proved, chains.rho,
-        chains.gap, network.cost, *place, floor, -1.0 if anywhere else NEAR * floor,
+    extent = borders.extent
+    return attach_kernels.attach(  # type: ignore[no-any-return]
+        borders.tree, network.graph, *place, floor, -1.0 if anywhere else NEAR * floor,
         ROUNDING * extent, borders.equal, 2.0 * extent, ENTRIES,
     )  # fmt: skip
-    return Gates(*found)
 
 
 def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
     """The largest clearance a way from any entry to any exit can keep, -inf where none leads."""
-    chains = network.chains
-    best = route_kernels.widest_way(
-        network.around, network.leaving, chains.ends, chains.clearance, chains.first, chains.rho,
-        chains.gap, network.cost, chains.proved, start.where, start.price, goal.where, goal.price,
-    )  # fmt: skip
-    return float(best)
+    return float(route_kernels.widest_way(network.graph, start, goal))
 
 
 def routes(
@@ -141,10 +116,7 @@ def routes(
     A chain gets dearer with every route that took it: ``tries`` searches find as many routes or
     fewer.
     """
-    found = route_kernels.routes(
-        *_graph(network), least, floor, start.where, start.access, start.price,
-        goal.where, goal.access, goal.price, tries, PENALTY,
-    )  # fmt: skip
+    found = route_kernels.routes(network.graph, least, floor, start, goal, tries, PENALTY)
     return Lines(*found)
 
 
@@ -163,16 +135,6 @@ def cheapest_routes(
     chains. The second value is what was spent, more than the budget in that case only.
     """
     *found, work = alternative_kernels.cheapest_routes(
-        *_graph(network), floor, start.where, start.access, start.price,
-        goal.where, goal.access, goal.price, wanted, ROUNDING * borders.extent, budget,
-    )  # fmt: skip
+        network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget
+    )
     return Lines(*found), int(work)
-
-
-def _graph(network: Network) -> Graph:
-    """What every search for routes starts with."""
-    c = network.chains
-    return (
-        network.around, network.leaving, c.ends, network.total, network.cost, c.clearance,
-        c.points, c.first, c.pieces, c.proved, c.rho, c.gap,
-    )  # fmt: skip

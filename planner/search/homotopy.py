@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from planner.borders.generators import Borders
-from planner.scene import ARC, FloatArray
+from planner.scene import FloatArray
+from planner.scene.primitives import ROUND
 
 Word = tuple[int, ...]
 """Obstacles + 1 in the order of crossing, negative where crossed towards smaller x."""
@@ -22,7 +23,7 @@ def anchors(borders: Borders) -> FloatArray:
     k = borders.primitive_count
     owners, firsts = np.unique(borders.owner[:k], return_index=True)
     places: FloatArray = borders.data[firsts[owners >= 0], :2].copy()
-    arcs = borders.kind[firsts[owners >= 0]] >= ARC - 1
+    arcs = np.isin(borders.kind[firsts[owners >= 0]], ROUND)
     rows = borders.data[firsts[owners >= 0]][arcs]
     places[arcs] += rows[:, 2:3] * np.c_[np.cos(rows[:, 3]), np.sin(rows[:, 3])]
     return places

@@ -3,8 +3,9 @@
 Rules and units
 - Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
   points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
-- A station's entries are what :func:`planner.search.attach_kernels.attach` returns; gate 2 i + end
-  leads over entry i to that end of its chain.
+- A station's entries are what :func:`planner.search.attach_kernels.attach` returns
+  (:class:`planner.search.search_kernels.Gates`); gate 2 i + end leads over entry i to that end of
+  its chain.
 - A laid route is points (n, 2) and pairs (n, 2): the pieces left and right of the link to the
   next point, -1 where the link is straight.
 """
@@ -18,15 +19,17 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import BORROWING
-from planner.search.search_kernels import costs_from, pop, push, pushed
+from planner.scene.primitive_kernels import grown
+from planner.search.search_kernels import GateCosts, costs_from, pop, push, pushed
 
 CLEARED = 8
 """So many nodes are made ready for a search in the time of one step of it."""
 
 
 @njit(cache=True, nogil=True)
-def gates_of(where, price, ends, floor, dearer):
-    """Node and cost of every gate, infinity where its clearance is below ``floor``."""
+def gates_of(gates, ends, floor, dearer):
+    """What every gate costs, infinity where its clearance is below ``floor``."""
+    where, price = gates.where, gates.price
     m = len(where)
     node = np.empty(2 * m, np.int32)
     cost = np.empty(2 * m)
@@ -36,16 +39,18 @@ def gates_of(where, price, ends, floor, dearer):
             node[2 * i + end] = ends[c, end]
             wide = min(price[i, 2], price[i, 4 + 2 * end]) >= floor
             cost[2 * i + end] = price[i, 1] + dearer[c] * price[i, 3 + 2 * end] if wide else np.inf
-    return node, cost
+    return GateCosts(node, cost)
 
 
 @njit(**BORROWING)
-def between(first, rho, gap, cost, proved, where, price, i, other_where, other_price, j):
-    """Clearance and cost of the way within one chain from one station's entry to another's.
+def between(graph, start, i, goal, j):
+    """Clearance and cost of the way within one chain from the start's entry i to the goal's j.
 
     Of a proved link only the part between counts, which grows or shrinks all along.
     """
-    c, a, b = where[i, 0], where[i, 1], other_where[j, 1]
+    first, rho, gap = graph.chains.first, graph.chains.rho, graph.chains.gap
+    cost, proved, price, other_price = graph.cost, graph.chains.proved, start.price, goal.price
+    c, a, b = start.where[i, 0], start.where[i, 1], goal.where[j, 1]
     lo, hi = min(a, b), max(a, b)
     wide = min(price[i, 2], other_price[j, 2])
     if first[c + 1] - first[c] == 1:
@@ -65,11 +70,8 @@ def between(first, rho, gap, cost, proved, where, price, i, other_where, other_p
 
 
 @njit(cache=True, nogil=True)
-def search(
-    around, leaving, ends, total, clearance, dearer, ahead, floor, s_node, s_cost, g_node, g_cost,
-    shut, barred,
-):  # fmt: skip
-    """The cheapest way from the start's gates to the goal's, not over ``shut`` nodes (n,).
+def search(graph, dearer, ahead, floor, start, goal, shut, barred):
+    """The cheapest way from the ``start``'s gates to the ``goal``'s, not over ``shut`` nodes (n,).
 
     A* over the chains not below ``floor``, each ``dearer`` (>= 1) times its cost; ``ahead`` (n,)
     is what is left at least from each node, as :func:`costs_from` says of the goal. No step is
@@ -77,6 +79,10 @@ def search(
     start's and the goal's gate, the chains in order as chain * 2 + end walked from, and the work:
     steps looked at, and what clearing the nodes costs in them.
     """
+    around, leaving, total = graph.around, graph.leaving, graph.total
+    ends, clearance = graph.chains.ends, graph.chains.clearance
+    s_node, s_cost = start
+    g_node, g_cost = goal
     n = len(around) - 1
     far = np.full(n, np.inf)
     came = np.full(n, -1, np.int32)
@@ -126,14 +132,11 @@ def search(
 
 
 @njit(cache=True, nogil=True)
-def left_to(around, leaving, ends, total, clearance, floor, s_where, s_price, g_where, g_price):
+def left_to(graph, floor, start, goal):
     """What is left at least from every node to the goal, for :func:`search`."""
-    same = np.ones(len(total))
-    s_node, s_cost = gates_of(s_where, s_price, ends, floor, same)
-    g_node, g_cost = gates_of(g_where, g_price, ends, floor, same)
-    return costs_from(
-        around, leaving, ends, total, clearance, floor, g_node, g_cost, s_node, s_cost
-    )
+    same = np.ones(len(graph.total))
+    begin = gates_of(start, graph.chains.ends, floor, same)
+    return costs_from(graph, floor, gates_of(goal, graph.chains.ends, floor, same), begin)
 
 
 @njit(**BORROWING)
@@ -157,11 +160,12 @@ def _beside(pieces, proved, link, forwards):
 
 
 @njit(**BORROWING)
-def _add_points(points, pieces, proved, a, b, forwards, through, line, pair, m):
+def _add_points(chains, a, b, forwards, through, line, pair, m):
     """Write the points from a to b, both included, none where b lies behind a.
 
     ``through``: the link after b is walked on, too.
     """
+    points, pieces, proved = chains.points, chains.pieces, chains.proved
     step = 1 if forwards else -1
     for k in range((b - a) * step + 1):
         i = a + step * k
@@ -173,9 +177,9 @@ def _add_points(points, pieces, proved, a, b, forwards, through, line, pair, m):
 
 
 @njit(**BORROWING)
-def _walk(points, first, pieces, proved, chain, entered, left_at, forwards, line, pair, m):
+def _walk(chains, chain, entered, left_at, forwards, line, pair, m):
     """Write the points of a chain between two of its links; -1 stands for its end there."""
-    lo, hi = first[chain], first[chain + 1] - 1
+    lo, hi = chains.first[chain], chains.first[chain + 1] - 1
     if forwards:
         a = lo if entered < 0 else entered + 1
         b = hi if left_at < 0 else left_at
@@ -184,18 +188,18 @@ def _walk(points, first, pieces, proved, chain, entered, left_at, forwards, line
         b = lo if left_at < 0 else left_at + 1
     if entered >= 0 and lo == hi:
         return m
-    return _add_points(points, pieces, proved, a, b, forwards, left_at >= 0, line, pair, m)
+    return _add_points(chains, a, b, forwards, left_at >= 0, line, pair, m)
 
 
 @njit(cache=True, nogil=True)
-def lay(
-    points, first, pieces, proved, s_where, s_access, s_price, s_gate, steps,
-    g_where, g_access, g_price, g_gate,
-):  # fmt: skip
+def lay(chains, start, s_gate, steps, goal, g_gate):
     """The route in through gate ``s_gate``, over ``steps`` and out through ``g_gate``.
 
     Gates below 0 stand for the entries -1 - gate, both on one chain, and the way within it.
     """
+    first, pieces, proved = chains.first, chains.pieces, chains.proved
+    s_where, s_access, s_price = start
+    g_where, g_access, g_price = goal
     inside = s_gate < 0
     a = -1 - s_gate if inside else s_gate // 2
     b = -1 - g_gate if inside else g_gate // 2
@@ -216,48 +220,43 @@ def lay(
     m = _add(line, pair, m, s_access[a, 2, 0], s_access[a, 2, 1], left, right)
     if inside:
         if la != lb:
-            m = _walk(points, first, pieces, proved, c, la, lb, forwards, line, pair, m)
+            m = _walk(chains, c, la, lb, forwards, line, pair, m)
     else:
-        m = _walk(points, first, pieces, proved, c, la, -1, forwards, line, pair, m)
+        m = _walk(chains, c, la, -1, forwards, line, pair, m)
         for k in range(len(steps)):
             s, onwards = steps[k] // 2, steps[k] % 2 == 0
-            m = _walk(points, first, pieces, proved, s, -1, -1, onwards, line, pair, m)
+            m = _walk(chains, s, -1, -1, onwards, line, pair, m)
         forwards = g_gate % 2 == 0
         if first[e + 1] - first[e] > 1:
-            m = _walk(points, first, pieces, proved, e, -1, lb, forwards, line, pair, m)
+            m = _walk(chains, e, -1, lb, forwards, line, pair, m)
     for k in range(2, -1, -1):
         m = _add(line, pair, m, g_access[b, k, 0], g_access[b, k, 1], -1, -1)
     return line[:m].copy(), pair[:m].copy()
 
 
 @njit(cache=True, nogil=True)
-def one_route(
-    around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, proved, floor, dearer,
-    s_where, s_price, g_where, g_price,
-):  # fmt: skip
+def one_route(graph, ahead, floor, dearer, start, goal):
     """The cheapest route of that clearance: its cost, both gates as :func:`lay` takes them, steps.
 
     The cost is infinite where there is none.
     """
-    s_node, s_cost = gates_of(s_where, s_price, ends, floor, dearer)
-    g_node, g_cost = gates_of(g_where, g_price, ends, floor, dearer)
+    ends, s_where, g_where = graph.chains.ends, start.where, goal.where
+    from_cost = gates_of(start, ends, floor, dearer)
+    to_cost = gates_of(goal, ends, floor, dearer)
     best, entry, out = np.inf, -1, -1
     steps = np.empty(0, np.int32)
     if len(s_where) == 0 or len(g_where) == 0:
         return best, entry, out, steps
     best, entry, out, steps, _ = search(
-        around, leaving, ends, total, clearance, dearer, ahead, floor,
-        s_node, s_cost, g_node, g_cost,
-        np.zeros(len(around) - 1, np.bool_), np.zeros(2 * len(ends), np.bool_),
+        graph, dearer, ahead, floor, from_cost, to_cost,
+        np.zeros(len(graph.around) - 1, np.bool_), np.zeros(2 * len(ends), np.bool_),
     )  # fmt: skip
     for i in range(len(s_where)):
         for j in range(len(g_where)):
             if s_where[i, 0] != g_where[j, 0]:
                 continue
-            wide, apart = between(
-                first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
-            )
-            here = s_price[i, 1] + g_price[j, 1] + apart * dearer[s_where[i, 0]]
+            wide, apart = between(graph, start, i, goal, j)
+            here = start.price[i, 1] + goal.price[j, 1] + apart * dearer[s_where[i, 0]]
             if wide >= floor and here < best:
                 best, entry, out = here, -1 - i, -1 - j
                 steps = np.empty(0, np.int32)
@@ -265,11 +264,11 @@ def one_route(
 
 
 @njit(cache=True, nogil=True)
-def widest_way(
-    around, leaving, ends, clearance, first, rho, gap, cost, proved, s_where, s_price, g_where,
-    g_price,
-):  # fmt: skip
+def widest_way(graph, start, goal):
     """The largest least clearance of any way from the start's entries to the goal's, or -inf."""
+    around, leaving = graph.around, graph.leaving
+    ends, clearance = graph.chains.ends, graph.chains.clearance
+    s_where, s_price, g_where, g_price = start.where, start.price, goal.where, goal.price
     n = len(around) - 1
     wide = np.full(n, -np.inf)
     room = len(leaving) + 2 * len(s_where) + 1
@@ -286,9 +285,7 @@ def widest_way(
                 size += 1
         for j in range(len(g_where)):
             if s_where[i, 0] == g_where[j, 0]:
-                w, _ = between(
-                    first, rho, gap, cost, proved, s_where, s_price, i, g_where, g_price, j
-                )
+                w, _ = between(graph, start, i, goal, j)
                 best = max(best, w)
     while size > 0:
         key, u = pop(keys, items, size)
@@ -327,19 +324,15 @@ def _known(used, count):
 
 
 @njit(cache=True, nogil=True)
-def routes(
-    around, leaving, ends, total, cost, clearance, points, first, pieces, proved, rho, gap,
-    least, floor, s_where, s_access, s_price, g_where, g_access, g_price, tries, penalty,
-):  # fmt: skip
+def routes(graph, least, floor, start, goal, tries, penalty):
     """The cheapest route, and then others: a chain gets dearer with every route that took it.
 
     The first keeps ``least``, the others ``floor``. ``tries`` searches are made; what they find
     again is left out. Returns all lines' points and pairs, and where each line begins (n + 1,).
     """
+    total, s_where, g_where = graph.total, start.where, goal.where
     dearer = np.ones(len(total))
-    ahead = left_to(
-        around, leaving, ends, total, clearance, floor, s_where, s_price, g_where, g_price
-    )
+    ahead = left_to(graph, floor, start, goal)
     used = np.zeros((tries, len(total)), np.bool_)
     begin = np.zeros(tries + 1, np.int32)
     line = np.empty((64, 2))
@@ -347,9 +340,8 @@ def routes(
     count = 0
     for t in range(tries):
         best, entry, out, steps = one_route(
-            around, leaving, ends, total, cost, clearance, ahead, first, rho, gap, proved,
-            least if t == 0 else floor, dearer, s_where, s_price, g_where, g_price,
-        )  # fmt: skip
+            graph, ahead, least if t == 0 else floor, dearer, start, goal
+        )
         if best == np.inf:
             break
         used[count] = False
@@ -362,10 +354,7 @@ def routes(
                 dearer[c] *= penalty
         if _known(used, count):
             continue
-        xy, beside = lay(
-            points, first, pieces, proved, s_where, s_access, s_price, entry, steps,
-            g_where, g_access, g_price, out,
-        )  # fmt: skip
+        xy, beside = lay(graph.chains, start, entry, steps, goal, out)
         line, pair = put_behind(line, pair, begin[count], xy, beside)
         count += 1
         begin[count] = begin[count - 1] + len(xy)
@@ -377,8 +366,6 @@ def put_behind(line, pair, size, xy, beside):
     """The first ``size`` points and pairs, and then others behind them, with room to spare."""
     end = size + len(xy)
     if end > len(line):
-        longer, wider = np.empty((2 * end, 2)), np.empty((2 * end, 2), np.int32)
-        longer[:size], wider[:size] = line[:size], pair[:size]
-        line, pair = longer, wider
+        line, pair = grown(line, 2 * end), grown(pair, 2 * end)
     line[size:end], pair[size:end] = xy, beside
     return line, pair

@@ -13,10 +13,56 @@ Rules and units
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
+from planner.diagram.diagram_arrays import ChainArrays
 from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import grown
+
+NEAREST = 1e-12
+"""A link costs no more than one of this clearance does."""
+
+
+class Graph(NamedTuple):
+    """The chains as a graph with costs.
+
+    ``cost`` (p,) of the link from each point, ``total`` (c,) of every chain; node n has the chains
+    ``leaving[around[n] : around[n + 1]]``, as chain * 2 + end.
+    """
+
+    chains: ChainArrays
+    cost: NDArray[np.float64]
+    total: NDArray[np.float64]
+    around: NDArray[np.int32]
+    leaving: NDArray[np.int32]
+
+
+class Gates(NamedTuple):
+    """A station's m ways onto the chains, the nearest first.
+
+    ``where`` (m, 2) are chain and link; ``access`` (m, 3, 2) runs from the station over the
+    retracted place to the one on the chain; ``price`` (m, 7) is the part of the link gone, the
+    access's length and exact clearance, and cost and clearance to the chain's first end, and to
+    its last.
+    """
+
+    where: NDArray[np.int32]
+    access: NDArray[np.float64]
+    price: NDArray[np.float64]
+
+
+class GateCosts(NamedTuple):
+    """``node`` and ``cost`` (2 m,) of the ways over a station's gates to both ends of their chains.
+
+    The cost is infinite where a way is too narrow.
+    """
+
+    node: NDArray[np.int32]
+    cost: NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)
@@ -26,7 +72,7 @@ def chain_costs(rho, gap, step, first, length, radius, weight):
     total = np.zeros(len(length))
     for c in range(len(length)):
         for i in range(first[c], first[c + 1] - 1):
-            near = max(gap[i], 1e-12)
+            near = max(gap[i], NEAREST)
             cost[i] = step[i] * (1.0 + weight * radius / near)
             total[c] += cost[i]
     return cost, total
@@ -85,20 +131,23 @@ def pop(keys, items, size):
 def pushed(keys, items, size, key, item):
     """Put an item into the heap, which grows where it is full; the heap."""
     if size == len(keys):
-        more, others = np.empty(2 * size + 8), np.empty(2 * size + 8, np.int32)
-        more[:size], others[:size] = keys, items
-        keys, items = more, others
+        keys, items = grown(keys, 2 * size + 8), grown(items, 2 * size + 8)
     push(keys, items, size, key, item)
     return keys, items
 
 
 @njit(cache=True, nogil=True)
-def costs_from(around, leaving, ends, cost, clearance, floor, s_node, s_cost, g_node, g_cost):
-    """What the cheapest way from the gates to every node costs (n,), inf where there is none.
+def costs_from(graph, floor, start, goal):
+    """What the cheapest way from the start's gates to every node costs (n,), inf where none leads.
 
-    Dijkstra. Where there are goal's gates the search ends at the first of them, and what lies
-    farther is said to cost as much as the farthest that was reached: no more than it does.
+    Dijkstra; ``start`` and ``goal`` are :class:`GateCosts`. Where there are goal's gates the
+    search ends at the first of them, and what lies farther is said to cost as much as the
+    farthest that was reached: no more than it does.
     """
+    around, leaving, cost = graph.around, graph.leaving, graph.total
+    ends, clearance = graph.chains.ends, graph.chains.clearance
+    s_node, s_cost = start
+    g_node, g_cost = goal
     n = len(around) - 1
     far = np.full(n, np.inf)
     keys = np.empty(n + 8)

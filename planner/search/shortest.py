@@ -71,13 +71,13 @@ def shortest_way(
         longest,
     )
     outcome, _, tangents, _ = tangent_kernels.shortest(
-        *borders.tree, discs, radius - 0.25 * spare, longest, BUDGET if budget is None else budget
+        borders.tree, discs, radius - 0.25 * spare, longest, BUDGET if budget is None else budget
     )
     if outcome != tangent_kernels.FOUND:
         return Shortest(None, outcome == tangent_kernels.NONE)
     for part in FINER:
         way = _polyline(discs, tangents, part * CHORD_RAD)
-        gap = box_tree_kernels.polyline_clearance(*borders.tree, way)[0]
+        gap = box_tree_kernels.polyline_clearance(borders.tree, way)[0]
         if gap >= radius - 0.5 * spare:
             return Shortest(way, certain=True)
     return Shortest(None, certain=False)

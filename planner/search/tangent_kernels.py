@@ -14,13 +14,22 @@ Rules and units
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from planner.borders.box_tree_kernels import segment_clearance
 from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, POINT, SEGMENT, TAU
+from planner.scene.primitive_kernels import (
+    ARC,
+    SEGMENT,
+    TAU,
+    grown,
+    has_ends,
+    is_round,
+)
 from planner.search.search_kernels import pop, push
 
 ANGLE = 1e-7
@@ -75,7 +84,7 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
     two = np.empty((2, 3))
     m = 0
     for i in range(k):
-        if kind[i] == SEGMENT or kind[i] == ARC:
+        if has_ends(kind[i]):
             _ends(kind, data, i, two)
             ends[m : m + 2] = two
             m += 2
@@ -88,7 +97,7 @@ def discs_around(kind, data, keep, joint, start, goal, longest):
             0.0,
             TAU,
         )
-        if kind[i] != POINT:
+        if is_round(kind[i]):
             out[n, 2] = data[i, 2] + keep
         if kind[i] == ARC:
             out[n, 3], out[n, 4] = data[i, 3], min(data[i, 4], TAU)
@@ -159,7 +168,6 @@ def _tangent(discs, i, si, j, sj, out):
 @njit(cache=True, nogil=True)
 def _reach(tree, discs, i, side, a, most, floor):
     """How far the way can go round disc i from direction a: an angle of at most ``most``."""
-    kind, data, order, large, boxes = tree
     cx, cy, r = discs[i, 0], discs[i, 1], discs[i, 2]
     if discs[i, 4] < TAU:
         last = discs[i, 3] + (discs[i, 4] if side > 0 else 0.0)
@@ -171,13 +179,13 @@ def _reach(tree, discs, i, side, a, most, floor):
         out = r / math.cos(0.5 * step)
         mx, my = cx + out * math.cos(0.5 * (b + e)), cy + out * math.sin(0.5 * (b + e))
         _, _, w1 = segment_clearance(
-            kind, data, order, large, boxes,
+            tree,
             cx + r * math.cos(b), cy + r * math.sin(b), mx, my, floor
         )  # fmt: skip
         w2 = -1
         if w1 < 0:
             _, _, w2 = segment_clearance(
-                kind, data, order, large, boxes,
+                tree,
                 mx, my, cx + r * math.cos(e), cy + r * math.sin(e), floor
             )  # fmt: skip
         if w1 < 0 and w2 < 0:
@@ -190,15 +198,102 @@ def _reach(tree, discs, i, side, a, most, floor):
     return gone
 
 
-@njit(cache=True, nogil=True)
-def _grown(array):
-    out = np.empty((2 * len(array), array.shape[1]), array.dtype)
-    out[: len(array)] = array
-    return out
+class Queue(NamedTuple):
+    """Tangents, the cheapest first.
+
+    ``item`` (i, 8), ``made`` of which are set: cost at the tangent's end; disc, side and angle met;
+    disc, side and angle left; the item before. ``keys`` and ``items`` (i,) are the heap, ``size``
+    of which are taken.
+    """
+
+    item: NDArray[np.float64]
+    keys: NDArray[np.float64]
+    items: NDArray[np.int32]
+    made: int
+    size: int
+
+
+@njit(**BORROWING, forceinline=True)
+def _is_worse(place, p, r, side, a, cost):
+    """Whether the way got to a direction of a disc of radius r sooner: by way of place p, or next.
+
+    A ``place`` (m, 4) is the angle, how far round the disc the way goes from there, the cost, and
+    the next place round the same disc and side, or -1.
+    """
+    while p >= 0:
+        turn = _turn(place[p, 0], a, side)
+        if turn <= place[p, 1] and place[p, 2] + r * turn <= cost * (1.0 + 1e-12):
+            return True
+        p = int(place[p, 3])
+    return False
 
 
 @njit(cache=True, nogil=True)
-def shortest(kind, data, order, large, boxes, discs, floor, longest, budget):
+def _queued(queue, discs, t, reach, longest):
+    """The queue with the tangents from where item t's ends, and the arc of ``reach`` behind it.
+
+    Only those whose ends' direct ways to the goal are shorter than ``longest``.
+    """
+    item, keys, items, made, size = queue
+    gx, gy = discs[GOAL, 0], discs[GOAL, 1]
+    cost, j, side, a = item[t, 0], int(item[t, 1]), int(item[t, 2]), item[t, 3]
+    r = discs[j, 2]
+    t3 = np.empty(3)
+    for m in range(1, len(discs)):
+        if m == j:
+            continue
+        for sm in (1, -1):
+            if (m == GOAL and sm < 0) or not _tangent(discs, j, side, m, sm, t3):
+                continue
+            turn = 0.0 if j == START else _turn(a, t3[1], side)
+            if turn > reach + ANGLE or not _exposed(discs, m, t3[2]):
+                continue
+            far = cost + r * turn + t3[0]
+            ex = discs[m, 0] + discs[m, 2] * math.cos(t3[2])
+            ey = discs[m, 1] + discs[m, 2] * math.sin(t3[2])
+            key = far + math.hypot(gx - ex, gy - ey)
+            if key >= longest:
+                continue
+            if made == len(item):
+                item = grown(item, 2 * made)
+                keys, items = grown(keys, 2 * made), grown(items, 2 * made)
+            item[made, 0], item[made, 1], item[made, 2], item[made, 3] = far, m, sm, t3[2]
+            item[made, 4], item[made, 5], item[made, 6], item[made, 7] = j, side, t3[1], t
+            push(keys, items, size, key, made)
+            made += 1
+            size += 1
+    return Queue(item, keys, items, made, size)
+
+
+@njit(cache=True, nogil=True)
+def _tangents_to(item, last):
+    """The tangents (n, 6) that lead to an item, in order."""
+    count, t = 0, last
+    while t > 0:
+        count += 1
+        t = int(item[t, 7])
+    way = np.empty((count, 6))
+    t = last
+    for c in range(count - 1, -1, -1):
+        way[c, 0], way[c, 1], way[c, 2] = item[t, 4], item[t, 5], item[t, 6]
+        way[c, 3], way[c, 4], way[c, 5] = item[t, 1], item[t, 2], item[t, 3]
+        t = int(item[t, 7])
+    return way
+
+
+@njit(**BORROWING, forceinline=True)
+def _first_nearer(tree, discs, item, t, floor):
+    """A primitive nearer than ``floor`` to the tangent of item t, or -1."""
+    i, b = int(item[t, 4]), item[t, 6]
+    j, a = int(item[t, 1]), item[t, 3]
+    x, y = discs[j, 0] + discs[j, 2] * math.cos(a), discs[j, 1] + discs[j, 2] * math.sin(a)
+    ox, oy = discs[i, 0] + discs[i, 2] * math.cos(b), discs[i, 1] + discs[i, 2] * math.sin(b)
+    _, _, hit = segment_clearance(tree, ox, oy, x, y, floor)
+    return hit
+
+
+@njit(cache=True, nogil=True)
+def shortest(tree, discs, floor, longest, budget):
     """The shortest way from disc 0 to disc 1 among those shorter than ``longest``.
 
     A* over tangents (the tangent graph of Liu and Arimoto 1992), made and proved as they are
@@ -207,53 +302,33 @@ def shortest(kind, data, order, large, boxes, discs, floor, longest, budget):
     ``budget`` tangents), the length, the tangents in order, each as disc and side left, angle
     left, disc and side met, angle met (n, 6), and the work done.
     """
-    tree = (kind, data, order, large, boxes)
-    n = len(discs)
+    n, room = len(discs), 1024
+    queue = Queue(np.empty((room, 8)), np.empty(room), np.empty(room, np.int32), 1, 1)
+    queue.item[0] = 0.0
+    queue.item[0, 1], queue.item[0, 2], queue.item[0, 7] = START, 1.0, -1.0
     gx, gy = discs[GOAL, 0], discs[GOAL, 1]
-    room = 1024
-    # per item: cost at its end; disc, side, angle met; disc, side, angle left; item before
-    item = np.empty((room, 8))
-    keys = np.empty((room, 1))
-    items = np.empty((room, 1), np.int32)
-    # per place reached: item's angle, reach, cost, next place round the same disc and side
-    place = np.empty((256, 4))
-    places = 0
+    queue.keys[0], queue.items[0] = math.hypot(gx - discs[START, 0], gy - discs[START, 1]), 0
+    # see _is_worse; the first place round each disc and side
+    place, places = np.empty((256, 4)), 0
     around = np.full(2 * n, -1, np.int32)
-    item[0] = 0.0
-    item[0, 1], item[0, 2], item[0, 7] = START, 1.0, -1.0
-    made, size = 1, 1
-    keys[0, 0], items[0, 0] = math.hypot(gx - discs[START, 0], gy - discs[START, 1]), 0
-    t3 = np.empty(3)
     outcome, last, length, work = NONE, -1, np.inf, 0
-    while size > 0:
+    while queue.size > 0:
         if work > budget:
             outcome = OUT_OF_BUDGET
             break
-        key, t = pop(keys[:, 0], items[:, 0], size)
-        size -= 1
+        key, t = pop(queue.keys, queue.items, queue.size)
+        queue = Queue(queue.item, queue.keys, queue.items, queue.made, queue.size - 1)
         if key >= longest:
             break
+        item = queue.item
         cost, j, side, a = item[t, 0], int(item[t, 1]), int(item[t, 2]), item[t, 3]
         r = discs[j, 2]
         slot = 2 * j + (1 if side > 0 else 0)
-        p = around[slot]
-        worse = False
-        while p >= 0 and not worse:
-            turn = _turn(place[p, 0], a, side)
-            worse = turn <= place[p, 1] and place[p, 2] + r * turn <= cost * (1.0 + 1e-12)
-            p = int(place[p, 3])
-        if worse:
+        if _is_worse(place, around[slot], r, side, a, cost):
             continue
-        x, y = discs[j, 0] + r * math.cos(a), discs[j, 1] + r * math.sin(a)
         if t > 0:
-            i, b = int(item[t, 4]), item[t, 6]
-            ox, oy = (
-                discs[i, 0] + discs[i, 2] * math.cos(b),
-                discs[i, 1] + discs[i, 2] * math.sin(b),
-            )
             work += CHECK
-            _, _, hit = segment_clearance(kind, data, order, large, boxes, ox, oy, x, y, floor)
-            if hit >= 0:
+            if _first_nearer(tree, discs, item, t, floor) >= 0:
                 continue
         if j == GOAL:
             outcome, last, length = FOUND, t, cost
@@ -266,46 +341,12 @@ def shortest(kind, data, order, large, boxes, discs, floor, longest, budget):
             reach = _reach(tree, discs, j, side, a, min(TAU, (longest - cost) / r), floor)
             work += CHECK * int(2.0 + 2.0 * reach / STEP_RAD)
         if places == len(place):
-            place = _grown(place)
+            place = grown(place, 2 * places)
         place[places, 0], place[places, 1], place[places, 2] = a, reach, cost
         place[places, 3] = around[slot]
         around[slot] = places
         places += 1
-        work += 2 * n
-        for m in range(1, n):
-            if m == j:
-                continue
-            for sm in (1, -1):
-                if m == GOAL and sm < 0:
-                    continue
-                if not _tangent(discs, j, side, m, sm, t3):
-                    continue
-                turn = 0.0 if j == START else _turn(a, t3[1], side)
-                if turn > reach + ANGLE or not _exposed(discs, m, t3[2]):
-                    continue
-                far = cost + r * turn + t3[0]
-                ex = discs[m, 0] + discs[m, 2] * math.cos(t3[2])
-                ey = discs[m, 1] + discs[m, 2] * math.sin(t3[2])
-                key = far + math.hypot(gx - ex, gy - ey)
-                if key >= longest:
-                    continue
-                work += ENTRY
-                if made == len(item):
-                    item = _grown(item)
-                    keys, items = _grown(keys), _grown(items)
-                item[made, 0], item[made, 1], item[made, 2], item[made, 3] = far, m, sm, t3[2]
-                item[made, 4], item[made, 5], item[made, 6], item[made, 7] = j, side, t3[1], t
-                push(keys[:, 0], items[:, 0], size, key, made)
-                made += 1
-                size += 1
-    count, t = 0, last
-    while t > 0:
-        count += 1
-        t = int(item[t, 7])
-    way = np.empty((count, 6))
-    t = last
-    for c in range(count - 1, -1, -1):
-        way[c, 0], way[c, 1], way[c, 2] = item[t, 4], item[t, 5], item[t, 6]
-        way[c, 3], way[c, 4], way[c, 5] = item[t, 1], item[t, 2], item[t, 3]
-        t = int(item[t, 7])
-    return outcome, length, way, work
+        made = queue.made
+        queue = _queued(queue, discs, t, reach, longest)
+        work += 2 * n + ENTRY * (queue.made - made)
+    return outcome, length, _tangents_to(queue.item, last), work

@@ -34,7 +34,7 @@ def test_a_line_is_blocked_exactly_where_some_primitive_is_nearer(seed: int) -> 
         least = _least(borders, a, b)
         for keep in (0.5 * least, least * (1 - 1e-9), least * (1 + 1e-9) + 1e-12, least + 7.0):
             guess = int(rng.integers(-1, borders.primitive_count))
-            met = clear_kernels.blocker(*borders.tree, *a, *b, keep, guess)
+            met = clear_kernels.blocker(borders.tree, *a, *b, keep, guess)
             assert (met >= 0) == (least < keep)
             if met >= 0:
                 away = primitive_kernels.segment_distance(borders.kind, borders.data, met, *a, *b)
@@ -47,9 +47,9 @@ def test_a_polyline_keeps_what_its_least_distance_is(name: str) -> None:
     rng = np.random.default_rng(5)
     for count in (1, 2, 3, 9):
         line = rng.uniform(0.0, 119.0, (count, 2))
-        least = box_tree_kernels.polyline_clearance(*borders.tree, line)[0]
-        assert clear_kernels.keeps(*borders.tree, line, least)
-        assert not clear_kernels.keeps(*borders.tree, line, least * (1 + 1e-9) + 1e-9)
+        least = box_tree_kernels.polyline_clearance(borders.tree, line)[0]
+        assert clear_kernels.keeps(borders.tree, line, least)
+        assert not clear_kernels.keeps(borders.tree, line, least * (1 + 1e-9) + 1e-9)
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -60,5 +60,5 @@ def test_spare_room_is_the_distance_as_far_as_it_matters(seed: int) -> None:
     points = rng.uniform(-20.0, 180.0, (100, 2))
     for (x, y), away in zip(points, slow_distance(scene, points), strict=True):
         for most in (0.0, 3.0, 50.0, np.inf):
-            found = clear_kernels.spare(*borders.tree, x, y, most)
+            found = clear_kernels.spare(borders.tree, x, y, most)
             assert found == pytest.approx(min(most, away), abs=1e-9)

@@ -128,5 +128,5 @@ def test_a_path_on_the_extension_of_a_wall_is_as_far_as_its_end(turned: bool) ->
         line = np.array([(end, end), (7.5, 7.5)])[:: -1 if turned else 1]
         want = min(math.hypot(end - 3.7, end - 3.7), 0.5)
         assert roadmap.path_clearance(line).distance == pytest.approx(want, abs=1e-12)
-        keeps = clear_kernels.keeps(*roadmap.borders.tree, np.ascontiguousarray(line), want - 1e-9)
+        keeps = clear_kernels.keeps(roadmap.borders.tree, np.ascontiguousarray(line), want - 1e-9)
         assert keeps

@@ -9,8 +9,8 @@ import pytest
 
 import planner
 from planner.borders.generators import Borders, gather_borders, place_generators
-from planner.diagram import bisector_kernels, chain_kernels, mesh, mesh_kernels
-from planner.diagram.chain_kernels import BULGE
+from planner.diagram import bend_kernels, bisector_kernels, mesh, mesh_kernels
+from planner.diagram.bend_kernels import BULGE
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray, primitive_kernels
 from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance
@@ -88,7 +88,7 @@ def test_following_a_bisector_keeps_the_flatness_asked_for(flatness: float) -> N
     borders, chains = roadmap.borders, roadmap.chains
     for i in _sample(roadmap, rng, 20):
         points, pairs = bisector_kernels.follow(
-            *borders.tree,
+            borders.tree,
             np.ascontiguousarray(chains.points[i : i + 2]),
             np.array([chains.pieces[i], (-1, -1)], np.int32),
             roadmap.radius,
@@ -139,11 +139,12 @@ def test_the_nearest_border_is_found_among_the_sites_around_a_place(
     places = rng.uniform((0.0, 0.0), (159.0, 119.0), (200, 2))
     want = slow_distance(scene, places)
     for (x, y), distance in zip(places, want, strict=True):
-        pieces = borders.kind, borders.data, borders.before, borders.after
-        got, which = mesh_kernels.nearest_piece(flat, *pieces, start, x, y, np.inf, half)
+        got, which = mesh_kernels.nearest_piece(flat, borders.corners, start, x, y, np.inf, half)
         assert which >= 0
         assert got == pytest.approx(distance, abs=1e-9)
-        _, none = mesh_kernels.nearest_piece(flat, *pieces, start, x, y, 0.999 * distance, half)
+        _, none = mesh_kernels.nearest_piece(
+            flat, borders.corners, start, x, y, 0.999 * distance, half
+        )
         assert none == -1
 
 
@@ -223,7 +224,7 @@ def test_a_place_that_slid_past_the_end_of_its_run_is_not_between() -> None:
     assert ux < 0.0
 
     def is_between(x: float, y: float) -> bool:
-        found = chain_kernels._is_between(kind, data, 0, 1, *a, ux, uy, x, y, *b, 1.41, 1e-9)
+        found = bend_kernels._is_between(kind, data, 0, 1, (*a, ux, uy), (x, y), b, 1.41, 1e-9)
         return bool(found)
 
     assert is_between(*m)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import planner
-from planner.diagram.chain_lines import edge_curve
+from planner.diagram.bisectors import edge_curve
 from planner.scene import CircleRecord
 from tests.support.scenes.planner_scenes import box, scene_of
 

@@ -12,7 +12,8 @@ import planner
 from planner.roadmap.roadmap import Roadmap
 from planner.route.route import OTHERS_WORK
 from planner.scene import FloatArray
-from planner.search.chain_search import Gates, Network, attach, cheapest_routes, routes, widest_gap
+from planner.search.chain_search import Network, attach, cheapest_routes, routes, widest_gap
+from planner.search.search_kernels import Gates
 from tests.support.scenes.planner_scenes import box, hand_made, random_scene, scene_of
 
 
@@ -31,7 +32,7 @@ def _graph(network: Network, start: Gates, goal: Gates, floor: float) -> nx.Mult
         if chains.clearance[c] >= floor:
             graph.add_edge(u, v, weight=float(network.total[c]))
     for name, gates in (("s", start), ("g", goal)):
-        for node, cost in zip(*gates.costs(network, floor), strict=True):
+        for node, cost in zip(*network.gate_costs(gates, floor), strict=True):
             if np.isfinite(cost):
                 graph.add_edge(name, int(node), weight=float(cost))
     return graph
@@ -107,7 +108,7 @@ def test_the_k_cheapest_routes_are_those_of_a_search_of_all(seed: int) -> None:
     network = Network.of(roadmap.chains, 2.0, 0.0)
     for a, b in _pairs(_stations(roadmap, rng)[:6]):
         start, goal = (attach(roadmap.borders, network, p, 2.0) for p in (a, b))
-        if len(start) > 1 or len(goal) > 1 or start.where[0, 0] == goal.where[0, 0]:
+        if len(start.where) > 1 or len(goal.where) > 1 or start.where[0, 0] == goal.where[0, 0]:
             continue
         graph = _graph(network, start, goal, 2.0)
         # a way that enters a chain's end and walks back past the station is no way of its own

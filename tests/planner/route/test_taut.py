@@ -72,7 +72,7 @@ def test_a_way_is_cut_as_the_rules_say(seed: int) -> None:
     need = roadmap.radius
     for way in ways:
         for wish in (need, 1.5 * need, 3.0 * need):
-            cut = taut_kernels.cut_short(*roadmap.borders.tree, way, need, wish, ROUNDING)
+            cut = taut_kernels.cut_short(roadmap.borders.tree, way, need, wish, ROUNDING)
             assert cut == pytest.approx(_cut(roadmap, scene, way, need, wish), abs=0.0)
             assert roadmap.path_clearance(cut).distance >= need - ROUNDING
 
@@ -84,11 +84,11 @@ def test_a_way_costs_what_the_rules_say(seed: int) -> None:
     for way in ways:
         for weight in (0.0, 1.0, 4.0):
             price = _price(scene, way, need, weight)
-            judged = taut_kernels.judge(*tree, way, need, weight, np.inf)
+            judged = taut_kernels.judge(tree, way, need, weight, np.inf)
             assert judged == pytest.approx(price, rel=1e-9)
             above, below = price * (1 + 1e-6) + 1e-9, price * (1 - 1e-6)
-            assert taut_kernels.judge(*tree, way, need, weight, above) == judged
-            assert taut_kernels.judge(*tree, way, need, weight, below) == np.inf
+            assert taut_kernels.judge(tree, way, need, weight, above) == judged
+            assert taut_kernels.judge(tree, way, need, weight, below) == np.inf
 
 
 @pytest.mark.parametrize("seed", range(16))
@@ -100,7 +100,7 @@ def test_the_best_cut_is_the_cheapest_of_all_cuts(seed: int) -> None:
         pytest.skip("no way in this scene")
     first = np.cumsum([0, *(len(way) for way in ways)], dtype=np.int32)
     best = taut_kernels.best_cut(
-        *roadmap.borders.tree, np.concatenate(ways), first, need, wish, weight, ROUNDING
+        roadmap.borders.tree, np.concatenate(ways), first, need, wish, weight, ROUNDING
     )
     cuts = [_cut(roadmap, scene, way, need, wish) for way in ways]
     prices = [_price(scene, cut, need, weight) for cut in cuts]
@@ -118,6 +118,6 @@ def test_cutting_a_way_twice_never_makes_it_longer(seed: int) -> None:
     for way in ways:
         lengths = [np.hypot(*np.diff(way, axis=0).T).sum()]
         for _ in range(3):
-            way = taut_kernels.cut_short(*roadmap.borders.tree, way, need, need, ROUNDING)
+            way = taut_kernels.cut_short(roadmap.borders.tree, way, need, need, ROUNDING)
             lengths.append(np.hypot(*np.diff(way, axis=0).T).sum())
         assert all(b <= a * (1 + 1e-12) for a, b in pairwise(lengths))

@@ -1,0 +1,383 @@
+"""How one run of a chain is bent onto its bisector: halved until its links are short and straight.
+
+Rules and units
+- A run leads from one station of a chain to the next along the bisector of one pair of pieces, see
+  :mod:`planner.diagram.chain_kernels`. Its links are sampled ones; what is written are places.
+- Places within a run are put in where the straight line would bulge or be too long. They are
+  slid onto the bisector from the sampled vertices that the run passes, and each proves itself
+  by its own empty circle. Where one does not slide, as at a hairpin's turn, and the run is wide
+  on both sides of it, it stays as sampled, unproved: a chord would not be as narrow as the turn.
+- Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
+"""
+
+# The arrays' types are in the docstrings; numba infers them.
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from planner.diagram.bisector_kernels import heading, narrowest, slide_between
+from planner.diagram.mesh_kernels import nearest_piece
+from planner.scene.compile_options import BORROWING
+from planner.scene.primitive_kernels import POINT, SEGMENT, distance, foot, point_to_segment
+
+BULGE = 0.1
+"""How far a link may leave its bisector, in half spacings (5 % of the spacing)."""
+LONG = 1.0
+"""A link's length in parts of the clearance at its start, where that is more than a spacing."""
+HALVINGS = 30
+"""How often a run is halved at most."""
+HALF_AT_MOST = 0.75
+"""A half of a line's part of it, at most: what slides elsewhere is another branch's."""
+
+
+class Places(NamedTuple):
+    """The chains' points, as in :class:`planner.diagram.diagram_arrays.Bent`, and what is known.
+
+    ``sure`` (p,): the point's circle is empty; ``ahead`` (p,): the link to the next point follows
+    the bisector. There is room for p points.
+    """
+
+    points: NDArray[np.float64]
+    pieces: NDArray[np.int32]
+    proved: NDArray[np.bool_]
+    start: NDArray[np.int32]
+    sure: NDArray[np.bool_]
+    ahead: NDArray[np.bool_]
+
+
+class MissingSites(NamedTuple):
+    """Sites that are missing around circles that were not empty.
+
+    ``place`` (m, 2), the piece ``label`` (m,) that each is on, and a triangle ``where`` (m,) it is.
+    """
+
+    place: NDArray[np.float64]
+    label: NDArray[np.int32]
+    where: NDArray[np.int64]
+
+
+class Stations(NamedTuple):
+    """A chain's stations.
+
+    ``place`` (s, 4): x, y, clearance and state; ``bits``: the same as integers; ``sides`` (s, 2):
+    the pieces left and right of the run that follows; ``run`` (s, 2): its first link and the one
+    behind its last.
+    """
+
+    place: NDArray[np.float64]
+    bits: NDArray[np.int64]
+    sides: NDArray[np.int32]
+    run: NDArray[np.int64]
+
+
+class Stack(NamedTuple):
+    """Places ahead in a run, the nearest last.
+
+    ``place`` (d, 2), the sampled ``link`` (d,) there, ``bare``: no sampled vertices lead there, and
+    ``rough``: it stayed as sampled.
+    """
+
+    place: NDArray[np.float64]
+    link: NDArray[np.int64]
+    bare: NDArray[np.bool_]
+    rough: NDArray[np.bool_]
+
+
+class BendRoom(NamedTuple):
+    """Where chains are bent into, and what is needed for it meanwhile."""
+
+    out: Places
+    missing: MissingSites
+    stations: Stations
+    stack: Stack
+
+
+class Run(NamedTuple):
+    """The pieces that a run is between, and whether their bisector is a line."""
+
+    left: int
+    right: int
+    is_straight: bool
+
+
+class Link(NamedTuple):
+    """A straight line from place a to place b of a run, u the bisector's direction at a.
+
+    ``first`` and ``last`` are the sampled links at a and b, ``span`` is the line's length. It may
+    be long, and wide at both ends.
+    """
+
+    ax: float
+    ay: float
+    ux: float
+    uy: float
+    bx: float
+    by: float
+    first: int
+    last: int
+    span: float
+    is_long: bool
+    is_wide: bool
+
+
+@njit(**BORROWING, error_model="numpy")
+def _is_between(kind, data, left, right, a, m, b, half, tolerance):
+    """Whether m lies ahead of a, where u is ahead, and before b, as far as that can be told.
+
+    ``a`` is x, y and the direction u there, ``m`` and ``b`` are x and y.
+    """
+    ax, ay, ux, uy = a
+    mx, my = m
+    bx, by = b
+    near = 16.0 * half * half
+    # a ring that begins and ends at a or near it returns there: what is far is not judged
+    span = 9.0 * ((bx - ax) ** 2 + (by - ay) ** 2)
+    tx, ty, _ = heading(kind, data, left, right, mx, my)
+    dx, dy = mx - ax, my - ay
+    square, ahead = dx * dx + dy * dy, dx * ux + dy * uy > tolerance
+    # farther away only what runs as a does is behind it
+    if not ahead and (square <= near or (square < span and tx * ux + ty * uy > 0.0)):
+        return False
+    dx, dy = bx - mx, by - my
+    square, ahead = dx * dx + dy * dy, dx * tx + dy * ty > tolerance
+    if ahead or square > max(near, span):
+        return True
+    vx, vy, _ = heading(kind, data, left, right, bx, by)
+    return square > near and tx * vx + ty * vy <= 0.0
+
+
+@njit(**BORROWING, error_model="numpy")
+def _across(kind, data, left, right, x, y):
+    """A place and a direction of the line that the two pieces are nearest along, as seen there.
+
+    Through the centres of two round pieces or points, or through one and square to a segment;
+    no direction between two segments, whose bisector is nowhere narrower than at its ends.
+    """
+    if kind[left] == SEGMENT and kind[right] == SEGMENT:
+        return x, y, 0.0, 0.0
+    if kind[left] == SEGMENT:
+        left, right = right, left
+    px, py = data[left, 0], data[left, 1]
+    if kind[right] == SEGMENT:
+        return px, py, data[right, 1] - data[right, 3], data[right, 2] - data[right, 0]
+    return px, py, data[right, 0] - px, data[right, 1] - py
+
+
+@njit(**BORROWING, error_model="numpy")
+def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
+    """The narrowest place of the bisector between a and b, if inside: x, y, found.
+
+    There the feet lie opposite each other: on the line across both pieces, halfway.
+    """
+    mx, my = 0.5 * (ax + bx), 0.5 * (ay + by)
+    reach = (bx - ax) ** 2 + (by - ay) ** 2
+    px, py, ux, uy = _across(kind, data, left, right, mx, my)
+    square = ux * ux + uy * uy
+    if square > 0.0:
+        along = ((mx - px) * ux + (my - py) * uy) / square
+        qx, qy = px + along * ux, py + along * uy
+        lx, ly = foot(kind, data, left, qx, qy)
+        rx, ry = foot(kind, data, right, qx, qy)
+        x, y = 0.5 * (lx + rx), 0.5 * (ly + ry)
+        if (x - mx) ** 2 + (y - my) ** 2 <= reach:
+            gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
+            _, _, slope = heading(kind, data, left, right, x, y)
+            if abs(gap) <= tolerance and abs(slope) < 1e-9:
+                return x, y, True
+    x, y, found = narrowest(kind, data, left, right, ax, ay, bx, by, tolerance)
+    return x, y, found and (x - mx) ** 2 + (y - my) ** 2 <= reach
+
+
+@njit(**BORROWING, error_model="numpy")
+def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
+    """Whether a place is as near to both pieces as to anything."""
+    return (
+        abs(distance(kind, data, left, x, y) - rho) <= 4.0 * tolerance
+        and abs(distance(kind, data, right, x, y) - rho) <= 4.0 * tolerance
+    )
+
+
+@njit(**BORROWING, error_model="numpy")
+def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
+    """Whether the middle of a straight bisector's link is as near to both of its pieces.
+
+    It is not where the link passes the end of one of them.
+    """
+    x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
+    gap = distance(kind, data, left, x, y) - distance(kind, data, right, x, y)
+    return abs(gap) <= 4.0 * tolerance
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _halve(pieces, at, link, tolerances, run, line, stack, top):
+    """Where a link is to be halved, and whether it has to be.
+
+    From the sampled vertex in the middle of the run, then from that of the line. Returns split,
+    astray, as_sampled, x, y and the sampled link there. What ought to be halved and cannot be is
+    ``astray``: a chord, not the bisector.
+    """
+    half, tolerance, bare = tolerances.half, tolerances.equal, stack.bare
+    kind, data, left, right = pieces.kind, pieces.data, run.left, run.right
+    a, b = (line.ax, line.ay, line.ux, line.uy), (line.bx, line.by)
+    ax, ay, bx, by = line.ax, line.ay, line.bx, line.by
+    is_sampled = line.last - line.first >= 2
+    middle = (line.first + line.last) // 2
+    split, astray, as_sampled = False, line.is_long, False
+    q, x, y = line.first, ax, ay
+    for guess in range(2 if line.is_long or not run.is_straight else 0):
+        q = line.first
+        x, y = 0.5 * (ax + bx), 0.5 * (ay + by)
+        if guess == 0 and is_sampled and not bare[top - 1]:
+            q = middle
+            x, y = at[link[q] >> 3, 0], at[link[q] >> 3, 1]
+        elif guess == 0 or line.span <= half:
+            continue
+        px, py = x, y
+        x, y, split = slide_between(kind, data, left, right, x, y, tolerance)
+        if guess == 0 and (x - px) ** 2 + (y - py) ** 2 > 16.0 * half * half:
+            # at a hairpin's turn: what it slid to is before or behind it
+            split, astray = False, True
+            if line.is_wide:
+                break
+            continue
+        slid = split
+        if split and not line.is_long:
+            bulge, _ = point_to_segment(x, y, ax, ay, bx, by)
+            split = bulge > BULGE * half
+        wanted = split
+        split = split and _is_between(kind, data, left, right, a, (x, y), b, half, tolerance)
+        if guess == 1:
+            reach = HALF_AT_MOST * HALF_AT_MOST * line.span * line.span
+            split = split and (x - ax) ** 2 + (y - ay) ** 2 <= reach
+            split = split and (bx - x) ** 2 + (by - y) ** 2 <= reach
+            astray = line.is_long or wanted or not slid
+        if split:
+            # sampled vertices are in order among themselves only
+            bare[top] = guess == 1
+            bare[top - 1] |= guess == 1
+            break
+    if astray and not split and line.is_wide and is_sampled and not bare[top - 1]:
+        # the way round may be narrow where the chord is not: it goes as sampled
+        q = middle
+        x, y, split, as_sampled = at[link[q] >> 3, 0], at[link[q] >> 3, 1], True, True
+        bare[top] = False
+    return split, astray, as_sampled, x, y, q
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts):
+    """Write a place of a run and, where its circle is not empty, the sites that are missing.
+
+    ``near`` is a triangle near it; ``counts`` are the points and the missing sites before. Returns
+    them as they are then, the latter -1 where they found no room.
+    """
+    n, missing = counts
+    out, extra = room.out, room.missing
+    kind, data, left, right = pieces.kind, pieces.data, run.left, run.right
+    r = distance(kind, data, left, x, y)
+    if is_rough:
+        r = min(r, distance(kind, data, right, x, y))
+    d, which = nearest_piece(
+        mesh, pieces, near, x, y, r - 4.0 * tolerances.equal, tolerances.half, left, right, -1
+    )
+    if which >= 0 and d >= tolerances.relevant:
+        if missing + 3 >= len(extra.place):
+            return n, -1
+        k = len(kind) - len(pieces.before)
+        for side in range(3):
+            lab = which if side == 2 else np.int64(right if side == 1 else left)
+            if lab < k:
+                fx, fy = foot(kind, data, lab, x, y)
+                extra.place[missing, 0], extra.place[missing, 1] = fx, fy
+                extra.label[missing], extra.where[missing] = lab, near
+                missing += 1
+    out.points[n, 0], out.points[n, 1], out.points[n, 2] = x, y, d if which >= 0 else r
+    out.sure[n] = which < 0 and not is_rough
+    out.pieces[n, 0], out.pieces[n, 1] = left, right
+    return n + 1, missing
+
+
+@njit(**BORROWING, error_model="numpy", forceinline=True)
+def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
+    """Write the places of the run after station s, without those of the stations themselves.
+
+    ``end`` is the link behind the chain's last; ``counts`` are how many points and missing sites
+    there are. Returns them as they are then, -1 for those that found no room.
+    """
+    n, missing = counts
+    kind, data = pieces.kind, pieces.data
+    half, relevant, tolerance = tolerances
+    out, stack, place = room.out, room.stack, room.stations.place
+    left, right = room.stations.sides[s, 0], room.stations.sides[s, 1]
+    straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
+    run = Run(left, right, straight)
+    # halve the run where the line bulges or is long
+    q_a, begin = room.stations.run[s, 0], n - 1
+    stack.place[0, 0], stack.place[0, 1] = place[s + 1, 0], place[s + 1, 1]
+    stack.link[0], stack.bare[0], stack.rough[0] = room.stations.run[s, 1], False, False
+    top = 1
+    ax, ay = place[s, 0], place[s, 1]
+    bx, by = ax, ay
+    ux, uy, falls = heading(kind, data, left, right, ax, ay)
+    while top > 0:
+        bx, by, q_b = stack.place[top - 1, 0], stack.place[top - 1, 1], stack.link[top - 1]
+        dx, dy = bx - ax, by - ay
+        span = math.sqrt(dx * dx + dy * dy)
+        wide = out.points[n - 1, 2]
+        is_long = span > max(2.0 * half, LONG * wide)
+        is_wide = min(wide, distance(kind, data, left, bx, by)) >= relevant
+        line = Link(ax, ay, ux, uy, bx, by, q_a, q_b, span, is_long, is_wide)
+        split, astray, as_sampled, mx, my, q_m = _halve(
+            pieces, triangles.at, link, tolerances, run, line, stack, top
+        )
+        if split and top <= HALVINGS:
+            stack.place[top, 0], stack.place[top, 1], stack.link[top] = mx, my, q_m
+            stack.rough[top] = as_sampled
+            top += 1
+            continue
+        # the link from a to b is short and straight enough
+        top -= 1
+        near = link[q_b if q_b < end else q_a] & ~7
+        out.pieces[n - 1, 0], out.pieces[n - 1, 1] = left, right
+        if n >= len(out.points) - 2:
+            return -1, missing
+        vx, vy, grows = heading(kind, data, left, right, bx, by)
+        whole = not (split or astray)
+        if straight and not is_long:
+            whole = _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance)
+        # nor is a line that leaves or arrives against the bisector's way
+        whole &= dx * ux + dy * uy >= -tolerance and dx * vx + dy * vy >= -tolerance
+        out.ahead[n - 1] = whole
+        if falls < -1e-9 and grows > 1e-9:
+            x, y, found = _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance)
+            if found:
+                n, missing = _add_place(
+                    mesh, pieces, tolerances, room, run, near, x, y, False, (n, missing)
+                )
+                if missing < 0:
+                    return n, missing
+                out.ahead[n - 1] = whole
+            else:
+                out.ahead[n - 1] = False
+        if top > 0:
+            n, missing = _add_place(
+                mesh, pieces, tolerances, room, run, near, bx, by, stack.rough[top], (n, missing)
+            )
+            if missing < 0:
+                return n, missing
+            out.ahead[n - 1] = True
+        ax, ay, q_a = bx, by, q_b
+        ux, uy, falls = vx, vy, grows
+    # the places between were slid onto the bisector; the run's ends may be off it
+    out.ahead[begin] &= _is_on_bisector(
+        kind, data, left, right, place[s, 0], place[s, 1], place[s, 2], tolerance
+    )
+    out.ahead[n - 1] &= _is_on_bisector(kind, data, left, right, bx, by, place[s + 1, 2], tolerance)
+    return n, missing
