@@ -16,7 +16,6 @@ import random
 from collections import deque
 from typing import Final
 
-from firmware_protocol.host.clock_sync import ClockEstimate
 from firmware_protocol.host.counters import HostCounters
 from firmware_protocol.host.events import (
     EstopConfirmed,
@@ -27,7 +26,8 @@ from firmware_protocol.host.events import (
     StrayHello,
 )
 from firmware_protocol.host.freshest import lease_of
-from firmware_protocol.host.line_diagnosis import TAKEN_OVER, why_refused, why_silent
+from firmware_protocol.host.line.clock_sync import ClockEstimate
+from firmware_protocol.host.line.diagnosis import TAKEN_OVER, why_refused, why_silent
 from firmware_protocol.host.outgoing import Outgoing
 from firmware_protocol.host.sessions import HostSessions
 from firmware_protocol.host.state import LinkEvent, LinkState, state_after

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from firmware_protocol.host.clock_sync import ClockEstimate
+from firmware_protocol.host.line.clock_sync import ClockEstimate
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix
 
 ERROR_MAX_S: Final = 0.05

@@ -14,7 +14,7 @@ from typing import Final
 from firmware_protocol.host.commands import Commands
 from firmware_protocol.host.counters import HostCounters
 from firmware_protocol.host.freshest import Freshest
-from firmware_protocol.host.line_pace import LinePace
+from firmware_protocol.host.line.pace import LinePace
 from firmware_protocol.host.robot_clock import RobotClock
 from firmware_protocol.host.sessions import HostSessions
 from firmware_protocol.host.state import LinkState

@@ -6,10 +6,10 @@ monotonic clock.
 
 from __future__ import annotations
 
-from firmware_protocol.host.clock_sync import ClockEstimate
 from firmware_protocol.host.freshest import ERROR_MAX_S
-from firmware_protocol.host.line_pace import LinePace
-from firmware_protocol.host.sync_schedule import SyncSchedule
+from firmware_protocol.host.line.clock_sync import ClockEstimate
+from firmware_protocol.host.line.pace import LinePace
+from firmware_protocol.host.line.sync_schedule import SyncSchedule
 from firmware_protocol.wire.framing import wire_bytes
 from firmware_protocol.wire.messages import Status, TimeSync, TimeSyncReply
 

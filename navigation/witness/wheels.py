@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from firmware_protocol.host.clock_sync import WRAP_US
+from firmware_protocol.host.line.clock_sync import WRAP_US
 from firmware_protocol.wire.messages import Status
 from planner.scene import FloatArray
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.host.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.host.events import LinkChanged, StrayHello
 from firmware_protocol.host.freshest import ERROR_MAX_S, Freshest
+from firmware_protocol.host.line.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.host.state import LinkState
 from firmware_protocol.wire.framing import Frame, Sender, encode_frame
 from firmware_protocol.wire.messages import (

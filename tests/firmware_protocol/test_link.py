@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_protocol.host.clock_sync import WRAP_US, ClockEstimate
+from firmware_protocol.host.line.clock_sync import WRAP_US, ClockEstimate
 from firmware_protocol.wire.link import (
     RTO_MAX_S,
     RTO_MIN_S,

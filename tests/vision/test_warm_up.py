@@ -11,7 +11,7 @@ import pytest
 COUNT = """
 import sys
 from vision.binarise import binarise_kernels as b, dot_kernels as d, smoothing_kernels as c
-from vision.binarise import edge_evidence_kernels as s
+from vision.binarise.regions import edge_evidence_kernels as s
 from vision.binarise.binarise import warm_up
 warm_up(sys.argv[1])
 kernels = (b.sampled_histogram, b.noise_sigma, b.split_histogram, b.steepest_level,

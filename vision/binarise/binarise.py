@@ -24,8 +24,6 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
 from vision.binarise.binary import Binary, black_and_white
-from vision.binarise.edge_evidence import Support, follows_edges, leaves_out
-from vision.binarise.faint_regions import Judged, without_faint
 from vision.binarise.grey import as_array, as_grey, scaled_threshold
 from vision.binarise.grey_classes import (
     LEAST_CONTRAST,
@@ -39,7 +37,9 @@ from vision.binarise.grey_classes import (
 from vision.binarise.grey_picture import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
 from vision.binarise.light import light_surface
 from vision.binarise.methods import METHODS, POLARITIES, Method, Polarity
-from vision.binarise.missed_obstacles import with_left_out
+from vision.binarise.regions.edge_evidence import Support, follows_edges, leaves_out
+from vision.binarise.regions.faint_regions import Judged, without_faint
+from vision.binarise.regions.missed_obstacles import with_left_out
 from vision.errors import PictureError
 from vision.shared.scratch import Room
 

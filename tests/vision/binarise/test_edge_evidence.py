@@ -7,9 +7,9 @@ import pytest
 
 from planner.scene import CircleRecord
 from tests.support.drawn.render import draw
-from vision.binarise.edge_evidence import Support, follows_edges
 from vision.binarise.grey_classes import classes_of
 from vision.binarise.grey_picture import Look
+from vision.binarise.regions.edge_evidence import Support, follows_edges
 
 SIZE = (320, 240)
 DISCS = [CircleRecord((60.0 + 100 * i, 70.0 + 90 * j), 25.0) for i in range(3) for j in range(2)]

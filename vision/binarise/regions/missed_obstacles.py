@@ -20,9 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise.binary import Binary
-from vision.binarise.edge_evidence import Support
-from vision.binarise.edge_evidence_kernels import REACH
-from vision.binarise.faint_regions import Judged, regions_of, stand_out
+from vision.binarise.regions.edge_evidence import Support
+from vision.binarise.regions.edge_evidence_kernels import REACH
+from vision.binarise.regions.faint_regions import Judged, regions_of, stand_out
 
 LEAST_SHARE = 0.1
 """Share of the light that the step across a border has at least: 180 on 215 has 0.11."""

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise.binary import Binary
-from vision.binarise.edge_evidence_kernels import REACH, steps_of_regions
+from vision.binarise.regions.edge_evidence_kernels import REACH, steps_of_regions
 
 FAINT = 0.4
 """What a border has to have of the share that most of them have."""

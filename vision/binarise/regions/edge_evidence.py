@@ -18,7 +18,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.edge_evidence_kernels import (
+from vision.binarise.grey_classes import LEAST_CONTRAST, Classes
+from vision.binarise.grey_picture import Look, calming_of
+from vision.binarise.regions.edge_evidence_kernels import (
     REACH,
     SAMPLED_PAIRS,
     steps_across_level,
@@ -27,8 +29,6 @@ from vision.binarise.edge_evidence_kernels import (
     support_of_mask,
     typical_step,
 )
-from vision.binarise.grey_classes import LEAST_CONTRAST, Classes
-from vision.binarise.grey_picture import Look, calming_of
 
 FIRST_PAIRS = 16384
 """Pairs of pixels that are looked at first; more where few of them lie across the level."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from firmware_protocol.host.clock_sync import WRAP_US
+from firmware_protocol.host.line.clock_sync import WRAP_US
 from firmware_protocol.wire.messages import TimeSync
 
 FAST_S: Final = 0.1
