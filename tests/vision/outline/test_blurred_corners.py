@@ -10,9 +10,10 @@ import pytest
 from planner.scene import PolygonRecord
 from tests.support.render import Points, draw, polygon
 from vision import extract
-from vision.outline.corners.dropped_side_kernels import sharpen
-from vision.outline.corners.joint_kernels import edge_end
+from vision.outline.corners.dropped_side_kernels import drop_side
+from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import fit_line
+from vision.outline.outline_types import BorderPoints, Costs, Outline
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
@@ -76,10 +77,17 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
             fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, shape[e])
             joints[e] = px[breaks[e]], py[breaks[e]]
         is_arc, is_fillet = np.zeros(edges, np.bool_), np.zeros(edges, np.bool_)
-        left, changed = sharpen(
-            px, py, n, breaks, is_arc, edges, shape, joints, 1.0, 0.2, 0.3, 2.0, 0.0, 30.0,
-            is_fillet, np.empty(7),
-        )  # fmt: skip
+        ranges, fresh = np.zeros((edges, 2), np.int64), np.zeros((edges, 2), np.bool_)
+        outline = Outline(breaks, is_arc, is_fillet, shape, joints, ranges, fresh)
+        left, changed = drop_side(
+            BorderPoints(px, py, n),
+            outline,
+            edges,
+            1.0,
+            Costs(False, 0.2, 0.3, 2.0, 0.0),
+            30.0,
+            np.empty(7),
+        )
         assert changed
         assert left == edges - 1
         assert (np.diff(breaks[:left]) > 0).all()
