@@ -51,13 +51,11 @@ from vision.outline.outline_types import (
     Costs,
     Cracks,
     FinishedEdges,
-    Outline,
     Prices,
-    Review,
-    Work,
 )
 from vision.outline.partition_kernels import partition
 from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write_circle
+from vision.outline.work_kernels import make_work
 
 FEWEST = 10
 """Points of the smallest border that is fitted."""
@@ -107,7 +105,7 @@ def fit_borders(points, point_starts, areas, owners, crack_pixels, tolerance, pr
     pixels = np.zeros(borders, np.int64)
     allow_losses(point_starts, areas, owners, pixels, budgets)
     limits = limits_of(tolerance, exact)
-    work = _make_work(longest, exact)
+    work = make_work(longest, exact)
     room = max(points.shape[0], crack_pixels.x.shape[0]) + borders
     border_kind = np.empty(borders, np.int8)
     edge_starts = np.empty(borders + 1, np.int64)
@@ -131,7 +129,7 @@ def fit_borders(points, point_starts, areas, owners, crack_pixels, tolerance, pr
                 crack_pixels.x[these], crack_pixels.y[these], crack_pixels.direction[these], cracks
             )
             place = bring_cracks_along(border, cracks, place)
-        finished = FinishedEdges(kind[count:], data[count:], work.trial.at)
+        finished = FinishedEdges(kind[count:], data[count:], work.at)
         border_kind[b], edges = _fit_border(
             border, cracks, place, budgets[b], pixels[b] >= HELD_AREA, tolerance, limits, prices,
             work, finished,
@@ -150,47 +148,7 @@ def _longest(starts):
     return longest
 
 
-@njit(cache=True, nogil=True)
-def _make_work(longest, exact):
-    """Memory to fit borders of up to ``longest`` points and cracks."""
-    most = longest + 1
-    twice = 2 * most if exact else 1
-    return Work(
-        BorderPoints(np.empty(2 * most, np.float64), np.empty(2 * most, np.float64), longest),
-        Cracks(
-            np.empty(twice, np.float64),
-            np.empty(twice, np.float64),
-            np.empty(twice, np.float64),
-            np.empty(twice, np.float64),
-            longest,
-        ),
-        np.empty(most, np.int64),
-        Outline(
-            np.empty(most, np.int64),
-            np.empty(most, np.bool_),
-            np.empty(most, np.bool_),
-            np.empty((most, 5), np.float64),
-            np.empty((most, 2), np.float64),
-            np.empty((most, 2), np.int64),
-            np.empty((most, 2), np.bool_),
-        ),
-        FinishedEdges(
-            np.empty(most, np.int8), np.empty((most, 6), np.float64), np.empty(most, np.int64)
-        ),
-        Review(np.empty(most, np.bool_), np.empty(most, np.float64), np.empty(most, np.bool_)),
-        np.empty(most, np.int64),
-        np.empty(most, np.int64),
-        np.empty(most, np.bool_),
-        np.empty(most, np.bool_),
-        np.empty(most, np.bool_),
-        np.empty((2, most + 1), np.float64),
-        np.empty((2 * most, 6), np.float64),
-        np.empty(3, np.float64),
-        np.empty(3, np.float64),
-    )
-
-
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def _fit_border(
     border, cracks, place, budget, held, tolerance, limits, prices, work, finished
 ):  # fmt: skip
@@ -227,13 +185,13 @@ def _fit_border(
         edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
-    if edges < 3 and not finished.kind[:edges].any():
+    if edges < 3 and not _any(finished.kind, edges):
         # two lines enclose nothing: so small a border is its pixels' outline
         return TINY, NONE
     return POLYGON, edges
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
     """Break a border into edges, and once more where they do not cover it.
 
@@ -260,7 +218,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         if round_cost <= cost:
             return 0, False
         edges = _join_edges(border, edges, tolerance, limits, costs, prices, paid, work)
-        if cracks.n > 0 and not outline.is_arc[:edges].any():
+        if cracks.n > 0 and not _any(outline.is_arc, edges):
             # what straight sides lose they lose at their corners, which the last check sees
             break
         if crisp:
@@ -285,48 +243,51 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     return edges, sound
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def _join_edges(border, edges, tolerance, limits, costs, prices, paid, work):
     """Fit the edges that a search found and join them; with grey, see to walls' ends and corners.
 
     ``paid``: the prices in the search. Returns the number of edges.
     """
     outline = work.outline
-    fit_and_join(border, outline, edges, limits, work.near)
+    fit_and_join(border, outline, edges, limits, work.near, work.spare)
     if limits.crisp:
         return edges
-    edges, cut = cut_ends(border, outline, edges, tolerance.blur_px, limits.guard, work.is_end)
+    edges, cut = cut_ends(
+        border, outline, edges, tolerance.blur_px, limits.guard, work.is_end, work.corner_room
+    )
     if cut:
-        fit_and_join(border, outline, edges, limits, work.near)
+        fit_and_join(border, outline, edges, limits, work.near, work.spare)
         square_ends(outline, edges, work.is_end)
-    return _settle_corners(border, outline, edges, limits, costs, prices, paid, work.near)
+    return _settle_corners(border, outline, edges, limits, costs, prices, paid, work)
 
 
-@njit(cache=True, nogil=True)
-def _settle_corners(border, outline, edges, limits, costs, prices, paid, near):
+@njit(**LEAF)
+def _settle_corners(border, outline, edges, limits, costs, prices, paid, work):
     """Put fillets where sharp corners do not fit, and fit again; returns the number of edges.
 
     What is one line then, at the prices that were ``paid`` in the search, is made one first.
     """
     blur = limits.corner_blur
-    outline.is_fillet[:edges] = False
-    corner = np.empty(7, np.float64)
+    room = work.corner_room
+    for e in range(edges):
+        outline.is_fillet[e] = False
     searched = 0
     while True:
-        edges, changed = merge_lines(border, outline, edges, costs, paid, corner)
+        edges, changed = merge_lines(border, outline, edges, costs, paid, room.corner)
         if not changed:
-            edges, changed = drop_side(border, outline, edges, blur, costs, prices.line, corner)
+            edges, changed = drop_side(border, outline, edges, blur, costs, prices.line, room)
         if not changed and searched < ROUNDS:
             searched += 1
-            edges, changed = insert_fillets(border, outline, edges, blur, costs, prices)
+            edges, changed = insert_fillets(border, outline, edges, blur, costs, prices, room)
         if not changed:
             break
-        fit_and_join(border, outline, edges, limits, near)
-        touch_lines(border, outline, edges, blur, costs, corner)
+        fit_and_join(border, outline, edges, limits, work.near, work.spare)
+        touch_lines(border, outline, edges, blur, costs, room.corner)
     return edges
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def _finish_drawn(border, cracks, edges, budget, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number."""
     outline = work.outline
@@ -336,7 +297,15 @@ def _finish_drawn(border, cracks, edges, budget, work, finished):
     for e in range(edges):
         finished.at[e] = work.crack_of[outline.breaks[e]]
     count = separate_by_chords(
-        cracks, finished, edges, budget - SURE, work.state, work.inside, work.seeds
+        cracks,
+        finished,
+        edges,
+        budget - SURE,
+        work.state,
+        work.inside,
+        work.seeds,
+        work.trial,
+        work.ends,
     )
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)
     if outline_strays(middles, finished, count):
@@ -345,7 +314,7 @@ def _finish_drawn(border, cracks, edges, budget, work, finished):
     return count
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
     """Write edges that cover their border, chords where none do; returns their number."""
     outline = work.outline
@@ -353,12 +322,21 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
         check_edges(border, outline, edges, limits, budget, work.review, work.trial, work.spare)
     count = finish_with_chords(
         border, outline, edges, work.trial, work.review, limits.chord, work.is_seed, work.seeds,
-        finished,
+        work.stack, finished,
     )  # fmt: skip
     if outline_strays(border, finished, count):
-        count = chords_around(border, limits.chord, work.is_seed, work.seeds, finished)
+        count = chords_around(border, limits.chord, work.is_seed, work.seeds, work.stack, finished)
     measure_residual(border, finished, count, tolerance.blur_px, limits.guard)
     return count
+
+
+@njit(**LEAF)
+def _any(flags, count):
+    """Whether any of the first ``count`` is not 0."""
+    for i in range(count):
+        if flags[i]:
+            return True
+    return False
 
 
 @njit(**LEAF)

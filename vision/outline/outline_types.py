@@ -76,7 +76,8 @@ class Outline(NamedTuple):
     ``is_fillet`` (edges,) bool. ``shape`` (edges, 5) float64: x, y, ux, uy of a line or cx, cy, r
     of a circle, and the rms deviation last. ``joints`` (edges, 2) float64: where the edge begins.
     ``ranges`` (edges, 2) int64: the first point that took part in its fit, and the one behind the
-    last. ``fresh`` (edges, 2) bool: whether it was fitted again, and whether its break moved.
+    last. ``fresh`` (edges, 2) bool: whether it was fitted again, and whether its break moved;
+    ``moved`` (edges,) int64: where to.
     """
 
     breaks: NDArray[np.int64]
@@ -86,6 +87,7 @@ class Outline(NamedTuple):
     joints: NDArray[np.float64]
     ranges: NDArray[np.int64]
     fresh: NDArray[np.bool_]
+    moved: NDArray[np.int64]
 
 
 class FinishedEdges(NamedTuple):
@@ -216,13 +218,43 @@ class Gains(NamedTuple):
     arc: NDArray[np.int64]
 
 
+class CornerRoom(NamedTuple):
+    """Room for a search of an outline's corners, for so many edges or points.
+
+    ``corners`` (edges, 8) float64: see ``vision.outline.corners.blurred_corner_kernels``; ``sums``
+    (2 n + 1,) float64: what the points up to each cost; ``corner`` (7,) float64. Edges that are
+    ``gone``, lines beside a fillet that is chosen, an ``anchor``, and those that one follows,
+    ``used``: (edges,) bool; ``begins`` (edges,) int64: where an edge begins behind a fillet, or
+    -1; ``ends`` (edges, 2) int64: the points at the corners of the wall's end behind an edge, or
+    -1. ``breaks``, ``is_arc``, ``is_fillet`` (2 edges,) as in ``Outline``.
+    """
+
+    fillet: Fillet
+    gains: Gains
+    corners: NDArray[np.float64]
+    sums: NDArray[np.float64]
+    corner: NDArray[np.float64]
+    gone: NDArray[np.bool_]
+    anchor: NDArray[np.bool_]
+    used: NDArray[np.bool_]
+    begins: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    breaks: NDArray[np.int64]
+    is_arc: NDArray[np.bool_]
+    is_fillet: NDArray[np.bool_]
+
+
 class Work(NamedTuple):
     """Memory to fit one border in, as long as the longest one needs.
 
+    All of it is made at once, so that everything below is a borrowing kernel
+    (``planner.scene.compile_options``).
+
     ``points``, ``cracks``: their arrays, as long as they can be; ``crack_of`` (n,) int64: every
-    point's crack. ``trial``: edges finished for a look at them; it shares its ``at`` with what is
-    written at last. ``seeds``, ``state`` (n,) int64, ``is_seed``, ``inside``, ``is_end`` (n,) bool,
-    ``near`` (2, n) and ``push`` (2 n, 6) float64, ``circle`` and ``spare`` (3,) float64.
+    point's crack. ``trial``: edges finished for a look at them; ``at`` (n,) int64: of those that
+    are written at last. ``seeds``, ``state`` (n,) int64, ``is_seed``, ``inside``, ``is_end`` (n,)
+    bool, ``stack`` (n + 1, 2) int64, ``near`` (2, n) and ``push`` (2 n, 6) float64, ``circle`` and
+    ``spare`` (3,), ``ends`` (2, 2) float64.
     """
 
     points: BorderPoints
@@ -231,12 +263,18 @@ class Work(NamedTuple):
     outline: Outline
     trial: FinishedEdges
     review: Review
+    search: Search
+    stretch: StretchFit
+    corner_room: CornerRoom
+    at: NDArray[np.int64]
     seeds: NDArray[np.int64]
     state: NDArray[np.int64]
     is_seed: NDArray[np.bool_]
     inside: NDArray[np.bool_]
     is_end: NDArray[np.bool_]
+    stack: NDArray[np.int64]
     near: NDArray[np.float64]
     push: NDArray[np.float64]
     circle: NDArray[np.float64]
     spare: NDArray[np.float64]
+    ends: NDArray[np.float64]

@@ -17,10 +17,9 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.fit.moment_kernels import FIRST, ROOM, circle_of, grow, line_of
+from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, line_cost
-from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 
 FAILED = 4.0
@@ -48,7 +47,7 @@ NO_LINE, NO_CIRCLE = 2.0, 3.0
 ends and the middle, of a stretch that might be a line or an arc."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def partition(border, outline, skip, costs, tolerance, prices, limit, radius, work):
     """Seeds, then the cheapest partition that breaks at some of them: (edges, cost).
 
@@ -58,7 +57,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     """
     n = border.n
     longest = _longest_line(n, radius, costs.worst, skip)
-    seed_breaks(border, tolerance, work.is_seed, work.near[0])
+    seed_breaks(border, tolerance, work.is_seed, work.near[0], work.stack)
     m = 0
     for k in range(n):
         if work.is_seed[k]:
@@ -84,7 +83,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     for _ in range(2):
         found, least = _best_partition(
             border, outline, seeds, start, skip, costs, prices,
-            min(cost * (1.0 + ROUNDING), limit), longest, work.near,
+            min(cost * (1.0 + ROUNDING), limit), longest, work,
         )  # fmt: skip
         if found == 0:
             break
@@ -101,8 +100,8 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     return edges, cost
 
 
-@njit(cache=True, nogil=True)
-def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, near):
+@njit(**LEAF)
+def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, work):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     The first break is seed number ``start``. Fills the outline's ``breaks`` (in order along the
@@ -112,36 +111,28 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     costs at least a line or an arc: what leads beyond ``limit`` with that is not followed up.
     """
     m = seeds.shape[0]
-    search = Search(
-        np.empty(m + 1, np.int64),
-        np.empty(m + 1, np.float64),
-        np.empty(m + 1, np.float64),
-        np.full(m + 1, -1, np.int64),
-        np.zeros(m + 1, np.bool_),
-    )
-    fit = StretchFit(
-        np.zeros(ROOM, np.float64), np.empty(4, np.float64), np.empty(3, np.float64), near
-    )
+    search = work.search
+    for t in range(m + 1):
+        search.came[t] = -1
     for t in range(m + 1):
         s = start + t
         search.position[t] = seeds[s] if s < m else seeds[s - m] + border.n
-    _least_rest(search, longest, prices)
+    _least_rest(search, m, longest, prices)
     for t in range(m + 1):
         search.best[t] = limit - search.rest[t]
     search.best[0] = 0.0
     search.came[0] = 0
     for i in range(m):
         if search.came[i] >= 0 and search.best[i] + search.rest[i] < search.best[m]:
-            _extend(border, search, i, skip, costs, prices, fit)
+            _extend(border, search, m, i, skip, costs, prices, work.stretch)
     if search.came[m] < 0:
         return 0, limit
-    return _write_partition(border.n, search, outline), search.best[m]
+    return _write_partition(border.n, search, m, outline), search.best[m]
 
 
 @njit(**LEAF)
-def _extend(border, search, i, skip, costs, prices, fit):
+def _extend(border, search, m, i, skip, costs, prices, fit):
     """Try the stretches from seed i on, longer and longer: the ends they reach more cheaply."""
-    m = search.position.shape[0] - 1
     position = search.position
     best = search.best
     failed = 0
@@ -184,14 +175,14 @@ def _extend(border, search, i, skip, costs, prices, fit):
 
 
 @njit(**LEAF)
-def _write_partition(n, search, outline):
+def _write_partition(n, search, m, outline):
     """Write the cheapest partition's edges in their order; returns their number."""
     edges = 0
-    j = search.position.shape[0] - 1
+    j = m
     while j > 0:
         edges += 1
         j = search.came[j]
-    j = search.position.shape[0] - 1
+    j = m
     e = edges
     while j > 0:
         e -= 1
@@ -216,14 +207,13 @@ def _longest_line(n, radius, worst, guard):
 
 
 @njit(**LEAF)
-def _least_rest(search, longest, prices):
+def _least_rest(search, m, longest, prices):
     """What the edges from every seed on cost at least, into the search's ``rest``.
 
     No line has more than ``longest`` points.
     """
     position = search.position
     rest = search.rest
-    m = position.shape[0] - 1
     rest[m] = 0.0
     for i in range(m):
         lines = math.ceil((position[m] - position[i]) / longest)

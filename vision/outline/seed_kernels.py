@@ -10,32 +10,30 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from planner.scene.primitive_kernels import grown
 
 SNAP = 4
 """Points by which a seed moves to the middle of its corner."""
 
 
-@njit(cache=True, nogil=True)
-def seed_breaks(border, tolerance, is_seed, away):
+@njit(**LEAF)
+def seed_breaks(border, tolerance, is_seed, away, stack):
     """Mark generous breaks: split at the farthest point until chords lie within tolerance.
 
     The first point is one, which lies farthest out (see
-    ``vision.outline.canonical_frame_kernels``); ``away`` (n,) is room to work in.
+    ``vision.outline.canonical_frame_kernels``); ``away`` (n,) and ``stack`` (n + 1, 2) are room to work in.
     """
     px = border.x
     py = border.y
     n = border.n
-    is_seed[:n] = False
+    for k in range(n):
+        is_seed[k] = False
     start = 0
     other, _ = _farthest(px, py, 0, n, away)
     is_seed[start] = True
     is_seed[other] = True
-    stack = np.empty((128, 2), np.int64)
     stack[0, 0] = start
     stack[0, 1] = other
     stack[1, 0] = other
@@ -51,8 +49,6 @@ def seed_breaks(border, tolerance, is_seed, away):
         if far <= tolerance:
             continue
         is_seed[where - n if where >= n else where] = True
-        if top + 2 > stack.shape[0]:
-            stack = grown(stack, 2 * stack.shape[0])
         stack[top, 0] = lo
         stack[top, 1] = where
         stack[top + 1, 0] = where

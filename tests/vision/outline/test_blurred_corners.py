@@ -13,7 +13,8 @@ from vision import extract
 from vision.outline.corners.dropped_side_kernels import drop_side
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import fit_line
-from vision.outline.outline_types import BorderPoints, Costs, Outline
+from vision.outline.outline_types import BorderPoints, Costs
+from vision.outline.work_kernels import make_corner_room, make_outline
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
@@ -70,15 +71,14 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
         px, py = np.tile(x, 2), np.tile(y, 2)
         # four sides, and the four points around a corner as a fifth
         starts = np.array([2, 30, 60, 90, n - 2])
-        breaks = np.sort((starts - shift) % n)
-        edges = len(breaks)
-        shape, joints = np.zeros((edges, 5)), np.zeros((edges, 2))
+        edges = len(starts)
+        outline = make_outline(edges)
+        breaks = outline.breaks
+        breaks[:] = np.sort((starts - shift) % n)
+        outline.is_arc[:] = False
         for e in range(edges):
-            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, shape[e])
-            joints[e] = px[breaks[e]], py[breaks[e]]
-        is_arc, is_fillet = np.zeros(edges, np.bool_), np.zeros(edges, np.bool_)
-        ranges, fresh = np.zeros((edges, 2), np.int64), np.zeros((edges, 2), np.bool_)
-        outline = Outline(breaks, is_arc, is_fillet, shape, joints, ranges, fresh)
+            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, outline.shape[e])
+            outline.joints[e] = px[breaks[e]], py[breaks[e]]
         left, changed = drop_side(
             BorderPoints(px, py, n),
             outline,
@@ -86,7 +86,7 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
             1.0,
             Costs(False, 0.2, 0.3, 2.0, 0.0),
             30.0,
-            np.empty(7),
+            make_corner_room(n),
         )
         assert changed
         assert left == edges - 1

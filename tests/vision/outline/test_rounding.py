@@ -16,7 +16,8 @@ from vision.outline.corners.blurred_corner_kernels import (
     find_corners,
     sum_costs,
 )
-from vision.outline.outline_types import BorderPoints, Costs, Outline
+from vision.outline.outline_types import BorderPoints, Costs
+from vision.outline.work_kernels import make_outline
 
 SIDE = 40.0
 HALF = 20
@@ -50,14 +51,12 @@ def test_points_where_blur_puts_them_cost_nothing(blur: float, clockwise: bool) 
     n = len(points)
     x, y = (np.append(np.tile(points[:, c], 2), points[0, c]) for c in (0, 1))
     border = BorderPoints(x, y, n)
-    breaks = np.arange(4) * 2 * HALF + HALF
-    shape = np.zeros((4, 5))
-    shape[:, :2] = joints
-    shape[:, 2:4] = (np.roll(joints, -1, axis=0) - joints) / SIDE
-    no = np.zeros(4, dtype=np.bool_)
-    outline = Outline(
-        breaks, no, no, shape, joints, np.zeros((4, 2), np.int64), np.zeros((4, 2), np.bool_)
-    )
+    outline = make_outline(4)
+    outline.breaks[:] = np.arange(4) * 2 * HALF + HALF
+    outline.is_arc[:] = False
+    outline.joints[:] = joints
+    outline.shape[:, :2] = joints
+    outline.shape[:, 2:4] = (np.roll(joints, -1, axis=0) - joints) / SIDE
     corners = np.zeros((4, CORNER_ROOM))
     find_corners(border, outline, 4, corners)
     assert np.allclose(corners[:, TURN], math.pi / 2.0 if clockwise else -math.pi / 2.0)

@@ -90,7 +90,9 @@ def test_chords_leave_what_is_right_alone() -> None:
     rows[:4, :2], at[:4] = corners[order], first[order]
     edges = FinishedEdges(kind, rows, at)
     before = rows.copy()
+    old = FinishedEdges(kind.copy(), rows.copy(), at.copy())
     room = np.empty(n + 1, np.int64), np.empty(n + 1, np.bool_), np.empty(n + 1, np.int64)
+    room = (*room, old, np.empty((2, 2)))
     assert separate_by_chords(cracks, edges, 4, 0.0, *room) == 4
     assert np.array_equal(rows, before)
     # a corner pulled in by 6 px gives way to chords beside that corner

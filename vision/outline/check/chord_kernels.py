@@ -2,7 +2,8 @@
 
 Rules and units
 - ``border``, ``outline``, ``review`` and ``finished``: see ``vision.outline.outline_types``.
-- ``is_seed`` (n + 1,) bool and ``found`` (n + 1,) int64 are room to work in.
+- ``is_seed`` (n + 1,) bool, ``found`` (n + 1,) and ``stack`` (n + 2, 2) int64
+  are room to work in.
 """
 
 # mypy: allow-untyped-defs
@@ -23,8 +24,10 @@ FIRST = np.int64(0)
 """Typed, so that kernels are compiled for numbers and not once more for this."""
 
 
-@njit(cache=True, nogil=True)
-def finish_with_chords(border, outline, edges, trial, review, tolerance, is_seed, found, finished):
+@njit(**LEAF)
+def finish_with_chords(
+    border, outline, edges, trial, review, tolerance, is_seed, found, stack, finished
+):
     """Write the edges of ``trial``, and chords instead of the ragged ones; returns their number.
 
     ``tolerance``: how far a chord may leave its points, in pixels.
@@ -43,7 +46,9 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, is_seed
                 finished.rows[count, c] = trial.rows[e, c]
             count += 1
             continue
-        m = _chords(border, breaks[e], edge_end(breaks, edges, n, e), tolerance, is_seed, found)
+        m = _chords(
+            border, breaks[e], edge_end(breaks, edges, n, e), tolerance, is_seed, found, stack
+        )
         for t in range(m):
             x = joints[e, 0] if t == 0 else px[found[t]]
             y = joints[e, 1] if t == 0 else py[found[t]]
@@ -53,10 +58,10 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, is_seed
     return count
 
 
-@njit(cache=True, nogil=True)
-def chords_around(border, tolerance, is_seed, found, finished):
+@njit(**LEAF)
+def chords_around(border, tolerance, is_seed, found, stack, finished):
     """Write chords all around a border, from point to point; returns their number."""
-    count = _chords(border, FIRST, border.n, tolerance, is_seed, found)
+    count = _chords(border, FIRST, border.n, tolerance, is_seed, found, stack)
     for t in range(count):
         _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
     return count
@@ -74,8 +79,8 @@ def _write_chord(finished, i, k, x, y):
     finished.rows[i, 4] = 0.0
 
 
-@njit(cache=True, nogil=True)
-def _chords(border, lo, hi, tolerance, is_seed, found):
+@njit(**LEAF)
+def _chords(border, lo, hi, tolerance, is_seed, found, stack):
     """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
     px = border.x
     py = border.y
@@ -84,7 +89,6 @@ def _chords(border, lo, hi, tolerance, is_seed, found):
         is_seed[k] = False
     found[0] = lo
     m = 1
-    stack = np.empty((count + 2, 2), np.int64)
     stack[0, 0] = lo
     stack[0, 1] = hi
     top = 1

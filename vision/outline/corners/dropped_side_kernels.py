@@ -14,13 +14,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.blurred_corner_kernels import (
-    CORNER_ROOM,
     EXCESS,
     PER_SIGMA,
     REACH,
@@ -73,11 +71,11 @@ def _sharp_cost(border, lo, hi, a, b, corner, blur, costs):
     return cost
 
 
-@njit(cache=True, nogil=True)
-def drop_side(border, outline, edges, blur, costs, price, corner):
+@njit(**LEAF)
+def drop_side(border, outline, edges, blur, costs, price, room):
     """Leave out the short side that a sharp corner explains best.
 
-    ``price`` is a line's; ``corner`` (7,) is room to work in. ``breaks``, ``is_arc`` and
+    ``price`` is a line's; ``room``: ``CornerRoom``. ``breaks``, ``is_arc`` and
     ``is_fillet`` are changed; returns the new number of edges, and whether they are.
     """
     n = border.n
@@ -90,8 +88,10 @@ def drop_side(border, outline, edges, blur, costs, price, corner):
     blur = math.sqrt(blur * blur + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     span = int(REACH * blur) + 1
     longest = (LONGEST_BY * blur) ** 2
-    corners = np.empty((0, CORNER_ROOM), np.float64)
-    sums = np.empty(0, np.float64)
+    corner = room.corner
+    corners = room.corners
+    sums = room.sums
+    summed = False
     best = 0.0
     gone = -1
     for e in range(edges):
@@ -115,10 +115,9 @@ def drop_side(border, outline, edges, blur, costs, price, corner):
         cost = _sharp_cost(border, lo, hi, shape[before], shape[after], corner, blur, costs)
         if cost >= HUGE:
             continue
-        if sums.shape[0] == 0:
+        if not summed:
             # only few borders have such a side
-            corners = np.empty((edges, CORNER_ROOM), np.float64)
-            sums = np.empty(2 * n + 1, np.float64)
+            summed = True
             find_corners(border, outline, edges, corners)
             sum_costs(border, outline, edges, corners, blur, costs, sums)
         gain = sums[hi] - sums[lo] + price - cost

@@ -14,12 +14,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
-from vision.outline.corners.blurred_corner_kernels import CORNER_ROOM, TURN, find_corners, sum_costs
+from vision.outline.corners.blurred_corner_kernels import TURN, find_corners, sum_costs
 from vision.outline.corners.fillet_kernels import (
     ANCHOR_FROM,
     ANCHOR_TO,
@@ -33,7 +32,6 @@ from vision.outline.corners.fillet_kernels import (
 )
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE, circle_rms
-from vision.outline.outline_types import Fillet, Gains
 
 LONGEST_RUN = 6
 """Edges that one fillet may replace."""
@@ -49,8 +47,8 @@ ROUNDS = 3
 NO_GAIN = 0.0
 
 
-@njit(cache=True, nogil=True)
-def insert_fillets(border, outline, edges, blur, costs, prices):
+@njit(**LEAF)
+def insert_fillets(border, outline, edges, blur, costs, prices, room):
     """Put fillets where they describe a border more cheaply; returns their number.
 
     ``breaks``, ``is_arc`` and ``is_fillet`` are changed; whether they are is the other answer.
@@ -59,19 +57,11 @@ def insert_fillets(border, outline, edges, blur, costs, prices):
         return edges, False
     inwards = half_variance(blur)
     blur = math.sqrt(blur * blur + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
-    corners = np.empty((edges, CORNER_ROOM), np.float64)
-    sums = np.empty(2 * border.n + 1, np.float64)
-    find_corners(border, outline, edges, corners)
-    sum_costs(border, outline, edges, corners, blur, costs, sums)
-    gains = Gains(
-        np.full(edges, NO_GAIN), np.zeros(edges, np.int64), np.zeros((edges, 2), np.int64)
-    )
-    any_gain = _find_fillets(
-        border, outline, edges, corners, blur, inwards, costs, prices, sums, gains
-    )
-    if not any_gain:
+    find_corners(border, outline, edges, room.corners)
+    sum_costs(border, outline, edges, room.corners, blur, costs, room.sums)
+    if not _find_fillets(border, outline, edges, blur, inwards, costs, prices, room):
         return edges, False
-    return _place_fillets(border.n, outline, edges, gains), True
+    return _place_fillets(border.n, outline, edges, room), True
 
 
 @njit(**LEAF)
@@ -84,19 +74,19 @@ def _is_flat(border, outline, lo, hi, e):
     return math.sqrt((px[hi] - px[lo]) ** 2 + (py[hi] - py[lo]) ** 2) < FLAT * outline.shape[e, 2]
 
 
-@njit(cache=True, nogil=True)
-def _find_fillets(border, outline, edges, corners, blur, inwards, costs, prices, sums, gains):
-    """Fill ``gains`` with the best fillet that begins at each line: whether any saves something."""
+@njit(**LEAF)
+def _find_fillets(border, outline, edges, blur, inwards, costs, prices, room):
+    """Find the best fillet that begins at each line: whether any saves something."""
+    corners = room.corners
+    sums = room.sums
+    gains = room.gains
+    fillet = room.fillet
     n = border.n
     breaks = outline.breaks
     is_arc = outline.is_arc
-    fillet = Fillet(
-        np.empty(4, np.float64),
-        np.empty(4, np.float64),
-        np.empty(7, np.float64),
-        np.empty(4, np.int64),
-    )
     any_gain = False
+    for e in range(edges):
+        gains.saved[e] = NO_GAIN
     for i in range(edges):
         a_lo = breaks[i]
         a_hi = edge_end(breaks, edges, n, i)
@@ -134,18 +124,29 @@ def _find_fillets(border, outline, edges, corners, blur, inwards, costs, prices,
     return any_gain
 
 
-@njit(cache=True, nogil=True)
-def _place_fillets(n, outline, edges, gains):
+@njit(**LEAF)
+def _place_fillets(n, outline, edges, room):
     """Replace runs of edges by fillets, those that save most first; returns the new number."""
-    runs = gains.run
-    arcs = gains.arc
-    gone = np.zeros(edges, np.bool_)
-    anchor = np.zeros(edges, np.bool_)
-    begins = np.full(edges, -1, np.int64)
-    used = np.zeros(edges, np.bool_)
-    for i in np.argsort(-gains.saved):
-        if gains.saved[i] <= NO_GAIN:
+    saved = room.gains.saved
+    runs = room.gains.run
+    arcs = room.gains.arc
+    gone = room.gone
+    anchor = room.anchor
+    begins = room.begins
+    used = room.used
+    for e in range(edges):
+        gone[e] = False
+        anchor[e] = False
+        begins[e] = -1
+        used[e] = False
+    while True:
+        i = 0
+        for e in range(1, edges):
+            if saved[e] > saved[i]:
+                i = e
+        if saved[i] <= NO_GAIN:
             break
+        saved[i] = NO_GAIN
         j = (i + runs[i] + 1) % edges
         free = not (gone[i] or gone[j])
         for t in range(1, runs[i] + 1):
@@ -166,19 +167,20 @@ def _place_fillets(n, outline, edges, gains):
         begins[j] = last % n
         for t in range(1, runs[i] + 1):
             gone[(i + t) % edges] = True
-    return _with_fillets(n, outline, edges, arcs, gone, begins, used)
+    return _with_fillets(n, outline, edges, room)
 
 
-@njit(cache=True, nogil=True)
-def _with_fillets(n, outline, edges, arcs, gone, begins, used):
-    """Write the edges that are not ``gone``, and the arc behind each that is ``used``.
-
-    ``begins`` (edges,): where an edge begins behind such an arc, or -1. Returns the new number.
-    """
+@njit(**LEAF)
+def _with_fillets(n, outline, edges, room):
+    """Write the edges that are not gone, and the arc behind each that is used: the new number."""
+    gone = room.gone
+    begins = room.begins
+    used = room.used
+    arcs = room.gains.arc
     # every edge adds at most one
-    new_breaks = np.empty(2 * edges, np.int64)
-    bent = np.empty(2 * edges, np.bool_)
-    fillet = np.empty(2 * edges, np.bool_)
+    new_breaks = room.breaks
+    bent = room.is_arc
+    fillet = room.is_fillet
     m = 0
     for e in range(edges):
         if not gone[e]:

@@ -41,12 +41,12 @@ SLIDE = 8
 """Points by which a break may move towards its corner at a time."""
 
 
-@njit(cache=True, nogil=True)
-def fit_and_join(border, outline, edges, limits, near):
+@njit(**LEAF)
+def fit_and_join(border, outline, edges, limits, near, found):
     """Fit every edge, join neighbours, and so again with the joints found, until it settles.
 
     The outline's ``breaks`` and ``is_arc`` are corrected, all but ``is_fillet`` filled; ``near``
-    (2, points) is room to work in.
+    (2, points) and ``found`` (3,) are room to work in.
     """
     for e in range(edges):
         outline.joints[e, 0] = border.x[outline.breaks[e]]
@@ -57,7 +57,7 @@ def fit_and_join(border, outline, edges, limits, near):
     for _ in range(ROUNDS):
         if not _fit_edges(border, outline, edges, limits, near):
             break
-        _join(border, outline, edges, limits)
+        _join(border, outline, edges, limits, found)
 
 
 @njit(**LEAF)
@@ -188,16 +188,15 @@ def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
     return where - n if where >= n else where
 
 
-@njit(cache=True, nogil=True)
-def _join(border, outline, edges, limits):
+@njit(**LEAF)
+def _join(border, outline, edges, limits, found):
     """Where neighbouring edges meet; breaks move to the border points nearest to that.
 
     On return ``fresh[e, 1]`` says whether break e moved.
     """
     fresh = outline.fresh
     breaks = outline.breaks
-    found = np.empty(3, np.float64)
-    moved = np.empty(edges, np.int64)
+    moved = outline.moved
     for e in range(edges):
         moved[e] = breaks[e]
         before = predecessor(e, edges)

@@ -93,7 +93,7 @@ def _gain(border, outline, edges, e, both, costs, prices, line):
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
 def merge_lines(border, outline, edges, costs, prices, line):
     """Make one line of edges where it describes a border more cheaply.
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
@@ -42,21 +41,25 @@ SQUARE_PX = 1.5
 points amid its corners cannot tell."""
 
 
-@njit(cache=True, nogil=True)
-def cut_ends(border, outline, edges, blur, guard, is_end):
+@njit(**LEAF)
+def cut_ends(border, outline, edges, blur, guard, is_end, room):
     """Put a side where two lines that turn back have a blunt end between them.
 
     ``breaks`` and ``is_arc`` are changed and ``is_end`` (edges + 1,) filled; returns the new number
-    of edges, and whether it is.
+    of edges, and whether it is. ``room``: ``CornerRoom``.
     """
     breaks = outline.breaks
     is_arc = outline.is_arc
     shape = outline.shape
     n = border.n
-    gone = np.zeros(edges, np.bool_)
-    ends = np.full((edges, 2), -1, np.int64)
-    found = np.empty(2, np.int64)
+    gone = room.gone
+    ends = room.ends
+    found = room.fillet.found
     any_end = False
+    for e in range(edges):
+        gone[e] = False
+        ends[e, 0] = -1
+        ends[e, 1] = -1
     for e in range(edges):
         if gone[e] or is_arc[e] or edge_end(breaks, edges, n, e) - breaks[e] < LEAST:
             continue
@@ -72,22 +75,25 @@ def cut_ends(border, outline, edges, blur, guard, is_end):
                 for t in range(run):
                     gone[(e + t + 1) % edges] = True
             break
-    is_end[: edges + 1] = False
+    for e in range(edges + 1):
+        is_end[e] = False
     if not any_end:
         return edges, False
-    return _put_sides(outline, edges, gone, ends, is_end), True
+    return _put_sides(outline, edges, room, is_end), True
 
 
-@njit(cache=True, nogil=True)
-def _put_sides(outline, edges, gone, ends, is_end):
-    """Put the sides at walls' ``ends`` in the place of edges that are ``gone``: how many are left.
-
-    ``ends`` (edges, 2): the points at the corners of the one behind each edge, -1 for none.
-    """
+@njit(**LEAF)
+def _put_sides(outline, edges, room, is_end):
+    """Put the sides at walls' ends in the place of edges that are gone: how many are left."""
+    gone = room.gone
+    ends = room.ends
     breaks = outline.breaks
     is_arc = outline.is_arc
-    old_breaks = breaks[:edges].copy()
-    old_arcs = is_arc[:edges].copy()
+    old_breaks = room.breaks
+    old_arcs = room.is_arc
+    for e in range(edges):
+        old_breaks[e] = breaks[e]
+        old_arcs[e] = is_arc[e]
     m = 0
     for e in range(edges):
         if gone[e]:

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
@@ -27,7 +26,6 @@ from vision.outline.drawn.separation_kernels import find_lost
 from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE
-from vision.outline.outline_types import FinishedEdges
 
 WAY = 0.998
 """Share of a crack's way that a chord may cross: no pixel's centre lies on it by a hair."""
@@ -132,12 +130,12 @@ def _on_way(cracks, k, finished, i, count, out):
     return False
 
 
-@njit(cache=True, nogil=True)
-def separate_by_chords(cracks, finished, count, budget, state, inside, found):
+@njit(**LEAF)
+def separate_by_chords(cracks, finished, count, budget, state, inside, found, old, ends):
     """Replace what loses more pixels than ``budget`` by chords; returns the new ``count``.
 
-    ``state``, ``inside``, ``found`` (n + 1,) are room to work in. There are never more edges
-    than cracks.
+    ``state``, ``inside``, ``found`` (n + 1,), ``old``, as long as ``finished``, and ``ends`` (2, 2)
+    are room to work in. There are never more edges than cracks.
     """
     n = cracks.n
     for again in range(ROUNDS + 1):
@@ -147,7 +145,7 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found):
         if again == ROUNDS or 2 * lost >= n:
             break
         total, heaviest = weigh_runs(cracks, state, found)
-        if total <= budget and found[:n].min() >= 0:
+        if total <= budget and not _any_grave(found, n):
             return count
         mark_runs(state, n, budget, total, heaviest, found, inside)
         first = 0
@@ -155,8 +153,17 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found):
             first += 1
         if first == count:
             break
-        count = _replace(cracks, finished, count, first, inside, found)
+        count = _replace(cracks, finished, count, first, inside, found, old, ends)
     return all_chords(cracks, finished, found)
+
+
+@njit(**LEAF)
+def _any_grave(weights, n):
+    """Whether a run of lost cracks has to go whatever the border may lose."""
+    for k in range(n):
+        if weights[k] < 0:
+            return True
+    return False
 
 
 @njit(**LEAF)
@@ -202,18 +209,17 @@ def _write(finished, i, x, y, k):
     finished.at[i] = k
 
 
-@njit(cache=True, nogil=True)
-def _replace(cracks, finished, count, first, inside, found):
+@njit(**LEAF)
+def _replace(cracks, finished, count, first, inside, found, old, ends):
     """Chords instead of the cracks that are ``inside``; returns the new count.
 
     Edge ``first`` begins outside.
     """
     n = cracks.n
-    old = FinishedEdges(
-        finished.kind[:count].copy(), finished.rows[:count].copy(), finished.at[:count].copy()
-    )
-    start = np.empty(2, np.float64)
-    end = np.empty(2, np.float64)
+    for e in range(count):
+        _keep(old, e, finished, e, finished.rows[e, 0], finished.rows[e, 1], finished.at[e])
+    start = ends[0]
+    end = ends[1]
     begun = 0
     carried = False
     i = 0
