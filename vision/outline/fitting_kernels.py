@@ -80,6 +80,9 @@ SURE = 0.5
 """Pixels by which the last check is stricter than the search."""
 HELD_AREA = 400
 """Pixels from which an object drawn again covers its own, whether or not it is round."""
+STEP = {**LEAF, "forceinline": True}
+"""Options of a step that is called in one place: it is handed all the memory, which a call would
+copy number by number."""
 NONE, ONE = np.int64(0), np.int64(1)
 """Typed, so that kernels are compiled for numbers and not once more for these."""
 
@@ -148,7 +151,7 @@ def _longest(starts):
     return longest
 
 
-@njit(**LEAF)
+@njit(**STEP)
 def _fit_border(
     border, cracks, place, budget, held, tolerance, limits, prices, work, finished
 ):  # fmt: skip
@@ -191,7 +194,7 @@ def _fit_border(
     return POLYGON, edges
 
 
-@njit(**LEAF)
+@njit(**STEP)
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
     """Break a border into edges, and once more where they do not cover it.
 
@@ -243,7 +246,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     return edges, sound
 
 
-@njit(**LEAF)
+@njit(**STEP)
 def _join_edges(border, edges, tolerance, limits, costs, prices, paid, work):
     """Fit the edges that a search found and join them; with grey, see to walls' ends and corners.
 
@@ -262,7 +265,7 @@ def _join_edges(border, edges, tolerance, limits, costs, prices, paid, work):
     return _settle_corners(border, outline, edges, limits, costs, prices, paid, work)
 
 
-@njit(**LEAF)
+@njit(**STEP)
 def _settle_corners(border, outline, edges, limits, costs, prices, paid, work):
     """Put fillets where sharp corners do not fit, and fit again; returns the number of edges.
 
@@ -287,7 +290,7 @@ def _settle_corners(border, outline, edges, limits, costs, prices, paid, work):
     return edges
 
 
-@njit(**LEAF)
+@njit(**STEP)
 def _finish_drawn(border, cracks, edges, budget, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number."""
     outline = work.outline
@@ -314,7 +317,7 @@ def _finish_drawn(border, cracks, edges, budget, work, finished):
     return count
 
 
-@njit(**LEAF)
+@njit(**STEP)
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
     """Write edges that cover their border, chords where none do; returns their number."""
     outline = work.outline
@@ -333,7 +336,7 @@ def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished
 @njit(**LEAF)
 def _any(flags, count):
     """Whether any of the first ``count`` is not 0."""
-    for i in range(count):
+    for i in range(count):  # noqa: SIM110 (numba knows no generators)
         if flags[i]:
             return True
     return False

@@ -47,7 +47,7 @@ NO_LINE, NO_CIRCLE = 2.0, 3.0
 ends and the middle, of a stretch that might be a line or an arc."""
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def partition(border, outline, skip, costs, tolerance, prices, limit, radius, work):
     """Seeds, then the cheapest partition that breaks at some of them: (edges, cost).
 
@@ -100,7 +100,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     return edges, cost
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, work):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 

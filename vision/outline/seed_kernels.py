@@ -23,7 +23,8 @@ def seed_breaks(border, tolerance, is_seed, away, stack):
     """Mark generous breaks: split at the farthest point until chords lie within tolerance.
 
     The first point is one, which lies farthest out (see
-    ``vision.outline.canonical_frame_kernels``); ``away`` (n,) and ``stack`` (n + 1, 2) are room to work in.
+    ``vision.outline.canonical_frame_kernels``); ``away`` (n,) and ``stack`` (n + 1, 2)
+    are room to work in.
     """
     px = border.x
     py = border.y

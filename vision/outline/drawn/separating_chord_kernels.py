@@ -160,7 +160,7 @@ def separate_by_chords(cracks, finished, count, budget, state, inside, found, ol
 @njit(**LEAF)
 def _any_grave(weights, n):
     """Whether a run of lost cracks has to go whatever the border may lose."""
-    for k in range(n):
+    for k in range(n):  # noqa: SIM110 (numba knows no generators)
         if weights[k] < 0:
             return True
     return False
