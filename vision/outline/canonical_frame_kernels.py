@@ -7,8 +7,7 @@ Rules and units
   clockwise; its edges are transposed back when they are finished.
 - Where a border begins depends on the picture's rows. A fit begins where the border is farthest
   from its centroid, and sees that in the east: a tie is decided alike however a border is turned.
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: n points, twice over, and the first
-  once more.
+- ``border``, ``cracks``, ``place`` and ``finished``: see ``vision.outline.outline_types``.
 """
 
 # mypy: allow-untyped-defs
@@ -21,6 +20,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.outline_types import Place
 
 APART = 7
 """A border's share between points that are compared: no usual symmetry's."""
@@ -35,14 +35,15 @@ pixels, but for what the smoothing's weights lack of one."""
 
 
 @njit(**SUMS)
-def bring_into_place(points, exact, away, px, py):
+def bring_into_place(points, exact, away, border):
     """Write a border's points (n, 2) so that it is right-handed and begins far in the east.
 
     It begins where it is farthest from its centroid, which is turned to the east, and that point
-    is its origin. ``exact``: without grey; ``away`` (n + 1,): room to work in. Returns
-    ``(transposed, quarter turns, x, y)``, the last two the origin's place.
+    is its origin. ``exact``: without grey; ``away`` (n + 1,): room to work in.
     """
-    n = points.shape[0]
+    px = border.x
+    py = border.y
+    n = border.n
     mx = 0.0
     my = 0.0
     for k in range(n):
@@ -95,7 +96,7 @@ def bring_into_place(points, exact, away, px, py):
             px[to + k] = math.floor((xx * u + xy * v) * steps + 0.5) * share
             py[to + k] = math.floor((yx * u + yy * v) * steps + 0.5) * share
     _repeat(px, py, n)
-    return transposed, turns, xx * x + xy * y, yx * x + yy * y
+    return Place(transposed, turns, xx * x + xy * y, yx * x + yy * y)
 
 
 @njit(**SUMS)
@@ -120,17 +121,24 @@ def is_left_handed(away, n, farthest):
 
 
 @njit(**LEAF)
-def bring_cracks_along(px, py, points, qx, qy, hx, hy, n, transposed, turns, x, y):
-    """The same for the border's cracks, the first of which is the one at (x, y).
+def bring_cracks_along(border, cracks, place):
+    """The same for the border's cracks, the first of which is the one at the origin.
 
     The obstacle pixel of the first becomes the origin of both: fractions of pixels are exact, and
-    a shift by whole pixels changes nothing. Returns its place.
+    a shift by whole pixels changes nothing. Returns the new place.
     """
-    if transposed:
+    qx = cracks.x
+    qy = cracks.y
+    hx = cracks.free_x
+    hy = cracks.free_y
+    n = cracks.n
+    x = place.x
+    y = place.y
+    if place.transposed:
         _transpose(qx, qy, n)
         _transpose(hx, hy, n)
-    _turn(qx, qy, n, turns)
-    _turn(hx, hy, n, turns)
+    _turn(qx, qy, n, place.turns)
+    _turn(hx, hy, n, place.turns)
     best = HUGE
     first = 0
     for k in range(n):
@@ -143,8 +151,10 @@ def bring_cracks_along(px, py, points, qx, qy, hx, hy, n, transposed, turns, x, 
     dx = qx[0] - hx[0]
     dy = qy[0] - hy[0]
     _shift(qx, qy, n, dx, dy)
-    _shift(px, py, points, _rounded(dx - x, CRISP_STEPS), _rounded(dy - y, CRISP_STEPS))
-    return dx, dy
+    right = _rounded(dx - x, CRISP_STEPS)
+    down = _rounded(dy - y, CRISP_STEPS)
+    _shift(border.x, border.y, border.n, right, down)
+    return Place(place.transposed, place.turns, dx, dy)
 
 
 @njit(**LEAF)
@@ -194,17 +204,18 @@ def _repeat(px, py, n):
 
 
 @njit(**LEAF)
-def put_edges_back(kind, rows, count, transposed, turns):
-    """Turn and transpose finished edges (see ``vision.outline.fit.outline_kernels``) back to where
-    they were.
+def put_edges_back(finished, count, place):
+    """Turn and transpose finished edges back to where they were.
 
     An arc that is transposed turns as before: it is both mirrored and run through the other way.
     """
-    for _ in range(turns):
+    kind = finished.kind
+    rows = finished.rows
+    for _ in range(place.turns):
         for i in range(count):
             rows[i, 0], rows[i, 1] = rows[i, 1], -rows[i, 0]
             rows[i, 2], rows[i, 3] = rows[i, 3], -rows[i, 2]
-    if not transposed:
+    if not place.transposed:
         return
     for i in range(count // 2):
         other = count - 1 - i

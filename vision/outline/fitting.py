@@ -7,8 +7,7 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from vision.outline.drawn.separation_kernels import runs_between_two_greys
 from vision.outline.fit.edge_prices import edge_prices
 from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
+from vision.outline.outline_types import CrackPixels, Prices
 
 SMOOTHING = 0.5311
 """The noise left by the profile's five-pixel Gaussian."""
@@ -32,8 +32,7 @@ STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only."""
 
 
-@dataclass(frozen=True, slots=True)
-class Tolerance:
+class Tolerance(NamedTuple):
     """What a fit may miss: ``dead_zone_px`` is free, ``sigma_px`` the spread beyond it.
     ``crisp``: the picture has no grey at its edges; ``spread_px``: what noise does to a point.
 
@@ -51,8 +50,8 @@ class Tolerance:
     trim_px: float
 
     @property
-    def prices(self) -> NDArray[np.float64]:
-        """What a line, an arc and a circle have to save, (3,)."""
+    def prices(self) -> Prices:
+        """What a line, an arc and a circle have to save."""
         return edge_prices(self.dead_zone_px, self.sigma_px, self.spread_px, self.crisp)
 
 
@@ -101,17 +100,10 @@ def fit_edges(
         starts,
         borders.area,
         borders.owner,
-        borders.x[:known],
-        borders.y[:known],
-        borders.direction[:known],
-        borders.starts,
-        tolerance.crisp,
-        tolerance.dead_zone_px,
-        tolerance.sigma_px,
-        tolerance.spread_px,
-        tolerance.blur_px,
-        tolerance.guard_px,
-        tolerance.trim_px,
+        CrackPixels(
+            borders.x[:known], borders.y[:known], borders.direction[:known], borders.starts
+        ),
+        tolerance,
         tolerance.prices,
     )
     return FittedBorders(kind, edge_starts, edge_kind, data)

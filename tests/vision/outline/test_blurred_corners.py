@@ -10,9 +10,11 @@ import pytest
 from planner.scene import PolygonRecord
 from tests.support.drawn.render import Points, draw, polygon
 from vision import extract
-from vision.outline.corners.dropped_side_kernels import sharpen
-from vision.outline.corners.joint_kernels import edge_end
+from vision.outline.corners.dropped_side_kernels import drop_side
+from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import fit_line
+from vision.outline.outline_types import BorderPoints, Costs
+from vision.outline.work_kernels import make_corner_room, make_outline
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
@@ -69,17 +71,23 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
         px, py = np.tile(x, 2), np.tile(y, 2)
         # four sides, and the four points around a corner as a fifth
         starts = np.array([2, 30, 60, 90, n - 2])
-        breaks = np.sort((starts - shift) % n)
-        edges = len(breaks)
-        shape, joints = np.zeros((edges, 5)), np.zeros((edges, 2))
+        edges = len(starts)
+        outline = make_outline(edges)
+        breaks = outline.breaks
+        breaks[:] = np.sort((starts - shift) % n)
+        outline.is_arc[:] = False
         for e in range(edges):
-            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, shape[e])
-            joints[e] = px[breaks[e]], py[breaks[e]]
-        is_arc, is_fillet = np.zeros(edges, np.bool_), np.zeros(edges, np.bool_)
-        left, changed = sharpen(
-            px, py, n, breaks, is_arc, edges, shape, joints, 1.0, 0.2, 0.3, 2.0, 0.0, 30.0,
-            is_fillet, np.empty(7),
-        )  # fmt: skip
+            fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, outline.shape[e])
+            outline.joints[e] = px[breaks[e]], py[breaks[e]]
+        left, changed = drop_side(
+            BorderPoints(px, py, n),
+            outline,
+            edges,
+            1.0,
+            Costs(False, 0.2, 0.3, 2.0, 0.0),
+            30.0,
+            make_corner_room(n),
+        )
         assert changed
         assert left == edges - 1
         assert (np.diff(breaks[:left]) > 0).all()

@@ -35,6 +35,7 @@ from vision import Calibration, extract
 from vision.outline.check.stray_kernels import outline_strays
 from vision.outline.fit.shape_kernels import goes_round
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
+from vision.outline.outline_types import BorderPoints, FinishedEdges
 
 SEED = 31
 
@@ -190,17 +191,9 @@ def strays(border: np.ndarray, kinds: list[int], rows: list[list[float]], at: li
     table = np.zeros((len(rows), 6))
     for i, row in enumerate(rows):
         table[i, : len(row)] = row
-    return bool(
-        outline_strays(
-            np.ascontiguousarray(twice[:, 0]),
-            np.ascontiguousarray(twice[:, 1]),
-            len(border),
-            np.array(at, np.int64),
-            np.array(kinds, np.int8),
-            table,
-            len(rows),
-        )
-    )
+    x, y = (np.ascontiguousarray(twice[:, c]) for c in (0, 1))
+    edges = FinishedEdges(np.array(kinds, np.int8), table, np.array(at, np.int64))
+    return bool(outline_strays(BorderPoints(x, y, len(border)), edges, len(rows)))
 
 
 SQUARE = [(0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0)]

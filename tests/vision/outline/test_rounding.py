@@ -16,6 +16,8 @@ from vision.outline.corners.blurred_corner_kernels import (
     find_corners,
     sum_costs,
 )
+from vision.outline.outline_types import BorderPoints, Costs
+from vision.outline.work_kernels import make_outline
 
 SIDE = 40.0
 HALF = 20
@@ -47,21 +49,23 @@ def rounded_square(blur: float, clockwise: bool) -> tuple[np.ndarray, np.ndarray
 def test_points_where_blur_puts_them_cost_nothing(blur: float, clockwise: bool) -> None:
     points, joints = rounded_square(blur, clockwise)
     n = len(points)
-    px, py = (np.append(np.tile(points[:, c], 2), points[0, c]) for c in (0, 1))
-    breaks = np.arange(4) * 2 * HALF + HALF
-    shape = np.zeros((4, 5))
-    shape[:, :2] = joints
-    shape[:, 2:4] = (np.roll(joints, -1, axis=0) - joints) / SIDE
-    is_arc = np.zeros(4, dtype=np.bool_)
+    x, y = (np.append(np.tile(points[:, c], 2), points[0, c]) for c in (0, 1))
+    border = BorderPoints(x, y, n)
+    outline = make_outline(4)
+    outline.breaks[:] = np.arange(4) * 2 * HALF + HALF
+    outline.is_arc[:] = False
+    outline.joints[:] = joints
+    outline.shape[:, :2] = joints
+    outline.shape[:, 2:4] = (np.roll(joints, -1, axis=0) - joints) / SIDE
     corners = np.zeros((4, CORNER_ROOM))
-    find_corners(px, py, n, breaks, is_arc, 4, shape, joints, corners)
+    find_corners(border, outline, 4, corners)
     assert np.allclose(corners[:, TURN], math.pi / 2.0 if clockwise else -math.pi / 2.0)
     sums = np.zeros(2 * n + 1)
-    args = px, py, n, breaks, is_arc, 4, shape, joints, corners
-    sum_costs(*args, blur, 1e-3 * blur, 0.01, 0.0, sums)
+    costs = Costs(False, 1e-3 * blur, 0.01, 1e9, 0.0)
+    sum_costs(border, outline, 4, corners, blur, costs, sums)
     assert sums[-1] == 0.0
     # and sharp corners would not do
-    sum_costs(*args, 1e-3, 1e-3 * blur, 0.01, 0.0, sums)
+    sum_costs(border, outline, 4, corners, 1e-3, costs, sums)
     assert sums[-1] > 100.0
     assert np.isclose(sums[-1], 2.0 * sums[n])
 
@@ -70,7 +74,6 @@ def test_no_entry_beyond_the_table_is_read_where_tangents_are_no_unit_vectors() 
     corner = np.zeros(CORNER_ROOM)
     corner[ALONG_X], corner[STEEPNESS] = 3.0, 1.0
     deviations = np.zeros(1)
-    _explain.py_func(
-        np.array([3.9]), np.zeros(1), 0, 1, 0, 0.0, 0.0, corner, 1.0, deviations
-    )  # 374 entries from its beginning
+    border = BorderPoints(np.array([3.9]), np.zeros(1), 1)  # 374 entries from its beginning
+    _explain.py_func(border, 0, 1, 0, np.zeros(2), corner, 1.0, deviations)
     assert abs(deviations[0]) < 1e-4

@@ -1,4 +1,4 @@
-"""Edges that do not separate the pixels of a drawing are mended where they fail, and only there."""
+"""Edges that do not separate the pixels of a drawing give way where they fail, and only there."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tests.vision.outline.test_unusual_shapes import walls
 from vision import extract
 from vision.binarise.binarise import binarise
 from vision.borders.contours import Borders, follow_borders
-from vision.outline.drawn.separating_chord_kernels import mend, straight_ways
-from vision.outline.drawn.separation_kernels import find_lost, middles
+from vision.outline.drawn.separating_chord_kernels import chords_between, separate_by_chords
+from vision.outline.drawn.separation_kernels import fill_cracks, find_lost
 from vision.outline.fit.separating_fit_kernels import pixels_lost_to_circle
+from vision.outline.outline_types import Cracks, FinishedEdges
 
 Mask = np.ndarray
-Cracks = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 def picture(mask: Mask) -> np.ndarray:
@@ -37,11 +37,12 @@ def borders_of(mask: Mask) -> Borders:
     return follow_borders(binarise(picture(mask), method="fixed", threshold=127.0).mask)
 
 
-def cracks_of(borders: Borders, b: int) -> tuple[int, Cracks]:
+def cracks_of(borders: Borders, b: int) -> Cracks:
     xs, ys, directions = borders.cracks_of(b)
-    room = (np.empty(2 * len(xs) + 2), np.empty(2 * len(xs) + 2))
-    room = (*room, np.empty(2 * len(xs) + 2), np.empty(2 * len(xs) + 2))
-    return middles(xs, ys, directions, *room), room
+    x, y, free_x, free_y = np.empty((4, 2 * len(xs) + 2))
+    cracks = Cracks(x, y, free_x, free_y, len(xs))
+    fill_cracks(xs, ys, directions, cracks)
+    return cracks
 
 
 def random_walls(rng: np.random.Generator) -> Mask:
@@ -59,38 +60,46 @@ def test_chords_all_around_take_no_pixel_for_what_it_is_not(
     for seed in range(4):
         borders = borders_of(shape(np.random.default_rng([71, seed])))
         for b in range(len(borders.area)):
-            n, (qx, qy, hx, hy) = cracks_of(borders, b)
+            cracks = cracks_of(borders, b)
+            n, x, y = cracks.n, cracks.x[0], cracks.y[0]
             found = np.empty(n + 1, np.int64)
-            count = straight_ways(qx, qy, hx, hy, 0, n, qx[0], qy[0], qx[0], qy[0], found)
+            count = chords_between(cracks, 0, n, x, y, x, y, found)
             if count < 3:
                 continue
             at = found[:count].copy()
             rows = np.zeros((count, 6))
-            rows[:, 0], rows[:, 1] = qx[at], qy[at]
+            rows[:, 0], rows[:, 1] = cracks.x[at], cracks.y[at]
             state = np.empty(n + 1, np.int64)
-            lost, _ = find_lost(qx, qy, hx, n, at, np.zeros(count, np.int8), rows, count, state)
+            chords = FinishedEdges(np.zeros(count, np.int8), rows, at)
+            lost, _ = find_lost(cracks, chords, count, state)
             assert lost == 0, f"seed {seed}, border {b}"
 
 
-def test_mending_leaves_what_is_right_alone() -> None:
+def test_chords_leave_what_is_right_alone() -> None:
     mask = np.zeros((60, 80), bool)
     mask[20:40, 20:60] = True
     borders = borders_of(mask)
-    n, (qx, qy, hx, hy) = cracks_of(borders, 0)
+    cracks = cracks_of(borders, 0)
+    n = cracks.n
     corners = np.array([(19.5, 19.5), (59.5, 19.5), (59.5, 39.5), (19.5, 39.5)])
-    first = np.array([int(np.hypot(qx[:n] - x, qy[:n] - y).argmin()) for x, y in corners])
+    first = np.array(
+        [int(np.hypot(cracks.x[:n] - x, cracks.y[:n] - y).argmin()) for x, y in corners]
+    )
     order = np.argsort(first)
     kind, rows, at = np.zeros(n, np.int8), np.zeros((n, 6)), np.zeros(n, np.int64)
     rows[:4, :2], at[:4] = corners[order], first[order]
+    edges = FinishedEdges(kind, rows, at)
     before = rows.copy()
+    old = FinishedEdges(kind.copy(), rows.copy(), at.copy())
     room = np.empty(n + 1, np.int64), np.empty(n + 1, np.bool_), np.empty(n + 1, np.int64)
-    assert mend(qx, qy, hx, hy, n, at, kind, rows, 4, 0.0, *room) == 4
+    room = (*room, old, np.empty((2, 2)))
+    assert separate_by_chords(cracks, edges, 4, 0.0, *room) == 4
     assert np.array_equal(rows, before)
-    # a corner pulled in by 6 px is mended beside that corner
+    # a corner pulled in by 6 px gives way to chords beside that corner
     rows[0] += np.array([6.0, 0, 0, 0, 0, 0]) if rows[0, 0] < 30 else -6.0 * np.eye(6)[0]
-    count = mend(qx, qy, hx, hy, n, at, kind, rows, 4, 0.0, *room)
+    count = separate_by_chords(cracks, edges, 4, 0.0, *room)
     assert 4 < count <= 12
-    lost, grave = find_lost(qx, qy, hx, n, at, kind, rows, count, room[0])
+    lost, grave = find_lost(cracks, edges, count, room[0])
     assert (lost, grave) == (0, 0)
 
 
@@ -151,8 +160,7 @@ def test_pixels_lost_to_a_circle_are_counted_each_once() -> None:
         for hole in (False, True):
             borders = borders_of(~mask if hole else mask)
             b = int(np.argmin(borders.area)) if hole else 0
-            n, cracks = cracks_of(borders, b)
-            lost = pixels_lost_to_circle(*cracks, n, circle)
+            lost = pixels_lost_to_circle(cracks_of(borders, b), circle)
             wrong = int((mask ^ other).sum())
             # a pixel whose cracks do not follow one another counts again
             assert wrong <= lost <= wrong + 3, f"seed {seed}"

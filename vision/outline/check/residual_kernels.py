@@ -1,9 +1,8 @@
 """How far a border lies from the outline that is written for it.
 
 Rules and units
-- Edges ``0 .. count - 1`` of ``kind`` and ``rows`` (see ``vision.outline.fit.outline_kernels``),
-  whose first points' indices are in ``at``, around the border; ``qx``, ``qy``: its n points, twice
-  over.
+- ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
+  ``vision.outline.outline_types``.
 - What is measured is the finished outline, joints and chords and all: a fit that leaves out the
   points near its ends says nothing of them. Only what blur does to a corner is not counted.
 """
@@ -17,6 +16,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
+from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.fit.outline_kernels import distance_to_edge
 from vision.outline.fitted_borders import ARC_CCW, LINE
 
@@ -31,31 +31,35 @@ the sine of half the angle: the mean of |x| under a Gaussian, as in
 
 
 @njit(**LEAF)
-def measure_residual(qx, qy, n, at, kind, rows, count, blur, reach):
+def measure_residual(border, finished, count, blur, reach):
     """Write the rms distance of all n points from the whole outline to every edge.
 
     ``blur``: its sigma in pixels; ``reach``: how far from a corner it tells.
     """
+    n = border.n
+    at = finished.at
+    kind = finished.kind
+    rows = finished.rows
     total = 0.0
     many = 0
     for i in range(count):
-        after = i + 1 if i + 1 < count else 0
-        before = i - 1 if i > 0 else count - 1
-        behind = after + 1 if after + 1 < count else 0
+        after = successor(i, count)
+        before = predecessor(i, count)
+        behind = successor(after, count)
         lo = at[i]
         hi = at[after]
         hi = hi + n if hi < lo or count == 1 else hi
         first = min(lo + NEAR_ENDS, hi)
         last = max(hi - NEAR_ENDS, first)
-        total += _squares(qx[first:last], qy[first:last], kind, rows, i, after)
+        total += _squares(border.x[first:last], border.y[first:last], kind, rows, i, after)
         many += last - first
         begin = ROUNDING * blur * _bend(kind, rows, before, i, after)
         end = ROUNDING * blur * _bend(kind, rows, i, after, behind)
         for k in range(lo, hi):
             if first <= k < last:
                 continue
-            x = qx[k]
-            y = qy[k]
+            x = border.x[k]
+            y = border.y[k]
             d, _, _ = distance_to_edge(kind, rows, i, after, x, y)
             if d > BESIDE_PX:
                 other, _, _ = distance_to_edge(kind, rows, before, i, x, y)

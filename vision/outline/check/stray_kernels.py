@@ -1,9 +1,8 @@
 """The invariant of every outline: it lies on its border, and its border lies on it.
 
 Rules and units
-- Edges ``0 .. count - 1`` of ``kind`` and ``rows`` (see ``vision.outline.fit.outline_kernels``),
-  whose first points' indices are in ``at``, around the border; ``px``, ``py``: its n points, twice
-  over.
+- ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
+  ``vision.outline.outline_types``.
 - What is checked is the finished outline, joints and chords and all, however it came about: a
   fit's residuals leave out what lies near its ends, and where along an edge its points lie.
 - Where blur rounded a pointed corner back, the outline has the corner that the sides make: a tip
@@ -19,10 +18,11 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.check.area_lost_kernels import loss_beside
-from vision.outline.fit.outline_kernels import STRAY_PX, TAU, distance_to_edge
+from planner.scene.primitive_kernels import successor
+from vision.outline.check.loss_kernels import loss_beside
+from vision.outline.fit.outline_kernels import STRAY_PX, arc_sweep, distance_to_edge
 from vision.outline.fit.shape_kernels import HUGE
-from vision.outline.fitted_borders import ARC_CCW, LINE
+from vision.outline.fitted_borders import LINE
 
 TIP_PX, TIP_BASE_PX = 12.0, 2.0
 """How long a pointed corner's sides may be where they leave the border by more than ``STRAY_PX``,
@@ -35,21 +35,23 @@ LONGEST = 4.0
 
 
 @njit(**LEAF)
-def outline_strays(px, py, n, at, kind, rows, count):
+def outline_strays(border, finished, count):
     """Whether an outline leaves its border by more than ``STRAY_PX``, or its border the outline."""
+    n = border.n
+    at = finished.at
     first_x = 0.0
     first_y = 0.0
     last_x = 0.0
     last_y = 0.0
     for i in range(count):
-        after = i + 1 if i + 1 < count else 0
+        after = successor(i, count)
         lo = at[i]
         hi = at[after]
         hi = hi + n if hi < lo or count == 1 else hi
-        far, _ = loss_beside(px, py, lo, hi, i, after, kind, rows, HUGE, 0.0, 0.0)
-        if far > STRAY_PX and not _beside_any(px, py, lo, hi, kind, rows, count):
+        far, _ = loss_beside(border, lo, hi, finished, i, after, HUGE, 0.0, 0.0)
+        if far > STRAY_PX and not _beside_any(border, lo, hi, finished, count):
             return True
-        lies, ax, ay, bx, by = _beside_border(px, py, n, lo, hi, kind, rows, i, after)
+        lies, ax, ay, bx, by = _beside_border(border, lo, hi, finished, i, after)
         if not lies:
             return True
         if i == 0:
@@ -69,13 +71,15 @@ def _is_wide(ax, ay, bx, by):
 
 
 @njit(**LEAF)
-def _beside_any(px, py, lo, hi, kind, rows, count):
+def _beside_any(border, lo, hi, finished, count):
     """Whether points lo .. hi each lie beside some edge of the outline."""
     for k in range(lo, hi + 1):
         near = False
         for i in range(count):
-            after = i + 1 if i + 1 < count else 0
-            away, _, _ = distance_to_edge(kind, rows, i, after, px[k], py[k])
+            after = successor(i, count)
+            away, _, _ = distance_to_edge(
+                finished.kind, finished.rows, i, after, border.x[k], border.y[k]
+            )
             if away <= STRAY_PX:
                 near = True
                 break
@@ -85,18 +89,22 @@ def _beside_any(px, py, lo, hi, kind, rows, count):
 
 
 @njit(**LEAF)
-def _beside_border(px, py, n, lo, hi, kind, rows, i, after):
+def _beside_border(border, lo, hi, finished, i, after):
     """Whether edge i lies beside its border points lo .. hi, but for tips at its ends.
 
     Returns ``(whether, x, y, x, y)``: where it does so first, and last: its ends without tips.
     """
+    kind = finished.kind
+    rows = finished.rows
     x0 = rows[i, 0]
     y0 = rows[i, 1]
     dx = rows[after, 0] - x0
     dy = rows[after, 1] - y0
     length = math.sqrt(dx * dx + dy * dy)
-    begin, sweep = _turn(kind, rows, i, after)
+    begin = 0.0
+    sweep = 0.0
     if kind[i] != LINE:
+        begin, sweep = arc_sweep(kind, rows, i, after)
         length = abs(sweep) * rows[i, 4]
     if length > LONGEST * (hi - lo + 1) + 2.0 * TIP_PX:
         return False, x0, y0, x0, y0
@@ -117,7 +125,7 @@ def _beside_border(px, py, n, lo, hi, kind, rows, i, after):
             angle = begin + share * sweep
             x = rows[i, 2] + rows[i, 4] * math.cos(angle)
             y = rows[i, 3] + rows[i, 4] * math.sin(angle)
-        near, here = _find_beside(px, py, n, lo, hi, here, x, y)
+        near, here = _find_beside(border, lo, hi, here, x, y)
         if near and ahead > 0.0 and found:
             # it left the border between two points that lie there
             return False, first_x, first_y, last_x, last_y
@@ -137,23 +145,15 @@ def _beside_border(px, py, n, lo, hi, kind, rows, i, after):
 
 
 @njit(**LEAF)
-def _turn(kind, rows, i, after):
-    """Where an arc begins and by how much it turns, in radians as y grows down; 0 for lines."""
-    if kind[i] == LINE:
-        return 0.0, 0.0
-    begin = math.atan2(rows[i, 1] - rows[i, 3], rows[i, 0] - rows[i, 2])
-    end = math.atan2(rows[after, 1] - rows[i, 3], rows[after, 0] - rows[i, 2])
-    # the angle grows along an arc that is clockwise on the screen
-    return begin, -((begin - end) % TAU) if kind[i] == ARC_CCW else (end - begin) % TAU
-
-
-@njit(**LEAF)
-def _find_beside(px, py, n, lo, hi, here, x, y):
+def _find_beside(border, lo, hi, here, x, y):
     """Whether the border lies beside (x, y), and which of points lo .. hi is nearest.
 
     The search goes on from point ``here``, the last one's: points and edge run side by side. Where
     that leads nowhere all are looked at: a joint may lie some points away from its break.
     """
+    px = border.x
+    py = border.y
+    n = border.n
     best = (px[here] - x) ** 2 + (py[here] - y) ** 2
     while here < hi:
         next_ = (px[here + 1] - x) ** 2 + (py[here + 1] - y) ** 2

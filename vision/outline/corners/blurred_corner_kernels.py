@@ -1,8 +1,7 @@
 """How blur rounds a border's corners, and what its points cost beside that.
 
 Rules and units
-- ``px``, ``py``, ``breaks``, ``shape`` and ``joints`` as in
-  ``vision.outline.corners.joint_kernels``.
+- ``border``, ``outline`` and ``costs``: see ``vision.outline.outline_types``.
 - ``corners`` (edges, 8), a row a joint: the unit vectors from which its border comes and along
   which it goes on, the unit vector between both, twice the sine of half its turn, positive where
   it turns clockwise on the screen, and the turn in radians, signed alike.
@@ -18,7 +17,9 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from vision.outline.corners.joint_kernels import edge_end, tangent_at
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.corners.crossing_kernels import tangent_at
+from vision.outline.fit.outline_kernels import edge_end
 
 CORNER_ROOM = 8
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
@@ -40,16 +41,22 @@ EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) 
 
 
 @njit(**LEAF)
-def find_corners(px, py, n, breaks, is_arc, edges, shape, joints, corners):
+def find_corners(border, outline, edges, corners):
     """Fill ``corners``: where the border comes from and goes to at every joint."""
+    px = border.x
+    py = border.y
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    shape = outline.shape
+    joints = outline.joints
     for e in range(edges):
-        before = e - 1 if e > 0 else edges - 1
+        before = predecessor(e, edges)
         x = joints[e, 0]
         y = joints[e, 1]
         here = breaks[e]
         back = breaks[before]
-        p = back + max((here - back) % n, 2) // 2
-        q = here + max(edge_end(breaks, edges, n, e) - here, 2) // 2
+        p = back + max((here - back) % border.n, 2) // 2
+        q = here + max(edge_end(breaks, edges, border.n, e) - here, 2) // 2
         ax, ay = tangent_at(shape[before], is_arc[before], x, y, x - px[p], y - py[p])
         bx, by = tangent_at(shape[e], is_arc[e], x, y, px[q] - x, py[q] - y)
         cross = ax * by - ay * bx
@@ -88,8 +95,10 @@ def _measure(px, py, lo, hi, row, is_arc, side, deviations):
 
 
 @njit(**LEAF)
-def _explain(px, py, lo, hi, from_, joint_x, joint_y, corner, blur, deviations):
+def _explain(border, lo, hi, from_, joint, corner, blur, deviations):
     """Take off what a corner explains of points lo .. hi - 1; ``deviations`` begin at ``from_``.
+
+    ``joint`` (2,): where the corner is.
 
     Across the middle between a corner's sides the level that blur leaves half-way is, where it
     turns little, the mean height of both sides under a Gaussian.
@@ -97,9 +106,11 @@ def _explain(px, py, lo, hi, from_, joint_x, joint_y, corner, blur, deviations):
     reach = (REACH * blur) ** 2
     scale = PER_SIGMA / blur
     height = corner[STEEPNESS] * blur
+    joint_x = joint[0]
+    joint_y = joint[1]
     for k in range(lo, hi):
-        dx = px[k] - joint_x
-        dy = py[k] - joint_y
+        dx = border.x[k] - joint_x
+        dy = border.y[k] - joint_y
         if dx * dx + dy * dy > reach:
             continue
         t = abs(dx * corner[ALONG_X] + dy * corner[ALONG_Y]) * scale
@@ -120,19 +131,20 @@ def _price(deviations, dead_zone, sigma, expected):
 
 
 @njit(**LEAF)
-def sum_costs(
-    px, py, n, breaks, is_arc, edges, shape, joints, corners, blur, dead_zone, sigma, expected,
-    sums,
-):  # fmt: skip
+def sum_costs(border, outline, edges, corners, blur, costs, sums):
     """Cost of the points up to each one of the border, and once more of its second round.
 
     Less what noise explains; ``sums`` (2 * n + 1,).
     """
+    n = border.n
+    is_arc = outline.is_arc
+    shape = outline.shape
+    joints = outline.joints
     span = int(2.0 * REACH * blur) + 2
     for e in range(edges):
-        after = e + 1 if e + 1 < edges else 0
-        lo = breaks[e]
-        hi = edge_end(breaks, edges, n, e)
+        after = successor(e, edges)
+        lo = outline.breaks[e]
+        hi = edge_end(outline.breaks, edges, n, e)
         side = 1.0
         if is_arc[e]:
             # positive to the right of the way, as of a line
@@ -140,15 +152,10 @@ def sum_costs(
             y = joints[e, 1] - shape[e, 1]
             side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0
         here = sums[lo + 1 : hi + 1]
-        _measure(px, py, lo, hi, shape[e], is_arc[e], side, here)
-        _explain(
-            px, py, lo, min(lo + span, hi), lo, joints[e, 0], joints[e, 1], corners[e], blur, here
-        )
-        _explain(
-            px, py, max(hi - span, lo), hi, lo, joints[after, 0], joints[after, 1], corners[after],
-            blur, here,
-        )  # fmt: skip
-        _price(here, dead_zone, sigma, expected)
+        _measure(border.x, border.y, lo, hi, shape[e], is_arc[e], side, here)
+        _explain(border, lo, min(lo + span, hi), lo, joints[e], corners[e], blur, here)
+        _explain(border, max(hi - span, lo), hi, lo, joints[after], corners[after], blur, here)
+        _price(here, costs.dead_zone, costs.sigma, costs.expected)
         for k in range(n, hi):
             sums[k - n + 1] = sums[k + 1]
     sums[0] = 0.0

@@ -1,9 +1,8 @@
 """Corners that blur cut: short sides that noise and blur make of one sharp corner.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over;
-  ``breaks``, ``shape`` and ``joints`` as in ``vision.outline.corners.joint_kernels``; pictures with
-  grey only.
+- ``border``, ``outline`` and ``costs``: see ``vision.outline.outline_types``; pictures with grey
+  only.
 - Under noise a search comes nearer to the joints than blur's rounding of a corner ends; what is
   left of that and what noise saves pay for a side together. Where both lines beside such a side
   and the corner that blur would make of them explain the border's points, it is none.
@@ -15,12 +14,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.blurred_corner_kernels import (
-    CORNER_ROOM,
     EXCESS,
     PER_SIGMA,
     REACH,
@@ -28,7 +26,9 @@ from vision.outline.corners.blurred_corner_kernels import (
     sum_costs,
 )
 from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, set_corner
-from vision.outline.corners.joint_kernels import edge_end
+from vision.outline.corners.merged_line_kernels import drop_edge
+from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.fit.shape_kernels import HUGE
 
 FEWEST = 4
 """Edges of a border of which one may go."""
@@ -37,8 +37,14 @@ LONGEST_BY = 4.5
 
 
 @njit(**LEAF)
-def _sharp_cost(px, py, lo, hi, a, b, corner, blur, dead_zone, sigma, worst, expected):
+def _sharp_cost(border, lo, hi, a, b, corner, blur, costs):
     """What points lo .. hi - 1 cost beside two lines and the corner that blur makes of them."""
+    px = border.x
+    py = border.y
+    dead_zone = costs.dead_zone
+    sigma = costs.sigma
+    worst = costs.worst
+    expected = costs.expected
     along_x = a[2] + b[2]
     along_y = a[3] + b[3]
     length = math.sqrt(along_x * along_x + along_y * along_y)
@@ -59,34 +65,38 @@ def _sharp_cost(px, py, lo, hi, a, b, corner, blur, dead_zone, sigma, worst, exp
             d -= height * ((1.0 - share) * EXCESS[i] + share * EXCESS[i + 1])
         d = abs(d)
         if d > worst:
-            return 1e18
+            return HUGE
         over = max(d - dead_zone, 0.0) / sigma
         cost += over * over - expected
     return cost
 
 
-@njit(cache=True, nogil=True)
-def sharpen(
-    px, py, n, breaks, is_arc, edges, shape, joints, blur, dead_zone, sigma, worst, expected,
-    price, is_fillet, corner,
-):  # fmt: skip
+@njit(**LEAF)
+def drop_side(border, outline, edges, blur, costs, price, room):
     """Leave out the short side that a sharp corner explains best.
 
-    ``price`` is a line's. ``breaks``, ``is_arc`` and ``is_fillet`` are changed; returns the new
-    number of edges, and whether they are.
+    ``price`` is a line's; ``room``: ``CornerRoom``. ``breaks``, ``is_arc`` and
+    ``is_fillet`` are changed; returns the new number of edges, and whether they are.
     """
+    n = border.n
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    shape = outline.shape
+    joints = outline.joints
     if edges < FEWEST:
         return edges, False
     blur = math.sqrt(blur * blur + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     span = int(REACH * blur) + 1
     longest = (LONGEST_BY * blur) ** 2
-    corners = np.empty((0, CORNER_ROOM), np.float64)
-    sums = np.empty(0, np.float64)
+    corner = room.corner
+    corners = room.corners
+    sums = room.sums
+    summed = False
     best = 0.0
     gone = -1
     for e in range(edges):
-        before = e - 1 if e > 0 else edges - 1
-        after = e + 1 if e + 1 < edges else 0
+        before = predecessor(e, edges)
+        after = successor(e, edges)
         if is_arc[e] or is_arc[before] or is_arc[after]:
             continue
         dx = joints[after, 0] - joints[e, 0]
@@ -102,27 +112,31 @@ def sharpen(
             hi += n
         if hi > 2 * n:
             continue
-        cost = _sharp_cost(
-            px, py, lo, hi, shape[before], shape[after], corner, blur, dead_zone, sigma, worst,
-            expected,
-        )  # fmt: skip
-        if cost >= 1e18:
+        cost = _sharp_cost(border, lo, hi, shape[before], shape[after], corner, blur, costs)
+        if cost >= HUGE:
             continue
-        if sums.shape[0] == 0:
+        if not summed:
             # only few borders have such a side
-            corners = np.empty((edges, CORNER_ROOM), np.float64)
-            sums = np.empty(2 * n + 1, np.float64)
-            find_corners(px, py, n, breaks, is_arc, edges, shape, joints, corners)
-            sum_costs(
-                px, py, n, breaks, is_arc, edges, shape, joints, corners, blur, dead_zone, sigma,
-                expected, sums,
-            )  # fmt: skip
+            summed = True
+            find_corners(border, outline, edges, corners)
+            sum_costs(border, outline, edges, corners, blur, costs, sums)
         gain = sums[hi] - sums[lo] + price - cost
         if gain > best:
             best = gain
             gone = e
     if gone < 0:
         return edges, False
+    _join_sides_of(border, outline, edges, gone)
+    return edges - 1, True
+
+
+@njit(**LEAF)
+def _join_sides_of(border, outline, edges, gone):
+    """Take side ``gone`` out of an outline: its neighbours meet in its middle."""
+    n = border.n
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    is_fillet = outline.is_fillet
     middle = (breaks[gone] + edge_end(breaks, edges, n, gone)) // 2
     if gone + 1 < edges:
         breaks[gone + 1] = middle
@@ -134,8 +148,4 @@ def sharpen(
         is_arc[gone] = is_arc[0]
         is_fillet[gone] = is_fillet[0]
         gone = 0
-    for e in range(gone, edges - 1):
-        breaks[e] = breaks[e + 1]
-        is_arc[e] = is_arc[e + 1]
-        is_fillet[e] = is_fillet[e + 1]
-    return edges - 1, True
+    drop_edge(outline, edges, gone)

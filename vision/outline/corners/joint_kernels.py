@@ -1,9 +1,7 @@
 """Edges fitted between their breaks, and the joints where neighbouring edges meet.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over.
-- ``breaks`` holds each edge's first point; the edge ends at the next one's. ``shape`` row:
-  x, y, ux, uy of a line or cx, cy, r of a circle, and the rms deviation last.
+- ``border``, ``outline`` and ``limits``: see ``vision.outline.outline_types``.
 - What lies within ``guard`` pixels of a corner, where blur rounds the border, takes no part in
   a fit; short stretches keep their middle.
 """
@@ -18,6 +16,9 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.corners.crossing_kernels import crossing, onto, touch
+from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
 from vision.outline.fit.shape_kernels import (
     HUGE,
@@ -34,59 +35,29 @@ REFINEMENTS, EVERY = np.int64(8), np.int64(1)
 """Rounds of Gauss-Newton; a fit takes every point."""
 STRAIGHT_PX = 0.05
 """An arc that rises less over its chord is a line: no edge point is known better."""
-SHALLOW = 0.03
-"""Sine of the angle below which two lines are taken for one."""
 SMOOTH_SLIDE = 24
 """Points by which a break beside an arc may move to where the fits of both sides are best."""
-TURN = 6
-"""Points on either side of a break that tell where its border comes from and goes to."""
 SLIDE = 8
 """Points by which a break may move towards its corner at a time."""
 
 
 @njit(**LEAF)
-def edge_end(breaks, edges, n, e):
-    """The last point of edge e, behind its first one: it may run past the border's end."""
-    hi = breaks[e + 1 if e + 1 < edges else 0]
-    return hi + n if hi <= breaks[e] else hi
-
-
-@njit(cache=True, nogil=True)
-def fit_and_join(
-    px, py, n, breaks, is_arc, edges, crisp, guard, blur, tangent, joints, shape, ranges, fresh,
-    active,
-):  # fmt: skip
+def fit_and_join(border, outline, edges, limits, near, found):
     """Fit every edge, join neighbours, and so again with the joints found, until it settles.
 
-    ``joints`` (edges, 2) and ``shape`` are filled, ``breaks`` and ``is_arc`` corrected;
-    ``ranges`` (edges, 2), ``fresh`` (edges, 2) and ``active`` are room to work in.
+    The outline's ``breaks`` and ``is_arc`` are corrected, all but ``is_fillet`` filled; ``near``
+    (2, points) and ``found`` (3,) are room to work in.
     """
     for e in range(edges):
-        joints[e, 0] = px[breaks[e]]
-        joints[e, 1] = py[breaks[e]]
-        ranges[e, 0] = -1
-        ranges[e, 1] = -1
-        fresh[e, 1] = True
+        outline.joints[e, 0] = border.x[outline.breaks[e]]
+        outline.joints[e, 1] = border.y[outline.breaks[e]]
+        outline.ranges[e, 0] = -1
+        outline.ranges[e, 1] = -1
+        outline.fresh[e, 1] = True
     for _ in range(ROUNDS):
-        if not _fit_edges(
-            px, py, n, breaks, is_arc, edges, crisp, guard, joints, shape, ranges, fresh, active
-        ):
+        if not _fit_edges(border, outline, edges, limits, near):
             break
-        _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh)
-
-
-@njit(**LEAF)
-def onto(shape, e, is_arc, x, y):
-    """The point of the fitted line or circle of edge e nearest to (x, y)."""
-    if is_arc:
-        dx = x - shape[e, 0]
-        dy = y - shape[e, 1]
-        d = math.sqrt(dx * dx + dy * dy)
-        if d == 0.0:
-            return x, y
-        return shape[e, 0] + dx * shape[e, 2] / d, shape[e, 1] + dy * shape[e, 2] / d
-    t = (x - shape[e, 0]) * shape[e, 2] + (y - shape[e, 1]) * shape[e, 3]
-    return shape[e, 0] + t * shape[e, 2], shape[e, 1] + t * shape[e, 3]
+        _join(border, outline, edges, limits, found)
 
 
 @njit(**LEAF)
@@ -101,8 +72,17 @@ def _away(shape, e, is_arc, known, x, y, joints, j):
 
 
 @njit(**LEAF)
-def _clear_of_joints(px, py, lo, hi, joints, shape, e, is_arc, known, after, guard):
-    """The part of a stretch that keeps ``guard`` pixels from both joints, or its middle."""
+def _clear_of_joints(border, outline, edges, e, guard):
+    """The part of edge e that keeps ``guard`` pixels from both joints, or its middle."""
+    px = border.x
+    py = border.y
+    joints = outline.joints
+    shape = outline.shape
+    is_arc = outline.is_arc[e]
+    known = outline.ranges[e, 0] >= 0
+    after = successor(e, edges)
+    lo = outline.breaks[e]
+    hi = edge_end(outline.breaks, edges, border.n, e)
     length = hi - lo
     least = max(3, (2 * length) // 5)
     a = lo
@@ -121,29 +101,27 @@ def _clear_of_joints(px, py, lo, hi, joints, shape, e, is_arc, known, after, gua
 
 
 @njit(**LEAF)
-def _fit_edges(
-    px, py, n, breaks, is_arc, edges, crisp, guard, joints, shape, ranges, fresh, active
-):
+def _fit_edges(border, outline, edges, limits, near):
     """Fit the edges whose points are not those of the time before: whether there were any.
 
     ``fresh[e, 0]`` says so of each edge; where only a break moved, ``fresh[e, 1]``, the
     joints are looked at again.
     """
+    px = border.x
+    py = border.y
+    is_arc = outline.is_arc
+    ranges = outline.ranges
+    fresh = outline.fresh
     work = False
     for e in range(edges):
-        lo = breaks[e]
-        hi = edge_end(breaks, edges, n, e)
-        a, b = _clear_of_joints(
-            px, py, lo, hi, joints, shape, e, is_arc[e], ranges[e, 0] >= 0,
-            e + 1 if e + 1 < edges else 0, guard,
-        )  # fmt: skip
+        a, b = _clear_of_joints(border, outline, edges, e, limits.guard)
         fresh[e, 0] = a != ranges[e, 0] or b != ranges[e, 1]
         work = work or fresh[e, 0] or fresh[e, 1]
         if not fresh[e, 0]:
             continue
         ranges[e, 0] = a
         ranges[e, 1] = b
-        row = shape[e]
+        row = outline.shape[e]
         if is_arc[e] and not (b - a >= 5 and fit_circle(px, py, a, b, EVERY, row)):
             is_arc[e] = False
         if is_arc[e]:
@@ -153,131 +131,23 @@ def _fit_edges(
             is_arc[e] = rise >= STRAIGHT_PX
         if is_arc[e]:
             refine_circle(px, py, a, b, REFINEMENTS, row)
-            if crisp:
-                separate_circle(px, py, a, b, row, active)
+            if limits.crisp:
+                separate_circle(px, py, a, b, row, near)
             row[4] = circle_rms(px, py, a, b, row)
         else:
             fit_line(px, py, a, b, EVERY, row)
-            if crisp:
-                separate_line(px, py, a, b, row, active)
+            if limits.crisp:
+                separate_line(px, py, a, b, row, near)
             row[4] = line_rms(px, py, a, b, row)
     return work
 
 
 @njit(**LEAF)
-def _crossing(a, a_arc, b, b_arc, x, y, from_x, from_y, to_x, to_y, out):
-    """The crossing of two neighbouring edges nearest to (x, y); False where there is none.
-
-    out = x, y and half the sine of the angle between the edges, as a share of the rounding; the
-    border comes from (from_x, from_y) and goes to (to_x, to_y).
-    """
-    if not a_arc and not b_arc:
-        cross = a[2] * b[3] - a[3] * b[2]
-        if abs(cross) < SHALLOW:
-            return False
-        t = ((b[0] - a[0]) * b[3] - (b[1] - a[1]) * b[2]) / cross
-        out[0] = a[0] + t * a[2]
-        out[1] = a[1] + t * a[3]
-        # sine of half the corner's inner angle: a narrow tip is rounded far back
-        out[2] = math.sqrt(max(0.5 * (1.0 + a[2] * b[2] + a[3] * b[3]), 0.0))
-        return True
-    if a_arc and b_arc:
-        dx = b[0] - a[0]
-        dy = b[1] - a[1]
-        d = math.sqrt(dx * dx + dy * dy)
-        if d < 1e-9:
-            return False
-        along = (d * d + a[2] * a[2] - b[2] * b[2]) / (2.0 * d)
-        base_x = a[0] + along * dx / d
-        base_y = a[1] + along * dy / d
-        off2 = a[2] * a[2] - along * along
-        off_x = -dy / d
-        off_y = dx / d
-    else:
-        line = b if a_arc else a
-        arc = a if a_arc else b
-        t = (arc[0] - line[0]) * line[2] + (arc[1] - line[1]) * line[3]
-        base_x = line[0] + t * line[2]
-        base_y = line[1] + t * line[3]
-        off2 = arc[2] * arc[2] - (arc[0] - base_x) ** 2 - (arc[1] - base_y) ** 2
-        off_x = line[2]
-        off_y = line[3]
-    if off2 < 0.0:
-        return False
-    off = math.sqrt(off2)
-    if (x - base_x) * off_x + (y - base_y) * off_y < 0.0:
-        off = -off
-    out[0] = base_x + off * off_x
-    out[1] = base_y + off * off_y
-    ax, ay = tangent_at(a, a_arc, out[0], out[1], x - from_x, y - from_y)
-    bx, by = tangent_at(b, b_arc, out[0], out[1], to_x - x, to_y - y)
-    out[2] = math.sqrt(max(0.5 * (1.0 + ax * bx + ay * by), 0.0))
-    return True
-
-
-@njit(**LEAF)
-def tangent_at(row, is_arc, x, y, along_x, along_y):
-    """The unit vector along a fitted edge at (x, y), towards (along_x, along_y)."""
-    tx = row[2]
-    ty = row[3]
-    if is_arc:
-        tx = (row[1] - y) / row[2]
-        ty = (x - row[0]) / row[2]
-    if tx * along_x + ty * along_y < 0.0:
-        return -tx, -ty
-    return tx, ty
-
-
-@njit(**LEAF)
-def _touch(a, a_arc, b, b_arc, out):
-    """Where an arc and its neighbour come nearest; out = x, y and the gap (crossing: negative).
-
-    Two arcs touch from outside or from inside, whichever leaves the smaller gap. A crossing's
-    position is ill-defined where edges are nearly tangent; the point of contact is not.
-    """
-    if a_arc and b_arc:
-        dx = b[0] - a[0]
-        dy = b[1] - a[1]
-        d = math.sqrt(dx * dx + dy * dy)
-        if d < 1e-9:
-            return False
-        # on the line of centres, the points of both circles
-        outside = d - a[2] - b[2]
-        inside = d - abs(a[2] - b[2])
-        ta = a[2]
-        tb = d - b[2]
-        gap = outside
-        if abs(inside) < abs(outside):
-            if a[2] >= b[2]:
-                tb = d + b[2]
-            else:
-                ta = -a[2]
-            gap = -inside
-        t = 0.5 * (ta + tb) / d
-        out[0] = a[0] + t * dx
-        out[1] = a[1] + t * dy
-        out[2] = gap
-        return True
-    line = b if a_arc else a
-    arc = a if a_arc else b
-    t = (arc[0] - line[0]) * line[2] + (arc[1] - line[1]) * line[3]
-    foot_x = line[0] + t * line[2]
-    foot_y = line[1] + t * line[3]
-    dx = foot_x - arc[0]
-    dy = foot_y - arc[1]
-    d = math.sqrt(dx * dx + dy * dy)
-    if d < 1e-9:
-        return False
-    share = 0.5 * (1.0 + arc[2] / d)
-    out[0] = arc[0] + share * dx
-    out[1] = arc[1] + share * dy
-    out[2] = d - arc[2]
-    return True
-
-
-@njit(**LEAF)
-def nearest_point(px, py, n, middle, before, after, x, y):
+def nearest_point(border, middle, before, after, x, y):
     """The border point nearest to (x, y) from ``before`` points ahead of ``middle`` to after."""
+    px = border.x
+    py = border.y
+    n = border.n
     best = HUGE
     where = middle
     first = middle + n if middle < before else middle
@@ -299,8 +169,11 @@ def _deviation(row, is_arc, x, y):
 
 
 @njit(**LEAF)
-def _best_split(px, py, n, a, a_arc, b, b_arc, middle, before, after):
+def _best_split(border, a, a_arc, b, b_arc, middle, before, after):
     """Where a border changes from edge a to edge b: the split with the least squares."""
+    px = border.x
+    py = border.y
+    n = border.n
     total = 0.0
     best = 0.0
     first = middle + n if middle < before else middle
@@ -315,73 +188,80 @@ def _best_split(px, py, n, a, a_arc, b, b_arc, middle, before, after):
     return where - n if where >= n else where
 
 
-@njit(cache=True, nogil=True)
-def _join(px, py, n, breaks, is_arc, edges, shape, blur, tangent, joints, fresh):
+@njit(**LEAF)
+def _join(border, outline, edges, limits, found):
     """Where neighbouring edges meet; breaks move to the border points nearest to that.
 
-    A crossing is believed where the border comes as near to it as blur and the corner's
-    angle let it; edges that do not cross, or hardly, meet half-way between them. On return
-    ``fresh[e, 1]`` says whether break e moved.
+    On return ``fresh[e, 1]`` says whether break e moved.
     """
-    found = np.empty(3, np.float64)
-    moved = np.empty(edges, np.int64)
+    fresh = outline.fresh
+    breaks = outline.breaks
+    moved = outline.moved
     for e in range(edges):
         moved[e] = breaks[e]
-        before = e - 1 if e > 0 else edges - 1
-        after = e + 1 if e + 1 < edges else 0
-        if not (
-            fresh[before, 0] or fresh[e, 0] or fresh[before, 1] or fresh[e, 1] or fresh[after, 1]
-        ):
-            continue
-        a = shape[before]
-        b = shape[e]
-        a_arc = is_arc[before]
-        b_arc = is_arc[e]
-        here = breaks[e]
-        room_before = max((here - breaks[before]) % n - 1, 0) // 2
-        room_after = max((breaks[after] - here) % n - 1, 0) // 2
-        if a_arc or b_arc:
-            here = _best_split(
-                px, py, n, a, a_arc, b, b_arc, here,
-                min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
-            )  # fmt: skip
-            # no farther than half-way to the next break, or two might change places
-            slid = (here - breaks[e] + n // 2) % n - n // 2
-            room_before += slid
-            room_after -= slid
-        x = px[here]
-        y = py[here]
-        moved[e] = here
-        if (a_arc or b_arc) and _touch(a, a_arc, b, b_arc, found) and abs(found[2]) <= tangent:
-            where, distance = nearest_point(
-                px, py, n, here, min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
-                found[0], found[1],
-            )  # fmt: skip
-            if distance <= 1.0:
-                joints[e, 0] = found[0]
-                joints[e, 1] = found[1]
-                moved[e] = where
-                continue
-        p = here - min(TURN, n // 4)
-        q = here + min(TURN, n // 4)
-        p = p + n if p < 0 else p
-        if _crossing(a, a_arc, b, b_arc, x, y, px[p], py[p], px[q], py[q], found):
-            where, distance = nearest_point(
-                px, py, n, here, min(SLIDE, room_before), min(SLIDE, room_after),
-                found[0], found[1],
-            )  # fmt: skip
-            if distance <= 0.5 + (0.3 + blur) / max(found[2], 0.1):
-                joints[e, 0] = found[0]
-                joints[e, 1] = found[1]
-                moved[e] = where
-                continue
-        ax, ay = onto(shape, before, a_arc, x, y)
-        bx, by = onto(shape, e, b_arc, x, y)
-        joints[e, 0] = 0.5 * (ax + bx)
-        joints[e, 1] = 0.5 * (ay + by)
-        if (joints[e, 0] - x) ** 2 + (joints[e, 1] - y) ** 2 > 1.0:
-            joints[e, 0] = x
-            joints[e, 1] = y
+        before = predecessor(e, edges)
+        after = successor(e, edges)
+        if fresh[before, 0] or fresh[e, 0] or fresh[before, 1] or fresh[e, 1] or fresh[after, 1]:
+            moved[e] = _join_at(border, outline, edges, limits, e, found)
     for e in range(edges):
         fresh[e, 1] = moved[e] != breaks[e]
         breaks[e] = moved[e]
+
+
+@njit(**LEAF)
+def _join_at(border, outline, edges, limits, e, found):
+    """Where edge e meets the one before it, into ``joints``; returns the break nearest to that.
+
+    A crossing is believed where the border comes as near to it as blur and the corner's
+    angle let it; edges that do not cross, or hardly, meet half-way between them. ``found`` (3,)
+    is room to work in.
+    """
+    n = border.n
+    breaks = outline.breaks
+    joints = outline.joints
+    shape = outline.shape
+    before = predecessor(e, edges)
+    after = successor(e, edges)
+    a = shape[before]
+    b = shape[e]
+    a_arc = outline.is_arc[before]
+    b_arc = outline.is_arc[e]
+    here = breaks[e]
+    room_before = max((here - breaks[before]) % n - 1, 0) // 2
+    room_after = max((breaks[after] - here) % n - 1, 0) // 2
+    if a_arc or b_arc:
+        here = _best_split(
+            border, a, a_arc, b, b_arc, here,
+            min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
+        )  # fmt: skip
+        # no farther than half-way to the next break, or two might change places
+        slid = (here - breaks[e] + n // 2) % n - n // 2
+        room_before += slid
+        room_after -= slid
+    x = border.x[here]
+    y = border.y[here]
+    if (a_arc or b_arc) and touch(a, a_arc, b, b_arc, found) and abs(found[2]) <= limits.tangent:
+        where, distance = nearest_point(
+            border, here, min(SMOOTH_SLIDE, room_before), min(SMOOTH_SLIDE, room_after),
+            found[0], found[1],
+        )  # fmt: skip
+        if distance <= 1.0:
+            joints[e, 0] = found[0]
+            joints[e, 1] = found[1]
+            return where
+    if crossing(border, here, a, a_arc, b, b_arc, found):
+        where, distance = nearest_point(
+            border, here, min(SLIDE, room_before), min(SLIDE, room_after), found[0], found[1]
+        )
+        if distance <= 0.5 + (0.3 + limits.corner_blur) / max(found[2], 0.1):
+            joints[e, 0] = found[0]
+            joints[e, 1] = found[1]
+            return where
+    ax, ay = onto(shape, before, a_arc, x, y)
+    bx, by = onto(shape, e, b_arc, x, y)
+    joints[e, 0] = 0.5 * (ax + bx)
+    joints[e, 1] = 0.5 * (ay + by)
+    if (joints[e, 0] - x) ** 2 + (joints[e, 1] - y) ** 2 > 1.0:
+        joints[e, 0] = x
+        joints[e, 1] = y
+    return here

@@ -1,9 +1,8 @@
 """Neighbouring edges that are one line: a search breaks lines at its seeds, which may lie astray.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over;
-  ``breaks``, ``shape`` and ``ranges`` as in ``vision.outline.corners.joint_kernels``; pictures with
-  grey only.
+- ``border``, ``outline``, ``costs`` and ``prices``: see ``vision.outline.outline_types``; pictures
+  with grey only.
 - Beside an arc a seed may lie some points from where the line begins. A stretch that ends there
   is no line, and the search puts a break into the line instead, or takes it for a flat arc. Once
   the edges are fitted and their joints known, the same prices tell that it is one.
@@ -16,7 +15,8 @@ from __future__ import annotations
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.corners.joint_kernels import edge_end
+from planner.scene.primitive_kernels import successor
+from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, fit_line, line_cost
 
 FEWEST = 3
@@ -31,71 +31,77 @@ STEP = 1
 """Every point takes part in a fit."""
 ENDLESS = 1e9
 """No point is too far from the edge that it has."""
-LINE, ARC = 0, 1
-"""Where the prices of a line and of an arc stand."""
 
 
 @njit(**LEAF)
-def _may_be_line(is_arc, is_fillet, shape, points, e):
+def _may_be_line(outline, points, e):
     """Whether edge e of so many points is a line, or may pass for one."""
-    return not is_arc[e] or (not is_fillet[e] and points < FLAT * shape[e, 2])
+    if not outline.is_arc[e]:
+        return True
+    return not outline.is_fillet[e] and points < FLAT * outline.shape[e, 2]
 
 
 @njit(**LEAF)
-def _cost(px, py, lo, hi, row, is_arc, dead_zone, sigma):
-    """What points lo .. hi - 1 cost beside the edge that they have."""
-    if is_arc:
-        return circle_cost(px, py, lo, hi, row, False, dead_zone, sigma, ENDLESS, HUGE)
-    return line_cost(px, py, lo, hi, row, False, dead_zone, sigma, ENDLESS, HUGE)
+def _cost(border, lo, hi, outline, e, costs):
+    """What points lo .. hi - 1 cost beside edge e, which they have."""
+    row = outline.shape[e]
+    if outline.is_arc[e]:
+        return circle_cost(
+            border.x, border.y, lo, hi, row, False, costs.dead_zone, costs.sigma, ENDLESS, HUGE
+        )
+    return line_cost(
+        border.x, border.y, lo, hi, row, False, costs.dead_zone, costs.sigma, ENDLESS, HUGE
+    )
 
 
 @njit(**LEAF)
-def _gain(
-    px, py, n, breaks, is_arc, is_fillet, edges, e, both, shape, ranges, dead_zone, sigma, worst,
-    prices, line,
-):  # fmt: skip
+def _gain(border, outline, edges, e, both, costs, prices, line):
     """What one line saves in the place of edge e, or of it and the next one (``both``)."""
+    n = border.n
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    shape = outline.shape
+    ranges = outline.ranges
     begin = breaks[e]
     middle = edge_end(breaks, edges, n, e)
-    if not _may_be_line(is_arc, is_fillet, shape, middle - begin, e):
+    if not _may_be_line(outline, middle - begin, e):
         return 0.0
     lo = ranges[e, 0]
     hi = ranges[e, 1]
-    saved = prices[ARC] if is_arc[e] else prices[LINE]
+    saved = prices.arc if is_arc[e] else prices.line
     if both:
-        after = e + 1 if e + 1 < edges else 0
+        after = successor(e, edges)
         points = edge_end(breaks, edges, n, after) - breaks[after]
-        if not _may_be_line(is_arc, is_fillet, shape, points, after):
+        if not _may_be_line(outline, points, after):
             return 0.0
         long = min(points, middle - begin) >= SHORT and not (is_arc[e] or is_arc[after])
         if long and shape[e, 2] * shape[after, 2] + shape[e, 3] * shape[after, 3] < ALONG:
             return 0.0
         shift = middle - breaks[after]
         hi = ranges[after, 1] + shift
-        saved += prices[ARC] if is_arc[after] else prices[LINE]
-        saved += _cost(px, py, lo, middle, shape[e], is_arc[e], dead_zone, sigma)
-        saved += _cost(
-            px, py, breaks[after], ranges[after, 1], shape[after], is_arc[after], dead_zone, sigma
-        )
+        saved += prices.arc if is_arc[after] else prices.line
+        saved += _cost(border, lo, middle, outline, e, costs)
+        saved += _cost(border, breaks[after], ranges[after, 1], outline, after, costs)
     else:
-        saved += _cost(px, py, lo, hi, shape[e], is_arc[e], dead_zone, sigma)
-    saved -= prices[LINE]
+        saved += _cost(border, lo, hi, outline, e, costs)
+    saved -= prices.line
     if hi > 2 * n or saved <= 0.0:
         return 0.0
-    fit_line(px, py, lo, hi, STEP, line)
-    return saved - line_cost(px, py, lo, hi, line, False, dead_zone, sigma, worst, saved)
+    fit_line(border.x, border.y, lo, hi, STEP, line)
+    return saved - line_cost(
+        border.x, border.y, lo, hi, line, False, costs.dead_zone, costs.sigma, costs.worst, saved
+    )
 
 
-@njit(cache=True, nogil=True)
-def straighten(
-    px, py, n, breaks, is_arc, edges, shape, ranges, dead_zone, sigma, worst, prices, is_fillet,
-    line,
-):  # fmt: skip
+@njit(**LEAF)
+def merge_lines(border, outline, edges, costs, prices, line):
     """Make one line of edges where it describes a border more cheaply.
 
     ``breaks``, ``is_arc`` and ``is_fillet`` are changed; returns the new number of edges, and
-    whether they are. ``shape`` and ``ranges`` do not fit them any more then.
+    whether they are. ``shape`` and ``ranges`` do not fit them any more then. ``line`` (4,) is room
+    to work in.
     """
+    is_arc = outline.is_arc
     best = 0.0
     where = -1
     pair = False
@@ -105,19 +111,13 @@ def straighten(
     least = FEWEST if arcs else FEWEST + 1
     for e in range(edges):
         if is_arc[e]:
-            gain = _gain(
-                px, py, n, breaks, is_arc, is_fillet, edges, e, False, shape, ranges, dead_zone,
-                sigma, worst, prices, line,
-            )  # fmt: skip
+            gain = _gain(border, outline, edges, e, False, costs, prices, line)
             if gain > best:
                 best = gain
                 where = e
                 pair = False
         if edges >= least:
-            gain = _gain(
-                px, py, n, breaks, is_arc, is_fillet, edges, e, True, shape, ranges, dead_zone,
-                sigma, worst, prices, line,
-            )  # fmt: skip
+            gain = _gain(border, outline, edges, e, True, costs, prices, line)
             if gain > best:
                 best = gain
                 where = e
@@ -125,12 +125,17 @@ def straighten(
     if where < 0:
         return edges, False
     is_arc[where] = False
-    is_fillet[where] = False
+    outline.is_fillet[where] = False
     if not pair:
         return edges, True
-    gone = where + 1 if where + 1 < edges else 0
-    for e in range(gone, edges - 1):
-        breaks[e] = breaks[e + 1]
-        is_arc[e] = is_arc[e + 1]
-        is_fillet[e] = is_fillet[e + 1]
+    drop_edge(outline, edges, successor(where, edges))
     return edges - 1, True
+
+
+@njit(**LEAF)
+def drop_edge(outline, edges, gone):
+    """Take edge ``gone`` out of an outline's breaks and kinds; what follows moves up."""
+    for e in range(gone, edges - 1):
+        outline.breaks[e] = outline.breaks[e + 1]
+        outline.is_arc[e] = outline.is_arc[e + 1]
+        outline.is_fillet[e] = outline.is_fillet[e + 1]

@@ -1,8 +1,7 @@
 """Lines that are bent: what a search lets pass as straight because a little deviation is free.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over;
-  ``shape`` and ``ranges`` as in ``vision.outline.corners.joint_kernels``.
+- ``border`` and ``outline``: see ``vision.outline.outline_types``.
 """
 
 # mypy: allow-untyped-defs
@@ -12,6 +11,7 @@ from __future__ import annotations
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import successor
 from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 
 BENT_PX, BENT_BY = 0.15, 2.0
@@ -28,18 +28,24 @@ AS_GOOD_PX = 0.02
 
 
 @njit(**LEAF)
-def any_bent_line(px, py, n, is_arc, edges, shape, ranges, spread, circle):
+def any_bent_line(border, outline, edges, spread, circle):
     """Whether an arc fits a line's points far better, or those of two lines as well.
 
-    ``spread``: the noise of a point.
+    ``spread``: the noise of a point; ``circle`` (3,) is room to work in.
     """
+    px = border.x
+    py = border.y
+    n = border.n
+    is_arc = outline.is_arc
+    shape = outline.shape
+    ranges = outline.ranges
     least = BENT_PX + BENT_BY * spread
     for e in range(edges):
         a = ranges[e, 0]
         b = ranges[e, 1]
         if is_arc[e] or a < 0 or b - a < LEAST:
             continue
-        after = e + 1 if e + 1 < edges else 0
+        after = successor(e, edges)
         dot = shape[e, 2] * shape[after, 2] + shape[e, 3] * shape[after, 3]
         pair = after != e and not is_arc[after] and ranges[after, 0] >= 0 and dot > SHALLOW
         if pair and ranges[after, 1] - ranges[after, 0] >= LEAST:

@@ -1,8 +1,7 @@
-"""Blunt tips: the short side at the end of a narrow wall, between two lines that turn back.
+"""The ends of walls: the short side at the end of a narrow wall, between two lines that turn back.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over;
-  ``breaks`` and ``shape`` as in ``vision.outline.corners.joint_kernels``; pictures with grey only.
+- ``border`` and ``outline``: see ``vision.outline.outline_types``; pictures with grey only.
 - A search that leaves out what lies near its breaks sees nothing of a side that is no longer than
   what blur rounds at its corners. But where the border turns back between two long lines, a sharp
   tip would be as narrow as blur leaves one: what is wider has a side of its own.
@@ -14,11 +13,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.corners.joint_kernels import edge_end, nearest_point
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.corners.joint_kernels import nearest_point
+from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.fit.shape_kernels import HUGE
 
 BACK = -0.5
 """Cosine between two lines from which on the border turns back."""
@@ -27,7 +28,7 @@ LEAST = 8
 BETWEEN = 2
 """Edges that may lie between the two."""
 AROUND = 6
-"""Points on either side of what lies between among which the tip is."""
+"""Points on either side of what lies between among which the wall's end is."""
 SHARP_BY, SHARP_PX = 2.2, 0.5
 """A sharp tip's border is no wider than so many times the blur's sigma, and so much more. The
 half-way level alone would be where it is 1.35 sigma wide."""
@@ -40,17 +41,25 @@ SQUARE_PX = 1.5
 points amid its corners cannot tell."""
 
 
-@njit(cache=True, nogil=True)
-def cut_tips(px, py, n, breaks, is_arc, edges, shape, blur, guard, is_tip):
-    """Put a side where two lines that turn back have a blunt tip between them.
+@njit(**LEAF)
+def cut_ends(border, outline, edges, blur, guard, is_end, room):
+    """Put a side where two lines that turn back have a blunt end between them.
 
-    ``breaks`` and ``is_arc`` are changed and ``is_tip`` filled; returns the new number of edges,
-    and whether it is.
+    ``breaks`` and ``is_arc`` are changed and ``is_end`` (edges + 1,) filled; returns the new number
+    of edges, and whether it is. ``room``: ``CornerRoom``.
     """
-    gone = np.zeros(edges, np.bool_)
-    tips = np.full((edges, 2), -1, np.int64)
-    found = np.empty(2, np.int64)
-    any_tip = False
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    shape = outline.shape
+    n = border.n
+    gone = room.gone
+    ends = room.ends
+    found = room.fillet.found
+    any_end = False
+    for e in range(edges):
+        gone[e] = False
+        ends[e, 0] = -1
+        ends[e, 1] = -1
     for e in range(edges):
         if gone[e] or is_arc[e] or edge_end(breaks, edges, n, e) - breaks[e] < LEAST:
             continue
@@ -59,44 +68,61 @@ def cut_tips(px, py, n, breaks, is_arc, edges, shape, blur, guard, is_tip):
             if is_arc[j] or edge_end(breaks, edges, n, j) - breaks[j] < LEAST:
                 continue
             dot = shape[e, 2] * shape[j, 2] + shape[e, 3] * shape[j, 3]
-            if dot < BACK and _find_tip(px, py, n, breaks, edges, e, j, shape, blur, guard, found):
-                tips[e, 0] = found[0]
-                tips[e, 1] = found[1]
-                any_tip = True
+            if dot < BACK and _find_end(border, outline, edges, e, j, blur, guard, found):
+                ends[e, 0] = found[0]
+                ends[e, 1] = found[1]
+                any_end = True
                 for t in range(run):
                     gone[(e + t + 1) % edges] = True
             break
-    is_tip[: edges + 1] = False
-    if not any_tip:
+    for e in range(edges + 1):
+        is_end[e] = False
+    if not any_end:
         return edges, False
-    old_breaks = breaks[:edges].copy()
-    old_arcs = is_arc[:edges].copy()
+    return _put_sides(outline, edges, room, is_end), True
+
+
+@njit(**LEAF)
+def _put_sides(outline, edges, room, is_end):
+    """Put the sides at walls' ends in the place of edges that are gone: how many are left."""
+    gone = room.gone
+    ends = room.ends
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    old_breaks = room.breaks
+    old_arcs = room.is_arc
+    for e in range(edges):
+        old_breaks[e] = breaks[e]
+        old_arcs[e] = is_arc[e]
     m = 0
     for e in range(edges):
         if gone[e]:
             continue
-        before = e - 1 if e > 0 else edges - 1
+        before = predecessor(e, edges)
         while gone[before]:
-            before = before - 1 if before > 0 else edges - 1
-        breaks[m] = tips[before, 1] if tips[before, 1] >= 0 else old_breaks[e]
+            before = predecessor(before, edges)
+        breaks[m] = ends[before, 1] if ends[before, 1] >= 0 else old_breaks[e]
         is_arc[m] = old_arcs[e]
-        is_tip[m] = False
+        is_end[m] = False
         m += 1
-        if tips[e, 0] >= 0:
-            breaks[m] = tips[e, 0]
+        if ends[e, 0] >= 0:
+            breaks[m] = ends[e, 0]
             is_arc[m] = False
-            is_tip[m] = True
+            is_end[m] = True
             m += 1
-    return m, True
+    return m
 
 
 @njit(**LEAF)
-def square_tips(px, py, n, breaks, is_arc, edges, shape, joints, is_tip):
-    """Turn the sides of blunt tips square to their walls where they nearly are."""
+def square_ends(outline, edges, is_end):
+    """Turn the sides at walls' ends square to their walls where they nearly are."""
+    is_arc = outline.is_arc
+    shape = outline.shape
+    joints = outline.joints
     for e in range(edges):
-        before = e - 1 if e > 0 else edges - 1
-        after = e + 1 if e + 1 < edges else 0
-        if not is_tip[e] or is_arc[e] or is_arc[before] or is_arc[after]:
+        before = predecessor(e, edges)
+        after = successor(e, edges)
+        if not is_end[e] or is_arc[e] or is_arc[before] or is_arc[after]:
             continue
         a = shape[before]
         b = shape[after]
@@ -127,10 +153,14 @@ def square_tips(px, py, n, breaks, is_arc, edges, shape, joints, is_tip):
 
 
 @njit(**LEAF)
-def _find_tip(px, py, n, breaks, edges, e, j, shape, blur, guard, found):
-    """The points at the corners of the blunt tip between lines e and j: False for none."""
-    a = shape[e]
-    b = shape[j]
+def _find_end(border, outline, edges, e, j, blur, guard, found):
+    """The points at the corners of the wall's end between lines e and j: False for none."""
+    px = border.x
+    py = border.y
+    n = border.n
+    breaks = outline.breaks
+    a = outline.shape[e]
+    b = outline.shape[j]
     # along the wall, towards its end
     ux = a[2] - b[2]
     uy = a[3] - b[3]
@@ -139,7 +169,7 @@ def _find_tip(px, py, n, breaks, edges, e, j, shape, blur, guard, found):
     uy /= length
     lo = edge_end(breaks, edges, n, e) - AROUND
     hi = lo + AROUND + (breaks[j] - lo - AROUND) % n + AROUND
-    best = -1e18
+    best = -HUGE
     tip = lo
     width = 0.0
     for k in range(lo, hi + 1):
@@ -162,7 +192,7 @@ def _find_tip(px, py, n, breaks, edges, e, j, shape, blur, guard, found):
         row = a if side == 0 else b
         t = ((x - row[0]) * ux + (y - row[1]) * uy) / (row[2] * ux + row[3] * uy)
         found[side], _ = nearest_point(
-            px, py, n, tip % n, AROUND, AROUND, row[0] + t * row[2], row[1] + t * row[3]
+            border, tip % n, AROUND, AROUND, row[0] + t * row[2], row[1] + t * row[3]
         )
     if (found[1] - found[0] + n) % n < SHORTEST:
         found[0] = (tip - 1) % n

@@ -1,12 +1,14 @@
 """A chain of edges moved until it passes between the pixels, in a picture without grey.
 
 Rules and units
-- ``px``, ``py`` as in ``vision.outline.fit.shape_kernels``: one border's n points, twice over.
-  Every point is the middle between an obstacle pixel and a free one: an edge that leaves it by less
-  than half a pixel along the axis keeps both on their sides.
+- ``border``, ``outline`` and ``finished``: see ``vision.outline.outline_types``. Every point is
+  the middle between an obstacle pixel and a free one: an edge that leaves it by less than half a
+  pixel along the axis keeps both on their sides.
 - Joints move, and arcs rise or sink. A point moves with both joints of its edge, in the shares
   of a lever, and with the arc's rise as a parabola: damped least squares on what exceeds the
   limit, every joint and every rise by itself, a sweep at a time.
+- ``push`` (2 * edges, 6): for each edge the normal equations of the joint that it begins at, xx,
+  xy, yy and x, y, and its rise; then its rise's, and where that joint was at first.
 """
 
 # mypy: allow-untyped-defs
@@ -18,11 +20,12 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from vision.outline.corners.joint_kernels import edge_end, nearest_point
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.corners.joint_kernels import nearest_point
+from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN
+from vision.outline.fitted_borders import ARC_CW, LINE
 
-LINE, ARC_CW = 0, 1
-"""Kinds of an edge, as in ``vision.outline.check.area_lost_kernels``."""
 SWEEPS = 24
 PACE = 0.6
 """Share of a step that is taken: neighbours step at the same time."""
@@ -36,15 +39,17 @@ STRAY_PX = 6.0
 
 
 @njit(**LEAF)
-def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, push):
+def relax_joints(border, outline, edges, finished, push):
     """Move the joints and the arcs of finished edges between the pixels.
 
-    ``joints``, and ``shape`` and ``is_arc`` to match, are changed; the ``rows`` have to be
-    finished anew.
-    ``push`` (2 * edges, 6) is room to work in.
+    ``joints``, and ``shape`` and ``is_arc`` to match, are changed; the edges have to be finished
+    again. ``push`` is room to work in.
     """
+    joints = outline.joints
+    kinds = finished.kind
+    rows = finished.rows
     for e in range(edges):
-        after = e + 1 if e + 1 < edges else 0
+        after = successor(e, edges)
         rise = 0.0
         if kinds[e] != LINE:
             rise = _rise(rows, e, after, kinds[e])
@@ -53,7 +58,7 @@ def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, p
         push[edges + e, 4] = joints[e, 1]
     for sweep in range(SWEEPS):
         if sweep % RELOCATION == RELOCATION - 1:
-            _move_breaks(px, py, n, breaks, edges, joints)
+            _move_breaks(border, outline, edges)
         for e in range(edges):
             for c in range(5):
                 push[e, c] = 0.0
@@ -61,38 +66,46 @@ def polish_edges(px, py, n, breaks, is_arc, kinds, edges, joints, rows, shape, p
                 push[edges + e, c] = 0.0
         beyond = 0.0
         for e in range(edges):
-            beyond += _pushes(px, py, n, breaks, kinds, edges, joints, push, e)
+            beyond += _pushes(border, outline, edges, kinds, push, e)
         if beyond == 0.0:
             break
-        for e in range(edges):
-            xx = push[e, 0] + DAMPING
-            yy = push[e, 2] + DAMPING
-            det = xx * yy - push[e, 1] * push[e, 1]
-            dx = PACE * (push[e, 3] * yy - push[e, 4] * push[e, 1]) / det
-            dy = PACE * (push[e, 4] * xx - push[e, 3] * push[e, 1]) / det
-            x = joints[e, 0] + dx
-            y = joints[e, 1] + dy
-            if (x - push[edges + e, 3]) ** 2 + (y - push[edges + e, 4]) ** 2 < STRAY_PX**2:
-                joints[e, 0] = x
-                joints[e, 1] = y
-            if kinds[e] != LINE:
-                push[e, 5] += PACE * push[edges + e, 1] / (push[edges + e, 0] + DAMPING)
+        _step(outline, edges, kinds, push)
     for e in range(edges):
-        after = e + 1 if e + 1 < edges else 0
-        is_arc[e] = kinds[e] != LINE
-        _shape_of(is_arc[e], joints, e, after, push[e, 5], shape)
+        outline.is_arc[e] = kinds[e] != LINE
+        _shape_of(outline, e, successor(e, edges), push[e, 5])
 
 
 @njit(**LEAF)
-def _move_breaks(px, py, n, breaks, edges, joints):
-    """Let every edge begin at the point nearest to its joint; edges keep their order."""
+def _step(outline, edges, kinds, push):
+    """Let every joint and every rise give way to what pushes it."""
+    joints = outline.joints
     for e in range(edges):
-        before = breaks[e - 1 if e > 0 else edges - 1]
+        xx = push[e, 0] + DAMPING
+        yy = push[e, 2] + DAMPING
+        det = xx * yy - push[e, 1] * push[e, 1]
+        dx = PACE * (push[e, 3] * yy - push[e, 4] * push[e, 1]) / det
+        dy = PACE * (push[e, 4] * xx - push[e, 3] * push[e, 1]) / det
+        x = joints[e, 0] + dx
+        y = joints[e, 1] + dy
+        if (x - push[edges + e, 3]) ** 2 + (y - push[edges + e, 4]) ** 2 < STRAY_PX**2:
+            joints[e, 0] = x
+            joints[e, 1] = y
+        if kinds[e] != LINE:
+            push[e, 5] += PACE * push[edges + e, 1] / (push[edges + e, 0] + DAMPING)
+
+
+@njit(**LEAF)
+def _move_breaks(border, outline, edges):
+    """Let every edge begin at the point nearest to its joint; edges keep their order."""
+    n = border.n
+    breaks = outline.breaks
+    for e in range(edges):
+        before = breaks[predecessor(e, edges)]
         room_before = ((breaks[e] - before) % n - 1) // 2
         room_after = (edge_end(breaks, edges, n, e) - breaks[e] - 1) // 2
         where, _ = nearest_point(
-            px, py, n, breaks[e], max(min(REACH, room_before), 0), max(min(REACH, room_after), 0),
-            joints[e, 0], joints[e, 1],
+            border, breaks[e], max(min(REACH, room_before), 0), max(min(REACH, room_after), 0),
+            outline.joints[e, 0], outline.joints[e, 1],
         )  # fmt: skip
         breaks[e] = where
 
@@ -125,121 +138,150 @@ def _circle_through(x0, y0, x1, y1, rise):
     return cx, cy, abs(rise - c)
 
 
-@njit(**SUMS)
-def _pushes(px, py, n, breaks, kinds, edges, joints, push, e):
+@njit(**LEAF)
+def _pushes(border, outline, edges, kinds, push, e):
     """Add up what edge e's points demand of its joints and its rise; how many demand."""
-    after = e + 1 if e + 1 < edges else 0
+    joints = outline.joints
+    after = successor(e, edges)
+    dx = joints[after, 0] - joints[e, 0]
+    dy = joints[after, 1] - joints[e, 1]
+    if dx * dx + dy * dy < 1e-9:
+        return 0.0
+    lo = outline.breaks[e]
+    hi = edge_end(outline.breaks, edges, border.n, e) + 1
+    xs = border.x[lo:hi]
+    ys = border.y[lo:hi]
+    if kinds[e] == LINE or abs(push[e, 5]) <= 1e-3:
+        return _line_pushes(xs, ys, joints, edges, e, push)
+    return _arc_pushes(xs, ys, joints, edges, e, push)
+
+
+@njit(**SUMS)
+def _line_pushes(xs, ys, joints, edges, e, push):
+    """What points ``xs``, ``ys`` demand of line e; how many demand."""
+    after = successor(e, edges)
     x0 = joints[e, 0]
     y0 = joints[e, 1]
     dx = joints[after, 0] - x0
     dy = joints[after, 1] - y0
     square = dx * dx + dy * dy
-    if square < 1e-9:
-        return 0.0
     length = math.sqrt(square)
     inv = 1.0 / square
-    lo = breaks[e]
-    count = edge_end(breaks, edges, n, e) + 1 - lo
-    xs = px[lo : lo + count]
-    ys = py[lo : lo + count]
     beyond = 0.0
     rise_ww = 0.0
     rise_w = 0.0
-    if kinds[e] == LINE or abs(push[e, 5]) <= 1e-3:
-        # the normal to the left of the way, and how far left a point lies
-        nx = dy / length
-        ny = -dx / length
+    # the normal to the left of the way, and how far left a point lies
+    nx = dy / length
+    ny = -dx / length
+    limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
+    ww = 0.0
+    tt = 0.0
+    wd = 0.0
+    td = 0.0
+    for k in range(xs.shape[0]):
+        x = xs[k] - x0
+        y = ys[k] - y0
+        d = x * nx + y * ny
+        t = (x * dx + y * dy) * inv
+        counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
+        excess = counts * (d + limit if d < 0.0 else d - limit)
+        w = 1.0 - t
+        ww += counts * w * w
+        tt += counts * t * t
+        wd += w * excess
+        td += t * excess
+        middle = 4.0 * t * w
+        rise_ww += counts * middle * middle
+        rise_w += middle * excess
+        beyond += counts
+    push[e, 0] += ww * nx * nx
+    push[e, 1] += ww * nx * ny
+    push[e, 2] += ww * ny * ny
+    push[e, 3] += wd * nx
+    push[e, 4] += wd * ny
+    push[after, 0] += tt * nx * nx
+    push[after, 1] += tt * nx * ny
+    push[after, 2] += tt * ny * ny
+    push[after, 3] += td * nx
+    push[after, 4] += td * ny
+    push[edges + e, 0] += rise_ww
+    push[edges + e, 1] += rise_w
+    return beyond
+
+
+@njit(**SUMS)
+def _arc_pushes(xs, ys, joints, edges, e, push):
+    """What points ``xs``, ``ys`` demand of arc e; how many demand."""
+    after = successor(e, edges)
+    x0 = joints[e, 0]
+    y0 = joints[e, 1]
+    dx = joints[after, 0] - x0
+    dy = joints[after, 1] - y0
+    inv = 1.0 / (dx * dx + dy * dy)
+    beyond = 0.0
+    rise_ww = 0.0
+    rise_w = 0.0
+    cx, cy, r = _circle_through(x0, y0, x0 + dx, y0 + dy, push[e, 5])
+    sign = 1.0 if push[e, 5] > 0.0 else -1.0
+    a0 = 0.0
+    a1 = 0.0
+    a2 = 0.0
+    a3 = 0.0
+    a4 = 0.0
+    b0 = 0.0
+    b1 = 0.0
+    b2 = 0.0
+    b3 = 0.0
+    b4 = 0.0
+    for k in range(xs.shape[0]):
+        nx = sign * (xs[k] - cx)
+        ny = sign * (ys[k] - cy)
+        far = math.sqrt(nx * nx + ny * ny)
+        share = 1.0 / max(far, 1e-9)
+        nx *= share
+        ny *= share
+        d = sign * (far - r)
+        t = ((xs[k] - x0) * dx + (ys[k] - y0) * dy) * inv
         limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
-        ww = 0.0
-        tt = 0.0
-        wd = 0.0
-        td = 0.0
-        for k in range(count):
-            x = xs[k] - x0
-            y = ys[k] - y0
-            d = x * nx + y * ny
-            t = (x * dx + y * dy) * inv
-            counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
-            excess = counts * (d + limit if d < 0.0 else d - limit)
-            w = 1.0 - t
-            ww += counts * w * w
-            tt += counts * t * t
-            wd += w * excess
-            td += t * excess
-            middle = 4.0 * t * w
-            rise_ww += counts * middle * middle
-            rise_w += middle * excess
-            beyond += counts
-        push[e, 0] += ww * nx * nx
-        push[e, 1] += ww * nx * ny
-        push[e, 2] += ww * ny * ny
-        push[e, 3] += wd * nx
-        push[e, 4] += wd * ny
-        push[after, 0] += tt * nx * nx
-        push[after, 1] += tt * nx * ny
-        push[after, 2] += tt * ny * ny
-        push[after, 3] += td * nx
-        push[after, 4] += td * ny
-    else:
-        cx, cy, r = _circle_through(x0, y0, x0 + dx, y0 + dy, push[e, 5])
-        sign = 1.0 if push[e, 5] > 0.0 else -1.0
-        a0 = 0.0
-        a1 = 0.0
-        a2 = 0.0
-        a3 = 0.0
-        a4 = 0.0
-        b0 = 0.0
-        b1 = 0.0
-        b2 = 0.0
-        b3 = 0.0
-        b4 = 0.0
-        for k in range(count):
-            nx = sign * (xs[k] - cx)
-            ny = sign * (ys[k] - cy)
-            far = math.sqrt(nx * nx + ny * ny)
-            share = 1.0 / max(far, 1e-9)
-            nx *= share
-            ny *= share
-            d = sign * (far - r)
-            t = ((xs[k] - x0) * dx + (ys[k] - y0) * dy) * inv
-            limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
-            counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
-            excess = counts * (d + limit if d < 0.0 else d - limit)
-            w = 1.0 - t
-            ww = counts * w * w
-            tt = counts * t * t
-            a0 += ww * nx * nx
-            a1 += ww * nx * ny
-            a2 += ww * ny * ny
-            a3 += w * excess * nx
-            a4 += w * excess * ny
-            b0 += tt * nx * nx
-            b1 += tt * nx * ny
-            b2 += tt * ny * ny
-            b3 += t * excess * nx
-            b4 += t * excess * ny
-            middle = 4.0 * t * w
-            rise_ww += counts * middle * middle
-            rise_w += middle * excess
-            beyond += counts
-        push[e, 0] += a0
-        push[e, 1] += a1
-        push[e, 2] += a2
-        push[e, 3] += a3
-        push[e, 4] += a4
-        push[after, 0] += b0
-        push[after, 1] += b1
-        push[after, 2] += b2
-        push[after, 3] += b3
-        push[after, 4] += b4
+        counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
+        excess = counts * (d + limit if d < 0.0 else d - limit)
+        w = 1.0 - t
+        ww = counts * w * w
+        tt = counts * t * t
+        a0 += ww * nx * nx
+        a1 += ww * nx * ny
+        a2 += ww * ny * ny
+        a3 += w * excess * nx
+        a4 += w * excess * ny
+        b0 += tt * nx * nx
+        b1 += tt * nx * ny
+        b2 += tt * ny * ny
+        b3 += t * excess * nx
+        b4 += t * excess * ny
+        middle = 4.0 * t * w
+        rise_ww += counts * middle * middle
+        rise_w += middle * excess
+        beyond += counts
+    push[e, 0] += a0
+    push[e, 1] += a1
+    push[e, 2] += a2
+    push[e, 3] += a3
+    push[e, 4] += a4
+    push[after, 0] += b0
+    push[after, 1] += b1
+    push[after, 2] += b2
+    push[after, 3] += b3
+    push[after, 4] += b4
     push[edges + e, 0] += rise_ww
     push[edges + e, 1] += rise_w
     return beyond
 
 
 @njit(**LEAF)
-def _shape_of(bent, joints, e, after, rise, shape):
+def _shape_of(outline, e, after, rise):
     """The line or circle that an edge between its joints now lies on."""
+    joints = outline.joints
+    shape = outline.shape
     x0 = joints[e, 0]
     y0 = joints[e, 1]
     x1 = joints[after, 0]
@@ -247,7 +289,7 @@ def _shape_of(bent, joints, e, after, rise, shape):
     length = math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
     if length < 1e-9:
         return
-    if bent:
+    if outline.is_arc[e]:
         if abs(rise) < 1e-6:
             rise = 1e-6 if rise >= 0.0 else -1e-6
         shape[e, 0], shape[e, 1], shape[e, 2] = _circle_through(x0, y0, x1, y1, rise)

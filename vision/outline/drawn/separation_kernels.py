@@ -5,10 +5,8 @@ Rules and units
   Edges drawn again give both back exactly where they cross the way from one centre to the other
   an odd number of times: no estimate. An outline that crosses the ways of a border's cracks one
   after the other takes no pixel's centre for what it is not.
-- ``qx``, ``qy``: the middles of one border's n cracks, twice over, in pixels;
-  ``hx``, ``hy``: from there to the free pixel.
-- Edges ``0 .. count - 1`` of ``kind`` and ``rows`` (see ``vision.outline.fit.outline_kernels``),
-  whose first cracks' indices are in ``at``, ascending around the border.
+- ``cracks``, and ``finished``, edges ``0 .. count - 1`` whose first cracks ascend around the
+  border: see ``vision.outline.outline_types``.
 """
 
 # mypy: allow-untyped-defs
@@ -21,6 +19,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.fit.outline_kernels import distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
@@ -72,9 +71,13 @@ def runs_between_two_greys(grey, xs, ys, directions):
 
 
 @njit(**LEAF)
-def middles(xs, ys, directions, qx, qy, hx, hy):
-    """Fill ``qx``, ``qy``, ``hx`` and ``hy`` from a border's cracks; returns their number."""
-    n = xs.shape[0]
+def fill_cracks(xs, ys, directions, cracks):
+    """Fill ``cracks`` from a border's obstacle pixels and the free ones' directions."""
+    qx = cracks.x
+    qy = cracks.y
+    hx = cracks.free_x
+    hy = cracks.free_y
+    n = cracks.n
     for k in range(n):
         d = np.int64(directions[k])
         ox = HALF * ((d & 1) * (2 - d))
@@ -91,28 +94,27 @@ def middles(xs, ys, directions, qx, qy, hx, hy):
     qy[2 * n] = qy[0]
     hx[2 * n] = hx[0]
     hy[2 * n] = hy[0]
-    return n
 
 
 @njit(**LEAF)
-def find_cracks(px, py, points, qx, qy, n, cracks):
-    """``cracks`` (points,): which crack every edge point was measured across, ascending."""
+def find_cracks(border, cracks, crack_of):
+    """``crack_of`` (points,): which crack every edge point was measured across, ascending."""
     c = -1
-    for k in range(points):
-        x = px[k]
-        y = py[k]
+    for k in range(border.n):
+        x = border.x[k]
+        y = border.y[k]
         nearest = HUGE
         where = c + 1
-        last = min(c + AHEAD, n - points + k)
+        last = min(c + AHEAD, cracks.n - border.n + k)
         for j in range(c + 1, last + 1):
-            d = abs(qx[j] - x) + abs(qy[j] - y)
+            d = abs(cracks.x[j] - x) + abs(cracks.y[j] - y)
             if d < nearest:
                 nearest = d
                 where = j
             if d < SAME_PX:
                 break
         c = where
-        cracks[k] = c
+        crack_of[k] = c
 
 
 @njit(**LEAF)
@@ -180,7 +182,7 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
 @njit(**LEAF)
 def _judge(kind, rows, count, i, x, y, upright):
     """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
-    after = i + 1 if i + 1 < count else 0
+    after = successor(i, count)
     own = _crossings(kind, rows, i, after, x, y, upright)
     near = NEAR_JOINT_PX * NEAR_JOINT_PX
     beside = (x - rows[i, 0]) ** 2 + (y - rows[i, 1]) ** 2 < near
@@ -193,23 +195,31 @@ def _judge(kind, rows, count, i, x, y, upright):
     for step in range(first, last + 1):
         if step != 0:
             j = (i + step + count) % count
-            own += _crossings(kind, rows, j, j + 1 if j + 1 < count else 0, x, y, upright)
+            own += _crossings(kind, rows, j, successor(j, count), x, y, upright)
     if own % 2 == 1:
         return OK
     for step in range(first, last + 1):
         j = (i + step + count) % count
-        away, _, _ = distance_to_edge(kind, rows, j, j + 1 if j + 1 < count else 0, x, y)
+        away, _, _ = distance_to_edge(kind, rows, j, successor(j, count), x, y)
         if away <= GRAVE_PX:
             return LOST
     return GRAVE
 
 
 @njit(**LEAF)
-def _juts_out(qx, qy, n, k, x, y, ax, ay, bx, by):
-    """Whether a corner at (x, y), before crack k, holds a pixel that touches no obstacle.
-
-    (ax, ay) and (bx, by) are where its edges come from and go to.
-    """
+def _juts_out(cracks, finished, count, i):
+    """Whether the corner where edge i begins holds a pixel that touches no obstacle."""
+    qx = cracks.x
+    qy = cracks.y
+    n = cracks.n
+    k = finished.at[i]
+    x = finished.rows[i, 0]
+    y = finished.rows[i, 1]
+    # where its edges come from and go to
+    ax = finished.rows[predecessor(i, count), 0]
+    ay = finished.rows[predecessor(i, count), 1]
+    bx = finished.rows[successor(i, count), 0]
+    by = finished.rows[successor(i, count), 1]
     nearest = HUGE
     for step in range(-AROUND, AROUND + 1):
         j = (k + step + n) % n
@@ -238,12 +248,19 @@ def _juts_out(qx, qy, n, k, x, y, ax, ay, bx, by):
 
 
 @njit(**LEAF)
-def find_lost(qx, qy, hx, n, at, kind, rows, count, state):
+def find_lost(cracks, finished, count, state):
     """``state`` (n,) of every crack; cracks lost, and how many of them gravely."""
+    qx = cracks.x
+    qy = cracks.y
+    hx = cracks.free_x
+    n = cracks.n
+    at = finished.at
+    kind = finished.kind
+    rows = finished.rows
     lost = 0
     grave = 0
     for i in range(count):
-        after = i + 1 if i + 1 < count else 0
+        after = successor(i, count)
         lo = at[i]
         hi = at[after]
         hi = hi + n if hi <= lo else hi
@@ -270,12 +287,8 @@ def find_lost(qx, qy, hx, n, at, kind, rows, count, state):
             lost += found != OK
             grave += found == GRAVE
     for i in range(count):
-        after = i + 1 if i + 1 < count else 0
-        before = i - 1 if i > 0 else count - 1
-        if kind[i] == LINE and kind[before] == LINE and _juts_out(
-            qx, qy, n, at[i], rows[i, 0], rows[i, 1], rows[before, 0], rows[before, 1],
-            rows[after, 0], rows[after, 1],
-        ):  # fmt: skip
+        is_corner = kind[i] == LINE and kind[predecessor(i, count)] == LINE
+        if is_corner and _juts_out(cracks, finished, count, i):
             state[at[i]] = GRAVE
             grave += 1
     return lost, grave

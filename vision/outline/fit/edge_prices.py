@@ -15,8 +15,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
+from vision.outline.outline_types import Prices
 
 LINE_CHANCE = 18.0
 """A line's price in units of noise's mean saving: white noise would break a line at one place in
@@ -33,14 +32,15 @@ CRISP_SHARES = 1.0, 2.0, 1.6
 
 def edge_prices(
     dead_zone_px: float, sigma_px: float, spread_px: float, crisp: bool = False
-) -> NDArray[np.float64]:
-    """The prices of a line, an arc and a circle, (3,).
+) -> Prices:
+    """The prices of a line, an arc and a circle.
 
     ``spread_px`` is what noise does to a point, ``crisp`` says that the picture has no grey;
     the other two are those of the costs.
     """
     line = max(LEAST_LINE, LINE_CHANCE * saving_of_noise(dead_zone_px, sigma_px, spread_px))
-    return line * np.array(CRISP_SHARES if crisp else SHARES)
+    shares = CRISP_SHARES if crisp else SHARES
+    return Prices(*(line * share for share in shares))
 
 
 def saving_of_noise(dead_zone_px: float, sigma_px: float, spread_px: float) -> float:

@@ -3,7 +3,7 @@
 Rules and units
 - ``rows`` (k, 6): the first point x, y of an edge, the centre and radius of an arc, and the rms
   deviation; an edge ends where the next one begins, the last one where the first does.
-- Pixels, y down; an arc's turn is as seen on the screen.
+- Pixels, y down; an arc's kind is its turn as seen on the screen.
 """
 
 # mypy: allow-untyped-defs
@@ -15,20 +15,26 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import TAU, successor
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 
-"""Kinds of an edge; the turn as seen on the screen."""
 FLATTEST_PX = 1e-3
 """An arc that rises less above its chord is a line."""
 STRAY_PX = 2.0
 """How far a written outline and its border may be apart, but for a pointed corner that blur rounded
 back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
-(``vision.outline.fitting_kernels.MOST_PX``), and there is a point for every row or column of a
+(``vision.outline.limit_kernels.MOST_PX``), and there is a point for every row or column of a
 border only: what ``tests/support/drawn/outline_judge.py`` fails, which allows 3 px, fails here
 (``python -m benchmarks.outlines``)."""
 TURNS = 8
 """Steps in which an arc's points are looked at for its turning sense."""
-TAU = 2.0 * math.pi
+
+
+@njit(**LEAF)
+def edge_end(breaks, edges, n, e):
+    """The last point of edge e, behind its first one: it may run past the border's end."""
+    hi = breaks[successor(e, edges)]
+    return hi + n if hi <= breaks[e] else hi
 
 
 @njit(**LEAF)
@@ -80,8 +86,13 @@ def _is_ccw(px, py, lo, hi, cx, cy):
 
 
 @njit(**LEAF)
-def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
-    """Write edge e between its joints into ``rows``; returns its kind."""
+def finish_edge(border, outline, edges, e, rows, circle):
+    """Write edge e between its joints into ``rows``; returns its kind.
+
+    ``circle`` (3,) is room to work in.
+    """
+    joints = outline.joints
+    shape = outline.shape
     x0 = joints[e, 0]
     y0 = joints[e, 1]
     rows[e, 0] = x0
@@ -90,11 +101,14 @@ def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
     rows[e, 3] = 0.0
     rows[e, 4] = 0.0
     rows[e, 5] = shape[e, 4]
-    if not bent:
+    if not outline.is_arc[e]:
         return LINE
+    lo = outline.breaks[e]
+    hi = edge_end(outline.breaks, edges, border.n, e)
+    after = successor(e, edges)
     x1 = joints[after, 0]
     y1 = joints[after, 1]
-    ccw = _is_ccw(px, py, lo, hi, shape[e, 0], shape[e, 1])
+    ccw = _is_ccw(border.x, border.y, lo, hi, shape[e, 0], shape[e, 1])
     _through_ends(shape, e, x0, y0, x1, y1, ccw, circle)
     chord = math.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
     if chord < FLATTEST_PX or circle[2] * FLATTEST_PX > 0.125 * chord * chord:
@@ -106,19 +120,26 @@ def finish_edge(px, py, lo, hi, bent, shape, e, joints, after, rows, circle):
 
 
 @njit(**LEAF)
+def arc_ends(kinds, rows, e, after):
+    """From an arc's centre to its ends, in the sense in which the angle grows.
+
+    y down: that is along an arc that is clockwise on the screen.
+    """
+    ax = rows[e, 0] - rows[e, 2]
+    ay = rows[e, 1] - rows[e, 3]
+    bx = rows[after, 0] - rows[e, 2]
+    by = rows[after, 1] - rows[e, 3]
+    if kinds[e] == ARC_CCW:
+        return bx, by, ax, ay
+    return ax, ay, bx, by
+
+
+@njit(**LEAF)
 def in_sweep(kinds, rows, e, after, x, y):
     """Whether (x, y) lies in the sector of arc e."""
-    cx = rows[e, 2]
-    cy = rows[e, 3]
-    # y down: the angle grows along an arc that is clockwise on the screen
-    ax = rows[e, 0] - cx
-    ay = rows[e, 1] - cy
-    bx = rows[after, 0] - cx
-    by = rows[after, 1] - cy
-    if kinds[e] == ARC_CCW:
-        ax, ay, bx, by = bx, by, ax, ay
-    dx = x - cx
-    dy = y - cy
+    ax, ay, bx, by = arc_ends(kinds, rows, e, after)
+    dx = x - rows[e, 2]
+    dy = y - rows[e, 3]
     after_a = ax * dy - ay * dx >= 0.0
     before_b = dx * by - dy * bx >= 0.0
     return (after_a and before_b) if ax * by - ay * bx >= 0.0 else (after_a or before_b)
@@ -158,9 +179,10 @@ def distance_to_edge(kinds, rows, e, after, x, y):
 
 
 @njit(**LEAF)
-def arc_length(kinds, rows, e, after):
-    """The length of arc e."""
+def arc_sweep(kinds, rows, e, after):
+    """Where arc e begins and by how much it turns, in radians as y grows down."""
     begin = math.atan2(rows[e, 1] - rows[e, 3], rows[e, 0] - rows[e, 2])
     end = math.atan2(rows[after, 1] - rows[e, 3], rows[after, 0] - rows[e, 2])
-    sweep = (end - begin) % TAU if kinds[e] == ARC_CW else (begin - end) % TAU
-    return sweep * rows[e, 4]
+    if kinds[e] == ARC_CCW:
+        return begin, -((begin - end) % TAU)
+    return begin, (end - begin) % TAU

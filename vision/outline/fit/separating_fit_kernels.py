@@ -40,18 +40,21 @@ def lost_to_circle(px, py, n, circle):
 
 
 @njit(**LEAF)
-def pixels_lost_to_circle(qx, qy, hx, hy, cracks, circle):
+def pixels_lost_to_circle(cracks, circle):
     """How many pixels beside a border's cracks a circle takes for what they are not.
 
-    ``qx`` to ``hy`` as in ``vision.outline.drawn.separation_kernels``. A pixel's cracks follow one
-    another.
+    A pixel's cracks follow one another.
     """
+    qx = cracks.x
+    qy = cracks.y
+    hx = cracks.free_x
+    hy = cracks.free_y
     cx = circle[0]
     cy = circle[1]
     square = circle[2] * circle[2]
     # a hole lies within its free pixels
     turn = 0.0
-    for k in range(cracks):
+    for k in range(cracks.n):
         turn += (qx[k] - cx) * hx[k] + (qy[k] - cy) * hy[k]
     lost = 0
     last_x = -1.0
@@ -59,7 +62,7 @@ def pixels_lost_to_circle(qx, qy, hx, hy, cracks, circle):
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
         outside = (sign > 0.0) == (turn > 0.0)
-        for k in range(cracks):
+        for k in range(cracks.n):
             x = qx[k] + sign * hx[k]
             y = qy[k] + sign * hy[k]
             away = (x - cx) * (x - cx) + (y - cy) * (y - cy)

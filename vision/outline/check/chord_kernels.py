@@ -1,0 +1,122 @@
+"""Chords from border point to border point, where no edges cover their border well enough.
+
+Rules and units
+- ``border``, ``outline``, ``review`` and ``finished``: see ``vision.outline.outline_types``.
+- ``is_seed`` (n + 1,) bool, ``found`` (n + 1,) and ``stack`` (n + 2, 2) int64
+  are room to work in.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.scene.compile_options import LEAF
+from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fitted_borders import LINE
+
+FIRST = np.int64(0)
+"""Typed, so that kernels are compiled for numbers and not once more for this."""
+
+
+@njit(**LEAF)
+def finish_with_chords(
+    border, outline, edges, trial, review, tolerance, is_seed, found, stack, finished
+):
+    """Write the edges of ``trial``, and chords instead of the ragged ones; returns their number.
+
+    ``tolerance``: how far a chord may leave its points, in pixels.
+    """
+    px = border.x
+    py = border.y
+    n = border.n
+    breaks = outline.breaks
+    joints = outline.joints
+    count = 0
+    for e in range(edges):
+        if not review.ragged[e]:
+            finished.kind[count] = trial.kind[e]
+            finished.at[count] = breaks[e]
+            for c in range(6):
+                finished.rows[count, c] = trial.rows[e, c]
+            count += 1
+            continue
+        m = _chords(
+            border, breaks[e], edge_end(breaks, edges, n, e), tolerance, is_seed, found, stack
+        )
+        for t in range(m):
+            x = joints[e, 0] if t == 0 else px[found[t]]
+            y = joints[e, 1] if t == 0 else py[found[t]]
+            k = found[t] - n if found[t] >= n else found[t]
+            _write_chord(finished, count, k, x, y)
+            count += 1
+    return count
+
+
+@njit(**LEAF)
+def chords_around(border, tolerance, is_seed, found, stack, finished):
+    """Write chords all around a border, from point to point; returns their number."""
+    count = _chords(border, FIRST, border.n, tolerance, is_seed, found, stack)
+    for t in range(count):
+        _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
+    return count
+
+
+@njit(**LEAF)
+def _write_chord(finished, i, k, x, y):
+    """Write edge i, a line from (x, y) beside point k on."""
+    finished.at[i] = k
+    finished.kind[i] = LINE
+    finished.rows[i, 0] = x
+    finished.rows[i, 1] = y
+    finished.rows[i, 2] = 0.0
+    finished.rows[i, 3] = 0.0
+    finished.rows[i, 4] = 0.0
+
+
+@njit(**LEAF)
+def _chords(border, lo, hi, tolerance, is_seed, found, stack):
+    """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
+    px = border.x
+    py = border.y
+    count = hi - lo
+    for k in range(count + 1):
+        is_seed[k] = False
+    found[0] = lo
+    m = 1
+    stack[0, 0] = lo
+    stack[0, 1] = hi
+    top = 1
+    while top > 0:
+        top -= 1
+        a = stack[top, 0]
+        b = stack[top, 1]
+        dx = px[b] - px[a]
+        dy = py[b] - py[a]
+        length = math.sqrt(dx * dx + dy * dy)
+        far = -HUGE
+        where = a
+        for k in range(a + 1, b):
+            x = px[k] - px[a]
+            y = py[k] - py[a]
+            d = math.sqrt(x * x + y * y) if length < 1e-9 else abs(x * dy - y * dx) / length
+            if d > far:
+                far = d
+                where = k
+        if far > tolerance:
+            is_seed[where - lo] = True
+            stack[top, 0] = where
+            stack[top, 1] = b
+            stack[top + 1, 0] = a
+            stack[top + 1, 1] = where
+            top += 2
+    for k in range(1, count):
+        if is_seed[k]:
+            found[m] = lo + k
+            m += 1
+    return m

@@ -1,0 +1,100 @@
+"""Runs of lost cracks, one after the other, and which of them have to go.
+
+Rules and units
+- ``cracks``: see ``vision.outline.outline_types``; what becomes of each, OK, LOST or GRAVE, is in
+  ``state`` (``vision.outline.drawn.separation_kernels``).
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+from numba import njit
+
+from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.drawn.separation_kernels import GRAVE, OK
+from vision.outline.fit.separating_fit_kernels import HALF
+
+TIP = 5
+"""Cracks around the last two pixels of a tip: where both are lost, nothing drawn lies beside the
+last."""
+
+
+@njit(**LEAF)
+def weigh_runs(cracks, state, weights):
+    """Per run of lost cracks how many pixels, where it ends: negative where one is grave.
+
+    A tip lost is grave too: all cracks of a pixel that hangs on by a corner, or so many as ``TIP``
+    around one that hangs on by a side.
+
+    A pixel is lost at one upright and one level crack where the border runs aslant. Returns
+    the pixels of all runs, and of the heaviest one that is not grave.
+    """
+    qx = cracks.x
+    qy = cracks.y
+    hx = cracks.free_x
+    hy = cracks.free_y
+    n = cracks.n
+    start = 0
+    while state[start] != OK:
+        start += 1
+    total = 0
+    heaviest = 0
+    standing = 0
+    lying = 0
+    grave = False
+    around = 0
+    most = 0
+    for k in range(n):
+        weights[k] = 0
+    for t in range(1, n + 1):
+        k = start + t if start + t < n else start + t - n
+        if state[k] != OK:
+            standing += hx[k] != 0.0
+            lying += hx[k] == 0.0
+            grave = grave or state[k] == GRAVE
+            j = predecessor(k, n)
+            apart = abs(qx[k] - hx[k] - qx[j] + hx[j]) + abs(qy[k] - hy[k] - qy[j] + hy[j])
+            around = around + 1 if apart < HALF and standing + lying > 1 else 1
+            most = max(most, around)
+            continue
+        pixels = max(standing, lying)
+        grave = grave or most >= 4 or (most == 3 and standing + lying >= TIP)
+        most = 0
+        if pixels > 0:
+            weights[predecessor(k, n)] = -pixels if grave else pixels
+            total += pixels
+            heaviest = max(heaviest, 0 if grave else pixels)
+        standing = 0
+        lying = 0
+        grave = False
+    return total, heaviest
+
+
+@njit(**LEAF)
+def mark_runs(state, n, budget, total, heaviest, weights, inside):
+    """Mark in ``inside`` the runs of lost cracks that have to go, and one crack beyond each.
+
+    Those with a grave one, then the heaviest until the border loses no more than it may.
+    """
+    for k in range(n):
+        inside[k] = False
+        total += min(weights[k], 0)
+    least = heaviest + 1
+    while total > budget and least > 1:
+        least -= 1
+        for k in range(n):
+            if weights[k] == least:
+                if total > budget:
+                    total -= least
+                else:
+                    weights[k] = 0
+    for k in range(n):
+        if weights[k] < 0 or weights[k] >= max(least, 1):
+            j = k
+            while state[j] != OK:
+                inside[j] = True
+                j = predecessor(j, n)
+            inside[j] = True
+            inside[successor(k, n)] = True

@@ -1,0 +1,87 @@
+"""What a picture's noise, blur and greys let its edges miss.
+
+Rules and units
+- Pixels, but for ``Limits.skip`` in points and budgets in square pixels.
+- ``tolerance``: see ``vision.outline.fitting.Tolerance``.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.scene.compile_options import LEAF
+from vision.outline.fit.outline_kernels import STRAY_PX
+from vision.outline.outline_types import Limits
+
+TANGENT_PX = 0.05
+CRISP_TANGENT_PX = 0.3
+"""By how much two smoothly joined edges may miss or cross each other, noise aside."""
+CUT_PX = 0.7
+"""Blur's worth of a missing corner pixel: the sides still meet where they would with it."""
+MOST_PX = 1.0
+"""How far an edge may leave a border without noise: less than the pixel that is promised."""
+CALM_LOSS_PX = 0.02
+"""Deviation that does not count as area lost."""
+CHORD_PX, CRISP_CHORD_PX = 0.2, 0.34
+"""How far a chord of a ragged stretch may leave its border points: without grey no farther than
+half a pixel along the axis at 45 degrees."""
+LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
+"""Area that an object's edges may lose, as a share of its own, and in pixels."""
+
+
+@njit(**LEAF)
+def limits_of(tolerance, exact):
+    """The limits of a picture; ``exact``: edges have to separate every crack's pixels."""
+    crisp = tolerance.crisp
+    dead_zone = tolerance.dead_zone_px
+    sigma = tolerance.sigma_px
+    spread = tolerance.spread_px
+    worst = dead_zone + 0.12 if crisp else 0.35 + dead_zone + 4.5 * sigma
+    return Limits(
+        crisp,
+        worst,
+        min(worst, STRAY_PX),
+        0.9 if crisp else 0.35 + dead_zone + 2.5 * sigma,
+        math.ceil(tolerance.trim_px),
+        tolerance.guard_px,
+        CUT_PX if exact else tolerance.blur_px,
+        CRISP_TANGENT_PX if crisp else TANGENT_PX + spread,
+        CALM_LOSS_PX + 2.0 * spread,
+        MOST_PX + 4.5 * spread,
+        CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread,
+        _expected_cost(dead_zone, sigma, spread),
+    )
+
+
+@njit(**LEAF)
+def _expected_cost(dead_zone, sigma, spread):
+    """What noise alone costs a point: the mean of a normal deviation's excess, squared."""
+    if spread <= 0.0:
+        return 0.0
+    a = dead_zone / spread
+    tail = 0.5 * math.erfc(a / math.sqrt(2.0))
+    density = math.exp(-0.5 * a * a) / math.sqrt(2.0 * math.pi)
+    return 2.0 * ((1.0 + a * a) * tail - a * density) * (spread / sigma) ** 2
+
+
+@njit(cache=True, nogil=True)
+def allow_losses(point_starts, areas, owners, pixels, budgets):
+    """Fill every border's ``budgets``, and ``pixels``, those of its object without its holes.
+
+    An object may lose a share of its pixels, which its borders divide among them by their points.
+    """
+    borders = areas.shape[0]
+    lengths = np.zeros(borders, np.int64)
+    for b in range(borders):
+        pixels[owners[b]] += areas[b]
+        lengths[owners[b]] += point_starts[b + 1] - point_starts[b]
+    for b in range(borders):
+        pixels[b] = pixels[owners[b]]
+        allowed = max(LOSS_SHARE * pixels[b], LEAST_LOSS)
+        length = point_starts[b + 1] - point_starts[b]
+        budgets[b] = allowed * length / max(lengths[owners[b]], 1)

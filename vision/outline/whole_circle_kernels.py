@@ -1,0 +1,121 @@
+"""Borders that are one circle, and circles that are cut into arcs.
+
+Rules and units
+- ``border``, ``cracks``, ``costs``, ``outline`` and ``finished``: see
+  ``vision.outline.outline_types``; ``circle`` (3,): cx, cy, r, pixels.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.scene.compile_options import LEAF
+from vision.outline.fit.separating_fit_kernels import (
+    HALF,
+    lost_to_circle,
+    pixels_lost_to_circle,
+    separate_circle,
+)
+from vision.outline.fit.shape_kernels import (
+    HUGE,
+    circle_cost,
+    circle_rms,
+    fit_circle,
+    goes_round,
+    refine_circle,
+)
+from vision.outline.fitted_borders import LINE
+
+CIRCLE_LOSS = 1.3
+"""How much more than its edges might a circle may lose that spares them all."""
+INWARDS, LOUD_PX = 0.31, 0.15
+"""Blur moves the half-way level of a circle inwards by half its variance over the radius; a blur
+that is read off profiles along rows and columns, which meet a circle aslant, looks so much wider
+that it is less than a third (measured). Less with noise, and nothing from this spread on (too)."""
+ROUGH = 64
+"""Points that tell most other shapes from a circle."""
+REFINEMENTS = np.int64(8)
+"""Rounds of Gauss-Newton."""
+THIRDS = np.int64(3)
+"""Arcs that a circle is cut into where it does not separate its pixels: each turns by less than
+half a circle."""
+NONE, ONE = np.int64(0), np.int64(1)
+"""Typed, so that kernels are compiled for numbers and not once more for these."""
+
+
+@njit(**LEAF)
+def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
+    """The circle through a whole border: its cost with its price, and whether it nearly fits.
+
+    HUGE where it is none. It nearly fits where it runs beside every point, but loses more pixels
+    than ``budget`` lets an object that is ``held`` to it; ``near`` (2, n) is room to work in.
+    """
+    px = border.x
+    py = border.y
+    n = border.n
+    crisp = costs.crisp
+    dead_zone = costs.dead_zone
+    sigma = costs.sigma
+    worst = costs.worst
+    # a sample tells most other shapes from a circle
+    if not fit_circle(px, py, NONE, n, max(1, n // ROUGH), circle):
+        return HUGE, False
+    far = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
+    if far >= HUGE or not fit_circle(px, py, NONE, n, ONE, circle):
+        return HUGE, False
+    refine_circle(px, py, NONE, n, REFINEMENTS, circle)
+    if not goes_round(px, py, n, circle[0], circle[1]):
+        return HUGE, False
+    if crisp:
+        separate_circle(px, py, NONE, n, circle, near)
+        if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
+            lost = lost_to_circle(px, py, n, circle)
+            if cracks.n > 0:
+                lost = pixels_lost_to_circle(cracks, circle)
+            if lost <= budget:
+                return price, False
+            if held and lost > max(CIRCLE_LOSS * budget, 1.0):
+                return HUGE, True
+    cost = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
+    return price + cost, False
+
+
+@njit(**LEAF)
+def cut_circle(border, circle, outline):
+    """Make three arcs of a circle; returns their number."""
+    n = border.n
+    for t in range(THIRDS):
+        k = t * n // THIRDS
+        x = border.x[k] - circle[0]
+        y = border.y[k] - circle[1]
+        share = circle[2] / max(math.sqrt(x * x + y * y), 1e-9)
+        outline.breaks[t] = k
+        outline.is_arc[t] = True
+        outline.joints[t, 0] = circle[0] + x * share
+        outline.joints[t, 1] = circle[1] + y * share
+        for c in range(3):
+            outline.shape[t, c] = circle[c]
+        outline.shape[t, 4] = 0.0
+    return THIRDS
+
+
+@njit(**LEAF)
+def write_circle(border, circle, tolerance, place, finished):
+    """Write a whole border's circle as its one edge, moved to ``place``."""
+    data = finished.rows
+    finished.kind[0] = LINE
+    data[0, 5] = circle_rms(border.x, border.y, NONE, border.n, circle)
+    if not tolerance.crisp:
+        blur = tolerance.blur_px
+        quiet = max(1.0 - tolerance.spread_px / LOUD_PX, 0.0)
+        circle[2] += quiet * INWARDS * blur * blur / max(circle[2], blur)
+    data[0, 0] = place.x + circle[0] - circle[2]
+    data[0, 1] = place.y + circle[1]
+    data[0, 2] = place.x + circle[0]
+    data[0, 3] = place.y + circle[1]
+    data[0, 4] = circle[2]
