@@ -15,8 +15,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.delaunay.insertion_kernels import conflict, load_sites, triangulate
+from planner.delaunay.insertion_kernels import conflict, triangulate
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre, in_circle, orient
+from planner.delaunay.site_order_kernels import load_sites
 from planner.delaunay.triangle_kernels import (
     DEAD,
     next_side,

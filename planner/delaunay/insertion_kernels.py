@@ -33,7 +33,7 @@ import numpy as np
 from numba import njit
 
 from planner.delaunay.predicate_kernels import SCRATCH, UNIT, in_circle, orient
-from planner.delaunay.site_order_kernels import coarse_to_fine, spatial_order
+from planner.delaunay.site_order_kernels import coarse_to_fine, load_sites, spatial_order
 from planner.delaunay.triangle_kernels import (
     DEAD,
     next_side,
@@ -43,35 +43,8 @@ from planner.delaunay.triangle_kernels import (
 )
 from planner.scene.compile_options import BORROWING
 
-TINY = 2.0**-215
-"""Scaled coordinates below this are rounded to multiples of 2^-268 (see above)."""
 CIRCLE_SLACK = 32.0 * UNIT
 """Twice the first-order error bound of a circle's centre, see `circle_band`."""
-
-
-@njit(**BORROWING, error_model="numpy")
-def load_sites(sites, order, xy):
-    """Scale the sites into xy[: 2n], in this order; returns the factor that scales back."""
-    n = order.shape[0]
-    top = 0.0
-    for i in range(n):
-        top = max(top, max(abs(sites[i, 0]), abs(sites[i, 1])))
-    _, exponent = math.frexp(top)
-    # in two halves: 2^-exponent itself may be out of range
-    half = exponent // 2
-    down_1, down_2 = math.ldexp(1.0, -half), math.ldexp(1.0, half - exponent)
-    for i in range(n):
-        x = sites[order[i], 0] * down_1 * down_2
-        y = sites[order[i], 1] * down_1 * down_2
-        if abs(x) < TINY:
-            x = (x + TINY) - TINY
-        if abs(y) < TINY:
-            y = (y + TINY) - TINY
-        xy[2 * i] = x
-        xy[2 * i + 1] = y
-    xy[2 * n] = np.nan
-    xy[2 * n + 1] = np.nan
-    return exponent
 
 
 @njit(**BORROWING, error_model="numpy")

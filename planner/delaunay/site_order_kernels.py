@@ -1,4 +1,4 @@
-"""In which order sites are inserted: along a Hilbert curve, coarse to fine.
+"""In which order sites are inserted, along a Hilbert curve and coarse to fine; and their scale.
 
 The order. Sites are sorted along a Hilbert curve, crowded cells again within themselves (the
 quaternary tree with buckets of Ohya, Iri and Murota 1984), and inserted coarse to fine: every
@@ -10,6 +10,8 @@ quaternary tree with buckets of Ohya, Iri and Murota 1984), and inserted coarse 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
@@ -17,6 +19,9 @@ from planner.scene.compile_options import BORROWING
 
 COARSENING = 4
 """Of a round's sites, one in so many went in before."""
+TINY = 2.0**-215
+"""Scaled coordinates below this are rounded to multiples of 2^-268, see
+:mod:`planner.delaunay.predicate_kernels`."""
 CROWD = 12
 """A cell of the curve with more sites than this is sorted within itself."""
 
@@ -136,3 +141,28 @@ def coarse_to_fine(n, first, second, third):
         coarser = stride
         stride //= COARSENING
     return todo
+
+
+@njit(**BORROWING, error_model="numpy")
+def load_sites(sites, order, xy):
+    """Scale the sites into xy[: 2n], in this order; returns the factor that scales back."""
+    n = order.shape[0]
+    top = 0.0
+    for i in range(n):
+        top = max(top, max(abs(sites[i, 0]), abs(sites[i, 1])))
+    _, exponent = math.frexp(top)
+    # in two halves: 2^-exponent itself may be out of range
+    half = exponent // 2
+    down_1, down_2 = math.ldexp(1.0, -half), math.ldexp(1.0, half - exponent)
+    for i in range(n):
+        x = sites[order[i], 0] * down_1 * down_2
+        y = sites[order[i], 1] * down_1 * down_2
+        if abs(x) < TINY:
+            x = (x + TINY) - TINY
+        if abs(y) < TINY:
+            y = (y + TINY) - TINY
+        xy[2 * i] = x
+        xy[2 * i + 1] = y
+    xy[2 * n] = np.nan
+    xy[2 * n + 1] = np.nan
+    return exponent

@@ -19,7 +19,7 @@ import numpy as np
 from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
 from planner.delaunay.voronoi_diagram import DiagramArrays, voronoi_arrays
 from planner.diagram import agvd_kernels as kernels
-from planner.diagram import chain_kernels
+from planner.diagram.chains import chain_kernels
 from planner.diagram.diagram_arrays import ChainArrays
 from planner.diagram.mesh import Mesh, generators_of, ordinary, solve
 from planner.diagram.vertex_kernels import EXACT, UNUSED

@@ -21,14 +21,9 @@ from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generator
 from planner.delaunay import insertion_kernels, predicate_kernels
 from planner.delaunay.triangle_kernels import DEAD
 from planner.delaunay.voronoi_diagram import DiagramArrays
-from planner.diagram import (
-    chain_kernels,
-    kept_run_kernels,
-    mesh_kernels,
-    trace_kernels,
-    vertex_kernels,
-)
-from planner.diagram.bisector_trace import bend_chains
+from planner.diagram import mesh_kernels, vertex_kernels
+from planner.diagram.chains import chain_kernels, kept_run_kernels, trace_kernels
+from planner.diagram.chains.bisector_trace import bend_chains
 from planner.diagram.diagram_arrays import Bent, FlatMesh, Tolerances, Traced, Triangles
 from planner.scene import FloatArray, IntArray
 

@@ -1,8 +1,9 @@
 """Cutting chains where their clearance passes the robot's radius, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
-  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
+  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
+  + 1.
 - A wide part is a stretch of a chain that keeps ``radius``. What is narrower than that only by
   rounding, down to ``floor``, does not end it.
 - A cut lies on the bisector that its link follows, or on the link where that is straight, and

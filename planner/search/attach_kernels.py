@@ -1,8 +1,9 @@
 """Attaching a place to the roadmap's chains, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
-  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
+  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
+  + 1.
 - A place attaches by retraction: straight away from the nearest border until a second one is as
   near, and then onto the chain.
 """

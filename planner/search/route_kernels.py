@@ -1,8 +1,9 @@
 """Routes over the roadmap's chains: searched for, and laid out as lines, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
-  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
+  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
+  + 1.
 - A station's entries are what :func:`planner.search.attach_kernels.attach` returns
   (:class:`planner.search.search_kernels.Gates`); gate 2 i + end leads over entry i to that end of
   its chain.

@@ -1,8 +1,9 @@
 """The roadmap's chains as a graph with costs, and how far everything is, on flat arrays.
 
 Rules and units
-- Chains are numbered as :func:`planner.diagram.trace_kernels.trace_chains` leaves them; chain c's
-  points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i + 1.
+- Chains are numbered as :func:`planner.diagram.chains.trace_kernels.trace_chains` leaves them;
+  chain c's points are ``points[first[c] : first[c + 1]]``, and link i runs from point i to point i
+  + 1.
 - A gate is a way onto the roadmap's nodes: ``node``, what it costs to get there, and the
   clearance on the way.
 - Costs are lengths, or lengths weighted where the clearance is small; never negative.

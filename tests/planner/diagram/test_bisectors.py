@@ -9,8 +9,9 @@ import pytest
 
 import planner
 from planner.borders.generators import Borders, gather_borders, place_generators
-from planner.diagram import bend_kernels, bisector_kernels, mesh, mesh_kernels
-from planner.diagram.bend_kernels import BULGE
+from planner.diagram import bisector_kernels, mesh, mesh_kernels
+from planner.diagram.chains import bend_kernels
+from planner.diagram.chains.bend_kernels import BULGE
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import ARC, CIRCLE, POINT, SEGMENT, FloatArray, primitive_kernels
 from tests.support.scenes.planner_scenes import hand_made, random_scene, slow_distance

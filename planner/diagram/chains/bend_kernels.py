@@ -2,7 +2,8 @@
 
 Rules and units
 - A run leads from one station of a chain to the next along the bisector of one pair of pieces, see
-  :mod:`planner.diagram.chain_kernels`. Its links are sampled ones; what is written are places.
+  :mod:`planner.diagram.chains.chain_kernels`. Its links are sampled ones; what is written are
+  places.
 - Places within a run are put in where the straight line would bulge or be too long. They are
   slid onto the bisector from the sampled vertices that the run passes, and each proves itself
   by its own empty circle. Where one does not slide, as at a hairpin's turn, and the run is wide

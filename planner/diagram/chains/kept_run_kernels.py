@@ -2,9 +2,9 @@
 
 Rules
 - A run follows the bisector of one pair of pieces from one station to the next, see
-  :mod:`planner.diagram.chain_kernels`. That curve hangs on nothing else, and neither does what is
-  proved of it as long as nothing comes near: where its ends stayed, to the last bit, so do the
-  points between.
+  :mod:`planner.diagram.chains.chain_kernels`. That curve hangs on nothing else, and neither does
+  what is proved of it as long as nothing comes near: where its ends stayed, to the last bit, so do
+  the points between.
 - Only links that are proved are taken, in either direction.
 """
 

@@ -10,8 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders.border_arrays import Corners
-from planner.diagram import chain_kernels
-from planner.diagram.bend_kernels import HALVINGS, BendRoom, MissingSites, Places, Stack, Stations
+from planner.diagram.chains import chain_kernels
+from planner.diagram.chains.bend_kernels import (
+    HALVINGS,
+    BendRoom,
+    MissingSites,
+    Places,
+    Stack,
+    Stations,
+)
 from planner.diagram.diagram_arrays import Bent, FlatMesh, KnownRuns, Tolerances, Triangles
 from planner.scene import FloatArray, IntArray
 
@@ -31,9 +38,9 @@ def bend_chains(
     """The chains' points on their bisectors, with the narrowest place of every run.
 
     Chain c has the links ``first[c]`` to ``first[c + 1]`` of
-    :func:`planner.diagram.trace_kernels.trace_chains`; ``first`` need not begin at 0. Runs that are
-    ``known``, see :func:`planner.diagram.kept_run_kernels.index_runs`, are not bent again. Returns
-    the chains and the sites that are missing as
+    :func:`planner.diagram.chains.trace_kernels.trace_chains`; ``first`` need not begin at 0. Runs
+    that are ``known``, see :func:`planner.diagram.chains.kept_run_kernels.index_runs`, are not bent
+    again. Returns the chains and the sites that are missing as
     :func:`planner.diagram.vertex_kernels.solve_vertices` does.
     """
     chains = len(first) - 1

@@ -1,9 +1,9 @@
 """Where the chains run exactly: their points on the bisectors, their widths and lengths.
 
 Rules and units
-- Chains are those of :mod:`planner.diagram.trace_kernels`. A chain's stations are its nodes and
-  turning points, which are solved; between two stations it follows the bisector of one pair of
-  pieces, the run's, see :mod:`planner.diagram.bend_kernels`.
+- Chains are those of :mod:`planner.diagram.chains.trace_kernels`. A chain's stations are its nodes
+  and turning points, which are solved; between two stations it follows the bisector of one pair of
+  pieces, the run's, see :mod:`planner.diagram.chains.bend_kernels`.
 - Left and right are those of ``cross(along, left - right) > 0`` in the scene's coordinates.
 """
 
@@ -19,9 +19,9 @@ from numba import njit
 
 from planner.borders.box_tree_kernels import segment_clearance
 from planner.delaunay.triangle_kernels import next_side, previous_side
-from planner.diagram.bend_kernels import bend_run
 from planner.diagram.bisector_kernels import heading, slide_between
-from planner.diagram.kept_run_kernels import find_run
+from planner.diagram.chains.bend_kernels import bend_run
+from planner.diagram.chains.kept_run_kernels import find_run
 from planner.diagram.mesh_kernels import nearest_piece
 from planner.diagram.vertex_kernels import EXACT, INTRUDED, KEPT, UNUSED
 from planner.scene.compile_options import BORROWING
@@ -132,10 +132,10 @@ def _copy_run(known, p, way, stations, s, out, n):
 def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
     """The chains' points on their bisectors, with the narrowest place of every run.
 
-    Fills ``room``, a :class:`planner.diagram.bend_kernels.BendRoom`: a link is proved where both of
-    its points are, and where it follows the bisector between them. Runs that are ``known``, see
-    :mod:`planner.diagram.kept_run_kernels`, are not bent again. Returns how many points and missing
-    sites there are, -1 for those that found no room.
+    Fills ``room``, a :class:`planner.diagram.chains.bend_kernels.BendRoom`: a link is proved where
+    both of its points are, and where it follows the bisector between them. Runs that are ``known``,
+    see :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns how many points
+    and missing sites there are, -1 for those that found no room.
     """
     out, stations = room.out, room.stations
     place, sides = stations.place, stations.sides

@@ -1,0 +1,1 @@
+"""The chains: traced along valid edges, bent onto bisectors, kept where nothing has changed."""
