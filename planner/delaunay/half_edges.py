@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.delaunay.diagram_kernels import NOT_CONVEX, NOT_EMPTY, TURNED, WRONG_FLAG, certify
-from planner.delaunay.insertion_kernels import TINY
+from planner.delaunay.site_order_kernels import TINY
 
 CHECK_TOLERANCE = 1e-9
 """How far a vertex's coordinates may be off, in parts of the scene's size or its circle."""

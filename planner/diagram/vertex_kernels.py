@@ -19,7 +19,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.delaunay.insertion_kernels import TINY
+from planner.delaunay.site_order_kernels import TINY
 from planner.delaunay.triangle_kernels import DEAD, next_side, previous_side
 from planner.diagram.agvd_kernels import is_end, is_valid
 from planner.diagram.bisector_kernels import meet_three, slide_between, turn_at
