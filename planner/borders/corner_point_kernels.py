@@ -8,7 +8,7 @@ Rules
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

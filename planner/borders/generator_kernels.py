@@ -4,7 +4,7 @@ A label is the index of a generator's piece, see :mod:`planner.borders.corner_po
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ of 2^-268; doubtful signs are those of :mod:`planner.delaunay.predicate_kernels`
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ lattice are multiplied as integers, others as expansions (Shewchuk 1997). Coordi
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

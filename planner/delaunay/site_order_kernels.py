@@ -6,7 +6,7 @@ quaternary tree with buckets of Ohya, Iri and Murota 1984), and inserted coarse 
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

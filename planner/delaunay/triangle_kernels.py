@@ -15,7 +15,7 @@ Rules
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

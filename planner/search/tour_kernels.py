@@ -5,7 +5,7 @@ returns to the first. All distances are finite or infinity (no way).
 """
 
 # The arrays' types are in the docstrings; numba infers them.
-# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+# mypy: allow-untyped-defs
 
 from __future__ import annotations
 

@@ -210,7 +210,7 @@ def _line_pushes(xs, ys, joints, edges, e, push):
 
 
 @njit(**SUMS)
-def _arc_pushes(xs, ys, joints, edges, e, push):
+def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one loop, side by side
     """What points ``xs``, ``ys`` demand of arc e; how many demand."""
     after = successor(e, edges)
     x0 = joints[e, 0]

@@ -144,7 +144,7 @@ def separate_line(px, py, lo, hi, line, near):
 
 
 @njit(**SUMS)
-def separate_circle(px, py, lo, hi, circle, near):
+def separate_circle(px, py, lo, hi, circle, near):  # noqa: PLR0915 - sums of one loop, side by side
     """The same for a circle: move and grow it until it passes between the pixels."""
     xs = px[lo:hi]
     ys = py[lo:hi]
