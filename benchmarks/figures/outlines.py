@@ -17,7 +17,8 @@ from vision.binarise.binarise import binarise
 from vision.borders.contours import Borders, EdgePoints, follow_borders, locate_edges
 from vision.outline.fitted_borders import ARC_CCW, LINE, FittedBorders
 from vision.outline.fitting import Tolerance, fit_edges, tolerance_of
-from vision.outline.partition_kernels import seed_breaks
+from vision.outline.outline_types import BorderPoints
+from vision.outline.seed_kernels import seed_breaks
 
 Points = NDArray[np.float64]
 SIZE = (60, 44)
@@ -113,7 +114,8 @@ def seeds_of(one: Fitted) -> Points:
     twice = np.vstack([points, points, points[:1]])
     is_seed = np.zeros(n + 1, np.bool_)
     tolerance = 0.35 + one.tolerance.dead_zone_px + 2.5 * one.tolerance.sigma_px
-    seed_breaks(twice[:, 0].copy(), twice[:, 1].copy(), n, tolerance, is_seed, np.empty(n))
+    border = BorderPoints(twice[:, 0].copy(), twice[:, 1].copy(), n)
+    seed_breaks(border, tolerance, is_seed, np.empty(n), np.empty((n + 1, 2), np.int64))
     return np.asarray(points[is_seed[:n]] + one.points.mean(axis=0))
 
 
