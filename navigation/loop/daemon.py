@@ -354,13 +354,14 @@ class Daemon:
             return
         sent = None
         if orders.upload is not None:
-            mission_id, targets = orders.upload
-            sent = SentPlan(mission_id, mission.visited, targets)
+            sent = SentPlan(orders.upload[0], mission.visited, orders.upload[1])
         self._journal.keep(mission, sent, self._clock())
         self.troubles["journal"] = self._journal.trouble
 
     def _carry_out(self, orders: Orders, now_s: float, sight: Sight) -> None:
         self._robot.carry_out(orders, now_s, sight.pose_age_s)
+        if orders.estop:
+            return
         if orders.measure_latency:
             self.witness.measure_again()
         plan = self.pilot.plan
