@@ -13,6 +13,7 @@ from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
+from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.events import MissionDone
 from firmware_protocol.robot.connection import Identity, RobotConnection
 from firmware_protocol.robot.controller import RobotController
@@ -209,3 +210,26 @@ class Witness:
             f"{control.exec_next}/{control.accept_next}/{len(self.mission)}, "
             f"host {self.loop.host.state.name}: {self.loop.host.why_down(self.loop.now_s)}"
         )
+
+
+def join_line(loop: VirtualLoop, seed: int) -> tuple[HostConnection, HostConnection]:
+    """Let another host open the loop's line, beside the one that is there: (first, second).
+
+    Both hear the robot; what the first says goes out too.
+    """
+    first = loop.host
+    loop.host = second = HostConnection(random.Random(seed), loop.baud)
+    second.open(loop.now_s)
+    carry = loop._faulty[1].carry
+
+    def both(data: bytes, now_s: float) -> bytes:
+        arrived = carry(data, now_s)
+        first.receive_bytes(arrived, now_s)
+        first.tick(now_s)
+        said = first.bytes_to_send(now_s)
+        if said:
+            loop.to_robot.put(said, now_s)
+        return arrived
+
+    loop._faulty[1].carry = both  # type: ignore[method-assign]
+    return first, second

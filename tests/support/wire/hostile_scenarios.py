@@ -10,7 +10,6 @@ import random
 from collections import deque
 from collections.abc import Callable
 
-from firmware_protocol.host.connection import HostConnection
 from firmware_protocol.host.events import StrayHello
 from firmware_protocol.wire.framing import Frame, Sender, encode_frame
 from firmware_protocol.wire.messages import (
@@ -21,7 +20,7 @@ from firmware_protocol.wire.messages import (
     RobotState,
     StopReason,
 )
-from tests.support.wire.fault_witness import STOP_S, Witness
+from tests.support.wire.fault_witness import STOP_S, Witness, join_line
 
 PERMIT_S = 0.55
 """No motion is permitted longer than this after the control loop gave its last permit."""
@@ -151,21 +150,8 @@ def host_that_confirmed_falls_silent(seed: int) -> str:
     witness = Witness(seed)
     loop = witness.loop
     witness.begin_and_drive(0.3)
-    first = loop.host
-    loop.host = second = HostConnection(random.Random(7000 + seed), loop.baud)
-    second.open(loop.now_s)
     carry = loop._faulty[1].carry
-
-    def both(data: bytes, now_s: float) -> bytes:
-        arrived = carry(data, now_s)
-        first.receive_bytes(arrived, now_s)
-        first.tick(now_s)
-        said = first.bytes_to_send(now_s)
-        if said:
-            loop.to_robot.put(said, now_s)
-        return arrived
-
-    loop._faulty[1].carry = both  # type: ignore[method-assign]
+    first, second = join_line(loop, 7000 + seed)
     witness.connect()
     witness.judge_standing(STOP_S + 2.0)
     assert second.state.is_up

@@ -20,7 +20,7 @@ from firmware_protocol.wire.messages import (
 )
 from navigation.simulator.line_faults import FaultSpec
 from tests.support.robots.avr_firmware import AvrFirmware
-from tests.support.wire.fault_witness import DEAD_MAN_S, STOP_S, Witness, robot_maker
+from tests.support.wire.fault_witness import DEAD_MAN_S, STOP_S, Witness, join_line, robot_maker
 
 
 def rough(spec: str) -> Callable[[int], str]:
@@ -94,21 +94,7 @@ def second_host(seed: int) -> str:
     witness = Witness(seed)
     loop = witness.loop
     witness.begin_and_drive()
-    first = loop.host
-    loop.host = second = HostConnection(random.Random(7000 + seed), loop.baud)
-    second.open(loop.now_s)
-    carry = loop._faulty[1].carry
-
-    def both(data: bytes, now_s: float) -> bytes:
-        arrived = carry(data, now_s)
-        first.receive_bytes(arrived, now_s)
-        first.tick(now_s)
-        hello = first.bytes_to_send(now_s)
-        if hello:
-            loop.to_robot.put(hello, now_s)
-        return arrived
-
-    loop._faulty[1].carry = both  # type: ignore[method-assign]
+    first, second = join_line(loop, 7000 + seed)
     witness.connect()
     witness.judge_standing(STOP_S)
     assert second.state.is_up
