@@ -17,6 +17,10 @@ from typing import Any
 
 from numba.core.options import DefaultOptions
 
+from planner.shared.kernel_locator import prepare_kernels
+
+prepare_kernels()
+
 BORROWING: dict[str, Any] = {"cache": True, "nogil": True}
 """Options of ``njit`` for a kernel that only borrows its arrays."""
 if hasattr(DefaultOptions, "_nrt"):  # a numba without it would count, slower, with equal answers

@@ -1,0 +1,149 @@
+"""Where numba finds the compiled kernels of this distribution, and how it knows that they fit.
+
+- A wheel may carry kernels that were compiled ahead, a folder a processor
+  (``planner/compiled/<processor>/``). They are copied to where numba keeps what it compiles the
+  first time that they are wanted there; what they lack is compiled as ever.
+- A kernel fits if its source, all sources of ours that it imports, and the versions of numba and
+  LLVM are those that it was compiled from (``source_stamp``). Numba's own check is of one file.
+
+Extends numba's cache by a locator (numba.core.caching), its one place for that.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+from numba.core import caching
+
+from planner.shared.processor import choose_processor
+from planner.shared.source_stamp import stamp_of
+
+PACKAGES = ("planner", "vision")
+"""The packages that have kernels, beside each other in one folder."""
+ROOT = Path(__file__).parents[2]
+SHIPPED = Path(__file__).parents[1] / "compiled"
+"""Kernels compiled ahead: ``<processor>/<package>/<module>/*.nbi, *.nbc``."""
+LABEL = "label.txt"
+"""Beside shipped kernels: the versions that they were made by, and a digest of their sources."""
+CONFIG: Any = numba.config
+VERSIONS = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
+
+
+class KernelLocator(caching._CacheLocator):
+    """The cache of one kernel of ours: its folder, and the stamp of all that it depends on."""
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        self._py_file = py_file
+        self._line = py_func.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> KernelLocator | None:
+        """The locator of a function of ours whose cache can be written; None for all others."""
+        own = any(Path(py_file).is_relative_to(ROOT / package) for package in PACKAGES)
+        if not own or not os.path.exists(py_file):
+            return None
+        locator = cls(py_func, py_file)
+        try:
+            locator.ensure_cache_path()  # type: ignore[no-untyped-call]
+        except OSError:  # numba's own locators have more places
+            return None
+        return locator
+
+    def get_cache_path(self) -> str:
+        """The folder that this kernel is kept in."""
+        return str(cache_folder(Path(self._py_file).parent))
+
+    def get_source_stamp(self) -> str:
+        """What the kernel was compiled from, as one number."""
+        return stamp_of(Path(self._py_file), VERSIONS)
+
+    def get_disambiguator(self) -> str:
+        """Tells kernels of one name in one file apart."""
+        return str(self._line)
+
+
+def cache_folder(source_folder: Path) -> Path:
+    """Where kernels of a source folder are kept: beside it, or below ``NUMBA_CACHE_DIR``."""
+    if not CONFIG.CACHE_DIR:
+        return source_folder / "__pycache__"
+    # clones of this project keep theirs apart
+    mine = f"{ROOT.name}_{hashlib.sha1(str(ROOT).encode()).hexdigest()[:8]}"
+    return Path(CONFIG.CACHE_DIR) / mine / source_folder.relative_to(ROOT)
+
+
+def prepare_kernels() -> None:
+    """Called once, before the first kernel is defined."""
+    processor = choose_processor(os.environ)
+    caching.CacheImpl._locator_classes.insert(0, KernelLocator)
+    if processor is not None:
+        with contextlib.suppress(OSError):  # nothing can be written there: numba has more places
+            unpack_shipped(SHIPPED / processor)
+
+
+def unpack_shipped(shipped: Path) -> int:
+    """Copy kernels compiled ahead to where numba looks for them; how many files were copied.
+
+    Done once for each set of shipped kernels and each cache, and not at all where they were made
+    by other versions of numba or LLVM. Raises OSError where the cache cannot be written.
+    """
+    label = shipped / LABEL
+    if not label.exists():
+        return 0
+    wanted = label.read_text(encoding="ascii")
+    done = cache_folder(ROOT / PACKAGES[0]) / f"{shipped.name}-{LABEL}"
+    if not wanted.startswith(f"{VERSIONS}\n") or (done.exists() and done.read_text() == wanted):
+        return 0
+    copied = 0
+    # of every kernel the index last: what it names is there then
+    for part in sorted(shipped.rglob("*.nb[ci]")):
+        folder = cache_folder(ROOT / part.parent.relative_to(shipped))
+        folder.mkdir(parents=True, exist_ok=True)
+        _put(part.read_bytes(), folder / part.name)
+        copied += 1
+    _put(wanted.encode(), done)
+    return copied
+
+
+def write_label(shipped: Path) -> None:
+    """Say of a folder of compiled kernels what made them, and of which sources."""
+    digest = hashlib.sha256()
+    for source in sorted(file for one in PACKAGES for file in (ROOT / one).rglob("*.py")):
+        digest.update(source.read_bytes())
+    (shipped / LABEL).write_text(f"{VERSIONS}\n{digest.hexdigest()}\n", encoding="ascii")
+
+
+def is_compiled(kernel: Any) -> bool:
+    """Whether compiled code of a kernel, for this processor and these versions, is kept."""
+    codegen = kernel.targetctx.codegen()
+    kept = kernel._cache._cache_file._load_index()
+    return any(key[1] == codegen.magic_tuple() for key in kept)
+
+
+def read_index(index: Path, processor: str) -> set[str]:
+    """The files of compiled code, made for a processor from today's sources, in a kernel's index.
+
+    ``index`` lies where ``cache_folder`` has it, with ``NUMBA_CACHE_DIR`` set.
+    """
+    source = ROOT / index.parent.relative_to(cache_folder(ROOT)) / f"{index.name.split('.')[0]}.py"
+    with index.open("rb") as stream:
+        if not source.exists() or pickle.load(stream) != numba.__version__:
+            return set()
+        stamp, kept = pickle.load(stream)
+    if stamp != stamp_of(source, VERSIONS):
+        return set()
+    return {name for key, name in kept.items() if key[1][1] == processor}
+
+
+def _put(content: bytes, file: Path) -> None:
+    """Write a file as a whole, even where two processes do so at the same time."""
+    new = file.with_name(f"{file.name}.{os.getpid()}.new")
+    new.write_bytes(content)
+    os.replace(new, file)

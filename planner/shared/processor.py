@@ -1,0 +1,70 @@
+"""For which processor kernels are compiled: the most common one that this machine contains.
+
+A kernel that is compiled for just the processor at hand is of no use on another one, and could not
+be shipped. The levels of x86-64 are those of the psABI: v2 is what every processor since 2009 has,
+v3 (AVX2, FMA) since 2013 to 2015. There is one level for 64-bit ARM: every processor has NEON.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import MutableMapping
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.registry import cpu_target
+
+LEVELS = {
+    "x86-64-v3": frozenset(["avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"]),
+    "x86-64-v2": frozenset(["cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"]),
+}
+"""The flags of /proc/cpuinfo that each level adds to the one below, the highest level first."""
+COMMON_ARM = "generic"
+"""What LLVM calls ARMv8-A without extensions."""
+
+
+def common_processor(machine: str, cpuinfo: str) -> str | None:
+    """LLVM's name for the highest common level of a machine; None where it has none of them.
+
+    ``machine`` as ``platform.machine()`` says it, ``cpuinfo`` the text of /proc/cpuinfo.
+    """
+    if machine in ("aarch64", "arm64"):
+        return COMMON_ARM
+    if machine not in ("x86_64", "AMD64"):
+        return None
+    has = _flags(cpuinfo)
+    level = None
+    for name, flags in reversed(LEVELS.items()):
+        if not flags <= has:
+            break
+        level = name
+    return level
+
+
+def choose_processor(environment: MutableMapping[str, str]) -> str | None:
+    """Have numba compile for the common processor, unless the user has named another.
+
+    Takes effect where numba has defined no kernel yet, in a stranger's program too. Returns the
+    processor's name, also one that the user named, or None where kernels are compiled for just
+    this machine.
+    """
+    if "NUMBA_CPU_NAME" in environment or "NUMBA_CPU_FEATURES" in environment:
+        return environment.get("NUMBA_CPU_NAME")
+    try:
+        cpuinfo = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return None
+    name = common_processor(platform.machine(), cpuinfo)
+    if name is None or "_toplevel_target_context" in vars(cpu_target):
+        return None
+    config: Any = numba.config
+    config.CPU_NAME, config.CPU_FEATURES = name, ""
+    return name
+
+
+def _flags(cpuinfo: str) -> frozenset[str]:
+    """What every processor of the machine can do."""
+    lines = [line for line in cpuinfo.splitlines() if line.startswith("flags")]
+    each = [frozenset(line.partition(":")[2].split()) for line in lines]
+    return frozenset.intersection(*each) if each else frozenset()

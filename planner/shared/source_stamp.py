@@ -1,0 +1,64 @@
+"""What a compiled kernel depends on, as one number: its file and all of ours that it imports.
+
+Numba looks at the file of a kernel only: after a change in a kernel that it calls, or of a constant
+that it takes from elsewhere, it would load the old machine code. Here a stamp covers every file
+that can be reached by imports.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from functools import cache
+from pathlib import Path
+
+_IMPORT = re.compile(rb"^\s*(?:from|import) ([a-z_][\w.]*)(?: import ([^#\n(]+|\([^)]*\)))?", re.M)
+
+
+def stamp_of(file: Path, versions: str) -> str:
+    """Hex digest over a source file, all of its own distribution that it imports, and versions.
+
+    ``file`` is inside a package; imports are followed within the folder above the topmost package.
+    """
+    root = file.parent
+    while (root / "__init__.py").exists():
+        root = root.parent
+    digest = hashlib.sha256(versions.encode())
+    for part in sorted(_reachable(file, root)):
+        digest.update(part.relative_to(root).as_posix().encode())
+        digest.update(_content(part)[0])
+    return digest.hexdigest()
+
+
+@cache
+def _content(file: Path) -> tuple[bytes, tuple[tuple[str, ...], ...]]:
+    """A file's own digest, and the dotted names that it may import, in parts."""
+    source = file.read_bytes()
+    names = []
+    for module, members in _IMPORT.findall(source):
+        parts = tuple(module.decode().split("."))
+        names.append(parts)
+        names += [(*parts, member) for member in re.findall(r"\w+", members.decode())]
+    return hashlib.sha256(source).digest(), tuple(names)
+
+
+def _reachable(file: Path, root: Path) -> set[Path]:
+    found = {file}
+    waiting = [file]
+    while waiting:
+        for parts in _content(waiting.pop())[1]:
+            imported = _file_of(root, parts)
+            if imported is not None and imported not in found:
+                found.add(imported)
+                waiting.append(imported)
+    return found
+
+
+@cache
+def _file_of(root: Path, parts: tuple[str, ...]) -> Path | None:
+    """The source of a module or package below ``root``; None for a stranger's, or for a name."""
+    place = root.joinpath(*parts)
+    for candidate in (place.with_suffix(".py"), place / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None

@@ -1,0 +1,95 @@
+"""Where compiled kernels are found: shipped ones are unpacked once, and every kernel is covered."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from planner.shared import kernel_locator
+from planner.shared.kernel_locator import LABEL, ROOT, VERSIONS, cache_folder, unpack_shipped
+
+CACHED = """
+import importlib, pkgutil
+import planner, vision
+from numba.core.dispatcher import Dispatcher
+from planner.shared.kernel_locator import KernelLocator
+
+count = 0
+for package in (planner, vision):
+    for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+        found = vars(importlib.import_module(module.name)).values()
+        for kernel in found:
+            if isinstance(kernel, Dispatcher) and kernel.py_func.__module__ == module.name:
+                locator = kernel._cache._impl.locator
+                assert isinstance(locator, KernelLocator), (kernel, locator)
+                count += 1
+print(count)
+"""
+
+
+def test_every_kernel_is_kept_by_what_it_depends_on() -> None:
+    told = subprocess.run(
+        [sys.executable, "-c", CACHED], capture_output=True, text=True, cwd=ROOT, timeout=120
+    )
+    assert told.returncode == 0, told.stderr
+    assert int(told.stdout) > 400
+
+
+@pytest.mark.parametrize("package", kernel_locator.PACKAGES)
+def test_every_file_of_kernels_has_the_locator_set_up_before(package: str) -> None:
+    files = [file for file in (ROOT / package).rglob("*.py") if "@njit" in file.read_text()]
+    assert len(files) > 20
+    bare = [file for file in files if "compile_options import" not in file.read_text()]
+    assert bare == []
+
+
+@pytest.fixture
+def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of two kernels compiled ahead, and an empty cache."""
+    folder = tmp_path / "shipped" / "x86-64-v3"
+    for name in ("planner/search/a-1.py311", "vision/markers/b-7.py311"):
+        (folder / name).parent.mkdir(parents=True)
+        (folder / f"{name}.nbi").write_bytes(b"index")
+        (folder / f"{name}.1.nbc").write_bytes(b"code")
+    (folder / LABEL).write_text(f"{VERSIONS}\n1234\n")
+    monkeypatch.setattr(kernel_locator.CONFIG, "CACHE_DIR", str(tmp_path / "cache"))
+    return folder
+
+
+def kept(folder: Path) -> list[str]:
+    return sorted(file.name for file in folder.rglob("*.nb[ci]"))
+
+
+def test_shipped_kernels_are_unpacked_once(shipped: Path, tmp_path: Path) -> None:
+    assert unpack_shipped(shipped) == 4
+    assert kept(tmp_path / "cache") == kept(shipped)
+    assert unpack_shipped(shipped) == 0
+
+
+def test_those_of_a_newer_version_replace_them(shipped: Path) -> None:
+    unpack_shipped(shipped)
+    (shipped / LABEL).write_text(f"{VERSIONS}\n5678\n")
+    (shipped / "vision/markers/b-7.py311.nbi").write_bytes(b"newer")
+    assert unpack_shipped(shipped) == 4
+    assert (cache_folder(ROOT / "vision" / "markers") / "b-7.py311.nbi").read_bytes() == b"newer"
+
+
+@pytest.mark.parametrize("other", ["numba 0.1, llvmlite 0.1", VERSIONS + "1", ""])
+def test_those_made_by_other_versions_are_left_where_they_are(shipped: Path, other: str) -> None:
+    (shipped / LABEL).write_text(f"{other}\n1234\n")
+    assert unpack_shipped(shipped) == 0
+
+
+def test_where_none_are_shipped_there_is_nothing_to_do(tmp_path: Path) -> None:
+    assert unpack_shipped(tmp_path / "nothing") == 0
+
+
+def test_a_cache_that_cannot_be_written_keeps_the_program_running(
+    shipped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    monkeypatch.setattr(kernel_locator, "SHIPPED", shipped.parent)
+    monkeypatch.setattr(kernel_locator, "choose_processor", lambda _: shipped.name)
+    monkeypatch.setattr(kernel_locator.caching.CacheImpl, "_locator_classes", [])
+    kernel_locator.prepare_kernels()
