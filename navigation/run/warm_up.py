@@ -10,25 +10,20 @@ waits and so can be ended at once, and what is going on is said.
 
 from __future__ import annotations
 
-import os
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from multiprocessing.connection import wait
-from multiprocessing.context import SpawnProcess
-from pathlib import Path
 
 import cv2
 import numpy as np
 
-import planner
 from navigation.config import Config
 from navigation.loop.eye import Body, Eye, EyeSettings
 from navigation.loop.planning import ArenaPlanner, PlanSettings
-from navigation.machine.child import start_child
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.traffic import Disc
+from navigation.run.compiling import CompileProgress, compile_parts
+from planner.delaunay.insertion_kernels import triangulate
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath
 from planner.scene import (
@@ -40,10 +35,12 @@ from planner.scene import (
     SceneObject,
     Segment,
 )
+from planner.shared.kernel_locator import is_compiled
 from vision.binarise.binarise import warm_up as warm_up_binarisation
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame, Image
 from vision.markers.markers import MarkedRobot, MarkerTracker, dictionary_by_name
+from vision.outline.fitting_kernels import fit_borders
 
 SIZE_PX = (400, 300)
 METRES_PER_PIXEL = 0.005
@@ -57,41 +54,30 @@ SLIGHT_LENS = (-1e-3, 0.0, 0.0, 0.0, 0.0)
 EMPTY_FRAMES, CHANGED_FRAMES = 5, 4
 STARTS = ((0.3, 0.3, 0.0), (0.4, 1.2, 0.5))
 GOAL = Station(1.7, 1.2, 0.3)
+SAY_EVERY_S = 10.0
+"""Between two lines on how far the compilation has come."""
 WAYSIDE = (Station(1.0, 0.2), Station(0.5, 0.6), Station(1.75, 0.6))
 
 
 def warm_up(config: Config, say: Callable[[str], None]) -> None:
     """Run eye, roadmap, plan, smoothing and timing; ``say`` gets a line of news at a time."""
-    if not kernels_are_cold():
-        _run_planner(_see(config))
-        return
-    say("compiling the kernels, once on this machine: a minute or two")
-    begin_s = time.monotonic()
-    children = {
-        "eye": start_child(compile_eye, config),
-        "planner": start_child(compile_planner),
-    }
-    try:
-        for name in wait_for_each(children):
-            children[name].join()
-            failed = children[name].exitcode != 0
-            news = "not compiled, it will be here," if failed else "compiled"
-            say(f"  {name} {news} after {time.monotonic() - begin_s:.0f} s")
-    finally:
-        for child in children.values():
-            child.kill()
-            child.join()
-    # loads what the children have compiled, and compiles what they could not
+    if kernels_are_cold():
+        say("compiling the kernels, once on this machine: some minutes")
+        shown_s = 0.0
+        for progress in compile_kernels(config):
+            if progress.passed_s - shown_s >= SAY_EVERY_S:
+                shown_s = progress.passed_s
+                say(f"  {progress}")
+        if progress.failed:
+            say(f"  {' and '.join(progress.failed)} not compiled: it is done here")
+        say(f"  {progress.done} kernels compiled after {progress.passed_s:.0f} s")
+    # loads what has been compiled, and compiles what could not be
     _run_planner(_see(config))
 
 
-def wait_for_each(children: Mapping[str, SpawnProcess]) -> Iterator[str]:
-    """The names of children in the order in which they end, each when it has."""
-    names = {child.sentinel: name for name, child in children.items()}
-    while names:
-        for sentinel in wait(list(names)):
-            assert isinstance(sentinel, int)
-            yield names.pop(sentinel)
+def compile_kernels(config: Config) -> Iterator[CompileProgress]:
+    """Compile what a run needs, in processes beside this one; how far they have come."""
+    return compile_parts({"eye": (compile_eye, (config,)), "planner": (compile_planner, ())})
 
 
 def compile_eye(config: Config) -> None:
@@ -117,11 +103,8 @@ def compile_planner() -> None:
 
 
 def kernels_are_cold() -> bool:
-    """Whether no compiled kernels lie where numba will look for them."""
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    beside_the_source = Path(planner.__file__).parent
-    folder = Path(chosen) if chosen else beside_the_source
-    return next(folder.rglob("insertion_kernels.*.nbi"), None) is None
+    """Whether kernels are missing that were compiled for this processor from these sources."""
+    return not (is_compiled(triangulate) and is_compiled(fit_borders))
 
 
 def _see(config: Config) -> list[Scene]:

@@ -1,16 +1,16 @@
 """Warming up: every kernel of a run is compiled before the robot may move, and that is said."""
 
+import os
+import re
 import subprocess
 import sys
-from collections.abc import Callable
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 import pytest
 
 from navigation.config import load_config
-from navigation.machine.child import start_child
 from navigation.run import warm_up
+from navigation.run.compiling import compile_parts
 
 CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
 
@@ -25,38 +25,43 @@ def test_with_compiled_kernels_nothing_is_said() -> None:
 def test_without_them_it_is_said_and_two_processes_compile(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    started: list[str] = []
-
-    def start(work: Callable[..., None], *arguments: object) -> SpawnProcess:
-        started.append(work.__name__)
-        return start_child(work, *arguments)
-
     monkeypatch.setattr(warm_up, "kernels_are_cold", lambda: True)
-    monkeypatch.setattr(warm_up, "start_child", start)
     said: list[str] = []
     warm_up.warm_up(CONFIG, said.append)
-    assert started == ["compile_eye", "compile_planner"]
     assert said[0].startswith("compiling the kernels")
-    assert sorted(line.split()[:2] for line in said[1:]) == [
-        ["eye", "compiled"],
-        ["planner", "compiled"],
-    ]
+    assert re.fullmatch(r"  \d+ kernels compiled after \d+ s", said[-1])
 
 
 def test_a_process_that_cannot_compile_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = {"eye": (sys.exit, (3,)), "planner": (sys.exit, (3,))}
     monkeypatch.setattr(warm_up, "kernels_are_cold", lambda: True)
-    monkeypatch.setattr(warm_up, "start_child", lambda *_: start_child(sys.exit, 3))
+    monkeypatch.setattr(warm_up, "compile_kernels", lambda _: compile_parts(parts))
     said: list[str] = []
     warm_up.warm_up(CONFIG, said.append)
-    assert all("not compiled, it will be here" in line for line in said[1:])
+    assert any("not compiled: it is done here" in line for line in said)
 
 
-def test_an_empty_cache_is_cold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    assert warm_up.kernels_are_cold()
-    (tmp_path / "planner_x").mkdir()
-    (tmp_path / "planner_x" / "insertion_kernels.diagram-1.py311.nbi").touch()
-    assert not warm_up.kernels_are_cold()
+COLD = "from navigation.run.warm_up import kernels_are_cold; print(kernels_are_cold())"
+
+
+@pytest.mark.parametrize(
+    ("environment", "cold"),
+    [({}, False), ({"NUMBA_CACHE_DIR": "{empty}"}, True), ({"NUMBA_CPU_NAME": "nocona"}, True)],
+    ids=["compiled", "empty cache", "compiled for another processor"],
+)
+def test_kernels_are_cold_where_they_would_be_compiled(
+    environment: dict[str, str], cold: bool, tmp_path: Path
+) -> None:
+    warm_up.warm_up(CONFIG, print)
+    variables = {name: text.format(empty=tmp_path) for name, text in environment.items()}
+    told = subprocess.run(
+        [sys.executable, "-c", COLD],
+        env={**os.environ, **variables},
+        cwd=Path(__file__).parents[3],
+        capture_output=True,
+        text=True,
+    )
+    assert told.stdout.strip() == str(cold), told.stderr
 
 
 @pytest.mark.parametrize("polarity", ["dark", "light"])
