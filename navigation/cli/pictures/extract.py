@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from navigation.cli.cold_kernels import compile_what_is_missing
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
@@ -72,6 +73,7 @@ def command(
     begin_s = time.perf_counter()
     picture, remarks = decode_picture(read_bytes(image), image)
     load_ms = 1e3 * (time.perf_counter() - begin_s)
+    compile_what_is_missing("eye")
     try:
         with long_work("looking for obstacles"):
             scene = vision.extract(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from navigation.cli.cold_kernels import compile_for
 from navigation.cli.options import (
     DRAWING,
     INPUT,
@@ -95,6 +96,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             f"{spacing:g}: must be < 2 radius = {2.0 * radius:g}", param_hint="--spacing"
         )
     keep_apart((("--output", output), ("--render", render)), (source,))
+    compile_for(source)
     begin_s = time.perf_counter()
     with long_work("looking for obstacles"):
         scene = load_source(source, polarity)

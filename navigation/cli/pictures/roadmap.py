@@ -7,6 +7,7 @@ from typing import Literal
 
 import click
 
+from navigation.cli.cold_kernels import compile_for
 from navigation.cli.options import (
     DRAWING,
     INPUT,
@@ -67,6 +68,7 @@ def command(
     from navigation.cli.pictures.sources import load_source
     from planner.roadmap import roadmap_export
 
+    compile_for(source)
     with long_work("looking for obstacles"):
         scene = load_source(source, polarity)
     warn_of_doubts(scene, source)

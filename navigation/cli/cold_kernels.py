@@ -1,0 +1,68 @@
+"""Before a command that computes: compile what is missing, once on a machine, and say so."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal
+
+from navigation.cli.progress import CLEAR_LINE
+
+Part = Literal["eye", "planner"]
+
+
+def compile_what_is_missing(*parts: Part) -> None:
+    """Compile the kernels of the parts that a command needs, where they are not kept yet.
+
+    A terminal's stderr gets a line that counts the kernels; any other stderr is told once.
+    """
+    missing: dict[str, tuple[Callable[..., None], tuple[Any, ...]]] = {}
+    for part in parts:
+        if _is_cold(part):
+            missing[part] = (_work_of(part), ())
+    if not missing:
+        return
+    from navigation.run.compiling import compile_parts
+
+    first = "compiling the kernels, once on this machine"
+    live = sys.stderr is not None and sys.stderr.isatty()
+    if not live:
+        print(f"{first}: some minutes", file=sys.stderr, flush=True)
+    for progress in compile_parts(missing):
+        if live:
+            sys.stderr.write(f"{CLEAR_LINE}{first}: {progress}")
+            sys.stderr.flush()
+    if live:
+        sys.stderr.write(CLEAR_LINE)
+        sys.stderr.flush()
+
+
+def compile_for(source: Path) -> None:
+    """What planning on a SOURCE needs: the eye too, where that is a picture."""
+    from navigation.cli.pictures.sources import PICTURE_SUFFIXES
+    from planner.formats.scene_io import is_picture
+
+    with source.open("rb") as stream:
+        picture = is_picture(stream.read(64)) or source.suffix.lower() in PICTURE_SUFFIXES
+    compile_what_is_missing(*(("eye", "planner") if picture else ("planner",)))
+
+
+def _is_cold(part: Part) -> bool:
+    """Looks at one large kernel of each, so that what is not needed is not imported."""
+    from planner.shared.kernel_locator import is_compiled
+
+    if part == "eye":
+        from vision.outline.fitting_kernels import fit_borders
+
+        return not is_compiled(fit_borders)
+    from planner.delaunay.insertion_kernels import triangulate
+
+    return not is_compiled(triangulate)
+
+
+def _work_of(part: Part) -> Callable[[], None]:
+    from navigation.run.rehearsal import see_an_arena
+    from navigation.run.warm_up import compile_planner
+
+    return see_an_arena if part == "eye" else compile_planner

@@ -1,0 +1,111 @@
+"""Everything that needs kernels, once on small examples: what is compiled ahead is what this uses.
+
+The warm-up of a run needs less; a command or a script may need any of this.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+import planner
+import vision
+from navigation.config import Config
+from navigation.run.warm_up import compile_eye, compile_planner
+from planner.scene import Bounds, Scene
+from vision.binarise.methods import METHODS, POLARITIES
+from vision.camera.camera import Image
+
+SIZE_PX = (160, 120)
+RADIUS_PX = 4.0
+STATIONS = ((6.0, 6.0), (150.0, 110.0), (80.0, 8.0), (8.0, 110.0))
+CONFIG = {
+    "arena": {"bounds_m": [0.0, 0.0, 2.0, 1.5]},
+    "camera": {"source": 0, "calibration": "none.yaml"},
+    "robot": {"marker_id": 0, "marker_size_m": 0.1, "radius_m": 0.1},
+    "serial": {"port": "/dev/ttyUSB0"},
+}
+"""Of a run with a real camera and robot, none of which is opened here."""
+SCENE = """L 4 (40,40) (60,40) (60,60) (40,60)
+L 3 (110,20) (130,40) (105,45)
+C (100,85) 12
+S (20,80) (50,95)
+A 3 (70,75) (75,65) (85,75)
+P (140,90)
+"""
+
+
+def see_an_arena() -> None:
+    """What the eye of a run does."""
+    compile_eye(Config.model_validate(CONFIG))
+
+
+def rehearse_eye() -> None:
+    """Every way from a picture to a scene."""
+    see_an_arena()
+    rng = np.random.default_rng(0)
+    drawn = _drawing()
+    noisy = np.clip(cv2.GaussianBlur(drawn, (0, 0), 0.8) + rng.normal(0, 3, drawn.shape), 0, 255)
+    grey = noisy.astype(np.uint8)
+    shade = np.linspace(0.4, 1.0, SIZE_PX[0])
+    pictures: list[NDArray[Any]] = [
+        drawn,
+        grey,
+        (grey * shade).astype(np.uint8),
+        cv2.cvtColor(drawn, cv2.COLOR_GRAY2BGR),
+        _coloured(rng),
+        grey.astype(np.uint16) * 200,
+    ]
+    for picture in pictures:
+        for polarity in POLARITIES:
+            vision.extract(picture, polarity=polarity)
+        vision.extract(picture, mode="paper")
+    for method in METHODS:
+        vision.extract(grey, method=method, threshold=128 if method == "fixed" else None)
+        vision.extract(drawn, method=method, threshold=128 if method == "fixed" else None)
+
+
+def rehearse_planner() -> None:
+    """Every way from a scene to a path."""
+    compile_planner()
+    scene = planner.read_scene_text(SCENE)
+    bare = Scene("px", Bounds(0.0, 0.0, *SIZE_PX), ())
+    for one in (scene, bare):
+        for mode in ("exact", "paper"):
+            roadmap = planner.build_roadmap(one, RADIUS_PX, mode=mode)
+            _ = roadmap.graph, roadmap.counts, roadmap.remarks
+            roadmap.clearance(STATIONS)
+            for prefer in ("clearance", "length", "balanced"):
+                path = roadmap.plan(*STATIONS[:2], prefer=prefer, alternatives=2, margin=0.5)
+                roadmap.plan(*STATIONS[:2], prefer=prefer, via=STATIONS[2:], order="best")
+                if not isinstance(path, planner.NoPath):
+                    roadmap.path_clearance(path.points)
+        # too large for every way: why there is none
+        planner.build_roadmap(one, 30.0).plan(*STATIONS[:2])
+        planner.build_roadmap(one, RADIUS_PX).updated(scene)
+    planner.voronoi(np.random.default_rng(0).random((50, 2)))
+
+
+def _drawing() -> Image:
+    """Polygons, a ring, a disc and thin lines in black on white."""
+    picture = np.full((SIZE_PX[1], SIZE_PX[0]), 255, np.uint8)
+    cv2.fillPoly(picture, [np.array([(15, 15), (50, 20), (40, 50), (20, 45)])], 0)
+    cv2.circle(picture, (100, 40), 25, 0, -1)
+    cv2.circle(picture, (100, 40), 12, 255, -1)
+    cv2.circle(picture, (40, 90), 14, 0, -1)
+    cv2.ellipse(picture, (120, 90), (25, 15), 20.0, 0.0, 360.0, 0, -1)
+    cv2.line(picture, (60, 105), (95, 85), 0, 1)
+    picture[70, 70] = 0
+    return picture
+
+
+def _coloured(rng: np.random.Generator) -> Image:
+    """Obstacles that differ from the floor by their colour, not by their grey."""
+    picture = np.full((SIZE_PX[1], SIZE_PX[0], 3), (90, 140, 90), np.uint8)
+    picture[30:60, 30:70] = (40, 60, 220)
+    cv2.circle(picture, (110, 70), 20, (220, 60, 40), -1)
+    noisy = picture + rng.normal(0.0, 2.0, picture.shape)
+    return np.clip(noisy, 0, 255).astype(np.uint8)
