@@ -105,9 +105,11 @@ arrows: $(VENV)/.installed-dev ## import-linter: imports run downwards only
 
 check: lint types arrows test ## everything a change has to pass
 
-wheel: $(VENV)/.installed-dev ## build the wheel into dist/
+PROCESSORS ?= $(if $(filter aarch64,$(shell uname -m)),generic,x86-64-v3 x86-64-v2)
+wheel: $(VENV)/.installed-dev ## build the wheel into dist/, its kernels compiled for PROCESSORS
 	rm -rf dist
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/python .ci/compile-wheel dist/*.whl $(PROCESSORS)
 
 clean: ## remove what the other targets made
 	rm -rf $(VENV) dist build runs .mypy_cache .ruff_cache .pytest_cache .hypothesis .coverage htmlcov
