@@ -177,6 +177,8 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
     """The wide chains, less the dead ends that lead nowhere of their own."""
     chains = clipped.chains
     kept = set(np.flatnonzero(clipped.wide).tolist())
+    if not kept:
+        return []
     ends, length = chains.ends.tolist(), chains.length.tolist()
     rho = chains.node_rho.tolist()
     around: defaultdict[int, set[int]] = defaultdict(set)
@@ -184,7 +186,7 @@ def without_spurs(clipped: Clipped, radius: float) -> list[int]:
         for n in ends[c]:
             around[n].add(c)
     # the shortest first, of those as long the lowest: nothing hangs on the chains' order
-    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max(initial=0.0)), radius)
+    step = ALIKE * max(float(np.ptp(chains.node_xy, axis=0).max()), radius)
     place = np.rint(chains.node_xy / step).tolist()
     ready = [
         (round(length[c] / step), place[n], n)

@@ -63,11 +63,16 @@ class KernelLocator(caching._CacheLocator):
 
     def get_source_stamp(self) -> str:
         """What the kernel was compiled from, as one number."""
-        return stamp_of(Path(self._py_file), VERSIONS)
+        return kernel_stamp(Path(self._py_file))
 
     def get_disambiguator(self) -> str:
         """Tells kernels of one name in one file apart."""
         return str(self._line)
+
+
+def kernel_stamp(source: Path) -> str:
+    """What a source file's kernels are compiled from; this folder computes nothing."""
+    return stamp_of(source, VERSIONS, apart=Path(__file__).parent)
 
 
 def cache_folder(source_folder: Path) -> Path:
@@ -137,7 +142,7 @@ def read_index(index: Path, processor: str) -> set[str]:
         if not source.exists() or pickle.load(stream) != numba.__version__:
             return set()
         stamp, kept = pickle.load(stream)
-    if stamp != stamp_of(source, VERSIONS):
+    if stamp != kernel_stamp(source):
         return set()
     return {name for key, name in kept.items() if key[1][1] == processor}
 

@@ -15,16 +15,19 @@ from pathlib import Path
 _IMPORT = re.compile(rb"^\s*(?:from|import) ([a-z_][\w.]*)(?: import ([^#\n(]+|\([^)]*\)))?", re.M)
 
 
-def stamp_of(file: Path, versions: str) -> str:
+def stamp_of(file: Path, versions: str, apart: Path | None = None) -> str:
     """Hex digest over a source file, all of its own distribution that it imports, and versions.
 
-    ``file`` is inside a package; imports are followed within the folder above the topmost package.
+    ``file`` is inside a package; imports are followed within the folder above the topmost package,
+    but not into the folder ``apart``.
     """
     root = file.parent
     while (root / "__init__.py").exists():
         root = root.parent
     digest = hashlib.sha256(versions.encode())
     for part in sorted(_reachable(file, root)):
+        if apart is not None and part.is_relative_to(apart):
+            continue
         digest.update(part.relative_to(root).as_posix().encode())
         digest.update(_content(part)[0])
     return digest.hexdigest()

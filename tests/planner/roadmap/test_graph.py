@@ -11,7 +11,7 @@ import pytest
 import planner
 from planner.formats.scene_io import read_scene_text
 from planner.roadmap.graph import lay_strands
-from planner.scene import Bounds, CircleRecord
+from planner.scene import Bounds, CircleRecord, Scene
 from tests.support.scenes.planner_scenes import (
     hand_made,
     random_scene,
@@ -32,6 +32,14 @@ def test_graph_holds_every_chain_it_keeps_from_end_to_end(name: str) -> None:
     total = sum(data["length"] for _, _, data in roadmap.graph.edges(data=True))
     # chords that would be narrower than their edge are halved, and so a little longer
     assert total == pytest.approx(chains.length[kept].sum(), rel=2e-3)
+
+
+@pytest.mark.parametrize("mode", ["exact", "paper"])
+def test_a_roadmap_without_chains_is_an_empty_graph(mode: str) -> None:
+    bare = Scene("px", Bounds(0.0, 0.0, 100.0, 60.0), ())
+    roadmap = planner.build_roadmap(bare, 3.0 if mode == "paper" else 40.0, mode=mode)
+    assert roadmap.graph.number_of_nodes() == 0
+    assert roadmap.graph.number_of_edges() == 0
 
 
 def test_a_ring_around_a_circle_is_whole() -> None:

@@ -47,6 +47,18 @@ def test_what_is_not_imported_does_not_change_it(house: Path) -> None:
     assert stamp(house) == before
 
 
+def test_a_folder_apart_does_not_change_it(house: Path) -> None:
+    def without_the_floor() -> str:
+        stamp(house)
+        return stamp_of(house / "house/kernel.py", "1", apart=house / "house" / "floor")
+
+    before = without_the_floor()
+    (house / "house/floor/tile.py").write_text("GREY = 1\nfrom house.wall import COLOUR\n")
+    assert without_the_floor() == before
+    (house / "house/wall.py").write_text("COLOUR = 2\n")
+    assert without_the_floor() != before
+
+
 def test_other_versions_of_the_compiler_change_it(house: Path) -> None:
     assert stamp(house, "numba 2") != stamp(house, "numba 1")
 
