@@ -6,9 +6,14 @@ clockwise in metres, where y is up; clockwise as seen in pictures, where y is do
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from planner.scene import FloatArray, Vec
+from planner.scene import FloatArray, Scene, Vec
+from planner.scene.drawing import PATH, Layer, plot, to_svg
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +25,8 @@ class Path:
     ``min_clearance_at``. ``stations`` are indices into ``points``: start, every via, goal.
     ``order`` is the order in which the vias are visited, as indices into the request.
     ``headings_rad`` has one entry a station, None where any heading will do. ``remarks`` are
-    plain sentences on what the search could not make certain.
+    plain sentences on what the search could not make certain. ``scene`` is what it was planned
+    in, for pictures; two paths are equal whatever it is.
     """
 
     points: FloatArray
@@ -34,6 +40,24 @@ class Path:
     order: tuple[int, ...] = ()
     alternatives: tuple[Path, ...] = ()
     remarks: tuple[str, ...] = ()
+    scene: Scene | None = field(default=None, repr=False, compare=False)
+
+    def layers(self) -> list[Layer]:
+        """What is drawn of the path: its scene, where it has one, the alternatives, and itself."""
+        below = self.scene.layers() if self.scene is not None else []
+        others = [other.points for other in self.alternatives]
+        return [*below, Layer(others, PATH, 0.8), Layer([self.points], PATH, 2.2)]
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the path on Matplotlib axes, the current ones by default, without its scene."""
+        return plot(self.layers()[-2:], self.scene is not None and self.scene.y_down, axes)
+
+    def _repr_svg_(self) -> str | None:
+        """What a notebook shows; nothing of a path that knows no scene."""
+        if self.scene is None:
+            return None
+        title = f"a path of {len(self.points)} points"
+        return to_svg(title, self.layers(), self.scene.view, self.scene.y_down)
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,9 +45,11 @@ from planner.route.no_way import Blocked, explain, walled_in
 from planner.route.plan_request import Request
 from planner.route.route import plan_request
 from planner.scene import FloatArray, Scene, Vec
+from planner.scene.drawing import ROAD, Layer, plot, to_svg
 
 if TYPE_CHECKING:
     import networkx as nx
+    from matplotlib.axes import Axes
 
 
 FINER = 4.0
@@ -133,6 +135,23 @@ class Roadmap:
             self._made["graph"] = make_graph(self.clipped, self.borders, self.radius, self.spacing)
         return self._made["graph"]  # type: ignore[no-any-return]
 
+    def layers(self) -> list[Layer]:
+        """What is drawn of the roadmap: its scene, where that is one, and its edges."""
+        below = self.scene.layers() if isinstance(self.scene, Scene) else []
+        lines = [data["polyline"] for _, _, data in self.graph.edges(data=True)]
+        return [*below, Layer(lines, ROAD, 1.2)]
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw scene and roadmap on Matplotlib axes, the current ones by default; the axes."""
+        return plot(self.layers(), getattr(self.scene, "y_down", False), axes)
+
+    def _repr_svg_(self) -> str | None:
+        """What a notebook shows; nothing of a roadmap whose scene cannot be drawn."""
+        if not isinstance(self.scene, Scene):
+            return None
+        title = f"a roadmap for radius {self.radius:g}"
+        return to_svg(title, self.layers(), self.scene.view, self.scene.y_down)
+
     def updated(self, scene: Scene) -> Roadmap:
         """The roadmap of a scene that differs by a few objects, several times faster than anew.
 
@@ -205,7 +224,11 @@ class Roadmap:
             chains_only=self.mode == "paper",
             near=near,
         )
-        return self._explain(answer, units) if isinstance(answer, Blocked) else answer
+        if isinstance(answer, Blocked):
+            return self._explain(answer, units)
+        if isinstance(answer, Path) and isinstance(self.scene, Scene):
+            return replace(answer, scene=self.scene)  # so that the path can show itself
+        return answer
 
     def _finer(self) -> Roadmap:
         """The same roadmap from denser generators, made when a refusal hangs on narrow places.

@@ -19,8 +19,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from planner.scene.drawing import Layer, View, obstacle_layers, plot, to_svg, wall_layer
 from planner.scene.primitives import Flattener, Primitives
 from planner.scene.records import (
     ArcRecord,
@@ -33,6 +34,9 @@ from planner.scene.records import (
     Vec,
     object_records,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Units: TypeAlias = Literal["px", "m", "cells"]
 
@@ -120,6 +124,26 @@ class Scene:
     def with_bounds(self, bounds: Bounds) -> Scene:
         """The same objects inside other bounds."""
         return replace(self, bounds=bounds, bounds_given=True)
+
+    def layers(self) -> list[Layer]:
+        """What is drawn of the scene: each object's solid, open lines, and the bounds."""
+        return [*obstacle_layers(self.objects, self.view, self.y_down), wall_layer(self.view)]
+
+    @property
+    def view(self) -> View:
+        """The rectangle that is drawn: x_min, y_min, x_max, y_max."""
+        b = self.bounds
+        return b.x_min, b.y_min, b.x_max, b.y_max
+
+    def plot(self, axes: Axes | None = None) -> Axes:
+        """Draw the scene on Matplotlib axes, the current ones by default; the axes."""
+        return plot(self.layers(), self.y_down, axes)
+
+    def _repr_svg_(self) -> str:
+        """What a notebook shows."""
+        return to_svg(
+            f"a scene of {len(self.objects)} objects", self.layers(), self.view, self.y_down
+        )
 
     def primitives(self, include_bounds: bool = True) -> Primitives:
         """All borders as flat arrays, in the order of the objects; the bounds come last."""
