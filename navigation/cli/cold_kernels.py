@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Literal
 
 from navigation.cli.progress import CLEAR_LINE
@@ -36,16 +35,6 @@ def compile_what_is_missing(*parts: Part) -> None:
     if live:
         sys.stderr.write(CLEAR_LINE)
         sys.stderr.flush()
-
-
-def compile_for(source: Path) -> None:
-    """What planning on a SOURCE needs: the eye too, where that is a picture."""
-    from navigation.cli.pictures.sources import PICTURE_SUFFIXES
-    from planner.formats.scene_io import is_picture
-
-    with source.open("rb") as stream:
-        picture = is_picture(stream.read(64)) or source.suffix.lower() in PICTURE_SUFFIXES
-    compile_what_is_missing(*(("eye", "planner") if picture else ("planner",)))
 
 
 def _is_cold(part: Part) -> bool:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from navigation.cli.cold_kernels import compile_for
 from navigation.cli.options import (
     DRAWING,
     INPUT,
@@ -89,7 +88,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     Coordinates are the source's own: pixels with y down for a picture, metres with y up for a
     ROS map, cells for a .map. Exits 3 where there is no path, and says why.
     """
-    from navigation.cli.pictures.sources import hold_points, load_source
+    from navigation.cli.pictures.sources import compile_for, hold_points, load_source
 
     if spacing is not None and spacing >= 2.0 * radius:
         raise click.BadParameter(

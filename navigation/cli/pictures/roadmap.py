@@ -7,7 +7,6 @@ from typing import Literal
 
 import click
 
-from navigation.cli.cold_kernels import compile_for
 from navigation.cli.options import (
     DRAWING,
     INPUT,
@@ -65,7 +64,7 @@ def command(
     keep_apart((("--output", output), ("--map", map_file), ("--render", render)), (source,))
 
     from navigation.cli.pictures.plan import timed_roadmap
-    from navigation.cli.pictures.sources import load_source
+    from navigation.cli.pictures.sources import compile_for, load_source
     from planner.roadmap import roadmap_export
 
     compile_for(source)

@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from navigation.cli.cold_kernels import compile_what_is_missing
 from planner.formats.map_files import Shades, read_bytes
 from planner.formats.scene_io import is_picture, load_scene
 from planner.scene import Bounds, Scene, SceneError
@@ -29,6 +30,13 @@ PICTURE_SUFFIXES = frozenset(
         *(".pbm", ".pgm", ".ppm", ".pnm", ".pam", ".ras"),
     )
 )
+
+
+def compile_for(source: Path) -> None:
+    """Compile, where it is missing, what planning on a SOURCE needs: the eye only for pictures."""
+    with source.open("rb") as stream:
+        picture = is_picture(stream.read(64)) or source.suffix.lower() in PICTURE_SUFFIXES
+    compile_what_is_missing(*(("eye", "planner") if picture else ("planner",)))
 
 
 def load_source(

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from navigation.cli import cold_kernels
+from navigation.cli.pictures import sources
 from tests.support.waiting import wait_until
 from tests.system.test_ended_while_compiling import processes_with
 
@@ -75,7 +76,7 @@ def test_a_picture_needs_the_eye_too(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[tuple[str, ...]] = []
-    monkeypatch.setattr(cold_kernels, "compile_what_is_missing", lambda *p: asked.append(p))
+    monkeypatch.setattr(sources, "compile_what_is_missing", lambda *p: asked.append(p))
     (tmp_path / name).write_bytes(content)
-    cold_kernels.compile_for(tmp_path / name)
+    sources.compile_for(tmp_path / name)
     assert asked == [parts]
