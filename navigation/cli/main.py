@@ -27,6 +27,7 @@ from typing import NamedTuple
 
 import click
 
+from navigation.cli.examples import epilog
 from navigation.cli.voice import complain
 
 DONE, FAILED, BAD_INPUT, NO_PATH, BAD_CONFIGURATION = 0, 1, 2, 3, 78
@@ -50,6 +51,7 @@ class Listed(NamedTuple):
 
 
 COMMANDS: dict[str, Listed] = {
+    "demo": Listed(".running.demo:command", "A simulated arena and its dashboard, no file needed."),
     "run": Listed(".running.run:command", "Drive the robot: camera, planning, serial link."),
     "extract": Listed(".pictures.extract:command", "The geometric structure of a picture."),
     "plan": Listed(".pictures.plan:command", "One plan through a picture, scene or map."),
@@ -58,26 +60,27 @@ COMMANDS: dict[str, Listed] = {
     "go": Listed(".running.orders:go", "Send the running daemon's robot to a place."),
     "stop": Listed(".running.orders:stop", "Emergency stop of the running daemon's robot."),
     "pause": Listed(".running.orders:pause", "Hold the robot where it is."),
-    "resume": Listed(".running.orders:resume", "Go on after a pause; re-arm after a stop."),
-    "replan": Listed(".running.orders:replan", "Plan the way anew."),
-    "status": Listed(".running.orders:status", "What the running daemon does."),
-    "check": Listed(".setup.check:command", "Check a configuration; tell every error."),
+    "resume": Listed(".running.orders:resume", "Continue after a pause; re-arm after a stop."),
+    "replan": Listed(".running.orders:replan", "Plan the path again."),
+    "status": Listed(".running.orders:status", "What the running daemon is doing."),
+    "check": Listed(".setup.check:command", "Check a configuration; report every error."),
     "calibrate": Listed(".setup.calibrate:command", "Calibrate a camera from pictures."),
     "marker": Listed(".setup.marker:command", "A robot marker or a board to print."),
     "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
-    "doctor": Listed(".setup.doctor:command", "Whether this machine can do the run."),
-    "replay": Listed(".running.replay:command", "Vision and planner again on a recording."),
-    "sweep": Listed(".running.sweep:command", "A simulated run many times over."),
+    "doctor": Listed(".setup.doctor:command", "Whether this machine is fit for a run."),
+    "replay": Listed(".running.replay:command", "Re-run vision and planning on a recording."),
+    "sweep": Listed(".running.sweep:command", "Repeat a simulated run with varied errors."),
     "install-service": Listed(
         ".setup.install_service:command", "A systemd unit and a udev rule for a run."
     ),
     "init": Listed(".setup.init_config:command", "Write a commented configuration."),
     "schema": Listed(".setup.schema:command", "The configuration's JSON Schema."),
+    "completion": Listed(".setup.completion:command", "Shell completion for bash, zsh or fish."),
 }
 
 
 class LazyGroup(click.Group):
-    """A group whose commands stand in :data:`COMMANDS` and are imported on call."""
+    """A group whose commands are listed in :data:`COMMANDS` and imported on call."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The names in the table's order, which is the order of use."""
@@ -92,6 +95,7 @@ class LazyGroup(click.Group):
         command = getattr(import_module(module, "navigation.cli"), attribute)
         if not isinstance(command, click.Command):
             raise TypeError(f"{listed.where} is not a click command")
+        command.epilog = epilog(cmd_name)
         return command
 
     def resolve_command(
@@ -124,7 +128,7 @@ def _show_version(ctx: click.Context, _param: click.Parameter, wanted: bool) -> 
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="Exit codes: 0 done, 2 wrong usage or unreadable input, 3 no path, "
-    "78 bad configuration, 1 anything else.",
+    "78 bad configuration, 1 anything else.\n\n" + epilog("demo"),
 )
 @click.option("--debug", is_flag=True, help="Show the traceback of an error.")
 @click.option(

@@ -106,7 +106,7 @@ def command(
             watchdog_s=watchdog_period_s(os.environ),
         )
         reload = _Reload(config, loaded, runner, log)
-        with _signals(runner, reload):
+        with signals_heard(runner, reload):
             result = runner.run()
         loaded = reload.fresh
     if report is not None:
@@ -114,7 +114,7 @@ def command(
             result.report.write(report)
         except UnwrittenFileError as error:
             complain(f"clearway: {error}")
-    _show(voice, result.report, result.folder)
+    show(voice, result.report, str(result.folder or "nothing: no room"))
     return result.exit_code
 
 
@@ -172,27 +172,35 @@ class _Reload:
         self._runner.interrupt.set()
 
 
-def _show(voice: Voice, report: Report, folder: Path | None) -> None:
+def show(voice: Voice, report: Report, kept_in: str) -> None:
+    """Print the report as two columns, and where it is kept."""
     width = max(len(label) for label, _ in report.lines())
     voice.tell("")
     for label, value in report.lines():
         voice.tell(f"  {label:<{width}}  {value}")
-    voice.tell(f"  {'kept in':<{width}}  {folder or 'nothing: no room'}")
+    voice.tell(f"  {'kept in':<{width}}  {kept_in}")
 
 
 @contextmanager
-def _signals(runner: Runner, reload: _Reload) -> Iterator[None]:
-    """Ctrl-C and SIGTERM end the run in order, a second one at once; SIGHUP reads CONFIG again."""
+def signals_heard(runner: Runner, reload: _Reload | None = None) -> Iterator[None]:
+    """Ctrl-C and SIGTERM end the run in order, a second one at once; SIGHUP reads CONFIG again.
+
+    Without ``reload`` there is no CONFIG to read: SIGHUP, as of a closed terminal, ends the run.
+    """
 
     def ask(number: int, _frame: object) -> None:
-        again = runner.interrupt.is_set() and reload.fresh is None
-        reload.fresh = None
+        again = runner.interrupt.is_set() and (reload is None or reload.fresh is None)
+        if reload is not None:
+            reload.fresh = None
         runner.interrupt.set()
         if again or runner.is_warming_up:
             raise KeyboardInterrupt
 
-    def read_again(_number: int, _frame: object) -> None:
-        reload.reloader.ask()
+    def read_again(number: int, frame: object) -> None:
+        if reload is None:
+            ask(number, frame)
+        else:
+            reload.reloader.ask()
 
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     before[signal.SIGHUP] = signal.signal(signal.SIGHUP, read_again)

@@ -1,0 +1,100 @@
+"""An example of every command, shown at the end of its ``--help`` and in the reference.
+
+Each is a whole command line and what it does. A test parses every one of them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Example(NamedTuple):
+    """A command line, and a sentence on what it does."""
+
+    line: str
+    does: str
+
+
+EXAMPLES: dict[str, Example] = {
+    "demo": Example(
+        "clearway demo --no-browser",
+        "Run a simulated arena and print the dashboard's address.",
+    ),
+    "run": Example(
+        "clearway run arena.yaml --once --report report.json",
+        "Drive the configured mission, write the report, and end.",
+    ),
+    "extract": Example(
+        "clearway extract arena.png --format json -o scene.json",
+        "Find the obstacles in a picture and keep them as JSON.",
+    ),
+    "plan": Example(
+        "clearway plan arena.png --start 40,40 --goal 600,400 --radius 9 --render plan.svg",
+        "Plan through a picture for a robot of 9 pixels, and draw the plan.",
+    ),
+    "roadmap": Example(
+        "clearway roadmap map.yaml --radius 0.2 -o roadmap.geojson",
+        "Turn a ROS map into a graph for Nav2's route server.",
+    ),
+    "robot": Example(
+        "clearway robot --start 0.2,0.2,45 --faults drop=0.01",
+        "Simulate a robot on a new pseudo-terminal that loses one byte in a hundred.",
+    ),
+    "go": Example(
+        "clearway go 1.4,0.9 2.2,1.6,90 --dwell 0.5",
+        "Send the robot to two places; at the second it faces 90 degrees.",
+    ),
+    "stop": Example(
+        'clearway stop --reason "a person in the arena"',
+        "Stop the robot at once, and say why.",
+    ),
+    "pause": Example("clearway pause", "Hold the robot where it is."),
+    "resume": Example("clearway resume", "Continue after a pause, or re-arm after a stop."),
+    "replan": Example("clearway replan", "Plan again from where the robot is now."),
+    "status": Example(
+        "clearway status --format json",
+        "Print state, reason and progress for a program to read.",
+    ),
+    "check": Example("clearway check arena.yaml", "Report every error with its line and column."),
+    "calibrate": Example(
+        "clearway calibrate board_1.png board_2.png board_3.png --squares 7x5 --square-mm 30"
+        " --floor-picture floor.png -o calibration.yaml",
+        "Calibrate lens and floor from pictures of a printed board.",
+    ),
+    "marker": Example(
+        "clearway marker 7 --size-mm 90 -o marker.pdf",
+        "Write marker 7 as a page that prints at true size.",
+    ),
+    "devices": Example("clearway devices", "List the cameras and serial ports of this machine."),
+    "doctor": Example(
+        "clearway doctor arena.yaml --bundle report.zip",
+        "Check machine, camera and port, and pack what a bug report needs.",
+    ),
+    "replay": Example(
+        "clearway replay recordings/run.mcap --pose-mm 5",
+        "Re-run vision and planning on a recording, and compare.",
+    ),
+    "sweep": Example(
+        "clearway sweep arena.yaml --runs 100 --seed 1 -o sweep.csv",
+        "Drive a simulated configuration a hundred times with varied errors.",
+    ),
+    "install-service": Example(
+        "clearway install-service arena.yaml --print",
+        "Print the systemd unit and the udev rule without writing them.",
+    ),
+    "init": Example("clearway init arena.yaml", "Write a commented configuration that runs."),
+    "schema": Example(
+        "clearway schema -o clearway.schema.json",
+        "Write the JSON Schema, for completion and checks in an editor.",
+    ),
+    "completion": Example(
+        "clearway completion bash",
+        "Print the script that completes commands and options in bash.",
+    ),
+}
+
+
+def epilog(command: str) -> str:
+    """The example as the end of the command's help; unwrapped, so that it can be copied."""
+    example = EXAMPLES[command]
+    return f"\b\nExample: {example.does}\n  {example.line}"
