@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil fuzz rtsp faults adversary bench house paper pictures browser
+.PHONY: firmware hil fuzz rtsp faults adversary bench house paper pictures browser docs examples
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -85,6 +85,17 @@ pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pict
 	bash .ci/packages browser
 	$(BIN)/python -m benchmarks.figures
 	$(BIN)/python -m tests.browser.pictures
+
+docs: $(VENV)/.installed-dev ## the documentation site, strictly, into build/site
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	@echo "build/site/index.html; to search, serve it: $(BIN)/python -m http.server -d build/site"
+
+examples: $(VENV)/.installed-dev ## run every example; their pictures into build/examples
+	mkdir -p build/examples
+	for one in examples/*.py; do echo "== $$one"; $(BIN)/python $$one build/examples || exit 1; done
+	cp examples/*.ipynb build/examples
+	cd build/examples && for one in *.ipynb; do echo "== $$one"; \
+	  MPLBACKEND=agg $(abspath $(BIN))/jupyter execute --inplace $$one || exit 1; done
 
 browser: $(VENV)/.installed-dev ## the dashboard in a real browser; screenshots in build/browser/
 	bash .ci/packages browser
