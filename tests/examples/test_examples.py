@@ -1,0 +1,94 @@
+"""Every example runs as a person would run it, and leaves its picture."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from tests.support.oracles.nav2_graph import load_graph
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+PICTURES = dict(
+    re.findall(r"^\| \[`([\w.]+)`\].*\| `([\w.]+)` \|$", (EXAMPLES / "README.md").read_text(), re.M)
+)
+"""Which picture each example makes, as its README says."""
+SCRIPTS = sorted(name for name in PICTURES if name.endswith(".py"))
+NOTEBOOKS = sorted(name for name in PICTURES if name.endswith(".ipynb"))
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
+
+
+def test_the_readme_lists_every_example() -> None:
+    there = {f.name for f in EXAMPLES.iterdir() if f.suffix in (".py", ".ipynb")}
+    assert set(PICTURES) == there - {"photograph.py"}  # which only makes what others look at
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_a_script_runs_and_leaves_its_picture(name: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, str(EXAMPLES / name), str(tmp_path)],
+        env=ENVIRONMENT,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=280,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert not done.stderr
+    _is_a_picture(tmp_path / PICTURES[name])
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+@pytest.mark.timeout(900)
+# the notebook's kernel, and the client's own threads, leave sockets to the end of the process
+@pytest.mark.filterwarnings("default")
+def test_a_notebook_runs_and_leaves_its_picture(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.setenv("RUNS", "2")
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    book = nbformat.read(EXAMPLES / name, as_version=4)
+    NotebookClient(book, timeout=800, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    _is_a_picture(tmp_path / PICTURES[name])
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_a_notebook_is_kept_without_outputs(name: str) -> None:
+    book = json.loads((EXAMPLES / name).read_text())
+    assert not [
+        cell for cell in book["cells"] if cell.get("outputs") or cell.get("execution_count")
+    ]
+
+
+def test_nav2_reads_the_route_graph(tmp_path: Path) -> None:
+    subprocess.run(
+        [sys.executable, str(EXAMPLES / "ros_map_to_nav2.py"), str(tmp_path)],
+        env=ENVIRONMENT,
+        capture_output=True,
+        timeout=280,
+        check=True,
+    )
+    nodes = load_graph((tmp_path / "route_graph.geojson").read_text())
+    assert nodes
+    assert all(node.leaving for node in nodes.values())
+
+
+def _is_a_picture(file: Path) -> None:
+    if file.suffix == ".svg":
+        text = file.read_text()
+        assert text.startswith("<svg")
+        assert text.count("<path") > 3
+        return
+    picture = cv2.imread(str(file))
+    assert picture is not None, f"{file} is no picture"
+    assert picture.std() > 10.0, f"{file} is empty"
