@@ -59,7 +59,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 def install(wheel: Path, folder: Path) -> Path:
     """A fresh environment with the wheel and what it needs; its program ``clearway``."""
     venv.create(folder / "venv", with_pip=True)
-    pip: list[str | Path] = [folder / "venv" / "bin" / "python", "-m", "pip", "--disable-pip-version-check"]
+    pip: list[str | Path] = [
+        folder / "venv" / "bin" / "python",
+        "-m",
+        "pip",
+        "--disable-pip-version-check",
+    ]
     subprocess.run([*pip, "install", "--quiet", wheel.resolve()], check=True)
     return folder / "venv" / "bin" / "clearway"
 

@@ -61,7 +61,7 @@ STOP_SENTENCES: Final = {
     StopReason.NONE: "it has not been stopped",
     StopReason.BOOTED: "it has just booted",
     StopReason.NEW_SESSION: "a new link was made",
-    StopReason.PAUSED: "it was told to pause",
+    StopReason.PAUSED: "it was ordered to pause",
     StopReason.CLEARED: "its queue was cleared",
     StopReason.MISSION_DONE: "it has finished its mission",
     StopReason.LEASE_LAPSED: "its lease ran out: the control loop went silent",

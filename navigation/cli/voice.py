@@ -41,7 +41,7 @@ class Voice:
             reason = error.strerror if isinstance(error, OSError) else None
             self.trouble = f"stdout cannot be written: {reason or error}"
             _point_at_nothing()
-            complain(f"clearway: {self.trouble}; the run goes on, and its end is said here")
+            complain(f"clearway: {self.trouble}; the run continues, and its end is reported here")
             return False
         return True
 

@@ -28,12 +28,12 @@ class DashboardSection(Section):
     )
     token: Token | None = Field(
         default=None,
-        description="at least 16 letters, digits, _ ~ . or -; whoever knows it may drive "
+        description="at least 16 letters, digits, _ ~ . or -; anyone who knows it may drive "
         "(better in the environment: CLEARWAY_DASHBOARD__TOKEN); empty: made and printed by the "
         "program, and looking needs none",
     )
     viewer_token: Token | None = Field(
-        default=None, description="whoever knows only this one may look and stop, not drive"
+        default=None, description="anyone who knows only this one may watch and stop, not drive"
     )
     names: tuple[Text, ...] = Field(
         default=(), max_length=100, description="further host names that browsers reach it by"

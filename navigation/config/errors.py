@@ -1,7 +1,7 @@
-"""What is wrong with a configuration, told so that it can be mended at once.
+"""What is wrong with a configuration, reported so that it can be fixed at once.
 
 Every problem is ``file:line:column: key: what is wrong``, the line itself, a caret under the
-place and, where one can be guessed, what was meant. All problems are told together.
+place and, where one can be guessed, what was meant. All problems are reported together.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def problems_of(
                 yield Problem(where, "is missing" + _meaning(where, model), mark)
         else:
             secret = any(SECRET_KEY.search(str(part)) for part in where)
-            sentence = _sentence(error, "what stands there" if secret else None)
+            sentence = _sentence(error, "the value there" if secret else None)
             yield Problem(where, sentence, mark_of(document, where), is_secret=secret)
 
 
@@ -210,7 +210,7 @@ _KINDS = {
 
 
 def _sentence(error: Any, instead: str | None = None) -> str:
-    """What must be, and what stands there, or ``instead`` of that."""
+    """What must be, and the value there, or ``instead`` of that."""
     kind, context = error["type"], error.get("ctx", {})
     given = instead or _given(error["input"])
     if kind in _KINDS:

@@ -208,7 +208,7 @@ class _Walk:
                 continue
             if key in result:
                 first = self._document.keys[(*at, key)].line
-                message = f"the key '{key}' stands here a second time, first in line {first}"
+                message = f"the key '{key}' is here a second time, first in line {first}"
                 self._document.defects.append(Defect(mark, message))
                 continue
             self._document.keys[(*at, key)] = mark

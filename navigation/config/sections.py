@@ -246,11 +246,11 @@ class SafetySection(Section):
     )
     odometry_error: Fraction = Field(
         default=0.04,
-        description="what the wheels' metre may be wrong by, beside what is learned on the way: "
+        description="how wrong the wheels' metre may be, besides what is learned while driving: "
         "where camera and wheels differ by more, the robot holds and has to prove itself",
     )
     odometry_slack_m: Positive = Field(
-        default=0.015, description="what camera and wheels may differ by in any case"
+        default=0.015, description="how far camera and wheels may differ in any case"
     )
     give_up_s: Positive = Field(
         default=30.0,
@@ -286,8 +286,8 @@ class RecordingSection(Section):
     )
     journal: Path | None = Field(
         default=None,
-        description="file that keeps mission and progress, so that a restart goes on where it "
-        "was (from the current folder); empty: a restart begins anew",
+        description="file that keeps mission and progress, so that a restart resumes where it "
+        "was (from the current folder); empty: a restart begins again",
     )
     record: StrictBool = Field(
         default=False,
@@ -327,7 +327,7 @@ class Config(Section):
         max_length=MOST_ROBOTS,
         description=f"robots that drive by themselves: moving obstacles, at most {MOST_ROBOTS}",
     )
-    planning: PlanningSection = Field(default=PlanningSection(), description="choosing the way")
+    planning: PlanningSection = Field(default=PlanningSection(), description="choosing the path")
     serial: SerialSection = Field(default=SerialSection(), description="the line to the robot")
     safety: SafetySection = Field(default=SafetySection(), description="holding and stopping")
     mission: MissionSection = Field(default=MissionSection(), description="where to go")

@@ -104,7 +104,7 @@ class SimulatedTrackSection(Section):
     track: tuple[Place, ...] = Field(
         min_length=1,
         max_length=MOST_HAPPENINGS,
-        description="the places it drives through; one alone: it stands there",
+        description="the places it drives through; with only one it stays there",
     )
     speed_m_s: Rate = Field(default=0.2, description="how fast it drives")
     start_s: NotNegative = Field(default=0.0, description="when it sets off, after the beginning")
@@ -131,7 +131,7 @@ class SimulationSection(Section):
         default=None, description="scene text file of the obstacles, metres, relative to this file"
     )
     arena_text: Text | None = Field(default=None, description="the same, written here")
-    start: Pose = Field(description="where the robot stands at the beginning")
+    start: Pose = Field(description="where the robot is at the beginning")
     time_limit_s: Positive = Field(default=120.0, description="the run fails when it takes longer")
     camera: SimulatedCameraSection = Field(
         default=SimulatedCameraSection(), description="the simulated camera"

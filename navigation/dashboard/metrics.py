@@ -61,7 +61,7 @@ def _daemon_metrics(state: dict[str, Any]) -> Iterator[Any]:
     yield _gauge("camera_up", "1 while the camera gives pictures.", camera["state"] == "running")
     yield _gauge("camera_rate_hertz", "Pictures a second.", camera["rate_hz"])
     yield _counter("camera_frames", "Pictures captured.", camera["captured"])
-    yield _counter("camera_frames_dropped", "Pictures that nobody took.", camera["dropped"])
+    yield _counter("camera_frames_dropped", "Pictures that were not used.", camera["dropped"])
     yield _counter("camera_reopened", "Times the camera was opened again.", camera["reopened"])
     yield _gauge("link_up", "1 while the link to the robot is up.", link["reason"] is None)
     yield _gauge("link_round_trip_seconds", "Smoothed.", _s(link["round_trip_ms"]))

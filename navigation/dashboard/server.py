@@ -1,4 +1,4 @@
-"""The dashboard's port and thread: it opens, it says where it is, it closes; the run goes on.
+"""The dashboard's port and thread: it opens, it says where it is, it closes; the run continues.
 
 Connections have places (`places.py`), well below what the process may open, and are cut when they
 keep a request back: a flood of them takes neither the page's STOP nor descriptors from the rest.
@@ -82,7 +82,7 @@ class Dashboard:
             self._socket = listen(section.host, section.port)
         except OSError as error:
             where = f"{section.host}:{section.port}"
-            self._say(f"no dashboard: {where}: {error.strerror or error}; the run goes on")
+            self._say(f"no dashboard: {where}: {error.strerror or error}; the run continues")
             return self
         self.url = self._address(self._socket.getsockname()[1])
         self._thread.start()

@@ -141,4 +141,4 @@ def _progress(m: Mission) -> tuple[tuple[Station, ...], int, bool, State, bool]:
 
 
 def _in_words(error: JournalError) -> str:
-    return f"{error}; the run goes on, and a restart would not know of it"
+    return f"{error}; the run continues, and a restart would not know of it"

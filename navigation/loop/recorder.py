@@ -4,7 +4,7 @@ Rules
 - Events are never dropped. Pictures are: those beyond the configured rate are left out, and
   when the writer lags behind by more than a few, new ones are dropped and counted.
 - What was put is on its way to the disk within ``FLUSH_EVERY_S``: a kill loses no more.
-- A recording that cannot go on (disk full) ends and says so; the run goes on.
+- A recording that cannot go on (disk full) ends and says so; the run continues.
 """
 
 from __future__ import annotations

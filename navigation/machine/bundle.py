@@ -97,7 +97,7 @@ def _newest_recording(folder: Path) -> Iterator[tuple[str, str | bytes]]:
         with files[-1].open("rb") as recording:
             head = recording.read(MOST_RECORDING_BYTES)
         if known().occurs_in(head):
-            yield f"recording/{files[-1].name}.txt", "left out: a secret stands in it\n"
+            yield f"recording/{files[-1].name}.txt", "left out: it contains a secret\n"
         else:
             yield f"recording/{files[-1].name}", head
 

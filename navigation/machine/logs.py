@@ -40,7 +40,7 @@ EVENTS: Final = {
     "link": "the link's state is another",
     "camera": "the camera's state is another",
     "recording": "pictures are dropped, or the recording has ended early",
-    "trouble": "something cannot be written, and the run goes on; or can be written again",
+    "trouble": "something cannot be written, and the run continues; or it can be written again",
     "watchdog": "a stage does not get on",
     "configuration": "the file was read again",
     "finished": "the run is over: state, reason, duration_s",

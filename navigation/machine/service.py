@@ -57,7 +57,7 @@ def unit_text(program: Path, config: Path, *, user: bool, run_as: str | None = N
     lines = [
         "# Made by `clearway install-service`.",
         "[Unit]",
-        "Description=Clearway: a robot on the way with the largest clearance",
+        "Description=Clearway: a robot on the path with the largest clearance",
         "After=local-fs.target network.target",
         "StartLimitIntervalSec=300",
         "StartLimitBurst=5",
@@ -155,7 +155,7 @@ def _quoted(path: Path) -> str:
     if re.fullmatch(r"[\w./%+@:,=-]+", text):
         return text
     if any(ord(c) < 32 for c in text):
-        raise ServiceError(f"{path}: a path with control characters cannot stand in a unit")
+        raise ServiceError(f"{path}: a path with control characters cannot be in a unit")
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 
@@ -174,5 +174,5 @@ def _hex(text: str) -> str:
 
 def _serial(text: str) -> str:
     if not re.fullmatch(r"[\w .:/+-]+", text, flags=re.ASCII):
-        raise ServiceError(f"the adapter's serial number {text!r} cannot stand in a udev rule")
+        raise ServiceError(f"the adapter's serial number {text!r} cannot be in a udev rule")
     return text

@@ -43,7 +43,7 @@ class Arrival:
             off_rad = abs(math.remainder(pose[2] - goal.heading_rad, math.tau))
         if off_m <= settings.goal_tolerance_m and off_rad <= settings.goal_tolerance_rad:
             where = f"{off_m * 1e3:.1f} mm and {math.degrees(off_rad):.2f} deg from the goal"
-            return Event.ARRIVED, f"the robot stands {where}"
+            return Event.ARRIVED, f"the robot is at rest {where}"
         if self._corrections < settings.corrections:
             self._corrections += 1
             return Event.REPLAN, "correcting the last stretch"

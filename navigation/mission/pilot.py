@@ -90,8 +90,8 @@ class Pilot:
         self._progress.begin()
 
     def restore(self, mission: Mission) -> None:
-        """Go on with a mission that an earlier program left unfinished; planned anew."""
-        given = self.mission.given(mission.stations, "going on after a restart")
+        """Continue a mission that an earlier program left unfinished, with a new plan."""
+        given = self.mission.given(mission.stations, "continuing after a restart")
         self.mission = replace(
             given, visited=mission.visited, any_order=mission.any_order, paused=mission.paused
         )
@@ -109,15 +109,15 @@ class Pilot:
     def resume(self) -> None:
         """The one order that lets a robot go again; each time one step.
 
-        After a pause the mission goes on, planned anew from where the robot is. After an
-        emergency stop the robot is re-armed and stands; resumed once more it goes on with the
-        stations that are left. A failed mission is tried again.
+        After a pause the mission continues, planned again from where the robot is. After an
+        emergency stop the robot is re-armed and does not move; a second resume continues with the
+        remaining stations. A failed mission is tried again.
         """
         self.mission = replace(self.mission, paused=False)
         if self.mission.state is State.STOPPED:
             self._leave_stop()
         elif self.mission.state in (State.IDLE, State.FAILED) and self.mission.remaining:
-            self.mission = self.mission.after(Event.GIVEN, "going on as ordered")
+            self.mission = self.mission.after(Event.GIVEN, "continuing as ordered")
             self._forget_plan()
             self._begin_again()
             self.trust.vouch()
@@ -126,7 +126,7 @@ class Pilot:
 
     def _leave_stop(self) -> None:
         left = len(self.mission.remaining)
-        what = f"resume goes on with {left} station{'s' * (left != 1)}, " if left else ""
+        what = f"resume continues with {left} station{'s' * (left != 1)}, " if left else ""
         self.mission = self.mission.after(
             Event.REARM, f"re-armed by hand: {what}go gives a new mission"
         )
@@ -351,7 +351,7 @@ class Pilot:
         least_m = max(limits.robot_radius_m, min(self.settings.replan_distance_m, nearer_m))
         if path_clearance_m < least_m:
             left = f"leaves the path {path_clearance_m:.3f} m of clearance"
-            self._replan(f"an obstacle {left}: planning anew")
+            self._replan(f"an obstacle {left}: planning again")
 
     def _finish(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
         if self.mission.state is not State.DRIVING or not self.plan.targets:

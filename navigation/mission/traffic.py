@@ -104,12 +104,12 @@ def encounter(
     for mover in movers:
         gap_m = _gap(here, soon, mover, limits, limits.stop_s)
         if gap_m is not None:
-            what = "stands in the way" if mover.stands else "comes too near"
+            what = "blocks the path" if mover.stands else "comes too near"
             return Encounter(mover.id, mover.stands, f"robot {mover.id} {what}{_leaves(gap_m)}")
     for mover in movers:
         gap_m = _gap(here, later, mover, limits, 0.0) if mover.stands else None
         if gap_m is not None:
-            sentence = f"robot {mover.id} stands in the way{_leaves(gap_m)}"
+            sentence = f"robot {mover.id} blocks the path{_leaves(gap_m)}"
             return Encounter(mover.id, True, sentence)
     return None
 

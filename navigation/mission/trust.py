@@ -105,7 +105,7 @@ class Proof:
                 " deg: a frozen picture, another robot's marker, or wheels that slip"
             )
         if waited or now_s - self.began_s > LONGEST_PROOF_S:
-            return Verdict.STILL, "the robot did not turn when it was told to prove itself"
+            return Verdict.STILL, "the robot did not turn when it had to prove itself"
         return Verdict.OPEN, ""
 
 

@@ -135,7 +135,7 @@ def _link(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
     if facts.robot_disarmed:
         return [(Action.HOLD, "the robot has disarmed itself: its lease lapsed")]
     if facts.robot_idle_reason is not None:
-        return [(Action.HOLD, f"the robot stands: {facts.robot_idle_reason}")]
+        return [(Action.HOLD, f"the robot stands still: {facts.robot_idle_reason}")]
     return []
 
 

@@ -63,7 +63,7 @@ class Reloader:
         try:
             config = self._load(self._file)
         except ConfigError as error:
-            self._say("error", f"the run goes on with the last good configuration:\n{error}")
+            self._say("error", f"the run continues with the last good configuration:\n{error}")
             return
         if config == self._present:
             self._say("info", f"{self._file} was read again: nothing has changed")

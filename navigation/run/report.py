@@ -120,7 +120,7 @@ class Report:
         if not self.track_jumps:
             return []
         times = "once" if self.track_jumps == 1 else f"{self.track_jumps} times"
-        told = f"broken {times}: the robot was carried, or not seen on its way; what lies between"
+        told = f"broken {times}: the robot was carried, or was not seen; what lies between"
         return [("track", f"{told} is not counted as driven")]
 
     def lines(self) -> list[tuple[str, str]]:
@@ -131,7 +131,7 @@ class Report:
             ("state", f"{self.state}: {self.reason}"),
             ("stations visited", f"{self.stations_visited} of {self.stations}"),
             ("waypoints executed", f"{self.waypoints_executed} of {self.waypoints_sent} sent"),
-            ("plans made anew", str(self.replans)),
+            ("new plans", str(self.replans)),
             ("least clearance", _millimetres(self.min_clearance_m) + f" ({source})"),
             ("tracking error", f"{_millimetres(t.rms)} rms, {_millimetres(t.max)} at most"),
             (

@@ -276,7 +276,7 @@ class Runner:
         if journal is not None:
             left = unfinished_mission(daemon, journal, self.interrupt.is_set)
         if left is not None:
-            self._say(f"going on: {left.visited} of {len(left.stations)} stations were visited")
+            self._say(f"continuing: {left.visited} of {len(left.stations)} stations were visited")
             daemon.restore(left)
             return
         stations = stations_of(self.config)

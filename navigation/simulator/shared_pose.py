@@ -89,7 +89,7 @@ class PoseReader:
 
     def read(self) -> tuple[float, float, float]:
         """Where the robot is, as told last; PoseFileError where no pose is told."""
-        why = "nobody has written a pose into it"
+        why = "no pose has been written into it"
         for _ in range(_TRIES):
             try:
                 row = self._row()

@@ -56,7 +56,7 @@ def test_a_full_stdout_costs_its_lines_and_the_summary_comes_on_stderr(config: P
     with Path("/dev/full").open("w") as full:
         code, _, err = finish(start(config, stdout=full))
     assert code == 0, err
-    assert "stdout cannot be written: No space left on device; the run goes on" in err
+    assert "stdout cannot be written: No space left on device; the run continues" in err
     assert err.count("stdout cannot be written") == 1
     assert DONE.search(err), err
     assert "Traceback" not in err

@@ -40,10 +40,12 @@ class PlanError(ValueError):
 
 @click.command(short_help="One plan through a picture, scene or map.")
 @click.argument("source", type=INPUT)
-@click.option("--start", type=STATION, required=True, help="Where the robot stands.")
-@click.option("--goal", type=STATION, required=True, help="Where it is to stand.")
+@click.option("--start", type=STATION, required=True, help="Where the robot is.")
+@click.option("--goal", type=STATION, required=True, help="Where it has to go.")
 @RADIUS_OPTION
-@click.option("--via", type=STATION, multiple=True, help="A station on the way; repeatable.")
+@click.option(
+    "--via", type=STATION, multiple=True, help="A station to pass on the way; repeatable."
+)
 @click.option(
     "--order",
     type=click.Choice(["fixed", "best"]),
@@ -54,14 +56,18 @@ class PlanError(ValueError):
 @click.option("--margin", type=NOT_NEGATIVE, default=0.0, help="Clearance on top of the radius.")
 @SPACING_OPTION
 @click.option(
-    "--prefer", type=PREFERENCE, default="balanced", show_default=True, help="What a path is for."
+    "--prefer",
+    type=PREFERENCE,
+    default="balanced",
+    show_default=True,
+    help="What to prefer in a path: clearance, length, or between.",
 )
 @click.option(
     "--alternatives",
     type=click.IntRange(0, 20),
     default=0,
     metavar="K",
-    help="Other ways round the obstacles, besides the best.",
+    help="Other routes round the obstacles, besides the best.",
 )
 @polarity_option()
 @format_option()

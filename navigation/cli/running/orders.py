@@ -30,7 +30,13 @@ def _send(path: Path | None, form: str, request: dict[str, Any]) -> None:
     context_settings={"ignore_unknown_options": True},  # so that -1.5,2 is a place
 )
 @click.argument("stations", nargs=-1, required=True, type=STATION)
-@click.option("--dwell", "dwell_s", type=click.FloatRange(min=0.0), default=0.0)
+@click.option(
+    "--dwell",
+    "dwell_s",
+    type=click.FloatRange(min=0.0),
+    default=0.0,
+    help="Seconds to stay at each.",
+)
 @socket_option
 @format_option()
 def go(stations: tuple[Station, ...], dwell_s: float, path: Path | None, form: str) -> None:
@@ -42,7 +48,7 @@ def go(stations: tuple[Station, ...], dwell_s: float, path: Path | None, form: s
 
 
 @click.command(short_help="Emergency stop of the running daemon's robot.")
-@click.option("--reason", default="stopped from the command line")
+@click.option("--reason", default="stopped from the command line", help="Shown with the stop.")
 @socket_option
 @format_option()
 def stop(reason: str, path: Path | None, form: str) -> None:
@@ -63,12 +69,16 @@ def _plain(name: str, short: str, text: str) -> click.Command:
 pause = _plain("pause", "Hold the robot where it is.", "Hold the robot until `clearway resume`.")
 resume = _plain(
     "resume",
-    "Go on after a pause; after a stop re-arm.",
-    "Go on after a pause or a failed mission, with a new plan. After an emergency stop the first "
-    "resume re-arms the robot, which stands; a second one goes on with the stations that are "
-    "left, and `clearway go` gives new ones.",
+    "Continue after a pause; re-arm after a stop.",
+    "Continue after a pause or a failed mission, with a new plan. After an emergency stop the "
+    "first resume re-arms the robot, which does not move yet; a second one continues with the "
+    "remaining stations, and `clearway go` gives new ones.",
 )
 replan = _plain(
-    "replan", "Plan the way anew.", "Plan the mission anew from where the robot is now."
+    "replan", "Plan the path again.", "Plan the mission again from where the robot is now."
 )
-status = _plain("status", "What the running daemon does.", "Say what the running daemon does.")
+status = _plain(
+    "status",
+    "What the running daemon is doing.",
+    "Print what the running daemon is doing, and why.",
+)

@@ -35,7 +35,7 @@ def command(
     plan_mm: float,
     form: str,
 ) -> int:
-    """Run the pipeline again on recordings (FILES, of `clearway run --record`).
+    """Re-run vision and planning on recordings (FILES, of `clearway run --record`).
 
     Pictures go through the same vision, requests through the same planner, with the recorded
     configuration. Poses, scenes and plans are compared with the recorded ones; the options say
@@ -88,7 +88,9 @@ def _show(recording: Recording, result: ReplayResult) -> None:
     if result.not_compared:
         click.echo(f"  {result.not_compared} scenes or plans have no pictures to compare with")
     if result.near_ties:
-        click.echo(f"  {result.near_ties} plans go another way that is as good in the same scene")
+        click.echo(
+            f"  {result.near_ties} plans take another route that is as good in the same scene"
+        )
     for difference in result.differences[:MOST_SHOWN]:
         click.echo(f"  {difference.time_s:.3f} s  {difference.sentence}")
     if len(result.differences) > MOST_SHOWN:

@@ -86,7 +86,9 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
 
 
 @click.command(help="A simulated robot on a serial port, or on a new pseudo-terminal.")
-@click.option("--port", metavar="PATH", help="Serial port to sit on; without it a new one is made.")
+@click.option(
+    "--port", metavar="PATH", help="Serial port to use; without it a new pseudo-terminal is made."
+)
 @click.option(
     "--faults",
     metavar="SPEC",
@@ -95,14 +97,20 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     help="Bad line: drop=0.001,flip=0.0005,noise=P,dup=P,swap=P,span=P,stall=0.1@5,"
     "reset=SECONDS,freeze=0.2@10.",
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Of the robot's errors and the line's faults.",
+)
 @click.option(
     "--start",
     metavar="X,Y[,DEG]",
     default="0,0,0",
     show_default=True,
     callback=_read_pose,
-    help="Where the robot stands, in metres and degrees.",
+    help="Where the robot is, in metres and degrees.",
 )
 @click.option(
     "--baud",
@@ -119,7 +127,7 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
 @click.option(
     "--poses",
     type=click.Path(path_type=Path),
-    help="Tell the pose in this file, for simulation.robot.poses of a run.",
+    help="Write the pose to this file, for simulation.robot.poses of a run.",
 )
 def command(
     port: str | None,

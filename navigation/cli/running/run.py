@@ -38,10 +38,12 @@ PROGRESS_EVERY_S = 1.0
 )
 @click.option("--no-dashboard", is_flag=True, help="Do not serve the dashboard.")
 @click.option(
-    "--socket", type=click.Path(path_type=Path), help="Where to take orders; default: per user."
+    "--socket",
+    type=click.Path(path_type=Path),
+    help="Where to listen for orders; default: one per user.",
 )
 @click.option("--quiet", is_flag=True, help="Print the report only.")
-@click.option("--last-good", is_flag=True, help="Where CONFIG is broken, run the last good one.")
+@click.option("--last-good", is_flag=True, help="If CONFIG is invalid, run the last good one.")
 @click.option(
     "--log-format", type=click.Choice(["text", "json"]), help="Log events, a line each, to stderr."
 )
@@ -50,7 +52,7 @@ PROGRESS_EVERY_S = 1.0
     type=click.Choice(["debug", "info", "warning", "error"]),
     default="info",
     show_default=True,
-    help="The least of what is logged.",
+    help="The lowest level that is logged.",
 )
 def command(
     config: Path,
@@ -66,11 +68,11 @@ def command(
 ) -> int:
     """Run the configuration CONFIG: see the arena, plan, and drive the robot.
 
-    Without --once the program goes on after the mission until it is interrupted. A folder in
+    Without --once the program keeps running after the mission until it is interrupted. A folder in
     recording.runs_dir keeps the report and a picture of what happened. Exits 0 when the
     mission was done, 3 when there was no path, 1 when it failed or was stopped; without
     --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
-    CONFIG again: a good one is run from then on, of a bad one every error is told.
+    CONFIG again: if the new file is valid, it is run; if not, all errors are reported.
     """
     from navigation.machine.descriptors import set_descriptor_limit
     from navigation.machine.logs import EventLog

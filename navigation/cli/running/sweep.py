@@ -22,10 +22,12 @@ if TYPE_CHECKING:
 ALL_DONE, SOME_NOT_DONE = 0, 1
 
 
-@click.command(short_help="A simulated run many times over, as fast as the machine goes.")
+@click.command(short_help="Repeat a simulated run with varied errors.")
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--runs", type=click.IntRange(min=1), required=True, help="How many runs.")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of all runs."
+)
 @click.option(
     "--spread",
     type=NOT_NEGATIVE,
@@ -54,7 +56,7 @@ def command(
     output: Path,
     form: str,
 ) -> int:
-    """Run the simulated configuration CONFIG so many times in virtual time.
+    """Repeat the simulated configuration CONFIG in virtual time, as fast as the machine can.
 
     Each run has another seed, another start nearby, other wheels and another camera's noise;
     the same seed gives the same rows. A worker that dies is replaced. Exits 0 when every

@@ -61,7 +61,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     """Calibrate a camera from PICTURES of a board, or live, and place it above the arena.
 
     With --points or --floor-picture the result maps pixels to the arena's metres; without
-    them the lens alone is estimated and told. Pictures and points that do not fit are named
+    them only the lens is estimated and reported. Pictures and points that do not fit are named
     and left out.
     """
     if lens_file is not None and (pictures or camera is not None):
@@ -141,7 +141,7 @@ def _read(path: Path) -> Image:
     told = orientation(path.read_bytes())
     if told != 1:
         click.echo(
-            f"{path}: its EXIF orientation, {told}, is left aside: pixels are the sensor's",
+            f"{path}: its EXIF orientation, {told}, is ignored: pixels are the sensor's",
             err=True,
         )
     return picture

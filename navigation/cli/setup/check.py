@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vision.calibration.calibration import Calibration
 
 
-@click.command(short_help="Check a configuration; tell every error.")
+@click.command(short_help="Check a configuration; report every error.")
 @click.argument("config", type=click.Path(path_type=Path))
 def command(config: Path) -> None:
     """Check the configuration CONFIG and the files that it names.

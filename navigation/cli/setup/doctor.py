@@ -40,7 +40,7 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
     """Look at permissions, camera, serial port, cache, kernels, clock, disk and packages.
 
     With a configuration CONFIG its camera, port and folders are looked at, else what is plugged
-    in. Each line says ok, warn or fail, and how to mend it. Exits 1 where something fails.
+    in. Each line says ok, warn or fail, and how to fix it. Exits 1 where something fails.
     """
     from navigation.machine.doctor import worst
 
@@ -102,7 +102,7 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
     try:
         config = load_checked(file)
     except ConfigError as error:
-        cure = f"clearway check {file} tells the same; docs/configuration.md lists every key"
+        cure = f"clearway check {file} reports the same; docs/configuration.md lists every key"
         return [doctor.Finding("fail", "configuration", str(error), cure)], None
     recording = config.recording
     fullest = recording.folder if recording.record else recording.runs_dir

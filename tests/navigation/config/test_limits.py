@@ -114,7 +114,7 @@ BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
         ("a: " + "x" * MOST_CHARACTERS, "1:1", f"is longer than {MOST_CHARACTERS} characters"),
         ("a: [" + "1," * (MOST_VALUES + 1) + "1]", "1:", f"has more than {MOST_VALUES} values"),
         ("a: &a [*a]\n", "1:", "an alias inside itself"),
-        ("a: 1\na: 2\n", "2:1", "the key 'a' stands here a second time, first in line 1"),
+        ("a: 1\na: 2\n", "2:1", "the key 'a' is here a second time, first in line 1"),
     ],
     ids=["aliases", "brackets", "indents", "length", "values", "itself", "twice"],
 )

@@ -18,9 +18,7 @@ from tests.navigation.config.texts import GOOD, problems_of, text_of_error
 
 def test_a_key_that_stands_twice_is_an_error_at_the_second() -> None:
     told = text_of_error(GOOD + "camera: {source: 0}\n")
-    assert told.startswith(
-        "run.yaml:12:1: the key 'camera' stands here a second time, first in line 3"
-    )
+    assert told.startswith("run.yaml:12:1: the key 'camera' is here a second time, first in line 3")
 
 
 @pytest.mark.parametrize(

@@ -181,7 +181,9 @@ def test_a_busy_port_is_said_and_the_run_goes_on() -> None:
         said: list[str] = []
         with Dashboard(FakeDaemon(shown_config(port=port)), say=said.append) as dashboard:
             assert dashboard.url is None
-        assert said == [f"no dashboard: 127.0.0.1:{port}: Address already in use; the run goes on"]
+        assert said == [
+            f"no dashboard: 127.0.0.1:{port}: Address already in use; the run continues"
+        ]
 
 
 def test_a_host_that_is_not_this_machine_is_said_and_the_run_goes_on() -> None:

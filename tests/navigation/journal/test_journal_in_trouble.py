@@ -110,7 +110,7 @@ def test_the_program_begins_on_a_full_disk_too(path: Path, monkeypatch: pytest.M
     with monkeypatch.context() as patched:
         patched.setattr(JournalFile, "_make_private", no_room)
         journal = Journal(path, OWNER)
-        assert "No space left on device; the run goes on" in journal.trouble
+        assert "No space left on device; the run continues" in journal.trouble
         journal.keep(DRIVING, PLAN, 0.0)
         assert journal.trouble
     with journal:

@@ -130,7 +130,7 @@ def test_the_rule_names_the_adapter_and_keeps_modem_manager_away() -> None:
 
 
 def test_a_serial_number_cannot_break_out_of_the_rule() -> None:
-    with pytest.raises(ServiceError, match="cannot stand in a udev rule"):
+    with pytest.raises(ServiceError, match="cannot be in a udev rule"):
         udev_text(UsbAdapter("1a86", "7523", 'x", RUN+="/bin/sh'))
 
 

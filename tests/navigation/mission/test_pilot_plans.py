@@ -86,7 +86,7 @@ def test_a_robot_that_does_not_begin_is_held_and_given_a_new_plan(world: World) 
     assert world.pilot.mission.state is State.DRIVING
     world.run(4)
     assert world.pilot.mission.state is State.HOLDING
-    assert "the robot stands: its queue ran dry" in world.pilot.mission.reason
+    assert "the robot stands still: its queue ran dry" in world.pilot.mission.reason
     world.moves = True
     world.robot = replace(world.robot, standing_reason=None)
     world.run_until(State.DONE)
@@ -158,7 +158,7 @@ def test_a_robot_that_stands_in_the_way_is_planned_around(world: World) -> None:
     world.moves = False
     world.sight = replace(world.sight, others=(Mover(8, 0.8, 0.3, 0.0, 0.0, 0.1),))
     orders = world.cycle()
-    assert "stands in the way" in world.pilot.mission.reason
+    assert "blocks the path" in world.pilot.mission.reason
     assert "planning around it" in world.pilot.mission.reason
     assert orders.request is not None
     assert [disc.robot_id for disc in orders.request.avoid] == [8]

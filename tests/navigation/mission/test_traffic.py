@@ -31,7 +31,7 @@ def test_a_robot_that_stands_on_the_way_asks_for_another_way() -> None:
     met = encounter(HERE, EAST, [mover(0.8, 0.1)], LIMITS)
     assert met is not None
     assert (met.id, met.stands) == (8, True)
-    assert met.sentence == "robot 8 stands in the way: it leaves 0.000 m"
+    assert met.sentence == "robot 8 blocks the path: it leaves 0.000 m"
 
 
 def test_a_robot_that_stands_far_along_the_way_is_none_of_ours_yet() -> None:

@@ -53,7 +53,11 @@ def test_a_robot_with_nothing_wrong_may_go() -> None:
         ({"link_age_s": 0.4}, Action.HOLD, "did not report for 400 ms"),
         ({"link_down_reason": "the port vanished"}, Action.HOLD, "down: the port vanished"),
         ({"robot_disarmed": True}, Action.HOLD, "its lease lapsed"),
-        ({"robot_idle_reason": "its queue ran dry"}, Action.HOLD, "stands: its queue ran dry"),
+        (
+            {"robot_idle_reason": "its queue ran dry"},
+            Action.HOLD,
+            "stands still: its queue ran dry",
+        ),
         ({"paused": True}, Action.HOLD, "paused by the operator"),
         ({"deviation_m": 0.06}, Action.HOLD, "0.060 m off its path"),
         ({"robot_estopped": True}, Action.STOP, "reports an emergency stop"),

@@ -43,7 +43,7 @@ def test_a_broken_file_changes_nothing_and_every_error_is_told(config_file: Path
     heard.ask()
     ((level, sentence),) = heard.said
     assert level == "error"
-    assert "goes on with the last good configuration" in sentence
+    assert "continues with the last good configuration" in sentence
     assert "must be a number" in sentence
     assert heard.fresh == []
 

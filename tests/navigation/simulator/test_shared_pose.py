@@ -17,7 +17,7 @@ POSE = (1.25, -0.5, 3.0)
 def test_what_one_end_writes_the_other_reads(tmp_path: Path) -> None:
     writer = PoseWriter(tmp_path / "new" / "pose")
     reader = PoseReader(tmp_path / "new" / "pose")
-    with pytest.raises(PoseFileError, match="nobody has written a pose into it"):
+    with pytest.raises(PoseFileError, match="no pose has been written into it"):
         reader.read()
     writer.write(*POSE)
     assert reader.read() == POSE
