@@ -206,6 +206,6 @@ def check_kernels(cold: bool, folder: Path | None, environment: Mapping[str, str
     """Whether the kernels are compiled, and where they are kept."""
     where = environment.get("NUMBA_CACHE_DIR") or (str(folder) if folder else "beside the source")
     if cold:
-        cure = "nothing to do: the first run compiles them, which takes a minute or two"
+        cure = "nothing to do: the first run compiles them, which takes some minutes"
         return Finding("warn", "kernels", f"not compiled yet (kept in {where})", cure)
     return Finding("ok", "kernels", f"compiled, kept in {where}")
