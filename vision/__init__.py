@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vision.doubts import doubts_about
     from vision.errors import PictureError
     from vision.markers.markers import MarkedRobot, MarkerTracker, RobotPose
+    from vision.markers.reading import Marker, find_markers
     from vision.pipeline import extract
     from vision.watch.change import Change, SceneWatcher
 
@@ -30,6 +31,7 @@ __all__ = [
     "Frame",
     "LatestFrame",
     "MarkedRobot",
+    "Marker",
     "MarkerTracker",
     "PictureError",
     "RobotPose",
@@ -37,6 +39,7 @@ __all__ = [
     "camera_for",
     "doubts_about",
     "extract",
+    "find_markers",
     "load_calibration",
     "save_calibration",
 ]
@@ -50,6 +53,7 @@ _HOME = {
     "Frame": "vision.camera.camera",
     "LatestFrame": "vision.camera.latest_frame",
     "MarkedRobot": "vision.markers.markers",
+    "Marker": "vision.markers.reading",
     "MarkerTracker": "vision.markers.markers",
     "PictureError": "vision.errors",
     "RobotPose": "vision.markers.markers",
@@ -57,6 +61,7 @@ _HOME = {
     "camera_for": "vision.camera.sources",
     "doubts_about": "vision.doubts",
     "extract": "vision.pipeline",
+    "find_markers": "vision.markers.reading",
     "load_calibration": "vision.calibration.calibration_file",
     "save_calibration": "vision.calibration.calibration_file",
 }

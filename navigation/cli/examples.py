@@ -36,6 +36,10 @@ EXAMPLES: dict[str, Example] = {
         "clearway roadmap map.yaml --radius 0.2 -o roadmap.geojson",
         "Turn a ROS map into a graph for Nav2's route server.",
     ),
+    "markers": Example(
+        "clearway markers arena.png --calibration calibration.yaml --render markers.png",
+        "Find every marker in a picture, with its place on the floor, and draw them.",
+    ),
     "robot": Example(
         "clearway robot --start 0.2,0.2,45 --faults drop=0.01",
         "Simulate a robot on a new pseudo-terminal that loses one byte in a hundred.",

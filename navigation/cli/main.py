@@ -56,6 +56,7 @@ COMMANDS: dict[str, Listed] = {
     "extract": Listed(".pictures.extract:command", "The geometric structure of a picture."),
     "plan": Listed(".pictures.plan:command", "One plan through a picture, scene or map."),
     "roadmap": Listed(".pictures.roadmap:command", "The AGVD roadmap as a file."),
+    "markers": Listed(".pictures.markers:command", "The markers in a picture."),
     "robot": Listed(".running.robot:command", "A simulated robot on a serial port."),
     "go": Listed(".running.orders:go", "Send the running daemon's robot to a place."),
     "stop": Listed(".running.orders:stop", "Emergency stop of the running daemon's robot."),
