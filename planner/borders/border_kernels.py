@@ -18,12 +18,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from planner.borders.border_arrays import Pieces
+from planner.borders.border_arrays import Pieces, Tree
 from planner.borders.box_tree_kernels import build_tree, object_spans
 from planner.borders.corner_point_kernels import corner_points, link_borders, without_repeats
 from planner.borders.generator_kernels import count_generators, place_generators
 from planner.borders.inside_kernels import index_closed
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import POINT, with_middles
 
 
@@ -41,7 +41,7 @@ class NewBorders(NamedTuple):
     borders: NDArray[np.int32]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, joint, every):
     """The pieces of flat primitives and how they join.
 
@@ -81,7 +81,7 @@ def join_primitives(kind, data, owner, border, is_hole, backwards, no_length, jo
     return Pieces(out_kind, out, out_owner, turned, following, preceding, solid, before, after)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def walls_box(data, owner):
     """x_min, y_min, x_max, y_max of the bounds' walls; infinite the wrong way without any."""
     x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
@@ -92,18 +92,20 @@ def walls_box(data, owner):
     return x0, y0, x1, y1
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def find_pieces(pieces):
     """What finds pieces: the primitives' box tree, the objects' boxes and spans, and the index of
     the closed ones."""
     kind, data = pieces.kind, pieces.data
     k = len(pieces.solid)
-    tree = build_tree(kind[:k], data[:k])
+    own = build_tree(kind[:k], data[:k])
+    # who finds a primitive asks for corner points as well
+    tree = Tree(kind, data, own.order, own.large, own.boxes)
     object_boxes, span = object_spans(kind, data, pieces.owner, k)
     return tree, object_boxes, span, index_closed(pieces)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def _flatten(new):
     """Owner, border, is_hole and reversed of the new rows: what :func:`join_primitives` takes."""
     borders = new.borders
@@ -120,7 +122,7 @@ def _flatten(new):
     return owner, border, is_hole, backwards
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def change_borders(kept, objects, old, old_boxes, new, no_length, joint, spacing):
     """The borders of a scene of ``kept`` objects, see :func:`patch_borders`, and of new ones.
 
@@ -130,12 +132,12 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, spacing
     objects, at most ``spacing`` apart, and the pieces they are on; and (b, 4) the boxes of what
     came and went.
     """
-    came = 0
+    came = np.int64(0)
     for j in range(len(kept)):
         came += kept[j] < 0
     owner, border, is_hole, backwards = _flatten(new)
     fresh = join_primitives(
-        new.kind, new.rows, owner, border, is_hole, backwards, no_length, joint, False
+        new.kind, new.rows, owner, border, is_hole, backwards, no_length, joint, np.bool_(False)
     )
     pieces, label, fresh_label = patch_borders(kept, objects, old, came, fresh)
     found = find_pieces(pieces)
@@ -165,7 +167,7 @@ def change_borders(kept, objects, old, old_boxes, new, no_length, joint, spacing
     return pieces, found, label, places, labels, touched[:n]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def _ranges(owner, begin, end, objects):
     """First index and count of every object's pieces among ``begin`` to ``end``; bounds last."""
     first, count = np.zeros(objects + 1, np.int64), np.zeros(objects + 1, np.int64)
@@ -176,7 +178,7 @@ def _ranges(owner, begin, end, objects):
     return first, count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def patch_borders(kept, objects, old, came, fresh):
     """The pieces of objects that were there before, of new ones, and of the old bounds.
 
@@ -227,7 +229,7 @@ def patch_borders(kept, objects, old, came, fresh):
     return pieces, label, new_label
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _renumber(label, old, out):
     """Copy how the ``old`` pieces join to where they are now, ``label``; -1 is left out."""
     following, preceding, before, after = old.following, old.preceding, old.before, old.after

@@ -20,8 +20,8 @@ import numpy as np
 from numba import njit
 
 from planner.borders.border_arrays import Tree
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import box_of, distance, segment_distance
+from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.primitive_kernels import NONE, box_of, distance, segment_distance
 
 LEAF = 4
 """Primitives in a leaf of the tree."""
@@ -38,7 +38,7 @@ def _spread(v):
     return (v | (v << 1)) & 0x55555555
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def morton_codes(boxes):
     """Numbers (n,) that grow along a curve past the middles of boxes (n, 4), and their extent.
 
@@ -59,7 +59,7 @@ def morton_codes(boxes):
     return code, extent
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def build_tree(kind, data):
     """The box tree of all primitives: an empty box is (inf, inf, -inf, -inf)."""
     n = len(kind)
@@ -93,14 +93,15 @@ def build_tree(kind, data):
 
 
 @njit(**BORROWING)
-def _box_distance2(boxes, node, x, y):
+def box_distance2(boxes, node, x, y):
+    """The square of the distance from (x, y) to a node's box; infinite to an empty one."""
     dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
     dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
     return dx * dx + dy * dy
 
 
 @njit(**BORROWING)
-def _after_branch(node, later):
+def after_branch(node, later):
     """The node to go on with after a branch of the box tree, and what then waits; 0 at the end.
 
     ``later`` has a bit for every level above, the last one's lowest: whether the node's sibling
@@ -121,28 +122,30 @@ def nearest(tree, x, y, bound):
     Returns (bound, -1) where none is.
     """
     kind, data, order, large, boxes = tree
-    best, which = bound, -1
+    best, which = bound, NONE
     for j in range(large):
-        d = distance(kind, data, order[j], x, y)
+        i = np.int64(order[j])
+        d = distance(kind, data, i, x, y)
         if d < best:
-            best, which = d, order[j]
+            best, which = d, i
     n, leaves = len(order), len(boxes) // 2
-    node, later = 1, 0
+    node, later = np.int64(1), np.int64(0)
     while node > 0:
-        if _box_distance2(boxes, node, x, y) < best * best:
+        if box_distance2(boxes, node, x, y) < best * best:
             if node < leaves:
                 # the nearer branch first
                 node = 2 * node
-                if not _box_distance2(boxes, node, x, y) < _box_distance2(boxes, node + 1, x, y):
+                if not box_distance2(boxes, node, x, y) < box_distance2(boxes, node + 1, x, y):
                     node += 1
                 later = 2 * later + 1
                 continue
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
-                d = distance(kind, data, order[j], x, y)
+                i = np.int64(order[j])
+                d = distance(kind, data, i, x, y)
                 if d < best:
-                    best, which = d, order[j]
-        node, later = _after_branch(node, later)
+                    best, which = d, i
+        node, later = after_branch(node, later)
     return best, which
 
 
@@ -167,17 +170,18 @@ def segment_clearance(tree, ax, ay, bx, by, bound):
     where none is nearer.
     """
     kind, data, order, large, boxes = tree
-    best, at, which = bound, 0.0, -1
+    best, at, which = bound, 0.0, NONE
     for j in range(large):
-        d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
+        i = np.int64(order[j])
+        d, t = segment_distance(kind, data, i, ax, ay, bx, by)
         if d < best:
-            best, at, which = d, t, order[j]
+            best, at, which = d, t, i
     length = math.hypot(bx - ax, by - ay)
     nx, ny = 0.0, 0.0
     if length > 0.0:
         nx, ny = (ay - by) / length, (bx - ax) / length
     n, leaves = len(order), len(boxes) // 2
-    node, later = 1, 0
+    node, later = np.int64(1), np.int64(0)
     while node > 0:
         if _box_to_segment(boxes, node, ax, ay, bx, by, nx, ny) < best:
             if node < leaves:
@@ -185,14 +189,15 @@ def segment_clearance(tree, ax, ay, bx, by, bound):
                 continue
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
-                d, t = segment_distance(kind, data, order[j], ax, ay, bx, by)
+                i = np.int64(order[j])
+                d, t = segment_distance(kind, data, i, ax, ay, bx, by)
                 if d < best:
-                    best, at, which = d, t, order[j]
-        node, later = _after_branch(node, later)
+                    best, at, which = d, t, i
+        node, later = after_branch(node, later)
     return best, at, which
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def nearest_many(tree, points):
     """Distance and nearest primitive of every point."""
     out = np.empty(len(points), np.float64)
@@ -202,7 +207,7 @@ def nearest_many(tree, points):
     return out, which
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def polyline_clearance(tree, points):
     """Least distance between a polyline and any primitive: distance, place, piece, primitive."""
     best, where = nearest(tree, points[0, 0], points[0, 1], np.inf)
@@ -216,7 +221,7 @@ def polyline_clearance(tree, points):
     return best, px, py, piece, where
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def object_spans(kind, data, owner, count):
     """The objects' boxes (o, 4) and their primitives' range (o, 2), first and last + 1."""
     most = -1

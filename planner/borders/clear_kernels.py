@@ -3,8 +3,6 @@
 Rules and units
 - The answers are those of :func:`planner.borders.box_tree_kernels.segment_clearance` with a bound,
   and are found several times sooner: the least distance itself is not asked for.
-- The box tree is walked without a stack: from node i to 2 i, and to i + 1 after the last of a
-  branch, up while i is odd.
 """
 
 # The arrays' types are in the docstrings; numba infers them.
@@ -17,9 +15,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.box_tree_kernels import LEAF
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import POINT, SEGMENT, distance, segment_distance
+from planner.borders.box_tree_kernels import LEAF, after_branch, box_distance2
+from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.primitive_kernels import NONE, POINT, SEGMENT, distance, segment_distance
 
 
 @njit(**BORROWING)
@@ -69,14 +67,14 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
     # what is as far but for rounding is measured
     sure = keep * (1.0 + 1e-9)
     for j in range(large):
-        i = order[j]
+        i = np.int64(order[j])
         if _beyond(kind, data, i, ax, ay, nx, ny, around, sure):
             continue
         if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
             return i
     steep_x, steep_y = 0.5 * abs(nx), 0.5 * abs(ny)
     n, leaves = len(order), len(boxes) // 2
-    node = 1
+    node, later = np.int64(1), np.int64(0)
     while node > 0:
         u0, v0, u1, v1 = boxes[node, 0], boxes[node, 1], boxes[node, 2], boxes[node, 3]
         # an empty box is (inf, inf, -inf, -inf) and lies beyond every line
@@ -86,19 +84,16 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
             apart = off - steep_x * (u1 - u0) - steep_y * (v1 - v0) >= sure
         if not apart:
             if node < leaves:
-                node *= 2
+                node, later = 2 * node, 2 * later + 1
                 continue
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
-                i = order[j]
+                i = np.int64(order[j])
                 if _beyond(kind, data, i, ax, ay, nx, ny, around, sure):
                     continue
                 if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
                     return i
-        while node & 1:
-            node >>= 1
-        if node > 0:
-            node += 1
+        node, later = after_branch(node, later)
     return -1
 
 
@@ -108,64 +103,33 @@ def keeps(tree, line, keep):
     last = len(line) - 1
     for i in range(max(last, 1)):
         j = min(i + 1, last)
-        met = blocker(tree, line[i, 0], line[i, 1], line[j, 0], line[j, 1], keep, -1)
+        met = blocker(tree, line[i, 0], line[i, 1], line[j, 0], line[j, 1], keep, NONE)
         if met >= 0:
             return False
     return True
 
 
-@njit(**BORROWING)
-def spare(tree, x, y, most):
-    """The distance from (x, y) to the nearest primitive, or ``most`` where that is less."""
-    kind, data, order, large, boxes = tree
-    best = most
-    for j in range(large):
-        best = min(best, distance(kind, data, order[j], x, y))
-    n, leaves = len(order), len(boxes) // 2
-    node = 1
-    while node > 0:
-        dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
-        dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
-        if dx * dx + dy * dy < best * best:
-            if node < leaves:
-                node *= 2
-                continue
-            first = large + (node - leaves) * LEAF
-            for j in range(first, min(first + LEAF, n)):
-                best = min(best, distance(kind, data, order[j], x, y))
-        while node & 1:
-            node >>= 1
-        if node > 0:
-            node += 1
-    return best
-
-
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def within(tree, x, y, reach):
     """The primitives no farther than ``reach`` from (x, y), in the tree's order."""
     kind, data, order, large, boxes = tree
     out = np.empty(len(order), np.int32)
     m = 0
     for j in range(large):
-        if distance(kind, data, order[j], x, y) <= reach:
+        if distance(kind, data, np.int64(order[j]), x, y) <= reach:
             out[m] = order[j]
             m += 1
     n, leaves = len(order), len(boxes) // 2
-    node = 1
+    node, later = np.int64(1), np.int64(0)
     while node > 0:
-        dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 2])
-        dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 3])
-        if dx * dx + dy * dy <= reach * reach:
+        if box_distance2(boxes, node, x, y) <= reach * reach:
             if node < leaves:
-                node *= 2
+                node, later = 2 * node, 2 * later + 1
                 continue
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
-                if distance(kind, data, order[j], x, y) <= reach:
+                if distance(kind, data, np.int64(order[j]), x, y) <= reach:
                     out[m] = order[j]
                     m += 1
-        while node & 1:
-            node >>= 1
-        if node > 0:
-            node += 1
+        node, later = after_branch(node, later)
     return out[:m].copy()

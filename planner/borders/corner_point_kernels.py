@@ -17,10 +17,13 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import (
     ARC,
     CIRCLE,
+    FIRST,
+    LAST,
+    NONE,
     POINT,
     SEGMENT,
     TAU,
@@ -44,7 +47,7 @@ def _end(kind, data, backwards, i, last):
     return on_circle(data, i, data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0))
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _tangent(kind, data, backwards, i, x, y):
     """The unit direction of travel along primitive i at its point (x, y)."""
     if kind[i] == SEGMENT:
@@ -69,7 +72,7 @@ def length_of(kind, data, i):
     return 0.0
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def without_repeats(kind, data, border, backwards, tolerance):
     """Degenerate primitives made points, and points at a neighbour's end left out.
 
@@ -83,11 +86,11 @@ def without_repeats(kind, data, border, backwards, tolerance):
     for i in range(n):
         if kind[i] != POINT and length_of(kind, data, i) <= tolerance:
             if kind[i] == ARC and data[i, 2] > tolerance:
-                out[i, 0], out[i, 1] = _end(kind, data, backwards, i, False)
+                out[i, 0], out[i, 1] = _end(kind, data, backwards, i, FIRST)
             out[i, 2:] = 0.0
             out_kind[i] = POINT
     for turn in range(2):
-        last = -1
+        last = NONE
         for j in range(n):
             i = j if turn == 0 else n - 1 - j
             if out_kind[i] == CIRCLE or not keep[i]:
@@ -96,11 +99,11 @@ def without_repeats(kind, data, border, backwards, tolerance):
                 x, y = _end(out_kind, out, backwards, last, turn == 0)
                 keep[i] = abs(x - out[i, 0]) > tolerance or abs(y - out[i, 1]) > tolerance
             if keep[i]:
-                last = i
+                last = np.int64(i)
     return out_kind, out, keep
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def link_borders(kind, data, border, is_hole, backwards, tolerance):
     """How the primitives of every border join.
 
@@ -114,7 +117,7 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
     preceding = np.full(n, -1, np.int32)
     solid = np.zeros(n, np.int8)
     crossed = np.zeros(n, np.bool_)
-    first = 0
+    first = np.int64(0)
     while first < n:
         last = first
         if kind[first] == CIRCLE:
@@ -125,14 +128,14 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
             first += 1
             continue
         while last + 1 < n and border[last + 1] == border[first] and kind[last + 1] != CIRCLE:
-            ex, ey = _end(kind, data, backwards, last, True)
-            sx, sy = _end(kind, data, backwards, last + 1, False)
+            ex, ey = _end(kind, data, backwards, last, LAST)
+            sx, sy = _end(kind, data, backwards, last + 1, FIRST)
             if abs(ex - sx) > tolerance or abs(ey - sy) > tolerance:
                 break
             following[last], preceding[last + 1] = last + 1, last
             last += 1
-        ex, ey = _end(kind, data, backwards, last, True)
-        sx, sy = _end(kind, data, backwards, first, False)
+        ex, ey = _end(kind, data, backwards, last, LAST)
+        sx, sy = _end(kind, data, backwards, first, FIRST)
         if (
             abs(ex - sx) <= tolerance
             and abs(ey - sy) <= tolerance
@@ -156,7 +159,7 @@ def _x_range(kind, data, i):
     return data[i, 0] - data[i, 2], data[i, 0] + data[i, 2]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _crosses_itself(kind, data, first, last):
     """Whether two sides of a closed border that are no neighbours meet. O(n log n) for most."""
     n = last + 1 - first
@@ -203,10 +206,10 @@ def _meet(kind, data, i, j):
 def _signed_area(kind, data, backwards, first, last):
     """Area inside a closed chain, positive where it turns from x to y."""
     area = 0.0
-    ox, oy = _end(kind, data, backwards, first, False)
+    ox, oy = _end(kind, data, backwards, first, FIRST)
     for i in range(first, last + 1):
-        ax, ay = _end(kind, data, backwards, i, False)
-        bx, by = _end(kind, data, backwards, i, True)
+        ax, ay = _end(kind, data, backwards, i, FIRST)
+        bx, by = _end(kind, data, backwards, i, LAST)
         area += 0.5 * ((ax - ox) * (by - oy) - (ay - oy) * (bx - ox))
         if kind[i] == ARC:
             part = 0.5 * data[i, 2] ** 2 * (data[i, 4] - math.sin(data[i, 4]))
@@ -214,7 +217,7 @@ def _signed_area(kind, data, backwards, first, last):
     return area
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def corner_points(kind, data, backwards, following, preceding, solid, every):
     """The corners that need a point of their own.
 
@@ -230,14 +233,14 @@ def corner_points(kind, data, backwards, following, preceding, solid, every):
         if not has_ends(kind[i]):
             continue
         if preceding[i] < 0:
-            at[c, 0], at[c, 1] = _end(kind, data, backwards, i, False)
+            at[c, 0], at[c, 1] = _end(kind, data, backwards, i, FIRST)
             before[c], after[c] = -1, i
             c += 1
-        x, y = _end(kind, data, backwards, i, True)
-        j = following[i]
+        x, y = _end(kind, data, backwards, i, LAST)
+        j = np.int64(following[i])
         if j >= 0 and not every[i] and solid[i] != 0:
             ux, uy = _tangent(kind, data, backwards, i, x, y)
-            sx, sy = _end(kind, data, backwards, j, False)
+            sx, sy = _end(kind, data, backwards, j, FIRST)
             vx, vy = _tangent(kind, data, backwards, j, sx, sy)
             if (ux * vy - uy * vx) * solid[i] < -SMOOTH:
                 continue

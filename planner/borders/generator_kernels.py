@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from planner.borders.corner_point_kernels import length_of
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, TAU, on_circle
 
 ROUND_LEAST, ROUND_APART = 8.0, 0.8
@@ -31,7 +31,7 @@ def count_generators(kind, data, spacing):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def place_generators(kind, data, backwards, at, before, after, spacing, room):
     """Generators at most ``spacing`` apart along every primitive, and on every corner point.
 

@@ -54,27 +54,16 @@ class HasPrimitives(Protocol):
 class Borders:
     """All borders as pieces, how they join, and a box tree that finds the nearest.
 
-    Pieces are the k primitives and then the c corner points: ``kind`` (k + c,), ``data``
-    (k + c, 9), ``owner`` (k + c,). ``following``, ``preceding`` (k,) are the neighbours along
-    a border or -1; ``solid`` (k,) is +1 where the solid lies to the left of travel, -1 to the
-    right, 0 where both sides are free. ``before``, ``after`` (c,) are the primitives that
-    meet in a corner point. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box
-    and range of primitives; ``closed`` says which of them hold a place. ``box`` is x_min,
-    y_min, x_max, y_max of the free space, and ``extent`` its larger side.
+    ``pieces`` are the k primitives and then the c corner points; ``corners`` what the diagram's
+    kernels take of them; ``tree`` what every query of :mod:`planner.borders.box_tree_kernels`
+    starts with. ``object_boxes`` (o, 4) and ``span`` (o, 2) are every object's box and range of
+    primitives; ``closed`` says which of them hold a place. ``box`` is x_min, y_min, x_max, y_max
+    of the free space, and ``extent`` its larger side. Places are ``equal`` within so much.
     """
 
-    kind: NDArray[np.int8]
-    data: FloatArray
-    owner: IntArray
-    backwards: BoolArray
-    following: IntArray
-    preceding: IntArray
-    solid: NDArray[np.int8]
-    before: IntArray
-    after: IntArray
-    order: IntArray
-    large: int
-    boxes: FloatArray
+    pieces: Pieces
+    corners: Corners
+    tree: Tree
     object_boxes: FloatArray
     span: IntArray
     closed: ClosedBorders
@@ -83,27 +72,24 @@ class Borders:
     equal: float
 
     @property
-    def pieces(self) -> Pieces:
-        """The pieces alone, as kernels take them."""
-        return Pieces(
-            self.kind, self.data, self.owner, self.backwards, self.following, self.preceding,
-            self.solid, self.before, self.after,
-        )  # fmt: skip
+    def kind(self) -> NDArray[np.int8]:
+        """(k + c,) what every piece is."""
+        return self.pieces.kind
 
     @property
-    def corners(self) -> Corners:
-        """What the diagram's kernels take of the pieces."""
-        return Corners(self.kind, self.data, self.owner, self.before, self.after)
+    def data(self) -> FloatArray:
+        """(k + c, 9) where every piece is."""
+        return self.pieces.data
+
+    @property
+    def owner(self) -> IntArray:
+        """(k + c,) the object of every piece, -1 for the bounds."""
+        return self.pieces.owner
 
     @property
     def primitive_count(self) -> int:
         """How many of the pieces are primitives; the rest are corner points."""
-        return len(self.solid)
-
-    @property
-    def tree(self) -> Tree:
-        """What every query of :mod:`planner.borders.box_tree_kernels` starts with."""
-        return Tree(self.kind, self.data, self.order, self.large, self.boxes)
+        return len(self.pieces.solid)
 
     def distances(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
         """Exact distance of every point (n, 2) to the nearest border, and which primitive."""
@@ -166,28 +152,26 @@ def gather_borders(scene: HasPrimitives, mode: Mode = "exact") -> Borders:
     flat = scene.primitives()
     box = _free_box(flat)
     extent = extent_of(box)
-    pieces = border_kernels.join_primitives(
-        flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed,
-        NO_LENGTH * extent, JOINT * extent, mode == "paper",
-    )  # fmt: skip
-    return as_borders(pieces, border_kernels.find_pieces(pieces), box)
-
-
-def as_borders(pieces: Pieces, found: tuple[Any, ...], box: FloatArray) -> Borders:
-    """Joined pieces and what finds them, see :mod:`planner.borders.border_kernels`."""
-    tree, object_boxes, span, closed = found
-    return Borders(
-        **pieces._asdict(),
-        order=tree.order,
-        large=tree.large,
-        boxes=tree.boxes,
-        object_boxes=object_boxes,
-        span=span,
-        closed=closed,
-        box=box,
-        extent=extent_of(box),
-        equal=_equal(box),
+    # a scene's arrays are read-only: for those the kernels would be compiled once more
+    kind, data, owner, border, is_hole, backwards = (
+        np.array(array)
+        for array in (flat.kind, flat.data, flat.owner, flat.border, flat.is_hole, flat.reversed)
     )
+    pieces = border_kernels.join_primitives(
+        kind, data, owner, border, is_hole, backwards, NO_LENGTH * extent, JOINT * extent,
+        mode == "paper",
+    )  # fmt: skip
+    return as_borders(pieces, border_kernels.find_pieces(pieces), box, extent, _equal(box))
+
+
+def as_borders(
+    pieces: Pieces, found: tuple[Any, ...], box: FloatArray, extent: float, equal: float
+) -> Borders:
+    """Joined pieces and what finds them, see :mod:`planner.borders.border_kernels`."""
+    p = pieces
+    corners = Corners(p.kind, p.data, p.owner, p.before, p.after)
+    tree, object_boxes, span, closed = found
+    return Borders(pieces, corners, tree, object_boxes, span, closed, box, extent, equal)
 
 
 def extent_of(box: FloatArray) -> float:
@@ -231,8 +215,7 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
 
     Raises ``ValueError`` where that would be more than ``MAX_GENERATORS``.
     """
-    k = borders.primitive_count
-    kind, data = borders.kind[:k], borders.data[:k]
+    k, pieces = borders.primitive_count, borders.pieces
     room = count_generators(borders, spacing)
     if room > MAX_GENERATORS:
         raise ValueError(
@@ -240,13 +223,13 @@ def place_generators(borders: Borders, spacing: float) -> Generators:
             f"the limit is {MAX_GENERATORS}"
         )
     sites, label = generator_kernels.place_generators(
-        kind,
-        data,
-        borders.backwards,
-        borders.data[k:, :2],
-        borders.before,
-        borders.after,
+        pieces.kind[:k],
+        pieces.data[:k],
+        pieces.backwards,
+        pieces.data[k:, :2],
+        pieces.before,
+        pieces.after,
         spacing,
-        int(room) + len(borders.before),
+        int(room) + len(pieces.before),
     )
     return Generators(sites, label, spacing, borders)

@@ -23,8 +23,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from planner.borders.box_tree_kernels import morton_codes, nearest
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, CIRCLE, SEGMENT, box_of
+from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.primitive_kernels import ARC, CIRCLE, FIRST, LAST, SEGMENT, box_of
 
 RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
@@ -62,7 +62,7 @@ def _height(kind, data, backwards, i, last):
     return data[i, 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _closed_runs(pieces):
     """The closed borders: rows (m, 3), first and last primitive, and owner; of objects only."""
     owner, solid = pieces.owner, pieces.solid
@@ -80,7 +80,7 @@ def _closed_runs(pieces):
     return runs[:m]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _in_order(kind, data, runs, objects):
     """The runs object by object, both by their boxes' place in the plane."""
     m = len(runs)
@@ -105,10 +105,10 @@ def _in_order(kind, data, runs, objects):
     return runs[np.argsort(code)]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def index_closed(pieces):
     """The index of the closed borders among the pieces (:class:`ClosedBorders`). O(n log n)."""
-    objects = 0
+    objects = np.int64(0)
     for i in range(len(pieces.solid)):
         objects = max(objects, pieces.owner[i] + 1)
     runs = _in_order(pieces.kind, pieces.data, _closed_runs(pieces), objects)
@@ -138,11 +138,11 @@ def index_closed(pieces):
     return ClosedBorders(order, holder, level, blocks, np.empty(0, np.int32))
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _fill_boxes(pieces, order, level, blocks):
     """Write the box of every block: those of one primitive, and then those of two blocks each."""
     for p in range(len(order)):
-        box_of(pieces.kind, pieces.data, order[p], blocks[p])
+        box_of(pieces.kind, pieces.data, np.int64(order[p]), blocks[p])
     top = len(level) - 2
     for tier in range(1, top + 1):
         for b in range(level[tier + 1] - level[tier]):
@@ -154,7 +154,7 @@ def _fill_boxes(pieces, order, level, blocks):
                     row[c + 2] = max(row[c + 2], blocks[left + 1, c + 2])
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _fill_heights(pieces, order, begin, end, level, blocks):
     """Write where in y the first and the last border of every block are entered and left."""
     kind, data, backwards = pieces.kind, pieces.data, pieces.backwards
@@ -163,11 +163,11 @@ def _fill_heights(pieces, order, begin, end, level, blocks):
         for b in range(level[tier + 1] - level[tier]):
             first, last = b << tier, min((b + 1) << tier, n) - 1
             row = blocks[level[tier] + b]
-            row[4] = _height(kind, data, backwards, order[first], False)
-            row[5] = row[6] = row[7] = _height(kind, data, backwards, order[last], True)
+            row[4] = _height(kind, data, backwards, order[first], FIRST)
+            row[5] = row[6] = row[7] = _height(kind, data, backwards, order[last], LAST)
             if begin[first] != begin[last]:
-                row[5] = _height(kind, data, backwards, order[begin[first]], False)
-                row[6] = _height(kind, data, backwards, order[begin[last]], False)
+                row[5] = _height(kind, data, backwards, order[begin[first]], FIRST)
+                row[6] = _height(kind, data, backwards, order[begin[last]], FIRST)
             if begin[last] >= first and end[last] == last + 1:
                 row[7] = row[6] if begin[first] != begin[last] else row[7]
                 row[4] = row[5] if begin[first] == begin[last] else row[4]
@@ -270,7 +270,14 @@ def in_object(kind, data, closed, x, y, reach, only=-1):
     return votes >= MOST
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
+def standing(tree, closed, x, y):
+    """How far the nearest primitive is from (x, y), which it is, and whether an object is there."""
+    d, which = nearest(tree, x, y, np.inf)
+    return d, which, in_object(tree.kind, tree.data, closed, x, y, d)
+
+
+@njit(**OWNING)
 def vote(kind, data, closed, x, y, reach, objects):
     """How many of three rays say that each of the objects holds (x, y): (objects,) int32."""
     votes = np.zeros(objects, np.int32)
@@ -279,7 +286,7 @@ def vote(kind, data, closed, x, y, reach, objects):
     return votes
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def signed_distances(tree, closed, box, points):
     """The distance of every point (n, 2), negative in an object and out of the ``box``.
 

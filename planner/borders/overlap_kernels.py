@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 
 from planner.borders.inside_kernels import in_object
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import (
     POINT,
     SEGMENT,
@@ -65,7 +65,7 @@ def _meet(kind, data, i, j, tolerance):
     return circles_cross(data, i, j)
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _related(kind, data, closed, boxes, span, a, b, tolerance):
     """MEET, WITHIN (a inside b), or 0."""
     own = np.empty(4)
@@ -85,7 +85,7 @@ def _related(kind, data, closed, boxes, span, a, b, tolerance):
     return 0
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def related_objects(kind, data, closed, boxes, span, tolerance):
     """Pairs of objects that meet, and of one within another: rows (n, 3) a, b, how; a within b.
 

@@ -38,5 +38,5 @@ def fewer_vertices(
     """
     along = arc_lengths(points) if lengths is None else lengths
     return kernels.fewer_vertices(  # type: ignore[no-any-return]
-        np.ascontiguousarray(points, dtype=np.float64), along, float(tolerance), float(spacing)
+        np.array(points, np.float64, order="C"), along, float(tolerance), float(spacing)
     )

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import point_to_segment
 
 
@@ -42,7 +42,7 @@ def _reach(points, here, limit, tolerance):
     return good
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def fewer_vertices(points, along, tolerance, spacing):
     """Indices of vertices, see :func:`planner.borders.polyline.fewer_vertices`."""
     last = len(points) - 1
@@ -58,7 +58,7 @@ def fewer_vertices(points, along, tolerance, spacing):
     return kept[:m].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def reach_out(limits, first, last):
     """Each cell's limit, lowered to that of every cell i that reaches it: first[i] to last[i]."""
     lowered = limits.copy()

@@ -25,7 +25,7 @@ from planner.delaunay.triangle_kernels import (
     side_of,
     triangle_of,
 )
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 
 VERTEX_TOLERANCE = 1e-11
 """A vertex with a larger error bound, in parts of the scene or its circle, is computed again."""
@@ -33,7 +33,7 @@ TURNED, NOT_EMPTY, WRONG_FLAG, NOT_CONVEX = 1, 2, 3, 4
 """What `certify` may find: at a vertex, at an edge, at an edge, at a half-edge."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def first_bad_row(sites, limit):
     """The first row with a NaN, an infinity or a magnitude above `limit`, or -1."""
     for i in range(sites.shape[0]):
@@ -42,7 +42,7 @@ def first_bad_row(sites, limit):
     return -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def _label(order, alias):
     """(n + 1,) int32: the site's row for each place; of coincident sites, the first row's."""
     n = order.shape[0]
@@ -57,7 +57,7 @@ def _label(order, alias):
     return label
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def finite_vertices(w, xy, ghost, exponent, tri, circ, label):
     """The finite triangles' centres (m, 2) and sites (m, 3); each triangle's spare gets its row.
 
@@ -95,7 +95,7 @@ def finite_vertices(w, xy, ghost, exponent, tri, circ, label):
     return vertices[:m], vertex_sites[:m]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def list_edges(w, xy, ghost, tri, circ, label, ties, linked):
     """(k, 4) int32 edges and (k,) flags of those without length; half-edge ids by triangle.
 
@@ -138,7 +138,7 @@ def list_edges(w, xy, ghost, tri, circ, label, ties, linked):
     return edges[:j], flat[:j], ids
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def _links(n, tri, ids, n_half_edges):
     """(next, prev) of each half-edge around the cell on its left, passing over infinity."""
     after = np.empty(n_half_edges, np.int32)
@@ -160,7 +160,7 @@ def _links(n, tri, ids, n_half_edges):
     return after, before
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def diagram(sites, linked):
     """The diagram of (n, 2) finite float64 sites.
 
@@ -189,7 +189,7 @@ def diagram(sites, linked):
     return 0, vertices, vertex_sites, edges, flat, representative, after, before
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def certify(sites, vertex_sites, origin, before, cell, flat):
     """Check a diagram's circles exactly; returns (0, 0) or the first fault and where it is.
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF
 
 WHOLE_LIMIT = 2.0**57
 """Differences are scaled below this, so that two parts add up to at most 58 bits."""
@@ -28,7 +28,7 @@ SPLITTER = 134_217_729.0
 """2^27 + 1: splits a float64 into two halves (Dekker 1971)."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def difference(a, b, out):
     """out = a - b, exactly (2 terms at most)."""
     s = a - b
@@ -42,7 +42,16 @@ def difference(a, b, out):
     out[0] = n
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF, forceinline=True)
+def _close(out, m, q):
+    """End an expansion of m terms with the largest, q, unless that is zero and not the only one."""
+    if q != 0.0 or m == 0:
+        m += 1
+        out[m] = q
+    out[0] = m
+
+
+@njit(**LEAF)
 def add(e, f, sign, out):
     """out = e + sign * f, exactly; zero terms are dropped."""
     n_e, n_f = np.int64(e[0]), np.int64(f[0])
@@ -62,13 +71,10 @@ def add(e, f, sign, out):
         if tail != 0.0:
             m += 1
             out[m] = tail
-    if q != 0.0 or m == 0:
-        m += 1
-        out[m] = q
-    out[0] = m
+    _close(out, m, q)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def scale(e, factor, out):
     """out = e * factor, exactly; zero terms are dropped."""
     c = SPLITTER * factor
@@ -94,13 +100,10 @@ def scale(e, factor, out):
         if tail != 0.0:
             m += 1
             out[m] = tail
-    if q != 0.0 or m == 0:
-        m += 1
-        out[m] = q
-    out[0] = m
+    _close(out, m, q)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def product(e, f, out, spare):
     """out = e * f, exactly; `spare` has room for twice the result."""
     half = spare.shape[0] // 2
@@ -113,7 +116,7 @@ def product(e, f, out, spare):
             out[i] = total[i]
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def two_products(a, b, c, d, sign, out, spare):
     """out = a * b + sign * c * d, exactly; `spare` has room for four products."""
     quarter = spare.shape[0] // 4
@@ -123,7 +126,7 @@ def two_products(a, b, c, d, sign, out, spare):
     add(left, right, sign, out)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def value(e):
     """The value of an expansion, rounded."""
     total = 0.0
@@ -132,13 +135,13 @@ def value(e):
     return total
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def sign_of(x):
     """-1, 0 or 1."""
     return (1 if x > 0.0 else 0) - (1 if x < 0.0 else 0)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def as_whole(a, b, factor):
     """(a - b) * factor as an integer of at most 58 bits, or NOT_WHOLE; factor: a power of two."""
     high = a - b
@@ -153,7 +156,7 @@ def as_whole(a, b, factor):
     return i + j
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def minor(ax, ay, bx, by):
     """ax * by - ay * bx as limbs."""
     ax_0, ax_1, ay_0, ay_1 = ax & LIMB, ax >> 29, ay & LIMB, ay >> 29
@@ -164,7 +167,7 @@ def minor(ax, ay, bx, by):
     return m_0 & LIMB, m_1 & LIMB, m_2 & LIMB, m_2 >> 29
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def limb_product(m, s):
     """The product of two numbers of four limbs as seven sums, without carries."""
     return (

@@ -41,13 +41,13 @@ from planner.delaunay.triangle_kernels import (
     side_of,
     triangle_of,
 )
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 
 CIRCLE_SLACK = 32.0 * UNIT
 """Twice the first-order error bound of a circle's centre, see `circle_band`."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def conflict(w, xy, ghost, tri, t, px, py):
     """1 where p removes triangle t (given as 8 t), 0 where it lies on its circle, else -1; exact.
 
@@ -71,7 +71,7 @@ def conflict(w, xy, ghost, tri, t, px, py):
     return 1 if min(ay, by) < py < max(ay, by) else -1
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _locate(w, xy, ghost, tri, t, px, py):
     """The triangle (as 8 t) that p removes, or -1 - site where p coincides with that site.
 
@@ -110,7 +110,7 @@ def _locate(w, xy, ghost, tri, t, px, py):
     return t
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _first_triangle(w, xy, n, ghost, tri, circ):
     """Lay the first triangle and its ghosts; returns its three sites, -1 where there is none."""
     second = 1
@@ -155,7 +155,7 @@ def _first_triangle(w, xy, n, ghost, tri, circ):
     return a, second, third
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
     """The circle through p and the sites at a and b from it: x, y, and its squared radii.
 
@@ -185,7 +185,7 @@ def circle_band(px, py, ax, ay, a_square, a_sum, bx, by, b_square, b_sum):
     return x, y, square - band, square + band
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _walk(xy, tri, circ, t, px, py, limit):
     """Walk from triangle t towards p: the triangle, and whether p surely lies in its circle.
 
@@ -218,7 +218,7 @@ def _walk(xy, tri, circ, t, px, py, limit):
     return t, found
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
     """The removed tree, from triangle t outwards, its rim counter-clockwise.
 
@@ -267,7 +267,7 @@ def _grow_removed(w, xy, ghost, tri, circ, t, p, space):
         e = np.int64(stack[depth])
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _fill(xy, tri, circ, p, n_gone, n_rim, space):
     r"""The new cell: a fan of triangles around p, in the place of those that go; the last one.
 
@@ -314,7 +314,7 @@ def _fill(xy, tri, circ, p, n_gone, n_rim, space):
     return before
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
     """:func:`insert` with ``space`` (5, 2 ghost + 8) uint32 to work in.
 
@@ -349,7 +349,7 @@ def _insert(w, xy, ghost, tri, circ, alias, todo, start, space):
     return ties
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def insert(w, xy, ghost, tri, circ, alias, todo, start):
     """Insert the sites ``todo`` into tri and circ; see the file's head for the arrays.
 
@@ -362,7 +362,7 @@ def insert(w, xy, ghost, tri, circ, alias, todo, start):
     return _insert(w, xy, ghost, tri, circ, alias, todo, start, space)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def triangulate(sites, room):
     """The triangulation of (n, 2) finite float64 sites, with room for ``room`` more of them.
 

@@ -29,7 +29,7 @@ from planner.delaunay.exact_kernels import (
     two_products,
     value,
 )
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF
 
 LATTICE_LIMIT = 29_600
 """12 M^4 < 2^63: in-circle of differences up to M fits a 64-bit integer."""
@@ -44,27 +44,30 @@ SCRATCH = 5247
 """Room for the expansions of `_in_circle_exact`, the longest of 1,536 terms."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF, forceinline=True)
+def _differences(w, ax, ay, bx, by, cx, cy):
+    """a - c and b - c, exactly: x and y in three numbers each."""
+    difference(ax, cx, w[0:3])
+    difference(ay, cy, w[3:6])
+    difference(bx, cx, w[6:9])
+    difference(by, cy, w[9:12])
+
+
+@njit(**LEAF)
 def _orient_exact(w, ax, ay, bx, by, cx, cy):
     """The sign of `orient` by expansions."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]
-    difference(ax, cx, acx)
-    difference(ay, cy, acy)
-    difference(bx, cx, bcx)
-    difference(by, cy, bcy)
+    _differences(w, ax, ay, bx, by, cx, cy)
     out = w[12:30]
     two_products(acx, bcy, acy, bcx, -1.0, out, w[30:110])
     return sign_of(out[np.int64(out[0])])
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py):
     """The sign of `in_circle` by expansions."""
     adx, ady, bdx, bdy, cdx, cdy = w[0:3], w[3:6], w[6:9], w[9:12], w[12:15], w[15:18]
-    difference(ax, px, adx)
-    difference(ay, py, ady)
-    difference(bx, px, bdx)
-    difference(by, py, bdy)
+    _differences(w, ax, ay, bx, by, px, py)
     difference(cx, px, cdx)
     difference(cy, py, cdy)
     spare = w[3195:5247]
@@ -83,7 +86,7 @@ def _in_circle_exact(w, ax, ay, bx, by, cx, cy, px, py):
     return sign_of(total[np.int64(total[0])])
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _in_circle_whole(ax, ay, bx, by, cx, cy):
     """The sign of `in_circle` for whole differences to p of at most 58 bits."""
     one = limb_product(minor(bx, by, cx, cy), minor(ax, -ay, ay, ax))
@@ -101,7 +104,7 @@ def _in_circle_whole(ax, ay, bx, by, cx, cy):
     return 1 if carry > 0 else -1
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def orient(w, ax, ay, bx, by, cx, cy):
     """1 where a, b, c turn left, -1 right, 0 on one line; exact. `w`: SCRATCH floats."""
     left = (ax - cx) * (by - cy)
@@ -127,7 +130,7 @@ def orient(w, ax, ay, bx, by, cx, cy):
     return _orient_exact(w, ax, ay, bx, by, cx, cy)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
     """1 where p lies inside the circle through a, b, c (turning left), -1 outside, 0 on it; exact.
 
@@ -176,14 +179,11 @@ def in_circle(w, ax, ay, bx, by, cx, cy, px, py):
     return (1 if whole > 0 else 0) - (1 if whole < 0 else 0)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def circumcentre(w, ax, ay, bx, by, cx, cy):
     """The centre of the circle through three sites not on one line, to a few ulps of its reach."""
     acx, acy, bcx, bcy = w[0:3], w[3:6], w[6:9], w[9:12]
-    difference(ax, cx, acx)
-    difference(ay, cy, acy)
-    difference(bx, cx, bcx)
-    difference(by, cy, bcy)
+    _differences(w, ax, ay, bx, by, cx, cy)
     aa, bb, area = w[12:29], w[29:46], w[46:63]
     out, spare = w[63:193], w[193:713]
     two_products(acx, bcy, acy, bcx, -1.0, area, spare)

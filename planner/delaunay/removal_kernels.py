@@ -20,11 +20,11 @@ from numba import njit
 from planner.delaunay.insertion_kernels import circle_band
 from planner.delaunay.predicate_kernels import SCRATCH, in_circle, orient
 from planner.delaunay.triangle_kernels import DEAD, next_side, side_of, triangle_of
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import predecessor, successor
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _circle(px, py, ax, ay, bx, by):
     """The circle of three sites: x, y, and the squared radii that `circle_band` explains."""
     ax, ay, bx, by = ax - px, ay - py, bx - px, by - py
@@ -34,7 +34,7 @@ def _circle(px, py, ax, ay, bx, by):
     )  # fmt: skip
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _find_ear(w, xy, ring, m, circle):
     """The first corner of a hole that is a triangle with an empty circle with its neighbours.
 
@@ -67,7 +67,7 @@ def _find_ear(w, xy, ring, m, circle):
     return -1
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
     """Write triangle a, b, c into slot s; outer_x is the half-edge across from x, or -1."""
     tri[s], tri[s + 1], tri[s + 2] = a, b, c
@@ -80,7 +80,7 @@ def _place(tri, at, s, a, b, c, outer_a, outer_b, outer_c):
         tri[s + 6], tri[outer_c + 4] = outer_c, s + 2
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _move(tri, circ, at, old, new):
     """Move the triangle in slot ``old`` to slot ``new``."""
     for k in range(3):
@@ -92,7 +92,7 @@ def _move(tri, circ, at, old, new):
         circ[(new >> 1) + k] = circ[(old >> 1) + k]
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _find_stars(tri, wanted, at):
     """Set in ``at`` (ghost + 1,) a half-edge opposite each site that is ``wanted`` (ghost + 1,)."""
     for h in range(0, len(tri), 8):
@@ -104,7 +104,7 @@ def _find_stars(tri, wanted, at):
             at[a], at[b], at[c] = h, h + 1, h + 2
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _star(tri, ghost, start, ring, outer, slot):
     """Write the star of the site opposite half-edge ``start``, counter-clockwise: its size.
 
@@ -126,7 +126,7 @@ def _star(tri, ghost, start, ring, outer, slot):
             return m
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _free_own(tri, circ, at, p, free_0, free_1):
     """Make the two triangles of site p free: two others are, and what lies in p's moves there."""
     tri[free_0], tri[free_1] = DEAD, DEAD
@@ -143,7 +143,7 @@ def _free_own(tri, circ, at, p, free_0, free_1):
     at[p] = -1
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
     r""":func:`remove` in ``order``, with a half-edge ``at`` each of them, and space to work in.
 
@@ -198,7 +198,7 @@ def _remove(w, xy, ghost, tri, circ, order, at, circle, space):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def remove(xy, ghost, tri, circ, gone):
     """Take the sites ``gone`` out of tri and circ; False where one is on the hull.
 

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 
 COARSENING = 4
 """Of a round's sites, one in so many went in before."""
@@ -26,7 +26,7 @@ CROWD = 12
 """A cell of the curve with more sites than this is sorted within itself."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _hilbert(x, y, levels):
     """The place of cell (x, y) along the Hilbert curve over 2^levels by 2^levels cells."""
     place = 0
@@ -45,7 +45,7 @@ def _hilbert(x, y, levels):
     return place
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _sort_run(sites, order, lo, hi, keyed, spare, counts):
     """Sort order[lo:hi] along a Hilbert curve over its own bounding square.
 
@@ -97,7 +97,7 @@ def _sort_run(sites, order, lo, hi, keyed, spare, counts):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def spatial_order(sites):
     """(n,) int64: the sites along a Hilbert curve, crowded cells sorted within themselves."""
     n = sites.shape[0]
@@ -123,7 +123,7 @@ def spatial_order(sites):
     return order
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def coarse_to_fine(n, first, second, third):
     """The sites in the order of their insertion, without the three that are in already."""
     todo = np.empty(max(n - 3, 0), np.int32)
@@ -143,7 +143,7 @@ def coarse_to_fine(n, first, second, third):
     return todo
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def load_sites(sites, order, xy):
     """Scale the sites into xy[: 2n], in this order; returns the factor that scales back."""
     n = order.shape[0]

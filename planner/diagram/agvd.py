@@ -10,7 +10,6 @@ Rules and units
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,7 +19,7 @@ from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generator
 from planner.delaunay.voronoi_diagram import DiagramArrays, voronoi_arrays
 from planner.diagram import agvd_kernels as kernels
 from planner.diagram.chains import chain_kernels
-from planner.diagram.diagram_arrays import ChainArrays
+from planner.diagram.diagram_arrays import Bent, ChainArrays
 from planner.diagram.mesh import Mesh, generators_of, ordinary, solve
 from planner.diagram.vertex_kernels import EXACT, UNUSED
 from planner.scene import FloatArray, IntArray
@@ -154,15 +153,10 @@ def join_chains(agvd: Agvd) -> Chains:
     edges, label, borders = agvd.ordinary.edges, agvd.generators.label, agvd.borders
     xy = agvd.ordinary.vertices
     node_vertex, ends, first, link, along = kernels.trace_chains(edges, agvd.valid, len(xy))
-    points, pieces, first, _ = kernels.chain_points(edges, xy, label, first, link, along)
-    lonely = _centres_alone(borders, points)
-    points, pieces = _with_lonely(points, pieces, lonely)
-    ends, first = _with_own_chains(ends, first, len(node_vertex), len(lonely))
-    rho, gap, step, length, clearance = kernels.measure_chains(borders.tree, points, first)
+    points, pieces, first = kernels.chain_points(edges, xy, label, first, link, along)
+    places = np.c_[points, borders.distances(points)[0]]
     proved = np.zeros(len(points), np.bool_)
-    node_xy = np.concatenate([xy[node_vertex], lonely])
-    measured = rho, gap, step, length, clearance
-    return _as_chains(points, first, pieces, ends, node_xy, proved, measured)
+    return _measured(borders, Bent(places, pieces, first, proved), ends, xy[node_vertex])
 
 
 def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chains]:
@@ -180,52 +174,28 @@ def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chain
 def mesh_chains(mesh: Mesh, borders: Borders, spacing: float) -> Chains:
     """Solve a mesh, refining it where it must be, and measure its chains."""
     solve(mesh, borders, spacing)
-    node, ends = mesh.traced.node, mesh.traced.ends
-    bent = mesh.bent
-    points, pieces, first, proved = bent.points, bent.pieces, bent.start, bent.proved
-    lonely = _centres_alone(borders, points)
-    node_xy = mesh.place[node]
+    return _measured(borders, mesh.bent, mesh.traced.ends, mesh.place[mesh.traced.node])
+
+
+def _measured(borders: Borders, bent: Bent, ends: IntArray, node_xy: FloatArray) -> Chains:
+    """The chains, and one of a single point for every centre that lies on none, measured."""
+    points, pieces, first, proved = bent
+    lonely: FloatArray = kernels.lonely_centres(
+        borders.pieces, borders.tree, borders.closed, borders.box, points, 1e-7 * borders.extent
+    )
     if len(lonely):
-        alone = np.c_[lonely, borders.distances(lonely)[0]]
-        points, pieces = _with_lonely(points, pieces, alone)
-        ends, first = _with_own_chains(ends, first, len(node), len(lonely))
+        alone = np.arange(len(lonely), dtype=np.int32)
+        ends = np.concatenate([ends, len(node_xy) + alone[:, None].repeat(2, 1)])
+        first = np.concatenate([first, first[-1] + 1 + alone])
+        points = np.concatenate([points, lonely])
+        pieces = np.concatenate([pieces, np.full((len(lonely), 2), -1, np.int32)])
         proved = np.concatenate([proved, np.zeros(len(lonely), np.bool_)])
-        node_xy = np.concatenate([node_xy, lonely])
-    xy, *measured = chain_kernels.measure_chains(borders.tree, points, proved, first)
-    return _as_chains(xy, first, pieces, ends, node_xy, proved, measured)
-
-
-def _with_lonely(
-    points: FloatArray, pieces: IntArray, lonely: FloatArray
-) -> tuple[FloatArray, IntArray]:
-    """The points of the chains, and then the lonely centres between no pieces."""
-    none = np.full((len(lonely), 2), -1, np.int32)
-    return np.concatenate([points, lonely]), np.concatenate([pieces, none])
-
-
-def _with_own_chains(
-    ends: IntArray, first: IntArray, nodes: int, lonely: int
-) -> tuple[IntArray, IntArray]:
-    """Ends and offsets of the chains, and then of one chain for every lonely centre."""
-    alone = np.arange(lonely, dtype=np.int32)
-    ends = np.concatenate([ends, nodes + alone[:, None].repeat(2, 1)])
-    return ends, np.concatenate([first, first[-1] + 1 + alone])
-
-
-def _as_chains(
-    points: FloatArray,
-    first: IntArray,
-    pieces: IntArray,
-    ends: IntArray,
-    node_xy: FloatArray,
-    proved: BoolArray,
-    measured: Sequence[FloatArray],
-) -> Chains:
-    """``measured`` are rho, gap, step, length and clearance."""
-    rho, gap, step, length, clearance = measured
-    node_rho = chain_kernels.clearance_of_nodes(len(node_xy), ends, first, rho)
+        node_xy = np.concatenate([node_xy, lonely[:, :2]])
+    xy, rho, gap, step, length, clearance, node_rho = chain_kernels.measure_chains(
+        borders.tree, points, proved, first, ends, len(node_xy)
+    )
     return Chains(
-        points=points,
+        points=xy,
         first=first,
         pieces=pieces,
         rho=rho,
@@ -238,20 +208,3 @@ def _as_chains(
         node_rho=node_rho,
         proved=proved,
     )
-
-
-def _centres_alone(borders: Borders, points: FloatArray) -> FloatArray:
-    """Centres of circles and arcs with nothing nearer than the radius and no chain through.
-
-    Within one such border nothing else is equidistant to two places, but the clearance is
-    greatest there: the way from one place to another leads over it.
-    """
-    alone: FloatArray = kernels.lonely_centres(
-        borders.pieces, borders.tree, borders.box, points, 1e-7 * borders.extent
-    )
-    if not len(alone):
-        return alone
-    # none where another object lies around
-    around = np.c_[alone, borders.distances(alone)[0]].tolist()
-    free = [not borders.is_solid(x, y, r) for x, y, r in around]
-    return alone[np.array(free, np.bool_)]

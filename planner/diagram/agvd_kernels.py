@@ -18,22 +18,13 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.box_tree_kernels import nearest, segment_clearance
+from planner.borders.box_tree_kernels import nearest
 from planner.borders.inside_kernels import in_object
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import POINT, SEGMENT, distance, is_round
+from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.primitive_kernels import POINT, SEGMENT, distance, is_round, root_of
 
 
-@njit(cache=True, nogil=True)
-def _root(parent, i):
-    """The set of i, halving the way there."""
-    while parent[i] != i:
-        parent[i] = parent[parent[i]]
-        i = parent[i]
-    return i
-
-
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def free_vertices(edges, vertices, sites, kind, data, closed, box, spacing):
     """Which vertices lie in free space: inside the bounds, and in no object by even-odd.
 
@@ -66,12 +57,12 @@ def free_vertices(edges, vertices, sites, kind, data, closed, box, spacing):
         if before > 0.0 and after > 0.0:
             least = 0.25 * ((bx - ax) ** 2 + (by - ay) ** 2)
         if least > limit:
-            parent[_root(parent, u)] = _root(parent, w)
+            parent[root_of(parent, u)] = root_of(parent, w)
     widest = np.full(v, -1)
     for w in range(v):
         x, y = vertices[w, 0], vertices[w, 1]
         if box[0] < x < box[2] and box[1] < y < box[3]:
-            r = _root(parent, w)
+            r = root_of(parent, w)
             if widest[r] < 0 or room[w] > room[widest[r]]:
                 widest[r] = w
     free = np.zeros(v, np.bool_)
@@ -85,11 +76,11 @@ def free_vertices(edges, vertices, sites, kind, data, closed, box, spacing):
     for w in range(v):
         x, y = vertices[w, 0], vertices[w, 1]
         if box[0] < x < box[2] and box[1] < y < box[3]:
-            out[w] = free[_root(parent, w)]
+            out[w] = free[root_of(parent, w)]
     return out
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def is_valid(pieces, label_a, label_b, paper, tolerance):
     """Whether a Voronoi edge between two labels belongs to the diagram."""
     if paper:
@@ -105,7 +96,7 @@ def is_valid(pieces, label_a, label_b, paper, tolerance):
     )
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def is_end(pieces, p, q, tolerance):
     """Whether p is a point that lies on piece q, as a corner point on its sides."""
     kind, data, before, after = pieces.kind, pieces.data, pieces.before, pieces.after
@@ -128,7 +119,7 @@ def is_end(pieces, p, q, tolerance):
     return distance(kind, data, q, x, y) <= tolerance
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def valid_edges(edges, vertices, sites, label, pieces, closed, box, spacing, tolerance, paper):
     """The valid edges between two free vertices: ``keep`` (m,) bool."""
     m = len(edges)
@@ -142,7 +133,7 @@ def valid_edges(edges, vertices, sites, label, pieces, closed, box, spacing, tol
     return keep
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def trace_chains(edges, keep, vertex_count):
     """Runs of kept edges through vertices with two of them.
 
@@ -202,7 +193,7 @@ def trace_chains(edges, keep, vertex_count):
     return node_vertex[:nodes], ends[:chains], first[: chains + 1], link[:links], along[:links]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _edges_around(edges, keep, vertex_count):
     """How many kept edges meet every vertex, and which: offsets into the vertices' edges."""
     m = len(edges)
@@ -227,49 +218,17 @@ def _edges_around(edges, keep, vertex_count):
     return degree, start, incident
 
 
-@njit(cache=True, nogil=True)
-def measure_chains(tree, points, first):
-    """Length and exact clearance of every straight link of the chains.
-
-    ``points`` (p, 2) hold chain c at ``first[c] : first[c + 1]``. Returns ``rho`` (p,), the
-    exact clearance of every point, ``gap`` and ``step`` (p,), the clearance and length of the
-    link from each point to the next (inf and 0 at a chain's last point), and per chain
-    ``length`` and ``clearance``.
-    """
-    p, c = len(points), len(first) - 1
-    rho = np.empty(p)
-    gap = np.full(p, np.inf)
-    step = np.zeros(p)
-    length = np.zeros(c)
-    clearance = np.full(c, np.inf)
-    for i in range(p):
-        rho[i] = nearest(tree, points[i, 0], points[i, 1], np.inf)[0]
-    for j in range(c):
-        if first[j + 1] - first[j] == 1:
-            clearance[j] = rho[first[j]]
-        for i in range(first[j], first[j + 1] - 1):
-            ax, ay, bx, by = points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1]
-            step[i] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
-            bound = min(rho[i], rho[i + 1])
-            gap[i], _, _ = segment_clearance(tree, ax, ay, bx, by, bound)
-            length[j] += step[i]
-            clearance[j] = min(clearance[j], gap[i])
-    return rho, gap, step, length, clearance
-
-
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def chain_points(edges, vertices, label, first, link, along):
     """The chains' points in order: one more than links for every chain.
 
     Returns ``points`` (l + c, 2), ``pieces`` (l + c, 2), the labels to the left and right of
-    the link that follows (-1 at a chain's last point), the offsets of the chains' points, and
-    ``at`` (l + c,), the vertex of every point.
+    the link that follows (-1 at a chain's last point), and the offsets of the chains' points.
     """
     c = len(first) - 1
     points = np.empty((len(link) + c, 2))
     pieces = np.full((len(link) + c, 2), -1, np.int32)
     offset = np.empty(c + 1, np.int32)
-    at = np.empty(len(link) + c, np.int32)
     for j in range(c):
         offset[j] = first[j] + j
         for i in range(first[j], first[j + 1]):
@@ -277,7 +236,6 @@ def chain_points(edges, vertices, label, first, link, along):
             p = i + j
             w = edges[e, 2] if along[i] else edges[e, 3]
             points[p, 0], points[p, 1] = vertices[w, 0], vertices[w, 1]
-            at[p] = w
             pieces[p, 0], pieces[p, 1] = label[edges[e, 0]], label[edges[e, 1]]
             if not along[i]:
                 pieces[p, 0], pieces[p, 1] = pieces[p, 1], pieces[p, 0]
@@ -285,16 +243,19 @@ def chain_points(edges, vertices, label, first, link, along):
         w = edges[e, 3] if along[first[j + 1] - 1] else edges[e, 2]
         p = first[j + 1] + j
         points[p, 0], points[p, 1] = vertices[w, 0], vertices[w, 1]
-        at[p] = w
     offset[c] = len(link) + c
-    return points, pieces, offset, at
+    return points, pieces, offset
 
 
-@njit(cache=True, nogil=True)
-def lonely_centres(pieces, tree, box, points, tolerance):
-    """Centres of circles and arcs that are free, as near to nothing else, and on no chain."""
+@njit(**OWNING)
+def lonely_centres(pieces, tree, closed, box, points, tolerance):
+    """Centres of circles and arcs that are free, as near to nothing else, and on no chain.
+
+    Rows (n, 3): x, y and clearance. Within one such border nothing else is equidistant to two
+    places, but the clearance is greatest there: the way from one place to another leads over it.
+    """
     data, solid = pieces.data, pieces.solid
-    out = np.empty((len(solid), 2))
+    out = np.empty((len(solid), 3))
     n = 0
     for i in range(len(solid)):
         if not is_round(pieces.kind[i]):
@@ -315,7 +276,9 @@ def lonely_centres(pieces, tree, box, points, tolerance):
         for j in range(n):
             if abs(out[j, 0] - x) + abs(out[j, 1] - y) <= tolerance:
                 alone = False
-        if alone:
-            out[n, 0], out[n, 1] = x, y
+        # nor where another object lies around
+        d, _ = nearest(tree, x, y, np.inf)
+        if alone and not in_object(pieces.kind, data, closed, x, y, d):
+            out[n, 0], out[n, 1], out[n, 2] = x, y, d
             n += 1
     return out[:n]

@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit
 
 from planner.borders.box_tree_kernels import segment_clearance
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import SEGMENT, foot, grown
 
 STEPS = 40
@@ -34,7 +34,7 @@ HALVINGS = 20
 """How often one link is halved at most; its bulge falls by four with each."""
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _normal(kind, data, i, x, y):
     """Distance from piece i and the unit vector from its foot to (x, y)."""
     fx, fy = foot(kind, data, i, x, y)
@@ -45,7 +45,7 @@ def _normal(kind, data, i, x, y):
     return d, dx / d, dy / d
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     """The place equidistant to three pieces near (x, y): x, y, whether it was found."""
     sx, sy = x, y
@@ -71,7 +71,7 @@ def meet_three(kind, data, a, b, c, x, y, reach, tolerance):
     return sx, sy, False
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def slide_between(kind, data, a, b, x, y, tolerance):
     """Slide (x, y) onto the bisector of two pieces: x, y, whether it got there."""
     sx, sy = x, y
@@ -89,7 +89,7 @@ def slide_between(kind, data, a, b, x, y, tolerance):
     return sx, sy, False
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def turn_at(kind, data, corner, side, c, x, y, tolerance):
     """The place on a primitive's normal at its corner point that piece c is as near to."""
     px, py = data[corner, 0], data[corner, 1]
@@ -117,7 +117,7 @@ def turn_at(kind, data, corner, side, c, x, y, tolerance):
     return x, y, False
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def heading(kind, data, left, right, x, y):
     """The direction along the bisector with ``left`` to the left, and how clearance grows.
 
@@ -138,7 +138,7 @@ def heading(kind, data, left, right, x, y):
     return tx, ty, (nx * tx + ny * ty) / d
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
     """The bisector's least clearance between two of its places, if inside: x, y, found."""
     lo, hi = 0.0, 1.0
@@ -160,7 +160,7 @@ def narrowest(kind, data, left, right, x0, y0, x1, y1, tolerance):
     return x, y, found
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
     """Where the bisector's tangents at a and at b meet, between the two: x, y, found."""
     ux, uy, _ = heading(kind, data, left, right, ax, ay)
@@ -176,17 +176,15 @@ def _tangents_meet(kind, data, left, right, ax, ay, bx, by):
     return ax + ahead * ux, ay + ahead * uy, True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _keeps(tree, ax, ay, bx, by, need):
     """Whether the straight line from a to b is ``need`` off all borders."""
     _, _, which = segment_clearance(tree, ax, ay, bx, by, need)
     return which < 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def follow(
-    tree, points, pairs, need, flatness, tolerance, exact=np.inf
-):  # fmt: skip
+@njit(**OWNING, error_model="numpy")
+def follow(tree, points, pairs, need, flatness, tolerance, exact):
     """A polyline that follows the bisectors its links stand for, as closely as it must.
 
     ``pairs`` (n, 2) are the pieces beside each link, -1 where the link is straight. A link is
@@ -213,22 +211,21 @@ def follow(
         m += 1
         if i + 1 == n or pairs[i, 0] < 0:
             continue
+        left, right = np.int64(pairs[i, 0]), np.int64(pairs[i, 1])
         top = 1
         stack[0, 0], stack[0, 1], level[0] = points[i + 1, 0], points[i + 1, 1], 0
         while top > 0:
             ax, ay = xy[m - 1, 0], xy[m - 1, 1]
             bx, by, deep = stack[top - 1, 0], stack[top - 1, 1], level[top - 1]
             mx, my, found = slide_between(
-                kind, data, pairs[i, 0], pairs[i, 1], 0.5 * (ax + bx), 0.5 * (ay + by), tolerance
+                kind, data, left, right, 0.5 * (ax + bx), 0.5 * (ay + by), tolerance
             )
             bulge = math.sqrt((mx - 0.5 * (ax + bx)) ** 2 + (my - 0.5 * (ay + by)) ** 2)
             span = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
             split = found and deep < HALVINGS and tolerance < bulge < 0.5 * span
             if split and bulge <= flatness:
                 if exact < np.inf and not _keeps(tree, ax, ay, bx, by, exact):
-                    qx, qy, met = _tangents_meet(
-                        kind, data, pairs[i, 0], pairs[i, 1], ax, ay, bx, by
-                    )
+                    qx, qy, met = _tangents_meet(kind, data, left, right, ax, ay, bx, by)
                     if (
                         met
                         and _keeps(tree, ax, ay, qx, qy, exact)

@@ -73,7 +73,7 @@ def edge_curve(borders: Borders, pieces: Sequence[Piece], flatness: float) -> Fl
     curve: FloatArray
     curve, _ = bisector_kernels.follow(
         borders.tree, points, np.array([*pairs, (-1, -1)], np.int32), 0.0, flatness,
-        borders.equal,
+        borders.equal, np.inf,
     )  # fmt: skip
     return curve
 

@@ -18,13 +18,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators
-from planner.delaunay import insertion_kernels, predicate_kernels
+from planner.delaunay import insertion_kernels
 from planner.delaunay.triangle_kernels import DEAD
 from planner.delaunay.voronoi_diagram import DiagramArrays
 from planner.diagram import mesh_kernels, vertex_kernels
-from planner.diagram.chains import chain_kernels, kept_run_kernels, trace_kernels
+from planner.diagram.chains import chain_kernels, trace_kernels
 from planner.diagram.chains.bisector_trace import bend_chains
-from planner.diagram.diagram_arrays import Bent, FlatMesh, Tolerances, Traced, Triangles
+from planner.diagram.diagram_arrays import (
+    Bent,
+    FlatMesh,
+    KnownRuns,
+    MeshSites,
+    Tolerances,
+    Traced,
+    Triangles,
+)
 from planner.scene import FloatArray, IntArray
 
 ROUNDS = 6
@@ -82,6 +90,11 @@ class Mesh:
         return Triangles(
             self.seen, self.at, self.place, self.rho, self.state, self.side, self.mask, self.stale
         )
+
+    @property
+    def sites(self) -> MeshSites:
+        """The sites as they come and go, as kernels take them."""
+        return MeshSites(self.tri, self.alias, self.label, self.refined, self.also, self.used)
 
     @property
     def ghost(self) -> int:
@@ -155,60 +168,34 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
     half = 0.5 * spacing
     pieces, tolerances = borders.corners, Tolerances(half, half, borders.equal)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
-    flat = _flat(mesh, sag)
+    flat, triangles = _flat(mesh, sag), mesh.triangles
     for turn in range(ROUNDS + 1):
-        changed = mark_valid(mesh, borders, spacing)
         missing = vertex_kernels.solve_vertices(
-            flat, pieces, mesh.triangles, changed, turn < DOUBTS, tolerances
-        )
-        if len(missing[0]) and turn < ROUNDS:
-            add_sites(mesh, *missing)
-            flat = _flat(mesh, sag)
-            continue
-        kept = _trace(mesh)
-        new, old = mesh.traced, mesh.bent
-        chain_kernels.solve_rings(flat, pieces, mesh.triangles, new.node, tolerances)
-        bent, missing = bend_chains(
-            new.first[len(kept) :], new.link, flat, pieces, mesh.triangles, tolerances,
-            kept_run_kernels.index_runs(kept, old),
+            flat, mesh.circ, pieces, triangles, borders.closed, borders.box, turn < DOUBTS,
+            tolerances, SAME_PLACE * borders.extent,
         )  # fmt: skip
-        mesh.bent = trace_kernels.join_chains(kept, old, bent) if len(kept) else bent
         if not len(missing[0]) or turn == ROUNDS:
-            break
+            old = mesh.bent
+            kept, *traced, table, longest = chain_kernels.trace_again(
+                flat, pieces, triangles, mesh.traced, old, tolerances
+            )
+            new = mesh.traced = Traced(*traced)
+            known = KnownRuns(old.points, old.points.view(np.int64), old.pieces, old.proved, table)
+            bent, missing = bend_chains(
+                new.first[len(kept) :], new.link, flat, pieces, triangles, tolerances, known,
+                longest,
+            )  # fmt: skip
+            mesh.bent = trace_kernels.join_chains(kept, old, bent) if len(kept) else bent
+            if not len(missing[0]) or turn == ROUNDS:
+                break
         add_sites(mesh, *missing)
-        flat = _flat(mesh, sag)
-
-
-def _trace(mesh: Mesh) -> IntArray:
-    """Trace the chains that are not as they were; which of the old ones are kept."""
-    old = mesh.traced
-    kept, *traced = trace_kernels.trace_chains(mesh.tri, mesh.mask, mesh.stale, old)
-    mesh.traced = Traced(mesh.mask.copy(), *traced)
-    mesh.stale[:] = False
-    return kept  # type: ignore[no-any-return]
+        flat, triangles = _flat(mesh, sag), mesh.triangles
 
 
 def _flat(mesh: Mesh, sag: float) -> FlatMesh:
     """What :func:`planner.diagram.mesh_kernels.nearest_piece` takes."""
     stamp, queue = np.zeros(mesh.ghost + 2, np.int32), np.empty(mesh.ghost, np.int64)
     return FlatMesh(mesh.xy, mesh.tri, mesh.label, mesh.also, stamp, queue, mesh.up, sag)
-
-
-def mark_valid(mesh: Mesh, borders: Borders, spacing: float) -> IntArray:
-    """Bring centres, sides and valid edges of triangles that changed up to date: which did."""
-    changed: IntArray = mesh_kernels.centres(
-        mesh.xy, mesh.ghost, mesh.up, mesh.tri, mesh.circ, mesh.triangles
-    )
-    mesh.stale[changed] = True
-    mesh_kernels.mark_sides(
-        mesh.xy, mesh.up, mesh.tri, mesh.triangles, changed, borders.corners, borders.closed,
-        borders.box, spacing,
-    )  # fmt: skip
-    vertex_kernels.mark_valid(
-        mesh.tri, mesh.label, mesh.triangles, changed, borders.corners,
-        SAME_PLACE * borders.extent,
-    )  # fmt: skip
-    return changed
 
 
 def add_sites(
@@ -220,14 +207,22 @@ def add_sites(
     refined: bool = True,
 ) -> None:
     """Insert sites, each searched for from triangle ``where``."""
-    todo = _numbers(mesh, len(places))
-    mesh.refined[todo] = refined
-    vertex_kernels.add_sites(
-        mesh.xy, 1.0 / mesh.up, mesh.tri, mesh.label, mesh.also, todo, places, labels
+    insert(mesh, _numbers(mesh, len(places)), places, labels, where, refined=refined)
+
+
+def insert(
+    mesh: Mesh,
+    todo: IntArray,
+    places: FloatArray,
+    labels: IntArray,
+    where: NDArray[np.int64],
+    *,
+    refined: bool = False,
+) -> None:
+    """Insert the sites ``todo``, which are new where there are ``places`` for them."""
+    spare = mesh_kernels.insert_sites(
+        mesh.xy, mesh.circ, mesh.sites, 1.0 / mesh.up, todo, places, labels, where, refined
     )
-    w = np.empty(predicate_kernels.SCRATCH)
-    insertion_kernels.insert(w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, todo, where)
-    spare = vertex_kernels.link_aliases(mesh.label, mesh.alias, mesh.also, todo)
     mesh.vacant.extend(spare.tolist())
 
 

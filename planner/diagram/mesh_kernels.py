@@ -22,7 +22,9 @@ from numba import njit
 
 from planner.borders.inside_kernels import in_object
 from planner.delaunay.diagram_kernels import finite_vertices, list_edges
+from planner.delaunay.insertion_kernels import insert
 from planner.delaunay.predicate_kernels import SCRATCH, circumcentre
+from planner.delaunay.site_order_kernels import TINY
 from planner.delaunay.triangle_kernels import (
     DEAD,
     next_side,
@@ -30,15 +32,15 @@ from planner.delaunay.triangle_kernels import (
     side_of,
     triangle_of,
 )
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import distance, is_round
+from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.primitive_kernels import NONE, distance, is_round
 
 FREE, BLOCKED, PENDING = 1, 2, 3
 LOOSE = 1e-9
 """A centre whose circle's band is wider than this share of it is computed again exactly."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def link_coincident(alias, label, count):
     """``also`` (count,) int32: the next site at the same place, -1 at the end.
 
@@ -56,9 +58,16 @@ def link_coincident(alias, label, count):
     return also
 
 
-@njit(**BORROWING, error_model="numpy")
-def _find_changed(xy, ghost, up, tri, circ, triangles, changed, w):
-    """:func:`centres` into ``changed`` (2 ghost,): how many; ``w`` is working space."""
+@njit(**LEAF)
+def find_changed(mesh, circ, triangles, changed, w):
+    """Write the centres of new ``triangles`` into their ``at``, in the scene's units.
+
+    ``seen`` holds the sites that a row of ``at`` was computed for. A row is NaN for a triangle
+    that does not exist or reaches infinity. ``state`` and ``side`` become 0 where the triangle
+    changed, and it is ``stale``. Writes the rows that changed: how many there are. ``w`` is
+    working space.
+    """
+    xy, tri, up, ghost = mesh.xy, mesh.tri, mesh.up, len(mesh.label)
     seen, at, state, side = triangles.seen, triangles.at, triangles.state, triangles.side
     n = 0
     for i in range(2 * ghost):
@@ -67,7 +76,7 @@ def _find_changed(xy, ghost, up, tri, circ, triangles, changed, w):
         if a == seen[i, 0] and (a == DEAD or (b == seen[i, 1] and c == seen[i, 2])):
             continue
         seen[i, 0], seen[i, 1], seen[i, 2] = a, b, c
-        state[i], side[i] = 0, 0
+        state[i], side[i], triangles.stale[i] = 0, 0, True
         changed[n] = i
         n += 1
         if a == DEAD or ghost in (a, b, c):
@@ -83,21 +92,7 @@ def _find_changed(xy, ghost, up, tri, circ, triangles, changed, w):
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def centres(xy, ghost, up, tri, circ, triangles):
-    """The centres of new ``triangles`` into their ``at``, in the scene's units.
-
-    ``seen`` holds the sites that a row of ``at`` was computed for. A row is NaN for a triangle
-    that does not exist or reaches infinity. ``state`` and ``side`` become 0 where the triangle
-    changed. Returns the rows that changed, (c,) int32.
-    """
-    changed = np.empty(2 * ghost, np.int32)
-    w = np.empty(SCRATCH)
-    n = _find_changed(xy, ghost, up, tri, circ, triangles, changed, w)
-    return changed[:n]
-
-
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _is_joined(xy, up, tri, at, i, k, j, limit):
     """Whether the Voronoi edge from i over half-edge k to j stays off the borders."""
     a, b = np.int64(tri[8 * i + next_side(k)]), np.int64(tri[8 * i + previous_side(k)])
@@ -113,11 +108,17 @@ def _is_joined(xy, up, tri, at, i, k, j, limit):
     return min((ax - x) ** 2 + (ay - y) ** 2, (ax - u) ** 2 + (ay - v) ** 2) > limit
 
 
-@njit(**BORROWING, error_model="numpy")
-def _mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing, queue):
-    """:func:`mark_sides` with a ``queue`` (2 ghost,) to work in."""
-    at, side = triangles.at, triangles.side
-    limit = (0.5 * spacing) ** 2 * (1.0 + 1e-9)
+@njit(**LEAF)
+def mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue):
+    """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
+
+    ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge that stays
+    further than ``half`` a spacing from its generators crosses no border, so that all vertices
+    joined by such edges lie on one side. One is asked for all, the one with the most room, where
+    none is marked yet. There is a ``queue`` (2 ghost,) to work in.
+    """
+    xy, tri, up, at, side = mesh.xy, mesh.tri, mesh.up, triangles.at, triangles.side
+    limit = half**2 * (1.0 + 1e-9)
     for first in changed:
         if side[first] != 0:
             continue
@@ -160,20 +161,7 @@ def _mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing, q
             side[queue[m]] = known
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing):
-    """Mark the changed triangles FREE or BLOCKED: in the bounds and in no object, or not.
-
-    ``closed`` is the index of :mod:`planner.borders.inside_kernels`. A Voronoi edge that stays
-    further than half the spacing from its generators crosses no border, so that all vertices joined
-    by such edges lie on one side. One is asked for all, the one with the most room, where none is
-    marked yet.
-    """
-    queue = np.empty(len(triangles.at), np.int32)
-    _mark_sides(xy, up, tri, triangles, changed, pieces, closed, box, spacing, queue)
-
-
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _nearest_site(xy, tri, h, x, y):
     """The half-edge opposite the site nearest to (x, y), scaled, by walking from h's site."""
     s = np.int64(tri[h])
@@ -196,7 +184,46 @@ def _nearest_site(xy, tri, h, x, y):
         h = to
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
+def insert_sites(xy, circ, sites, down, todo, places, labels, where, refined):
+    """Insert the sites ``todo``, each searched for from triangle ``where``; those not needed.
+
+    Where there are ``places``, they are new, lie there, have these ``labels``, and are ``refined``
+    or not; ``down`` scales them. A site that turns out to coincide with others is appended to
+    their list, and is not needed where one of them is of the same piece.
+    """
+    tri, label, alias, also = sites.tri, sites.label, sites.alias, sites.also
+    for j in range(len(places)):
+        p = np.int64(todo[j])
+        x, y = places[j, 0] * down, places[j, 1] * down
+        if abs(x) < TINY:
+            x = (x + TINY) - TINY
+        if abs(y) < TINY:
+            y = (y + TINY) - TINY
+        xy[2 * p], xy[2 * p + 1] = x, y
+        label[p], also[p], sites.refined[p] = labels[j], -1, refined
+        tri[16 * p], tri[16 * p + 8] = DEAD, DEAD
+    insert(np.empty(SCRATCH), xy, len(alias), tri, circ, alias, todo, where)
+    spare = np.empty(len(todo), np.int32)
+    n = 0
+    for p in todo:
+        v = alias[p]
+        if v == p:
+            continue
+        q = v
+        while q >= 0 and label[q] != label[p]:
+            q = np.int64(also[q])
+        if q >= 0:
+            alias[p], label[p] = p, -1
+            spare[n] = p
+            n += 1
+        else:
+            also[p] = also[v]
+            also[v] = p
+    return spare[:n]
+
+
+@njit(**LEAF)
 def largest_sag(kind, data, half):
     """The largest s^2 / R of round primitives, s the chord from a place to its nearest site."""
     sag = 0.0
@@ -207,8 +234,8 @@ def largest_sag(kind, data, half):
     return sag
 
 
-@njit(**BORROWING, error_model="numpy")
-def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=-1):
+@njit(**LEAF)
+def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=NONE, but_b=NONE, but_c=NONE):
     """Distance to and number of the primitive nearest to (x, y), if nearer than ``bound``.
 
     (bound, -1) where none is. The primitives ``but_a``, ``but_b`` and ``but_c`` do not count.
@@ -228,7 +255,7 @@ def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=
     h, square = _nearest_site(xy, tri, np.int64(t), sx, sy)
     best = bound
     reach = min(bound, math.sqrt(square) * up)
-    which = -1
+    which = NONE
     within = (reach * reach + half * half + sag * reach) * (1.0 + 1e-6) * down * down
     last = len(stamp) - 1
     stamp[last] += 1
@@ -237,23 +264,21 @@ def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=
     queue[0] = h
     head, tail = 0, 1
     stamp[np.int64(tri[h])] = query
-    known = np.int32(-1)
+    known = NONE
     while head < tail:
         h = queue[head]
         head += 1
         s = np.int64(tri[h])
         while s >= 0:
             if label[s] != known:
-                known = label[s]
+                known = np.int64(label[s])
                 for end in range(2):
                     i = known
                     if known >= k:
-                        i = before[known - k] if end == 0 else after[known - k]
+                        i = np.int64(before[known - k] if end == 0 else after[known - k])
                     elif end == 1:
                         break
-                    # no `in`: the numbers are of different widths
-                    is_other = i != but_a and i != but_b and i != but_c
-                    if i < 0 or not is_other:
+                    if i < 0 or i in (but_a, but_b, but_c):
                         continue
                     d = distance(kind, data, i, x, y)
                     if d < best:
@@ -275,7 +300,7 @@ def nearest_piece(mesh, pieces, t, x, y, bound, half, but_a=-1, but_b=-1, but_c=
     return best, which
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def ordinary(xy, ghost, exponent, tri, circ, alias, used, mask, vacant):
     """The sites' own diagram as arrays: see
     :class:`planner.delaunay.voronoi_diagram.DiagramArrays`.

@@ -18,11 +18,11 @@ import numpy as np
 from planner.borders import border_kernels
 from planner.borders.border_kernels import NewBorders
 from planner.borders.generators import JOINT, NO_LENGTH, Borders, as_borders
-from planner.delaunay import insertion_kernels, predicate_kernels, removal_kernels
+from planner.delaunay import removal_kernels
 from planner.diagram import update_kernels
 from planner.diagram.agvd import Agvd
-from planner.diagram.diagram_arrays import MeshSites
-from planner.diagram.mesh import Mesh, add_sites, copy_mesh
+from planner.diagram.diagram_arrays import Bent
+from planner.diagram.mesh import Mesh, add_sites, copy_mesh, insert
 from planner.scene import (
     ArcRecord,
     Flattener,
@@ -132,22 +132,20 @@ def _change_borders(
         NO_LENGTH * old.extent, JOINT * old.extent, agvd.spacing,
     )  # fmt: skip
     new_label, places, labels, touched = rest
-    return as_borders(pieces, found, old.box), new_label, places, labels, touched
+    borders = as_borders(pieces, found, old.box, old.extent, old.equal)
+    return borders, new_label, places, labels, touched
 
 
 def _take_out(mesh: Mesh, new_label: IntArray, touched: FloatArray) -> bool:
     """Take out the sites of pieces that are no more; False where the mesh is spoiled by that."""
     traced, bent = mesh.traced, mesh.bent
-    sites = MeshSites(mesh.tri, mesh.alias, mesh.label, mesh.refined, mesh.also, mesh.used)
     gone, quiet, heirs, pieces, proved = update_kernels.unlink(
-        touched, new_label, sites, mesh.triangles, traced, bent
+        touched, new_label, mesh.sites, mesh.triangles, traced, bent
     )
     done = not len(gone) or removal_kernels.remove(mesh.xy, mesh.ghost, mesh.tri, mesh.circ, gone)
-    mesh.bent = bent._replace(pieces=pieces, proved=proved)
+    mesh.bent = Bent(bent.points, pieces, bent.start, proved)
     mesh.vacant += [*gone.tolist(), *quiet.tolist()]
     if done and len(heirs):
-        w, nowhere = np.empty(predicate_kernels.SCRATCH), np.empty(0, np.int64)
-        insertion_kernels.insert(
-            w, mesh.xy, mesh.ghost, mesh.tri, mesh.circ, mesh.alias, heirs, nowhere
-        )
+        nowhere = np.empty(0, np.int64)
+        insert(mesh, heirs, np.empty((0, 2)), np.empty(0, np.int32), nowhere)
     return bool(done)

@@ -14,13 +14,13 @@ import numpy as np
 from numba import njit
 
 from planner.delaunay.triangle_kernels import DEAD
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 
 SLACK = 1e-9
 """Circles count as larger by this share."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _reaches(boxes, b, x, y, r):
     """Whether box b comes within r of (x, y)."""
     dx = max(boxes[b, 0] - x, 0.0, x - boxes[b, 2])
@@ -28,7 +28,7 @@ def _reaches(boxes, b, x, y, r):
     return dx * dx + dy * dy <= r * r * (1.0 + SLACK)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _mark_inside(boxes, at, inside):
     """Set in ``inside`` (n,) which of the places ``at`` (n, 2) are in one of the boxes."""
     for b in range(len(boxes)):
@@ -39,7 +39,7 @@ def _mark_inside(boxes, at, inside):
             inside[i] |= (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _forget_touched(boxes, triangles, inside, traced, bent, proved):
     """Make everything in the ``boxes`` (b, 4) be computed again.
 
@@ -68,7 +68,7 @@ def _forget_touched(boxes, triangles, inside, traced, bent, proved):
                     proved[p - 1] = False
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _doubtful_sites(sites, forgotten, added, around, doubtful, goes):
     """Sites that were added around a vertex that is forgotten: there may be no reason any more.
 
@@ -107,7 +107,7 @@ def _doubtful_sites(sites, forgotten, added, around, doubtful, goes):
         goes[s] = refined[s] and doubtful[alias[s]]
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
     """Give all sites their new labels and find out which have to go: the ``doubtful``, too.
 
@@ -155,7 +155,7 @@ def _unlink_sites(sites, new_label, doubtful, stands, gone, quiet, heirs):
     return n_gone, n_quiet, n_heirs
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def unlink(boxes, new_label, sites, triangles, traced, bent):
     """Find the sites of pieces that are no more in a mesh, given as its sites, triangles and
     chains (:mod:`planner.diagram.diagram_arrays`).

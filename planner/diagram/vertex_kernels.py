@@ -19,13 +19,13 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.delaunay.site_order_kernels import TINY
+from planner.delaunay.predicate_kernels import SCRATCH
 from planner.delaunay.triangle_kernels import DEAD, next_side, previous_side
 from planner.diagram.agvd_kernels import is_end, is_valid
 from planner.diagram.bisector_kernels import meet_three, slide_between, turn_at
-from planner.diagram.mesh_kernels import FREE, nearest_piece
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import ARC, POINT, distance, foot
+from planner.diagram.mesh_kernels import FREE, find_changed, mark_sides, nearest_piece
+from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.primitive_kernels import ARC, NONE, POINT, distance, foot
 
 TURN_TRIES = 4
 """Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
@@ -39,7 +39,7 @@ UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
 empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def mark_valid(tri, label, triangles, changed, pieces, tolerance):
     """Set bit k in the ``mask`` of free triangles where the edge opposite site k is valid.
 
@@ -67,8 +67,8 @@ def mark_valid(tri, label, triangles, changed, pieces, tolerance):
                 mask[n] |= bit << DONE
             valid = False
             if side[n] == FREE:
-                a = label[np.int64(tri[8 * i + next_side(j)])]
-                b = label[np.int64(tri[8 * i + previous_side(j)])]
+                a = np.int64(label[np.int64(tri[8 * i + next_side(j)])])
+                b = np.int64(label[np.int64(tri[8 * i + previous_side(j)])])
                 valid = a != b and is_valid(pieces, a, b, False, tolerance)
             if valid:
                 mask[i] |= np.uint8(1 << j)
@@ -77,13 +77,13 @@ def mark_valid(tri, label, triangles, changed, pieces, tolerance):
                 mask[n] &= ~bit
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def is_passage(mask, a, b, c):
     """Whether a vertex with labels a, b, c only passes from one edge to the next."""
     return (mask == 3 or mask == 5 or mask == 6) and (a == b or b == c or c == a)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     """Whether two pieces are equally far from (x, y) because both of their feet are one corner.
 
@@ -97,7 +97,7 @@ def _is_corner(kind, data, a, b, x, y, relevant, tolerance):
     return square >= relevant * relevant and apart <= 16.0 * tolerance * math.sqrt(square)
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _meeting(pieces, a, b, c, x, y, tolerances):
     """Where three pieces are equally far, and not by one corner of two: x, y, found."""
     kind, data, half, tolerance = pieces.kind, pieces.data, tolerances.half, tolerances.equal
@@ -111,7 +111,7 @@ def _meeting(pieces, a, b, c, x, y, tolerances):
     return qx, qy, found
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
     """The turning point of a piece and its own corner, ``a`` and ``b``, opposite ``c``.
 
@@ -128,7 +128,7 @@ def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
         if not found:
             break
         s = math.sqrt((qx - data[corner, 0]) ** 2 + (qy - data[corner, 1]) ** 2)
-        _, i = nearest_piece(mesh, pieces, t, qx, qy, s - 4.0 * tolerance, half, side, c, -1)
+        _, i = nearest_piece(mesh, pieces, t, qx, qy, s - 4.0 * tolerance, half, side, c, NONE)
         empty = i < 0
         if empty:
             break
@@ -141,7 +141,7 @@ def _turning(mesh, pieces, t, a, b, c, x, y, tolerances):
     return qx, qy, found, empty
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _middle_of_arc(pieces, a, b, c, x, y):
     """Which of three labels is an arc whose centre (x, y) is, or -1."""
     kind, data = pieces.kind, pieces.data
@@ -150,18 +150,18 @@ def _middle_of_arc(pieces, a, b, c, x, y):
         if i < k and kind[i] == ARC:
             gone = (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2
             if gone < (1e-3 * data[i, 2]) ** 2:
-                return np.int64(i)
-    return np.int64(-1)
+                return i
+    return NONE
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _slid(pieces, a, b, x, y, tolerance):
     """(x, y) on the bisector of two pieces, and its state."""
     qx, qy, found = slide_between(pieces.kind, pieces.data, a, b, x, y, tolerance)
     return qx, qy, EXACT if found else KEPT, False
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
     """The exact place of the sampled vertex (x, y) of labels a, b, c.
 
@@ -201,7 +201,7 @@ def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
     return x, y, KEPT, False
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _choose(tri, label, changed, mask, state, wanted, todo):
     """The vertices to solve among the changed triangles and their neighbours, in order.
 
@@ -226,7 +226,7 @@ def _choose(tri, label, changed, mask, state, wanted, todo):
     return count
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
     """Solve the vertices ``todo``: how many rows of ``bad`` (v, 2) are set.
 
@@ -239,7 +239,8 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
     count = 0
     for i in todo:
         t = 8 * np.int64(i)
-        a, b, c = label[np.int64(tri[t])], label[np.int64(tri[t + 1])], label[np.int64(tri[t + 2])]
+        a, b = np.int64(label[np.int64(tri[t])]), np.int64(label[np.int64(tri[t + 1])])
+        c = np.int64(label[np.int64(tri[t + 2])])
         px, py = at[i, 0], at[i, 1]
         x, y, got, empty = solve_one(mesh, pieces, t, a, b, c, px, py, tolerances)
         far = (PROVED_NEAR if empty else NEAR) * half
@@ -247,7 +248,7 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
             x, y, got, empty = px, py, KEPT, False
         r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
         r = min(r, distance(kind, data, c, x, y))
-        near, which = r, -1
+        near, which = r, NONE
         if not empty:
             near, which = nearest_piece(mesh, pieces, t, x, y, r - 4.0 * tolerance, half, a, b, c)
         if which >= 0:
@@ -281,12 +282,14 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
     return count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def solve_vertices(mesh, pieces, triangles, changed, doubt, tolerances):
+@njit(**OWNING, error_model="numpy")
+def solve_vertices(mesh, circ, pieces, triangles, closed, box, doubt, tolerances, same_place):
     """Exact places of the vertices that valid edges meet, passages left out.
 
-    Writes ``place``, ``rho``, the exact clearance, and ``state`` of every vertex that is UNUSED;
-    the others are as they were. Only the ``changed`` triangles and their
+    Brings the centres, sides and valid edges of triangles that changed up to date first: ``circ``
+    are their circles, ``closed`` and ``box`` say what is free, and ends within ``same_place`` of a
+    piece lie on it. Then writes ``place``, ``rho``, the exact clearance, and ``state`` of every
+    vertex that is UNUSED; the others are as they were. Only the changed triangles and their
     neighbours, whose valid edges may have, are looked at. Returns sites that are missing
     around circles that were not empty, at clearances that are relevant: places (e, 2),
     labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
@@ -296,8 +299,11 @@ def solve_vertices(mesh, pieces, triangles, changed, doubt, tolerances):
     at, xy, rho = triangles.at, triangles.place, triangles.rho
     k = len(pieces.kind) - len(pieces.before)
     n = len(triangles.mask)
-    todo = np.empty(n, np.int32)
-    wanted = np.zeros(n, np.bool_)
+    changed, queue = np.empty(n, np.int32), np.empty(n, np.int32)
+    changed = changed[: find_changed(mesh, circ, triangles, changed, np.empty(SCRATCH))]
+    mark_sides(mesh, triangles, changed, pieces, closed, box, tolerances.half, queue)
+    mark_valid(tri, label, triangles, changed, pieces, same_place)
+    todo, wanted = queue, np.zeros(n, np.bool_)
     todo = todo[: _choose(tri, label, changed, triangles.mask, triangles.state, wanted, todo)]
     bad = np.empty((len(todo), 2), np.int32)
     count = _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad)
@@ -306,9 +312,9 @@ def solve_vertices(mesh, pieces, triangles, changed, doubt, tolerances):
     where = np.empty(4 * count, np.int64)
     n = 0
     for j in range(count):
-        i = bad[j, 0]
+        i = np.int64(bad[j, 0])
         for m in range(4):
-            lab = bad[j, 1] if m == 3 else label[np.int64(tri[8 * i + m])]
+            lab = np.int64(bad[j, 1] if m == 3 else label[np.int64(tri[8 * i + m])])
             if lab >= k:
                 continue
             fx, fy = foot(pieces.kind, pieces.data, lab, xy[i, 0], xy[i, 1])
@@ -316,47 +322,6 @@ def solve_vertices(mesh, pieces, triangles, changed, doubt, tolerances):
             n += 1
         xy[i, 0], xy[i, 1] = at[i, 0], at[i, 1]
         rho[i], _ = nearest_piece(
-            mesh, pieces, 8 * i, at[i, 0], at[i, 1], np.inf, tolerances.half, -1, -1, -1
+            mesh, pieces, 8 * i, at[i, 0], at[i, 1], np.inf, tolerances.half, NONE, NONE, NONE
         )
     return extra[:n], extra_label[:n], where[:n]
-
-
-@njit(**BORROWING, error_model="numpy")
-def add_sites(xy, down, tri, label, also, todo, places, labels):
-    """Write the sites ``todo``, which the mesh does not have yet, into xy and label."""
-    for j in range(len(todo)):
-        p = np.int64(todo[j])
-        x, y = places[j, 0] * down, places[j, 1] * down
-        if abs(x) < TINY:
-            x = (x + TINY) - TINY
-        if abs(y) < TINY:
-            y = (y + TINY) - TINY
-        xy[2 * p], xy[2 * p + 1] = x, y
-        label[p] = labels[j]
-        also[p] = -1
-        tri[16 * p], tri[16 * p + 8] = DEAD, DEAD
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def link_aliases(label, alias, also, todo):
-    """Append sites that turned out to coincide with others to those sites' lists.
-
-    Returns the sites that are not needed, because a site of the same piece is there already.
-    """
-    spare = np.empty(len(todo), np.int32)
-    n = 0
-    for p in todo:
-        v = alias[p]
-        if v == p:
-            continue
-        q = v
-        while q >= 0 and label[q] != label[p]:
-            q = np.int64(also[q])
-        if q >= 0:
-            alias[p], label[p] = p, -1
-            spare[n] = p
-            n += 1
-        else:
-            also[p] = also[v]
-            also[v] = p
-    return spare[:n]

@@ -27,6 +27,7 @@ from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
 from planner.motion.smooth_kernels import bend, parabola
 from planner.path import Path
 from planner.scene import FloatArray, Vec
+from planner.shared.numbers import wrap_angle
 
 CORNER_RAD = math.radians(3.0)
 """A smaller turn is no corner: the samples of a smooth bisector turn less."""
@@ -152,7 +153,7 @@ def _smooth_leg(points: FloatArray, rules: _Rules) -> FloatArray:
     kept = fewer_vertices(points, SIMPLIFY * rules.radius)
     steps = np.diff(points[kept], axis=0)
     direction = np.arctan2(steps[:, 1], steps[:, 0])
-    turns = np.abs(math.pi - np.mod(math.pi - np.diff(direction), math.tau))
+    turns = np.abs(wrap_angle(np.diff(direction)))
     sharpest = np.argsort(-turns, kind="stable")
     longest = max(LONGEST_CUT * rules.radius, LONGEST_BEND * rules.turning_radius)
     begins: list[float] = []

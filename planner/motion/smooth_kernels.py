@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 
 MOST = 256
 """Chords of a curve."""
@@ -61,7 +61,7 @@ def _control(points, lengths, corner, reach, out):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _if_shorter(curve, most):
     """The curve, or none where it is longer than ``most``."""
     length = 0.0
@@ -70,7 +70,7 @@ def _if_shorter(curve, most):
     return curve if length <= most else curve[:0]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def parabola(points, lengths, corner, reach, tolerance):
     """The parabola across a corner of a polyline (n, 2) with its ``lengths`` (n,)."""
     met = np.empty((3, 2))
@@ -88,7 +88,7 @@ def parabola(points, lengths, corner, reach, tolerance):
     return _if_shorter(curve, 2.0 * reach)
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def bend(points, lengths, corner, reach, tolerance, least_radius):
     """An arc of at least ``least_radius`` that joins both tangents, and what is left of them.
 

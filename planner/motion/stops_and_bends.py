@@ -21,6 +21,7 @@ import numpy as np
 from planner.borders.polyline import arc_lengths, fewer_vertices, points_at
 from planner.path import Limits, Path
 from planner.scene import FloatArray, IntArray
+from planner.shared.numbers import wrap_angle
 
 Clearance = Callable[[FloatArray], FloatArray]
 
@@ -206,7 +207,7 @@ class Track:
         kept = first + fewer_vertices(self.points[span], 0.1 * self.limits.chord_tolerance)
         steps = np.diff(self.points[kept], axis=0)
         direction = np.arctan2(steps[:, 1], steps[:, 0])
-        turns = wrap_angles(np.diff(direction))
+        turns = wrap_angle(np.diff(direction))
         half = 0.5 * np.diff(self.lengths[kept])
         with np.errstate(divide="ignore"):
             by_tolerance = EVEN * self.limits.chord_tolerance / np.tan(0.25 * np.abs(turns))
@@ -339,15 +340,3 @@ def speed_cells(leg: Leg, spacing: float) -> FloatArray:
     apart = np.diff(nodes, append=length) > 1e-9 * length
     apart[0] = True
     return np.append(nodes[apart], length)
-
-
-def wrap_angles(angles: FloatArray) -> FloatArray:
-    """Angles brought into (-pi, pi]; rounding never makes them -pi."""
-    wrapped: FloatArray = math.pi - np.mod(math.pi - angles, math.tau)
-    return np.where(wrapped > -math.pi, wrapped, math.pi)
-
-
-def wrap_angle(angle: float) -> float:
-    """The same angle in (-pi, pi]; rounding never makes it -pi."""
-    wrapped = math.pi - (math.pi - angle) % math.tau
-    return wrapped if wrapped > -math.pi else math.pi

@@ -19,9 +19,10 @@ from dataclasses import fields, replace
 
 from planner.borders.polyline import points_at
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import Clearance, Leg, Stop, Track, speed_cells, wrap_angle
+from planner.motion.stops_and_bends import Clearance, Leg, Stop, Track, speed_cells
 from planner.path import Limits, Path, Trajectory, Waypoint
 from planner.scene import FloatArray
+from planner.shared.numbers import wrap_angle
 
 HEADING_TOLERANCE_RAD = 1e-6
 """Headings nearer than this are equal: far below what any robot can hold."""

@@ -28,7 +28,8 @@ from planner.borders.box_tree_kernels import nearest, segment_clearance
 from planner.borders.inside_kernels import ClosedBorders, in_object
 from planner.diagram.bisector_kernels import slide_between
 from planner.diagram.diagram_arrays import ChainArrays
-from planner.scene.primitive_kernels import distance, grown
+from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.primitive_kernels import distance, grown, root_of
 
 HALVINGS = 52
 """Steps of the search for a cut: as many as a number has digits."""
@@ -66,18 +67,18 @@ class Parts(NamedTuple):
     places: NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _copy(chains, i, out):
     """Write x, y and clearance of point i."""
     out[0], out[1], out[2] = chains.points[i, 0], chains.points[i, 1], chains.rho[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _reach(tree, chains, link, a, b, limits, out):
     """Write how far from ``a`` (3,), which is wide, the link to b keeps the radius: x, y, rho."""
     kind, data, radius = tree.kind, tree.data, limits.radius
-    left, right = chains.pieces[link, 0], chains.pieces[link, 1]
-    out[:] = a
+    left, right = np.int64(chains.pieces[link, 0]), np.int64(chains.pieces[link, 1])
+    out[0], out[1], out[2] = a[0], a[1], a[2]
     lo, hi = 0.0, 1.0
     for _ in range(HALVINGS):
         m = 0.5 * (lo + hi)
@@ -97,7 +98,7 @@ def _reach(tree, chains, link, a, b, limits, out):
             hi = m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _is_longer(points, where, ends, least):
     """Whether a part is longer than ``least``."""
     x, y, total = ends[0, 0], ends[0, 1], 0.0
@@ -112,27 +113,27 @@ def _is_longer(points, where, ends, least):
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _is_astray(tree, solids, chains, i, link, tolerance):
     """Whether a chain's end, point i, is off the bisector of its link, or behind a border."""
     kind, data, box = tree.kind, tree.data, solids.box
     x, y, r = chains.points[i, 0], chains.points[i, 1], chains.rho[i]
     for side in range(2):
-        if abs(distance(kind, data, chains.pieces[link, side], x, y) - r) > tolerance:
+        if abs(distance(kind, data, np.int64(chains.pieces[link, side]), x, y) - r) > tolerance:
             return True
     if not (box[0] < x < box[2] and box[1] < y < box[3]):
         return True
     return in_object(kind, data, solids.closed, x, y, r)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _trusted(tree, solids, chains, is_end, c, limits):
     """The first and the last point of a chain between which it is not a dead end gone astray.
 
     ``is_end`` are two flags, whether the chain is a dead end there.
     """
     proved, rho, radius = chains.proved, chains.rho, limits.radius
-    lo, hi = chains.first[c], chains.first[c + 1] - 1
+    lo, hi = np.int64(chains.first[c]), np.int64(chains.first[c + 1]) - 1
     a, b = lo, hi
     if lo == hi:
         return a, b
@@ -147,16 +148,16 @@ def _trusted(tree, solids, chains, is_end, c, limits):
     return a, b
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _parts_of(tree, chains, c, lo, hi, limits, parts, m):
+@njit(**LEAF)
+def _parts_of(tree, chains, c, lo, hi, limits, parts, m, here):
     """Write the wide parts of chain c between its points lo and hi: how many parts there are then.
 
-    ``m`` parts are there before; there is room for one for every link, and one more.
+    ``m`` parts are there before; there is room for one for every link, and one more. ``here``
+    (2, 3) is working space.
     """
     where, places = parts
     rho, gap, radius, floor = chains.rho, chains.gap, limits.radius, limits.floor
     begin, end = chains.first[c], chains.first[c + 1] - 1
-    here = np.empty((2, 3))
     begun, is_open = m, False
     # since the last part's end, or the chain's beginning
     narrowest = np.inf if lo == begin else -np.inf
@@ -165,7 +166,7 @@ def _parts_of(tree, chains, c, lo, hi, limits, parts, m):
         _copy(chains, i + 1, here[1])
         if i == lo and rho[i] >= radius:
             where[m, 0], where[m, 1], is_open = c, i, True
-            places[m, 0] = here[0]
+            _copy(chains, i, places[m, 0])
         if is_open and gap[i] >= radius:
             continue
         if is_open:
@@ -194,7 +195,7 @@ def _parts_of(tree, chains, c, lo, hi, limits, parts, m):
     return m
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def wide_parts(tree, solids, chains, nodes, limits):
     """The parts of chains that keep the radius, of every chain that does so in places only.
 
@@ -204,12 +205,13 @@ def wide_parts(tree, solids, chains, nodes, limits):
     """
     first, ends = chains.first, chains.ends
     parts = Parts(np.empty((64, 3), np.int32), np.empty((64, 2, 3)))
+    here = np.empty((2, 3))
     whole = np.zeros(len(first) - 1, np.bool_)
     degree = np.zeros(nodes, np.int32)
     for c in range(len(first) - 1):
         degree[ends[c, 0]] += 1
         degree[ends[c, 1]] += 1
-    m = 0
+    m = np.int64(0)
     for c in range(len(first) - 1):
         begin, end = first[c], first[c + 1] - 1
         is_end = degree[ends[c, 0]] == 1, degree[ends[c, 1]] == 1
@@ -221,7 +223,7 @@ def wide_parts(tree, solids, chains, nodes, limits):
         if room > len(parts.where):
             parts = Parts(grown(parts.where, 2 * room), grown(parts.places, 2 * room))
         kept = m
-        for k in range(m, _parts_of(tree, chains, c, lo, hi, limits, parts, m)):
+        for k in range(m, _parts_of(tree, chains, c, lo, hi, limits, parts, m, here)):
             where, places = parts.where[k], parts.places[k]
             if _is_longer(chains.points, where, places, limits.least):
                 parts.where[kept], parts.places[kept] = where, places
@@ -230,7 +232,16 @@ def wide_parts(tree, solids, chains, nodes, limits):
     return Parts(parts.where[:m], parts.places[:m]), whole
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
+def _copy_point(chains, i, out, n):
+    """Write point i of the chains, and the link that follows, as point n."""
+    for c in range(2):
+        out.points[n, c], out.pieces[n, c] = chains.points[i, c], chains.pieces[i, c]
+    out.proved[n], out.rho[n] = chains.proved[i], chains.rho[i]
+    out.gap[n], out.step[n] = chains.gap[i], chains.step[i]
+
+
+@njit(**LEAF)
 def _write(tree, chains, a, s, b, e, out, n):
     """Write a chain from the place a in link s to the place b in link e; how many points then."""
     points, rho = chains.points, chains.rho
@@ -239,8 +250,7 @@ def _write(tree, chains, a, s, b, e, out, n):
     if s < e and b[0] == points[e, 0] and b[1] == points[e, 1]:
         e -= 1
     for k in range(s, e + 1):
-        out.points[n], out.pieces[n] = points[k], chains.pieces[k]
-        out.proved[n], out.rho[n] = chains.proved[k], rho[k]
+        _copy_point(chains, k, out, n)
         if k == s:
             out.points[n, 0], out.points[n, 1], out.rho[n] = a[0], a[1], a[2]
         bx, by, there = points[k + 1, 0], points[k + 1, 1], rho[k + 1]
@@ -248,7 +258,6 @@ def _write(tree, chains, a, s, b, e, out, n):
             bx, by, there = b[0], b[1], b[2]
         ax, ay = out.points[n, 0], out.points[n, 1]
         out.step[n] = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
-        out.gap[n] = chains.gap[k]
         if k in (s, e):
             out.gap[n] = min(out.rho[n], there)
             if not chains.proved[k]:
@@ -260,19 +269,16 @@ def _write(tree, chains, a, s, b, e, out, n):
     return n + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _copy_chain(chains, c, out, n):
     """Write chain c as it is; how many points then."""
     for i in range(chains.first[c], chains.first[c + 1]):
-        out.points[n], out.pieces[n], out.proved[n] = (
-            chains.points[i], chains.pieces[i], chains.proved[i],
-        )  # fmt: skip
-        out.rho[n], out.gap[n], out.step[n] = chains.rho[i], chains.gap[i], chains.step[i]
+        _copy_point(chains, i, out, n)
         n += 1
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def cut_chains(tree, chains, nodes, parts, whole):
     """The chains, those with wide parts cut into these and what is between them, in order.
 
@@ -293,9 +299,9 @@ def cut_chains(tree, chains, nodes, parts, whole):
     node = np.empty((2 * m, 3))
     mark, link = np.empty((2 * m + 2, 3)), np.empty(2 * m + 2, np.int32)
     number = np.empty(2 * m + 2, np.int32)
-    made, n, count, k = 0, 0, 0, 0
+    made, n, count, k = 0, np.int64(0), np.int64(0), 0
     for c in range(len(first) - 1):
-        lo, hi = first[c], first[c + 1] - 1
+        lo, hi = np.int64(first[c]), np.int64(first[c + 1]) - 1
         if k == m or where[k, 0] != c:
             n = _copy_chain(chains, c, out, n)
             out.ends[count], wide[count] = ends[c], whole[c]
@@ -342,7 +348,7 @@ def cut_chains(tree, chains, nodes, parts, whole):
     return cut, wide[:count], node[:made]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**LEAF)
 def _measure(chains, count):
     """Write length and clearance of the first ``count`` chains, the lengths being 0."""
     for c in range(count):
@@ -352,16 +358,7 @@ def _measure(chains, count):
             chains.clearance[c] = min(chains.clearance[c], chains.gap[i])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _root(above, n):
-    """The representative of a set of nodes."""
-    while above[n] != n:
-        above[n] = above[above[n]]
-        n = above[n]
-    return n
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def same_nodes(node_xy, ends, wide, tolerance):
     """The node that each one is (n,) int32: the other one at its place, or itself.
 
@@ -373,7 +370,7 @@ def same_nodes(node_xy, ends, wide, tolerance):
     for c in range(len(ends)):
         if wide[c]:
             used[ends[c, 0]], used[ends[c, 1]] = True, True
-            above[_root(above, ends[c, 0])] = _root(above, ends[c, 1])
+            above[root_of(above, np.int64(ends[c, 0]))] = root_of(above, np.int64(ends[c, 1]))
     same = np.arange(n).astype(np.int32)
     here = np.flatnonzero(used)
     here = here[np.argsort(node_xy[here, 0], kind="mergesort")]
@@ -385,7 +382,7 @@ def same_nodes(node_xy, ends, wide, tolerance):
                 break
             if abs(node_xy[b, 1] - node_xy[a, 1]) > tolerance:
                 continue
-            p, q = _root(above, a), _root(above, b)
+            p, q = root_of(above, a), root_of(above, b)
             if p != q:
                 above[p] = q
                 same[max(a, b)] = min(a, b)

@@ -240,7 +240,9 @@ def _followed(borders: Borders, run: Run, radius: float, bulge: float) -> Run:
     """The run with its proved links halved on their bisectors, where chords leave them too far."""
     keep = max(radius * (1.0 - TIGHT), float(run.gap[:-1].min()) * (1.0 - NARROWER))
     pairs = np.where(run.proved[:, None], run.pairs, -1)
-    points, _ = bisector_kernels.follow(borders.tree, run.points, pairs, keep, bulge, borders.equal)
+    points, _ = bisector_kernels.follow(
+        borders.tree, run.points, pairs, keep, bulge, borders.equal, np.inf
+    )
     if len(points) == len(run.points):
         return run
     # every point of the run is still there, in order

@@ -257,7 +257,8 @@ class Roadmap:
 
 def _places(name: str, points: ArrayLike) -> FloatArray:
     """Points (n, 2) as the kernels take them; ``ValueError`` where one is not finite."""
-    xy = np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2)
+    # a copy: for read-only arrays the kernels would be compiled once more
+    xy = np.array(points, np.float64, order="C").reshape(-1, 2)
     if not np.isfinite(xy).all():
         at = int(np.flatnonzero(~np.isfinite(xy).all(axis=1))[0])
         raise ValueError(f"{name}[{at}] = {tuple(xy[at].tolist())}: must be finite")

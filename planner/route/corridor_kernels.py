@@ -20,7 +20,7 @@ from numba import njit
 
 from planner.borders.clear_kernels import keeps
 from planner.diagram.bisector_kernels import slide_between
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import foot, grown, is_round
 
 DENSER = 12
@@ -71,7 +71,7 @@ def _roundness(kind, data, piece, keep):
     return 1.0
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
     """The portals (n, 4) of a route, so dense that feet turn by little from one to the next.
 
@@ -84,7 +84,7 @@ def portals(kind, data, points, pairs, keep, least_cosine, tolerance):
     m = 0
     round_left, round_right = 1.0, 1.0
     for i in range(len(points) - 1):
-        left, right = pairs[i, 0], pairs[i, 1]
+        left, right = np.int64(pairs[i, 0]), np.int64(pairs[i, 1])
         as_before = i > 0 and left == pairs[i - 1, 0] and right == pairs[i - 1, 1]
         if m + 4 >= len(out):
             out = grown(out, 2 * len(out))
@@ -156,7 +156,7 @@ def between(gates, sx, sy, gx, gy):
     return first, last
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def funnel(gates, sx, sy, gx, gy):
     """The shortest polyline from s to g through all portals in order.
 
@@ -176,37 +176,33 @@ def funnel(gates, sx, sy, gx, gy):
     i = 0
     while i <= n:
         qx, qy, wx, wy = gate[i, 0], gate[i, 1], gate[i, 2], gate[i, 3]
+        turned = -1
         # narrow on the right: a new right point must not lie to the right of the old
         if _side(px, py, rx, ry, wx, wy) >= 0.0 or (rx == px and ry == py):
             if (rx == px and ry == py) or _side(px, py, lx, ly, wx, wy) <= 0.0:
                 rx, ry, right_at = wx, wy, i
             else:
-                px, py = lx, ly
-                if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
-                    out[m, 0], out[m, 1] = px, py
-                    m += 1
-                i = left_at + 1
-                rx, ry, lx, ly = px, py, px, py
-                right_at = left_at
-                continue
-        if _side(px, py, lx, ly, qx, qy) <= 0.0 or (lx == px and ly == py):
+                px, py, turned = lx, ly, left_at
+        if turned < 0 and (_side(px, py, lx, ly, qx, qy) <= 0.0 or (lx == px and ly == py)):
             if (lx == px and ly == py) or _side(px, py, rx, ry, qx, qy) >= 0.0:
                 lx, ly, left_at = qx, qy, i
             else:
-                px, py = rx, ry
-                if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
-                    out[m, 0], out[m, 1] = px, py
-                    m += 1
-                i = right_at + 1
-                lx, ly, rx, ry = px, py, px, py
-                left_at = right_at
-                continue
-        i += 1
+                px, py, turned = rx, ry, right_at
+        if turned < 0:
+            i += 1
+            continue
+        # the funnel starts anew at the corner that was turned
+        if m < len(out) and (out[m - 1, 0] != px or out[m - 1, 1] != py):
+            out[m, 0], out[m, 1] = px, py
+            m += 1
+        i = turned + 1
+        lx, ly, rx, ry = px, py, px, py
+        left_at, right_at = turned, turned
     out[m, 0], out[m, 1] = gx, gy
     return out[: m + 1]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def pull_taut(tree, points, pairs, keep, need, tolerance):
     """The taut polyline along a route; empty where it cannot be proved to keep ``need``.
 

@@ -39,12 +39,6 @@ class WayOut:
     remark: str
 
 
-def lies_within(borders: Borders, place: Vec, need: float) -> bool:
-    """Whether the place is nearer to a border than ``need``, by more than rounding."""
-    distance = float(borders.distances(np.array([place]))[0][0])
-    return distance < need - ROUNDING * borders.extent
-
-
 def way_out(
     borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
 ) -> WayOut | None:

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.borders import box_tree_kernels
+from planner.borders import box_tree_kernels, inside_kernels
 from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import Bottleneck, NoPath
@@ -104,27 +104,43 @@ def widest_way(
     return narrowest
 
 
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A station by its name, how far the nearest primitive is, which, and if an object is there."""
+
+    name: str
+    at: Vec
+    distance: float
+    nearest: int
+    is_solid: bool
+
+    @classmethod
+    def of(cls, borders: Borders, name: str, at: Vec) -> Place:
+        """Measured against the borders."""
+        return cls(name, at, *inside_kernels.standing(borders.tree, borders.closed, *at))
+
+
 def why_not(
-    borders: Borders, name: str, place: Vec, need: float, units: str = "", what: str = "the radius"
+    borders: Borders, place: Place, need: float, units: str = "", what: str = "the radius"
 ) -> str | None:
     """Why a disc of radius ``need`` cannot stand there, or None where it can.
 
     ``what`` says what is needed.
     """
-    x, y = place
+    (x, y), distance = place.at, place.distance
+    told = f"{place.name} {_at(place.at)}"
     box = borders.box
     if not (box[0] <= x <= box[2] and box[1] <= y <= box[3]):
-        return f"{name} {_at(place)} lies outside the bounds"
-    distance, which = box_tree_kernels.nearest(borders.tree, x, y, np.inf)
-    if borders.is_solid(x, y, distance):
+        return f"{told} lies outside the bounds"
+    if place.is_solid:
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
         if len(inside):
-            return f"{name} {_at(place)} lies inside obstacle {inside[0]}"
+            return f"{told} lies inside obstacle {inside[0]}"
     if distance < need - ROUNDING * borders.extent:
-        owner = borders.owner[which]
+        owner = borders.owner[place.nearest]
         border = "the bounds" if owner < 0 else f"obstacle {owner}"
         return (
-            f"{name} {_at(place)} is {_sized(distance, units)} from {border}, "
+            f"{told} is {_sized(distance, units)} from {border}, "
             f"nearer than {what} of {_sized(need, units)}"
         )
     return None

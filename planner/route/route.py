@@ -21,8 +21,8 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import NoPath, Path
 from planner.route.hysteresis import continued, is_kept, last_legs, preferred
-from planner.route.margin import REACH, lies_within, way_out
-from planner.route.no_way import Blocked, why_not
+from planner.route.margin import REACH, way_out
+from planner.route.no_way import Blocked, Place, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.scene import FloatArray, Vec
@@ -70,7 +70,10 @@ class Ways:
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """From one station to the next, for a disc of radius ``need``."""
+    """From one station to the next, for a disc of radius ``need``.
+
+    ``room`` is how far both stations are from the borders.
+    """
 
     borders: Borders
     network: Network
@@ -78,6 +81,15 @@ class Leg:
     goal: Vec
     need: float
     preference: float
+    room: tuple[float, float]
+
+    @classmethod
+    def of(
+        cls, borders: Borders, network: Network, ends: tuple[Vec, Vec], need: float, prefer: float
+    ) -> Leg:
+        """It keeps what is needed, or less where a station stands nearer by rounding."""
+        one, other = borders.distances(np.array(ends))[0].tolist()
+        return cls(borders, network, *ends, min(need, one, other), prefer, (one, other))
 
 
 def plan_request(
@@ -111,7 +123,7 @@ def plan_request(
     lasts = last_legs(near, len(request.stations) - 1)
     visited = [names[0], *(names[1 + i] for i in order), names[-1]]
     for k, ((a, b), last) in enumerate(zip(pairwise(request.stations), lasts, strict=True)):
-        leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
+        leg = Leg.of(borders, network, (a, b), need, request.preference)
         found = plan_leg(leg, request.alternatives, chains_only=chains_only)
         if not found.lines:
             ends = visited[k], visited[k + 1]
@@ -141,19 +153,20 @@ def _stand(
     what = "the radius and margin" if request.margin > 0.0 else "the radius"
     least = [(0.0, ""), (radius, "the radius")] if request.relaxed else [(0.0, ""), (need, what)]
     ends = request.stations[0], request.stations[-1]
+    places = [Place.of(borders, *named) for named in zip(names, request.stations, strict=True)]
     for keep, of_what in least:
-        for name, place in zip(names, request.stations, strict=True):
-            if reason := why_not(borders, name, place, keep, units, of_what):
+        for place in places:
+            if reason := why_not(borders, place, keep, units, of_what):
                 if keep == 0.0:
                     return request, [], NoPath(reason)
                 return request, [], Blocked(*ends, keep, request.stations, reason)
     stations, said = list(request.stations), []
-    for i, (name, place) in enumerate(zip(names, request.stations, strict=True)):
-        if not request.relaxed or not lies_within(borders, place, need):
+    for i, place in enumerate(places):
+        if not request.relaxed or place.distance >= need - ROUNDING * borders.extent:
             continue
-        out = way_out(borders, name, place, radius, request.margin, units)
+        out = way_out(borders, place.name, place.at, radius, request.margin, units)
         if out is None:
-            reason = why_not(borders, name, place, need, units, what)
+            reason = why_not(borders, place, need, units, what)
             reason = f"{reason}, and no straight way of {REACH:g} times that leads out of it"
             return request, [], Blocked(*ends, need, request.stations, reason)
         stations[i] = out.place
@@ -177,11 +190,6 @@ def _from_stations(
     return tuple(out)
 
 
-def _kept(borders: Borders, start: Vec, goal: Vec, need: float) -> float:
-    """What the way keeps: what is needed, or less where a station stands nearer by rounding."""
-    return min(need, float(borders.distances(np.array([start, goal]))[0].min()))
-
-
 def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
     """Ways that differ from the best in one leg, the next best of each leg first."""
     for rank in range(1, max(len(leg.lines) for leg in legs)):
@@ -203,8 +211,8 @@ def _best_order(
     matrix = np.zeros((len(stations), len(stations)))
     for i in range(len(stations)):
         for j in range(i + 1, len(stations)):
-            a, b = stations[i], stations[j]
-            leg = Leg(borders, network, a, b, _kept(borders, a, b, need), request.preference)
+            ends = stations[i], stations[j]
+            leg = Leg.of(borders, network, ends, need, request.preference)
             lines = plan_leg(leg, chains_only=chains_only).lines
             matrix[i, j] = matrix[j, i] = _length(lines[0]) if lines else math.inf
     tour = best_tour(matrix)
@@ -218,12 +226,11 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
     A leg is planned from the end with more room on: that turns and moves with the scene.
     """
-    room = leg.borders.distances(np.array([leg.start, leg.goal]))[0].tolist()
-    apart = room[0] - room[1]
+    apart = leg.room[0] - leg.room[1]
     even = abs(apart) <= ROUNDING * leg.borders.extent
     if apart > 0.0 if not even else leg.start <= leg.goal:
         return _certified(leg, _plan_leg(leg, alternatives, chains_only=chains_only))
-    back = replace(leg, start=leg.goal, goal=leg.start)
+    back = replace(leg, start=leg.goal, goal=leg.start, room=leg.room[::-1])
     found = _plan_leg(back, alternatives, chains_only=chains_only)
     lines = tuple(np.ascontiguousarray(line[::-1]) for line in found.lines)
     return _certified(leg, replace(found, lines=lines))
@@ -251,7 +258,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
         return Ways((np.array([start, goal]),))
-    clear = is_clear(borders, start, goal, need, leg.preference)
+    clear = is_clear(borders, np.array([start, goal]), min(leg.room), need, leg.preference)
     if clear and not alternatives:
         return Ways((np.array([start, goal]),))
     routed = _routes(leg, alternatives)

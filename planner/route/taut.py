@@ -10,12 +10,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from planner.borders import box_tree_kernels
 from planner.borders.generators import Borders
 from planner.route import taut_kernels
-from planner.scene import FloatArray, IntArray, Vec
+from planner.scene import FloatArray, IntArray
 from planner.search.chain_search import DETOUR, ROUNDING, Lines
 
 ROOM = 2.0
@@ -28,20 +26,19 @@ FLATNESS = 0.02
 """How far a path may leave the bisector it follows, in radii, where there is room."""
 
 
-def is_clear(borders: Borders, start: Vec, goal: Vec, need: float, preference: float) -> bool:
+def is_clear(
+    borders: Borders, ends: FloatArray, standing: float, need: float, preference: float
+) -> bool:
     """Whether the straight line is as far off the borders as the preference asks.
 
-    That is ``1 + ROOM * preference`` radii, or what its ends have where that is less. The widest
-    way (preference 1) is never cut short.
+    That is ``1 + ROOM * preference`` radii, or what its ``ends`` (2, 2) have, ``standing``, where
+    that is less. The widest way (preference 1) is never cut short.
     """
     if preference >= 1.0:
         return False
-    ends = np.array([start, goal])
-    standing = float(borders.distances(ends)[0].min())
-    gap, *_ = box_tree_kernels.polyline_clearance(borders.tree, ends)
     wish = min(need * (1.0 + ROOM * preference), standing)
-    rounding = ROUNDING * borders.extent
-    return bool(gap >= max(need - borders.equal, wish - rounding))
+    least = max(need - borders.equal, wish - ROUNDING * borders.extent)
+    return bool(box_tree_kernels.polyline_clearance(borders.tree, ends)[0] >= least)
 
 
 def finish(

@@ -18,10 +18,11 @@ import numpy as np
 from numba import njit
 
 from planner.borders.box_tree_kernels import nearest, segment_clearance
-from planner.borders.clear_kernels import blocker, keeps, spare
+from planner.borders.clear_kernels import blocker, keeps
 from planner.diagram.bisector_kernels import follow
 from planner.route.corridor_kernels import pull_taut
-from planner.scene.primitive_kernels import grown
+from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.primitive_kernels import NONE, grown
 
 UNEQUAL = 1e-2
 """What corners may be short of, in parts of what is equal: rounding."""
@@ -29,7 +30,7 @@ FOLD = 0.25
 """A way never turns back within so much of what it needs, where it can go straight on."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def certain(tree, points, pairs, need, flatness, tolerance, rounding):
     """The route as it is, so close to its bisectors that it keeps ``need``; else empty.
 
@@ -43,7 +44,7 @@ def certain(tree, points, pairs, need, flatness, tolerance, rounding):
     return np.empty((0, 2))
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def unfolded(tree, way, reach, tolerance):
     """The way (n, 2) without turns back by more than a right angle before or after ``reach``.
 
@@ -71,7 +72,7 @@ def unfolded(tree, way, reach, tolerance):
     return out[:m].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
     """Every route taut, or as it is where that cannot be proved, one behind the other.
 
@@ -101,7 +102,7 @@ def finish(tree, line, pair, begin, wish, need, flatness, tolerance, rounding):
     return out[: first[count]].copy(), first[: count + 1].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def cut_short(tree, way, need, wish, rounding):
     """The way (n, 2) with straight lines put in, from its start on and then from its end.
 
@@ -112,9 +113,9 @@ def cut_short(tree, way, need, wish, rounding):
     xy = way.copy()
     rho = np.empty(len(way))
     for i in range(len(way)):
-        rho[i] = spare(tree, xy[i, 0], xy[i, 1], wish)
+        rho[i], _ = nearest(tree, xy[i, 0], xy[i, 1], wish)
     n = len(way)
-    guess = -1
+    guess = NONE
     for _ in range(2):
         here, m = 0, 1
         while here < n - 1:
@@ -141,7 +142,7 @@ def cut_short(tree, way, need, wish, rounding):
     return xy[:n].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def judge(tree, way, need, weight, most):
     """The way's length, each step 1 + ``weight * need / clearance`` as dear, there >= need.
 
@@ -162,7 +163,7 @@ def judge(tree, way, need, weight, most):
     return total if total < most else np.inf
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def best_cut(tree, ways, first, need, wish, weight, rounding):
     """The cheapest of the ways ``ways[first[i] : first[i + 1]]`` when they are cut short.
 

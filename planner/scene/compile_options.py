@@ -6,6 +6,10 @@ Rules
   instructions, and leaves few of them out where there are loops: a third of the diagram's time.
   Whoever calls a borrowing kernel holds its arrays meanwhile, so that nothing needs to be counted
   there.
+- No kernel has a wrapper for C, which nobody calls and which took a twentieth of the time that
+  compiling takes.
+- A kernel is compiled once for every combination of types that it is called with: what is passed
+  on as a literal, or as a number of another width, costs as much as one more kernel.
 - ``error_model``: a division is not looked at for zero, which would keep loops from working on
   several points at a time; divisors are kept from zero where they are made.
 - ``fastmath``: sums may be added in any order; no number is ever NaN.
@@ -21,7 +25,11 @@ from planner.shared.kernel_locator import prepare_kernels
 
 prepare_kernels()
 
-BORROWING: dict[str, Any] = {"cache": True, "nogil": True}
+OWNING: dict[str, Any] = {"cache": True, "nogil": True}
+"""Options of ``njit`` for a kernel that makes arrays."""
+if hasattr(DefaultOptions, "no_cfunc_wrapper"):
+    OWNING["no_cfunc_wrapper"] = True
+BORROWING: dict[str, Any] = dict(OWNING)
 """Options of ``njit`` for a kernel that only borrows its arrays."""
 if hasattr(DefaultOptions, "_nrt"):  # a numba without it would count, slower, with equal answers
     BORROWING["_nrt"] = False

@@ -16,12 +16,16 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING, LEAF
+from planner.scene.compile_options import BORROWING, LEAF, OWNING
 from planner.scene.primitives import ARC as ARC
 from planner.scene.primitives import CIRCLE as CIRCLE
 from planner.scene.primitives import POINT as POINT
 from planner.scene.primitives import SEGMENT as SEGMENT
 
+NONE = np.int64(-1)
+"""No piece, link or row. It has a type: for a literal a kernel would be compiled once more."""
+FIRST, LAST = np.bool_(False), np.bool_(True)
+"""Which end of a primitive is asked for; typed as well."""
 TAU = 2.0 * math.pi
 SURE_COSINE = 1e-14
 """Cosines of unit vectors are equal within this: some 40 roundings of 2^-53."""
@@ -47,7 +51,7 @@ def on_circle(data, i, angle):
     return data[i, 0] + data[i, 2] * math.cos(angle), data[i, 1] + data[i, 2] * math.sin(angle)
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def on_sweep(data, i, x, y):
     """Whether the direction from an arc's centre to (x, y) lies within its sweep."""
     dx, dy = x - data[i, 0], y - data[i, 1]
@@ -58,7 +62,7 @@ def on_sweep(data, i, x, y):
     return _on_sweep_by_angle(data, i, dx, dy, along)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _on_sweep_by_angle(data, i, dx, dy, along):
     """:func:`on_sweep` where cosines are too flat to say: near either end, and of thin arcs."""
     if data[i, 8] < -1.0:
@@ -67,7 +71,7 @@ def _on_sweep_by_angle(data, i, dx, dy, along):
     return abs(math.atan2(across, along)) <= 0.5 * data[i, 4]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def with_middles(kind, data):
     """The primitives' rows with three more numbers for arcs, so that no query needs angles.
 
@@ -84,7 +88,7 @@ def with_middles(kind, data):
     return out
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def foot_on_segment(px, py, ax, ay, bx, by):
     """The point of the segment a b nearest to p, and how far along (0 to 1) it lies."""
     dx, dy = bx - ax, by - ay
@@ -99,7 +103,7 @@ def foot_on_segment(px, py, ax, ay, bx, by):
     return ax + t * dx, ay + t * dy, t
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def foot(kind, data, i, x, y):
     """The point of primitive i that is nearest to (x, y)."""
     k = kind[i]
@@ -111,7 +115,7 @@ def foot(kind, data, i, x, y):
     return _round_foot(kind, data, i, x, y)
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _round_foot(kind, data, i, x, y):
     """The point of a circle or an arc that is nearest to (x, y)."""
     cx, cy, r = data[i, 0], data[i, 1], data[i, 2]
@@ -128,7 +132,7 @@ def _round_foot(kind, data, i, x, y):
     return x1, y1
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def distance(kind, data, i, x, y):
     """Distance from (x, y) to primitive i."""
     k = kind[i]
@@ -146,7 +150,7 @@ def point_to_segment(px, py, ax, ay, bx, by):
     return math.sqrt((px - fx) ** 2 + (py - fy) ** 2), t
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _turn(ux, uy, vx, vy):
     """The determinant of u and v, differences to one point, or 0 where its sign is not sure."""
     left, right = ux * vy, uy * vx
@@ -156,7 +160,7 @@ def _turn(ux, uy, vx, vy):
     return det
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _nearer_end(px, py, turn, ax, ay, bx, by, best):
     """The square of the distance from p to a segment, if less than ``best``; where; whether.
 
@@ -170,7 +174,7 @@ def _nearer_end(px, py, turn, ax, ay, bx, by, best):
     return d, t, d < best
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _segments_distance(ax, ay, bx, by, cx, cy, dx, dy):
     """Distance between segments a b and c d, and where along a b it is taken.
 
@@ -282,7 +286,16 @@ def predecessor(i, count):
     return i - 1 if i > 0 else count - 1
 
 
-@njit(cache=True, nogil=True)
+@njit(**LEAF)
+def root_of(parent, i):
+    """The representative of i's set in a forest, whose ways there are halved."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@njit(**OWNING)
 def grown(array, room):
     """A copy of an array of any shape with ``room`` rows; those that are new are undefined."""
     more = np.empty((room,) + array.shape[1:], array.dtype)  # noqa: RUF005 (numba has no stars)

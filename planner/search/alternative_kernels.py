@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import grown
 from planner.search.route_kernels import (
     CLEARED,
@@ -63,7 +63,7 @@ class Table(NamedTuple):
     filled: int
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _noted(table, cost, entry, out, root, rest):
     """The table with a route with the steps ``root`` and then ``rest``, unless it is known."""
     routes, steps, count = table
@@ -155,7 +155,7 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
             to_cost[int(routes[k, EXIT])] = np.inf
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _first_routes(query, start, goal):
     """The cheapest route, and those within one chain, in a new table; and the work."""
     table = Table(np.empty((32, 6)), np.empty(64, np.int32), 0)
@@ -177,7 +177,7 @@ def _first_routes(query, start, goal):
     return table, work
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _leave(query, table, told, pick, way, work, budget):
     """Leave route ``pick``, its steps ``way``, at its gate and at each of its nodes.
 
@@ -218,7 +218,7 @@ def _leave(query, table, told, pick, way, work, budget):
     return table, work
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget):
     """The ``wanted`` cheapest routes, the cheapest first: fewer where there are no more.
 

@@ -20,7 +20,7 @@ from numba import njit
 
 from planner.borders.box_tree_kernels import nearest, polyline_clearance
 from planner.diagram.bisector_kernels import slide_between
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import foot, point_to_segment
 from planner.search.search_kernels import Gates
 
@@ -28,7 +28,7 @@ SHRINKS = 60
 """Steps of the shrinking ball; it took at most 12 on random scenes."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def retract(tree, x, y, reach):
     """Move (x, y) away from the nearest border until a second border is as near.
 
@@ -64,7 +64,7 @@ def retract(tree, x, y, reach):
     return fx + r * nx, fy + r * ny, r, a, b
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def nearest_links(points, first, x, y, count):
     """The links nearest to (x, y), at most one a chain: chain, point index, part, distance."""
     chain = np.full(count, -1, np.int32)
@@ -126,7 +126,7 @@ def _to_ends(graph, chain, link, part, out):
         out[3] = min(out[3], gap[i])
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def attach(tree, graph, x, y, floor, within, rounding, tolerance, reach, most):
     """Ways from (x, y) onto at most ``most`` chains, with clearance >= ``floor``, nearest first.
 
@@ -150,8 +150,9 @@ def attach(tree, graph, x, y, floor, within, rounding, tolerance, reach, most):
         py = points[i, 1] + part[k] * (points[j, 1] - points[i, 1])
         if graph.chains.proved[i]:
             px, py, _ = slide_between(
-                tree.kind, tree.data, pieces[i, 0], pieces[i, 1], px, py, tolerance
-            )
+                tree.kind, tree.data, np.int64(pieces[i, 0]), np.int64(pieces[i, 1]), px, py,
+                tolerance,
+            )  # fmt: skip
         access[m, 0, 0], access[m, 0, 1] = x, y
         access[m, 1, 0], access[m, 1, 1] = rx, ry
         access[m, 2, 0], access[m, 2, 1] = px, py

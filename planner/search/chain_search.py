@@ -16,7 +16,7 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.scene import FloatArray, IntArray, Vec
 from planner.search import alternative_kernels, attach_kernels, route_kernels, search_kernels
-from planner.search.search_kernels import GateCosts, Gates, Graph
+from planner.search.search_kernels import Gates, Graph
 
 DETOUR = 4.0
 """How much longer a step at a clearance of one radius may be, at the preference just below 1."""
@@ -32,35 +32,17 @@ PENALTY = 1.4
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """The chains, what every link and chain costs, and which chains leave which node."""
+    """The chains, and as a ``graph`` what every link and chain costs and which leave which node."""
 
     chains: Chains
-    cost: FloatArray
-    total: FloatArray
-    around: IntArray
-    leaving: IntArray
+    graph: Graph
 
     @classmethod
     def of(cls, chains: Chains, need: float, preference: float) -> Network:
         """Costs for a disc of radius ``need``. O(points)."""
-        cost, total = search_kernels.chain_costs(
-            chains.rho, chains.gap, chains.step, chains.first, chains.length,
-            need, DETOUR * preference,
-        )  # fmt: skip
-        around, leaving = search_kernels.adjacency(chains.ends, len(chains.node_xy))
-        return cls(chains, cost, total, around, leaving)
-
-    @property
-    def graph(self) -> Graph:
-        """What the kernels that search for routes begin with."""
-        return Graph(self.chains.arrays, self.cost, self.total, self.around, self.leaving)
-
-    def gate_costs(self, gates: Gates, floor: float) -> GateCosts:
-        """Node and cost (2 m,) of both ways over each gate, infinity below ``floor``."""
-        same = np.ones(len(self.total))
-        return route_kernels.gates_of(  # type: ignore[no-any-return]
-            gates, self.chains.ends, floor, same
-        )
+        arrays, weight = chains.arrays, DETOUR * preference
+        priced = search_kernels.price_chains(arrays, len(chains.node_xy), need, weight)
+        return cls(chains, Graph(arrays, *priced))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,48 +8,25 @@ shifted into each other without crossing an obstacle exactly where their words a
 
 from __future__ import annotations
 
-import numpy as np
-
 from planner.borders.generators import Borders
 from planner.scene import FloatArray
-from planner.scene.primitives import ROUND
+from planner.search import homotopy_kernels as kernels
 
 Word = tuple[int, ...]
 """Obstacles + 1 in the order of crossing, negative where crossed towards smaller x."""
 
 
 def anchors(borders: Borders) -> FloatArray:
-    """(n, 2) one place of every obstacle, in the obstacles' order."""
-    k = borders.primitive_count
-    owners, firsts = np.unique(borders.owner[:k], return_index=True)
-    places: FloatArray = borders.data[firsts[owners >= 0], :2].copy()
-    arcs = np.isin(borders.kind[firsts[owners >= 0]], ROUND)
-    rows = borders.data[firsts[owners >= 0]][arcs]
-    places[arcs] += rows[:, 2:3] * np.c_[np.cos(rows[:, 3]), np.sin(rows[:, 3])]
-    return places
+    """(n, 3) one place of every obstacle and the obstacle's number, by x."""
+    return kernels.anchors(  # type: ignore[no-any-return]
+        borders.kind, borders.data, borders.owner, borders.primitive_count
+    )
 
 
 def word(places: FloatArray, way: FloatArray) -> Word:
-    """The reduced word of a way (m, 2) among obstacles at ``places`` (n, 2). O(n m).
+    """The reduced word of a way (m, 2) among obstacles as from :func:`anchors`.
 
     Rays lead towards growing y. Those of obstacles at the same x count as shifted to the right
-    by less than anything, the later the further.
+    by less than anything, the later the further. O(m log n), and what sorting the crossings takes.
     """
-    x, y = way[:, 0], way[:, 1]
-    left = x[:, None] <= places[:, 0]
-    piece, obstacle = np.nonzero(left[1:] != left[:-1])
-    px, py = places[obstacle, 0], places[obstacle, 1]
-    t = (px - x[piece]) / (x[piece + 1] - x[piece])
-    above = y[piece] + t * (y[piece + 1] - y[piece]) > py
-    rightward = left[piece, obstacle]
-    piece, t, obstacle, rightward = piece[above], t[above], obstacle[above], rightward[above]
-    tie = np.where(rightward, obstacle, -obstacle)
-    reduced: list[int] = []
-    for i in np.lexsort((tie, t, piece)).tolist():
-        letter = int(obstacle[i]) + 1
-        letter = letter if rightward[i] else -letter
-        if reduced and reduced[-1] == -letter:
-            reduced.pop()
-        else:
-            reduced.append(letter)
-    return tuple(reduced)
+    return tuple(kernels.word(places, way).tolist())

@@ -19,15 +19,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import grown
+from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.primitive_kernels import NONE, grown
 from planner.search.search_kernels import GateCosts, costs_from, pop, push, pushed
 
 CLEARED = 8
 """So many nodes are made ready for a search in the time of one step of it."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def gates_of(gates, ends, floor, dearer):
     """What every gate costs, infinity where its clearance is below ``floor``."""
     where, price = gates.where, gates.price
@@ -70,7 +70,7 @@ def between(graph, start, i, goal, j):
     return wide, abs(apart + (total if b > a else -total))
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def search(graph, dearer, ahead, floor, start, goal, shut, barred):
     """The cheapest way from the ``start``'s gates to the ``goal``'s, not over ``shut`` nodes (n,).
 
@@ -90,7 +90,7 @@ def search(graph, dearer, ahead, floor, start, goal, shut, barred):
     gate = np.full(n, -1, np.int32)
     keys = np.empty(64)
     items = np.empty(64, np.int32)
-    size, work = 0, n // CLEARED
+    size, work = np.int64(0), n // CLEARED
     best, out, exit_node = np.inf, -1, -1
     for i in range(len(s_node)):
         u = s_node[i]
@@ -132,7 +132,7 @@ def search(graph, dearer, ahead, floor, start, goal, shut, barred):
     return best, entry, out, steps[:count][::-1].copy(), work
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def left_to(graph, floor, start, goal):
     """What is left at least from every node to the goal, for :func:`search`."""
     same = np.ones(len(graph.total))
@@ -154,10 +154,9 @@ def _add(line, pair, m, x, y, left, right):
 def _beside(pieces, proved, link, forwards):
     """The pieces left and right of a link walked that way, -1 where it is straight."""
     if not proved[link]:
-        return -1, -1
-    if forwards:
-        return pieces[link, 0], pieces[link, 1]
-    return pieces[link, 1], pieces[link, 0]
+        return NONE, NONE
+    left, right = np.int64(pieces[link, 0]), np.int64(pieces[link, 1])
+    return (left, right) if forwards else (right, left)
 
 
 @njit(**BORROWING)
@@ -170,7 +169,7 @@ def _add_points(chains, a, b, forwards, through, line, pair, m):
     step = 1 if forwards else -1
     for k in range((b - a) * step + 1):
         i = a + step * k
-        left, right = -1, -1
+        left, right = NONE, NONE
         if i != b or through:
             left, right = _beside(pieces, proved, i if forwards else i - 1, forwards)
         m = _add(line, pair, m, points[i, 0], points[i, 1], left, right)
@@ -180,7 +179,7 @@ def _add_points(chains, a, b, forwards, through, line, pair, m):
 @njit(**BORROWING)
 def _walk(chains, chain, entered, left_at, forwards, line, pair, m):
     """Write the points of a chain between two of its links; -1 stands for its end there."""
-    lo, hi = chains.first[chain], chains.first[chain + 1] - 1
+    lo, hi = np.int64(chains.first[chain]), np.int64(chains.first[chain + 1]) - 1
     if forwards:
         a = lo if entered < 0 else entered + 1
         b = hi if left_at < 0 else left_at
@@ -192,7 +191,7 @@ def _walk(chains, chain, entered, left_at, forwards, line, pair, m):
     return _add_points(chains, a, b, forwards, left_at >= 0, line, pair, m)
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def lay(chains, start, s_gate, steps, goal, g_gate):
     """The route in through gate ``s_gate``, over ``steps`` and out through ``g_gate``.
 
@@ -204,38 +203,38 @@ def lay(chains, start, s_gate, steps, goal, g_gate):
     inside = s_gate < 0
     a = -1 - s_gate if inside else s_gate // 2
     b = -1 - g_gate if inside else g_gate // 2
-    c, e = s_where[a, 0], g_where[b, 0]
+    c, e = np.int64(s_where[a, 0]), np.int64(g_where[b, 0])
     room = 8 + first[c + 1] - first[c] + first[e + 1] - first[e]
     for k in range(len(steps)):
         room += first[steps[k] // 2 + 1] - first[steps[k] // 2]
     line = np.empty((room, 2))
     pair = np.empty((room, 2), np.int32)
-    la, lb = s_where[a, 1], g_where[b, 1]
+    la, lb = np.int64(s_where[a, 1]), np.int64(g_where[b, 1])
     forwards = s_gate % 2 == 1
     if inside:
         forwards = la < lb or (la == lb and s_price[a, 0] <= g_price[b, 0])
-    m = 0
+    m = np.int64(0)
     for k in range(2):
-        m = _add(line, pair, m, s_access[a, k, 0], s_access[a, k, 1], -1, -1)
+        m = _add(line, pair, m, s_access[a, k, 0], s_access[a, k, 1], NONE, NONE)
     left, right = _beside(pieces, proved, la, forwards)
     m = _add(line, pair, m, s_access[a, 2, 0], s_access[a, 2, 1], left, right)
     if inside:
         if la != lb:
             m = _walk(chains, c, la, lb, forwards, line, pair, m)
     else:
-        m = _walk(chains, c, la, -1, forwards, line, pair, m)
+        m = _walk(chains, c, la, NONE, forwards, line, pair, m)
         for k in range(len(steps)):
-            s, onwards = steps[k] // 2, steps[k] % 2 == 0
-            m = _walk(chains, s, -1, -1, onwards, line, pair, m)
+            s, onwards = np.int64(steps[k] // 2), steps[k] % 2 == 0
+            m = _walk(chains, s, NONE, NONE, onwards, line, pair, m)
         forwards = g_gate % 2 == 0
         if first[e + 1] - first[e] > 1:
-            m = _walk(chains, e, -1, lb, forwards, line, pair, m)
+            m = _walk(chains, e, NONE, lb, forwards, line, pair, m)
     for k in range(2, -1, -1):
-        m = _add(line, pair, m, g_access[b, k, 0], g_access[b, k, 1], -1, -1)
+        m = _add(line, pair, m, g_access[b, k, 0], g_access[b, k, 1], NONE, NONE)
     return line[:m].copy(), pair[:m].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def one_route(graph, ahead, floor, dearer, start, goal):
     """The cheapest route of that clearance: its cost, both gates as :func:`lay` takes them, steps.
 
@@ -264,7 +263,7 @@ def one_route(graph, ahead, floor, dearer, start, goal):
     return best, entry, out, steps
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def widest_way(graph, start, goal):
     """The largest least clearance of any way from the start's entries to the goal's, or -inf."""
     around, leaving = graph.around, graph.leaving
@@ -275,7 +274,7 @@ def widest_way(graph, start, goal):
     room = len(leaving) + 2 * len(s_where) + 1
     keys = np.empty(room)
     items = np.empty(room, np.int32)
-    size = 0
+    size = np.int64(0)
     best = -np.inf
     for i in range(len(s_where)):
         for end in range(2):
@@ -324,7 +323,7 @@ def _known(used, count):
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def routes(graph, least, floor, start, goal, tries, penalty):
     """The cheapest route, and then others: a chain gets dearer with every route that took it.
 
@@ -338,7 +337,7 @@ def routes(graph, least, floor, start, goal, tries, penalty):
     begin = np.zeros(tries + 1, np.int32)
     line = np.empty((64, 2))
     pair = np.empty((64, 2), np.int32)
-    count = 0
+    count = np.int64(0)
     for t in range(tries):
         best, entry, out, steps = one_route(
             graph, ahead, least if t == 0 else floor, dearer, start, goal
@@ -362,7 +361,7 @@ def routes(graph, least, floor, start, goal, tries, penalty):
     return line[: begin[count]], pair[: begin[count]], begin[: count + 1].copy()
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def put_behind(line, pair, size, xy, beside):
     """The first ``size`` points and pairs, and then others behind them, with room to spare."""
     end = size + len(xy)

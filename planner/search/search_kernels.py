@@ -21,7 +21,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from planner.diagram.diagram_arrays import ChainArrays
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import grown
 
 NEAREST = 1e-12
@@ -66,36 +66,34 @@ class GateCosts(NamedTuple):
     cost: NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
-def chain_costs(rho, gap, step, first, length, radius, weight):
-    """The cost of every link and chain: length times 1 + weight * radius / clearance."""
+@njit(**OWNING)
+def price_chains(chains, nodes, radius, weight):
+    """What a :class:`Graph` adds to the chains, which meet in so many nodes.
+
+    A link costs its length times 1 + weight * radius / clearance.
+    """
+    gap, step, first, ends = chains.gap, chains.step, chains.first, chains.ends
     cost = np.zeros(len(step))
-    total = np.zeros(len(length))
-    for c in range(len(length)):
+    total = np.zeros(len(chains.length))
+    for c in range(len(total)):
         for i in range(first[c], first[c + 1] - 1):
             near = max(gap[i], NEAREST)
             cost[i] = step[i] * (1.0 + weight * radius / near)
             total[c] += cost[i]
-    return cost, total
-
-
-@njit(cache=True, nogil=True)
-def adjacency(ends, nodes):
-    """Chains around every node: offsets (nodes + 1,) and chain * 2 + end leaving it."""
-    first = np.zeros(nodes + 1, np.int32)
+    around = np.zeros(nodes + 1, np.int32)
     for c in range(len(ends)):
-        first[ends[c, 0] + 1] += 1
-        first[ends[c, 1] + 1] += 1
+        around[ends[c, 0] + 1] += 1
+        around[ends[c, 1] + 1] += 1
     for n in range(nodes):
-        first[n + 1] += first[n]
-    fill = first[:-1].copy()
+        around[n + 1] += around[n]
+    fill = around[:-1].copy()
     leaving = np.empty(2 * len(ends), np.int32)
     for c in range(len(ends)):
         for end in range(2):
             n = ends[c, end]
             leaving[fill[n]] = 2 * c + end
             fill[n] += 1
-    return first, leaving
+    return cost, total, around, leaving
 
 
 @njit(**BORROWING)
@@ -128,7 +126,7 @@ def pop(keys, items, size):
     return key, item
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def pushed(keys, items, size, key, item):
     """Put an item into the heap, which grows where it is full; the heap."""
     if size == len(keys):
@@ -137,7 +135,7 @@ def pushed(keys, items, size, key, item):
     return keys, items
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def costs_from(graph, floor, start, goal):
     """What the cheapest way from the start's gates to every node costs (n,), inf where none leads.
 
@@ -153,7 +151,7 @@ def costs_from(graph, floor, start, goal):
     far = np.full(n, np.inf)
     keys = np.empty(n + 8)
     items = np.empty(n + 8, np.int32)
-    size = 0
+    size = np.int64(0)
     best = np.inf
     for i in range(len(s_node)):
         if s_cost[i] < far[s_node[i]]:

@@ -89,9 +89,7 @@ def _polyline(discs: FloatArray, tangents: FloatArray, chord_rad: float) -> Floa
     for arrived, left in pairwise(tangents):
         disc, side, a = int(arrived[3]), arrived[4], arrived[5]
         x, y, r = discs[disc, :3]
-        sweep = (side * (left[2] - a)) % math.tau
-        if sweep > math.tau - tangent_kernels.ANGLE:
-            sweep = 0.0
+        sweep = tangent_kernels.turn_towards(a, left[2], side)
         count = max(1, math.ceil(sweep / chord_rad))
         turned = a + side * sweep * (np.arange(count) + 0.5) / count
         out = r / math.cos(0.5 * sweep / count)

@@ -21,7 +21,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from planner.borders.box_tree_kernels import segment_clearance
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 from planner.scene.primitive_kernels import (
     ARC,
     SEGMENT,
@@ -45,7 +45,7 @@ CHECK, ENTRY = 60, 10
 
 
 @njit(**BORROWING)
-def _turn(a, b, side):
+def turn_towards(a, b, side):
     """The angle from a to b towards ``side``, in [0, 2 pi), rounding taken for none."""
     t = (side * (b - a)) % TAU
     return 0.0 if t > TAU - ANGLE else t
@@ -66,7 +66,7 @@ def _ends(kind, data, i, out):
         out[end, 2] = a + (0.5 - end) * math.pi
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def discs_around(kind, data, keep, joint, start, goal, longest):
     """The discs (n, 5) that a way shorter than ``longest`` from start to goal can touch.
 
@@ -165,13 +165,13 @@ def _tangent(discs, i, si, j, sj, out):
     return True
 
 
-@njit(cache=True, nogil=True)
+@njit(**BORROWING)
 def _reach(tree, discs, i, side, a, most, floor):
     """How far the way can go round disc i from direction a: an angle of at most ``most``."""
     cx, cy, r = discs[i, 0], discs[i, 1], discs[i, 2]
     if discs[i, 4] < TAU:
         last = discs[i, 3] + (discs[i, 4] if side > 0 else 0.0)
-        most = min(most, _turn(a, last, side))
+        most = min(most, turn_towards(a, last, side))
     gone, step = 0.0, STEP_RAD
     while gone < most:
         step = min(step, most - gone)
@@ -221,14 +221,14 @@ def _is_worse(place, p, r, side, a, cost):
     the next place round the same disc and side, or -1.
     """
     while p >= 0:
-        turn = _turn(place[p, 0], a, side)
+        turn = turn_towards(place[p, 0], a, side)
         if turn <= place[p, 1] and place[p, 2] + r * turn <= cost * (1.0 + 1e-12):
             return True
         p = int(place[p, 3])
     return False
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _queued(queue, discs, t, reach, longest):
     """The queue with the tangents from where item t's ends, and the arc of ``reach`` behind it.
 
@@ -245,7 +245,7 @@ def _queued(queue, discs, t, reach, longest):
         for sm in (1, -1):
             if (m == GOAL and sm < 0) or not _tangent(discs, j, side, m, sm, t3):
                 continue
-            turn = 0.0 if j == START else _turn(a, t3[1], side)
+            turn = 0.0 if j == START else turn_towards(a, t3[1], side)
             if turn > reach + ANGLE or not _exposed(discs, m, t3[2]):
                 continue
             far = cost + r * turn + t3[0]
@@ -259,13 +259,13 @@ def _queued(queue, discs, t, reach, longest):
                 keys, items = grown(keys, 2 * made), grown(items, 2 * made)
             item[made, 0], item[made, 1], item[made, 2], item[made, 3] = far, m, sm, t3[2]
             item[made, 4], item[made, 5], item[made, 6], item[made, 7] = j, side, t3[1], t
-            push(keys, items, size, key, made)
+            push(keys, items, size, key, np.int32(made))
             made += 1
             size += 1
     return Queue(item, keys, items, made, size)
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _tangents_to(item, last):
     """The tangents (n, 6) that lead to an item, in order."""
     count, t = 0, last
@@ -292,7 +292,7 @@ def _first_nearer(tree, discs, item, t, floor):
     return hit
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def shortest(tree, discs, floor, longest, budget):
     """The shortest way from disc 0 to disc 1 among those shorter than ``longest``.
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import BORROWING, OWNING
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def held_karp(distance, closed):
     """The cheapest order (Held and Karp 1962): O(n^2 2^n) for n inner stations.
 
@@ -73,7 +73,7 @@ def tour_cost(distance, tour):
     return total
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def cheapest_insertion(distance, inner, end):
     """A first tour from 0 to ``end``: each time the station that costs least to put in."""
     n = inner.shape[0]
@@ -106,7 +106,7 @@ def cheapest_insertion(distance, inner, end):
     return tour
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def improve(distance, tour, tolerance):
     """2-opt and Or-opt moves, in place, until none gains more than ``tolerance``.
 
@@ -134,7 +134,7 @@ def improve(distance, tour, tolerance):
     return tour
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _or_opt(distance, tour, tolerance):
     size = tour.shape[0]
     found = False

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from planner.diagram.bisector_kernels import heading, narrowest, slide_between
 from planner.diagram.mesh_kernels import nearest_piece
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import POINT, SEGMENT, distance, foot, point_to_segment
+from planner.scene.compile_options import LEAF
+from planner.scene.primitive_kernels import NONE, POINT, SEGMENT, distance, foot, point_to_segment
 
 BULGE = 0.1
 """How far a link may leave its bisector, in half spacings (5 % of the spacing)."""
@@ -103,8 +103,8 @@ class BendRoom(NamedTuple):
 class Run(NamedTuple):
     """The pieces that a run is between, and whether their bisector is a line."""
 
-    left: int
-    right: int
+    left: np.int64
+    right: np.int64
     is_straight: bool
 
 
@@ -128,7 +128,7 @@ class Link(NamedTuple):
     is_wide: bool
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _is_between(kind, data, left, right, a, m, b, half, tolerance):
     """Whether m lies ahead of a, where u is ahead, and before b, as far as that can be told.
 
@@ -154,7 +154,7 @@ def _is_between(kind, data, left, right, a, m, b, half, tolerance):
     return square > near and tx * vx + ty * vy <= 0.0
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _across(kind, data, left, right, x, y):
     """A place and a direction of the line that the two pieces are nearest along, as seen there.
 
@@ -171,7 +171,7 @@ def _across(kind, data, left, right, x, y):
     return px, py, data[right, 0] - px, data[right, 1] - py
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
     """The narrowest place of the bisector between a and b, if inside: x, y, found.
 
@@ -196,7 +196,7 @@ def _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance):
     return x, y, found and (x - mx) ** 2 + (y - my) ** 2 <= reach
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
     """Whether a place is as near to both pieces as to anything."""
     return (
@@ -205,7 +205,7 @@ def _is_on_bisector(kind, data, left, right, x, y, rho, tolerance):
     )
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
     """Whether the middle of a straight bisector's link is as near to both of its pieces.
 
@@ -216,7 +216,7 @@ def _is_straight(kind, data, left, right, ax, ay, bx, by, tolerance):
     return abs(gap) <= 4.0 * tolerance
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _halve(pieces, at, link, tolerances, run, line, stack, top):
     """Where a link is to be halved, and whether it has to be.
 
@@ -272,7 +272,7 @@ def _halve(pieces, at, link, tolerances, run, line, stack, top):
     return split, astray, as_sampled, x, y, q
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts):
     """Write a place of a run and, where its circle is not empty, the sites that are missing.
 
@@ -286,14 +286,14 @@ def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts
     if is_rough:
         r = min(r, distance(kind, data, right, x, y))
     d, which = nearest_piece(
-        mesh, pieces, near, x, y, r - 4.0 * tolerances.equal, tolerances.half, left, right, -1
+        mesh, pieces, near, x, y, r - 4.0 * tolerances.equal, tolerances.half, left, right, NONE
     )
     if which >= 0 and d >= tolerances.relevant:
         if missing + 3 >= len(extra.place):
             return n, -1
         k = len(kind) - len(pieces.before)
         for side in range(3):
-            lab = which if side == 2 else np.int64(right if side == 1 else left)
+            lab = which if side == 2 else right if side == 1 else left
             if lab < k:
                 fx, fy = foot(kind, data, lab, x, y)
                 extra.place[missing, 0], extra.place[missing, 1] = fx, fy
@@ -305,7 +305,7 @@ def _add_place(mesh, pieces, tolerances, room, run, near, x, y, is_rough, counts
     return n + 1, missing
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
     """Write the places of the run after station s, without those of the stations themselves.
 
@@ -316,14 +316,15 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
     kind, data = pieces.kind, pieces.data
     half, relevant, tolerance = tolerances
     out, stack, place = room.out, room.stack, room.stations.place
-    left, right = room.stations.sides[s, 0], room.stations.sides[s, 1]
+    sides = room.stations.sides
+    left, right = np.int64(sides[s, 0]), np.int64(sides[s, 1])
     straight = kind[left] == kind[right] and (kind[left] == SEGMENT or kind[left] == POINT)
     run = Run(left, right, straight)
     # halve the run where the line bulges or is long
     q_a, begin = room.stations.run[s, 0], n - 1
     stack.place[0, 0], stack.place[0, 1] = place[s + 1, 0], place[s + 1, 1]
     stack.link[0], stack.bare[0], stack.rough[0] = room.stations.run[s, 1], False, False
-    top = 1
+    top = np.int64(1)
     ax, ay = place[s, 0], place[s, 1]
     bx, by = ax, ay
     ux, uy, falls = heading(kind, data, left, right, ax, ay)
@@ -360,7 +361,7 @@ def bend_run(mesh, pieces, triangles, link, end, tolerances, room, s, counts):
             x, y, found = _narrowest_between(kind, data, left, right, ax, ay, bx, by, tolerance)
             if found:
                 n, missing = _add_place(
-                    mesh, pieces, tolerances, room, run, near, x, y, False, (n, missing)
+                    mesh, pieces, tolerances, room, run, near, x, y, np.bool_(False), (n, missing)
                 )
                 if missing < 0:
                     return n, missing

@@ -34,22 +34,21 @@ def bend_chains(
     triangles: Triangles,
     tolerances: Tolerances,
     known: KnownRuns,
+    longest: int,
 ) -> tuple[Bent, tuple[FloatArray, IntArray, NDArray[np.int64]]]:
     """The chains' points on their bisectors, with the narrowest place of every run.
 
     Chain c has the links ``first[c]`` to ``first[c + 1]`` of
-    :func:`planner.diagram.chains.trace_kernels.trace_chains`; ``first`` need not begin at 0. Runs
-    that are ``known``, see :func:`planner.diagram.chains.kept_run_kernels.index_runs`, are not bent
-    again. Returns the chains and the sites that are missing as
-    :func:`planner.diagram.vertex_kernels.solve_vertices` does.
+    :func:`planner.diagram.chains.trace_kernels.trace_chains`; ``first`` need not begin at 0, and
+    the ``longest`` has so many. Runs that are ``known``, see
+    :mod:`planner.diagram.chains.kept_run_kernels`, are not bent again. Returns the chains and the
+    sites that are missing as :func:`planner.diagram.vertex_kernels.solve_vertices` does.
     """
-    chains = len(first) - 1
-    longest = chain_kernels.most_links(first) + 1
-    place = np.empty((longest, 4))
+    chains, most = len(first) - 1, longest + 1
+    place = np.empty((most, 4))
     stations = Stations(
-        place, place.view(np.int64), np.empty((longest, 2), np.int32),
-        np.empty((longest, 2), np.int64),
-    )  # fmt: skip
+        place, place.view(np.int64), np.empty((most, 2), np.int32), np.empty((most, 2), np.int64)
+    )
     depth = HALVINGS + 2
     stack = Stack(
         np.empty((depth, 2)), np.empty(depth, np.int64), np.zeros(depth, np.bool_),

@@ -21,14 +21,15 @@ from planner.borders.box_tree_kernels import segment_clearance
 from planner.delaunay.triangle_kernels import next_side, previous_side
 from planner.diagram.bisector_kernels import heading, slide_between
 from planner.diagram.chains.bend_kernels import bend_run
-from planner.diagram.chains.kept_run_kernels import find_run
+from planner.diagram.chains.kept_run_kernels import find_run, index_runs
+from planner.diagram.chains.trace_kernels import trace_chains
 from planner.diagram.mesh_kernels import nearest_piece
 from planner.diagram.vertex_kernels import EXACT, INTRUDED, KEPT, UNUSED
-from planner.scene.compile_options import BORROWING
-from planner.scene.primitive_kernels import distance
+from planner.scene.compile_options import LEAF, OWNING
+from planner.scene.primitive_kernels import NONE, distance
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def solve_rings(mesh, pieces, triangles, node, tolerances):
     """Slide the nodes of closed runs onto their bisectors: they were passages until now."""
     tri, label, kind, data = mesh.tri, mesh.label, pieces.kind, pieces.data
@@ -37,19 +38,19 @@ def solve_rings(mesh, pieces, triangles, node, tolerances):
     for i in node:
         if state[i] != UNUSED:
             continue
-        a, b = label[np.int64(tri[8 * i])], label[np.int64(tri[8 * i + 1])]
+        a, b = np.int64(label[np.int64(tri[8 * i])]), np.int64(label[np.int64(tri[8 * i + 1])])
         if a == b:
-            b = label[np.int64(tri[8 * i + 2])]
+            b = np.int64(label[np.int64(tri[8 * i + 2])])
         x, y, found = slide_between(kind, data, a, b, at[i, 0], at[i, 1], tolerance)
         if not found or (x - at[i, 0]) ** 2 + (y - at[i, 1]) ** 2 > 16.0 * half * half:
             x, y, found = at[i, 0], at[i, 1], False
         r = min(distance(kind, data, a, x, y), distance(kind, data, b, x, y))
-        d, which = nearest_piece(mesh, pieces, 8 * i, x, y, r - 4.0 * tolerance, half, a, b, -1)
+        d, which = nearest_piece(mesh, pieces, 8 * i, x, y, r - 4.0 * tolerance, half, a, b, NONE)
         xy[i, 0], xy[i, 1], rho[i] = x, y, r if which < 0 else d
         state[i] = INTRUDED if which >= 0 else (EXACT if found else KEPT)
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _order_turns(pieces, at, link, half, stations, last):
     """Swap turning points of the two sides that sampling put in the wrong order.
 
@@ -66,7 +67,7 @@ def _order_turns(pieces, at, link, half, stations, last):
             continue
         if (place[i + 1, 0] - place[i, 0]) ** 2 + (place[i + 1, 1] - place[i, 1]) ** 2 > near:
             continue
-        left, right = pair[i, 0], pair[i, 1]
+        left, right = np.int64(pair[i, 0]), np.int64(pair[i, 1])
         mid_left, mid_right = pair[i - 1, 0], pair[i + 1, 1]
         if left == mid_left:
             mid_left, mid_right = pair[i + 1, 0], pair[i - 1, 1]
@@ -81,7 +82,7 @@ def _order_turns(pieces, at, link, half, stations, last):
             run[i, 1] = run[i, 0]
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _lay_stations(mesh, triangles, link, lo, hi, stations):
     """Write the stations of the chain with the links ``lo`` to ``hi``: the last one's number."""
     tri, label = mesh.tri, mesh.label
@@ -107,7 +108,7 @@ def _lay_stations(mesh, triangles, link, lo, hi, stations):
     return m - 1
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _copy_run(known, p, way, stations, s, out, n):
     """Write the run after station s as it was known, from its point p: how many points then.
 
@@ -128,7 +129,7 @@ def _copy_run(known, p, way, stations, s, out, n):
         n += 1
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
     """The chains' points on their bisectors, with the narrowest place of every run.
 
@@ -139,8 +140,7 @@ def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
     """
     out, stations = room.out, room.stations
     place, sides = stations.place, stations.sides
-    missing = 0
-    n = 0
+    n, missing = np.int64(0), np.int64(0)
     for c in range(len(first) - 1):
         lo, hi = first[c], first[c + 1]
         last = _lay_stations(mesh, triangles, link, lo, hi, stations)
@@ -172,22 +172,33 @@ def bend(mesh, pieces, triangles, first, link, tolerances, known, room):
     return n, missing
 
 
-@njit(**BORROWING, error_model="numpy")
-def most_links(first):
-    """How many links the longest of the chains has, at least 1; ``first`` (c + 1,) offsets."""
-    most = 1
-    for c in range(len(first) - 1):
-        most = max(most, first[c + 1] - first[c])
-    return most
+@njit(**OWNING, error_model="numpy")
+def trace_again(mesh, pieces, triangles, old, bent, tolerances):
+    """Trace the chains that are not as they were, and solve the nodes that closed runs get.
+
+    ``old`` and ``bent`` are the chains as they were (:mod:`planner.diagram.diagram_arrays`).
+    Returns which of these are kept; the chains as in ``Traced``; the table of
+    :func:`planner.diagram.chains.kept_run_kernels.index_runs`; and how many links the longest of
+    the new chains has, at least 1. No triangle is stale then.
+    """
+    mask = triangles.mask
+    kept, node, ends, first, link = trace_chains(mesh.tri, mask, triangles.stale, old)
+    triangles.stale[:] = False
+    solve_rings(mesh, pieces, triangles, node, tolerances)
+    longest = 1
+    for c in range(len(kept), len(first) - 1):
+        longest = max(longest, first[c + 1] - first[c])
+    return kept, mask.copy(), node, ends, first, link, index_runs(kept, bent), longest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def measure_chains(tree, points, proved, first):
+@njit(**OWNING, error_model="numpy")
+def measure_chains(tree, points, proved, first, ends, nodes):
     """Lengths and clearances of chains whose narrowest places are points of theirs.
 
     A proved link is as wide as its narrower end; any other is measured as a straight line
     against the borders. Returns the ``points`` (p, 3) as places (p, 2) and clearances (p,),
-    ``gap``, ``step`` per point, and ``length``, ``clearance`` per chain.
+    ``gap``, ``step`` per point, ``length``, ``clearance`` per chain, and the clearances of the
+    ``nodes``, those of the chains' ``ends`` (c, 2) that are there.
     """
     p, c = len(points), len(first) - 1
     xy, rho = np.empty((p, 2)), np.empty(p)
@@ -207,14 +218,8 @@ def measure_chains(tree, points, proved, first):
                 gap[i], _, _ = segment_clearance(tree, ax, ay, bx, by, gap[i])
             length[j] += step[i]
             clearance[j] = min(clearance[j], gap[i])
-    return xy, rho, gap, step, length, clearance
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def clearance_of_nodes(nodes, ends, first, rho):
-    """The clearance (n,) of every node: that of the chains' points that are there."""
-    out = np.empty(nodes)
+    node_rho = np.empty(nodes)
     for side in range(2):
-        for c in range(len(ends)):
-            out[ends[c, side]] = rho[first[c] if side == 0 else first[c + 1] - 1]
-    return out
+        for j in range(c):
+            node_rho[ends[j, side]] = rho[first[j] if side == 0 else first[j + 1] - 1]
+    return xy, rho, gap, step, length, clearance, node_rho

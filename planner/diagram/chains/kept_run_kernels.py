@@ -16,23 +16,22 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.diagram.diagram_arrays import KnownRuns
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 
 
-@njit(**BORROWING, error_model="numpy", forceinline=True)
+@njit(**LEAF, forceinline=True)
 def _slot(bits_x, bits_y, size):
     """Where in a table of a power of two a place is looked for first."""
     mixed = bits_x ^ (bits_x >> 17) ^ (bits_x >> 34) ^ (bits_y >> 7) ^ (bits_y >> 25)
     return (mixed ^ (bits_y >> 43)) & (size - 1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def index_runs(kept, bent):
     """The points of the chains that are not ``kept`` (m,), found by their place.
 
     ``bent`` are the chains, :class:`planner.diagram.diagram_arrays.Bent`; only those that are not
-    kept are indexed. Returns what :func:`find_run` takes.
+    kept are indexed. Returns the table of a :class:`planner.diagram.diagram_arrays.KnownRuns`.
     """
     points, start = bent.points, bent.start
     count = 0
@@ -56,16 +55,16 @@ def index_runs(kept, bent):
             while table[h] >= 0:
                 h = (h + 1) & (size - 1)
             table[h] = p
-    return KnownRuns(points, bits, bent.pieces, bent.proved, table)
+    return table
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def find_run(known, place, place_bits, s, left, right):
     """The known run from place s to the next between ``left`` and ``right``: where, which way.
 
-    ``known`` as from :func:`index_runs`, ``place`` (n, 4), and the same as int64. Returns the
-    point that it begins with, and 1 where it is to be walked forwards, -1 backwards, 0 where
-    there is none.
+    ``known`` is a :class:`planner.diagram.diagram_arrays.KnownRuns`, ``place`` (n, 4), and the same
+    as int64. Returns the point that it begins with, and 1 where it is to be walked forwards, -1
+    backwards, 0 where there is none.
     """
     points, bits, pieces, proved, table = known
     size = len(table)

@@ -18,10 +18,10 @@ import numpy as np
 from numba import njit
 
 from planner.diagram.diagram_arrays import Bent
-from planner.scene.compile_options import BORROWING
+from planner.scene.compile_options import LEAF, OWNING
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def trace_chains(tri, mask, stale, old):
     """Runs of valid edges through vertices with two of them.
 
@@ -81,7 +81,7 @@ def trace_chains(tri, mask, stale, old):
     return kept, node[:nodes], ends[:chains], first[: chains + 1], link[:links]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def _split_chains(mask, stale, old):
     """The chains that are as they were, and the triangles where any other chain may pass."""
     old_mask, old_node, old_ends, old_first, old_link = old
@@ -118,7 +118,7 @@ def _split_chains(mask, stale, old):
     return kept[:chains], todo[:count]
 
 
-@njit(**BORROWING, error_model="numpy")
+@njit(**LEAF)
 def _keep_chains(tri, kept, old, number, node, used, ends, first, link):
     """Write the ``kept`` chains into node, ends, first and link; returns how many nodes they have.
 
@@ -145,7 +145,7 @@ def _keep_chains(tri, kept, old, number, node, used, ends, first, link):
     return nodes
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(**OWNING, error_model="numpy")
 def join_chains(kept, old, new):
     """The kept chains' points and then the new ones'.
 

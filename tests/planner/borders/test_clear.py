@@ -60,5 +60,5 @@ def test_spare_room_is_the_distance_as_far_as_it_matters(seed: int) -> None:
     points = rng.uniform(-20.0, 180.0, (100, 2))
     for (x, y), away in zip(points, slow_distance(scene, points), strict=True):
         for most in (0.0, 3.0, 50.0, np.inf):
-            found = clear_kernels.spare(borders.tree, x, y, most)
+            found, _ = box_tree_kernels.nearest(borders.tree, x, y, most)
             assert found == pytest.approx(min(most, away), abs=1e-9)

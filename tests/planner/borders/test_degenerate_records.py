@@ -68,7 +68,7 @@ def test_degenerate_records_are_as_if_they_were_written_without(name: str, mode:
         for record in SAME[name]
     )
     assert one.counts == other.counts
-    assert np.array_equal(one.borders.solid, other.borders.solid)
+    assert np.array_equal(one.borders.pieces.solid, other.borders.pieces.solid)
     places = np.random.default_rng(0).uniform((0.0, 0.0), (100.0, 80.0), (200, 2))
     assert one.clearance(places) == pytest.approx(other.clearance(places), abs=1e-9)
     assert isinstance(one.plan((10.0, 10.0), (90.0, 70.0)), planner.Path)

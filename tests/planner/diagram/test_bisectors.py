@@ -95,6 +95,7 @@ def test_following_a_bisector_keeps_the_flatness_asked_for(flatness: float) -> N
             roadmap.radius,
             flatness,
             borders.equal,
+            np.inf,
         )
         for a, b, pair in zip(points[:-1], points[1:], pairs[:-1], strict=True):
             if math.dist(a, b) > 1e-6:
@@ -133,7 +134,7 @@ def test_the_nearest_border_is_found_among_the_sites_around_a_place(
     made = mesh.make_mesh(generators)
     assert made is not None
     half = 2.0 * share
-    mesh.mark_valid(made, borders, 4.0 * share)
+    mesh.solve(made, borders, 4.0 * share)
     sag = mesh_kernels.largest_sag(borders.kind, borders.data, half)
     flat = mesh._flat(made, sag)
     start = 8 * int(np.flatnonzero(np.isfinite(made.at[:, 0]))[0])
@@ -157,7 +158,7 @@ def test_no_place_of_a_border_is_further_than_half_a_spacing_from_a_generator(na
     k = borders.primitive_count
     for i in range(k):
         mine = generators.label == i
-        for side in np.flatnonzero((borders.before == i) | (borders.after == i)):
+        for side in np.flatnonzero((borders.pieces.before == i) | (borders.pieces.after == i)):
             mine |= generators.label == k + side
         sites = generators.sites[mine]
         for place in _along(borders, i):

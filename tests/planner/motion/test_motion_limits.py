@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import Track, speed_cells, wrap_angle
+from planner.motion.stops_and_bends import Track, speed_cells
 from planner.motion.trajectory import TrajectoryError, time_path
 from planner.path import Limits, Path
+from planner.shared.numbers import wrap_angle
 from tests.planner.motion.trajectories import (
     LIMITS,
     RADIUS,

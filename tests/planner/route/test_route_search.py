@@ -12,8 +12,9 @@ import planner
 from planner.roadmap.roadmap import Roadmap
 from planner.route.route import OTHERS_WORK
 from planner.scene import FloatArray
+from planner.search import route_kernels
 from planner.search.chain_search import Network, attach, cheapest_routes, routes, widest_gap
-from planner.search.search_kernels import Gates
+from planner.search.search_kernels import GateCosts, Gates
 from tests.support.scenes.planner_scenes import box, hand_made, random_scene, scene_of
 
 
@@ -23,6 +24,12 @@ def _stations(roadmap: Roadmap, rng: np.random.Generator) -> list[tuple[float, f
     return [(float(x), float(y)) for x, y in places]
 
 
+def _costs(network: Network, gates: Gates, floor: float) -> GateCosts:
+    """Node and cost of both ways over each gate, infinity below the floor."""
+    same = np.ones(len(network.graph.total))
+    return route_kernels.gates_of(gates, network.chains.ends, floor, same)
+
+
 def _graph(network: Network, start: Gates, goal: Gates, floor: float) -> nx.MultiGraph:
     """The chains not below the floor, "s" and "g" joined to them over their gates."""
     chains = network.chains
@@ -30,9 +37,9 @@ def _graph(network: Network, start: Gates, goal: Gates, floor: float) -> nx.Mult
     graph.add_nodes_from(["s", "g"])
     for c, (u, v) in enumerate(chains.ends.tolist()):
         if chains.clearance[c] >= floor:
-            graph.add_edge(u, v, weight=float(network.total[c]))
+            graph.add_edge(u, v, weight=float(network.graph.total[c]))
     for name, gates in (("s", start), ("g", goal)):
-        for node, cost in zip(*network.gate_costs(gates, floor), strict=True):
+        for node, cost in zip(*_costs(network, gates, floor), strict=True):
             if np.isfinite(cost):
                 graph.add_edge(name, int(node), weight=float(cost))
     return graph
@@ -49,8 +56,8 @@ def _inside(network: Network, start: Gates, goal: Gates, floor: float) -> float:
             links = range(min(i, j), max(i, j) + 1)
             if min((chains.gap[k] for k in links), default=np.inf) < floor:
                 continue
-            at, to = (network.cost[:i].sum() + p[0] * network.cost[i],
-                      network.cost[:j].sum() + q[0] * network.cost[j])  # fmt: skip
+            at, to = (network.graph.cost[:i].sum() + p[0] * network.graph.cost[i],
+                      network.graph.cost[:j].sum() + q[0] * network.graph.cost[j])  # fmt: skip
             best = min(best, p[1] + q[1] + abs(at - to))
     return float(best)
 
@@ -116,7 +123,7 @@ def test_the_k_cheapest_routes_are_those_of_a_search_of_all(seed: int) -> None:
         mine = [int(start.where[0, 0]), int(goal.where[0, 0])]
         for c in set(mine):
             u, v = chains.ends[c].tolist()
-            graph.remove_edge(u, v, _key(graph, u, v, float(network.total[c])))
+            graph.remove_edge(u, v, _key(graph, u, v, float(network.graph.total[c])))
         costs = sorted(
             sum(graph.edges[step]["weight"] for step in way)
             for way in nx.all_simple_edge_paths(graph, "s", "g")

@@ -10,8 +10,13 @@ import pytest
 import planner
 from planner.path import Path
 from planner.scene import FloatArray, Scene
-from planner.search.homotopy import word
+from planner.search import homotopy
 from tests.support.scenes.planner_scenes import all_edges, box, hand_made, random_scene, scene_of
+
+
+def word(places: FloatArray, way: FloatArray) -> homotopy.Word:
+    """The word of a way among places that are in the order of x, numbered in that order."""
+    return homotopy.word(np.c_[places, np.arange(len(places))], way)
 
 
 def _crossings(way: FloatArray, place: tuple[float, float]) -> float:
