@@ -17,34 +17,8 @@ from numba import njit
 
 from planner.borders.box_tree_kernels import LEAF, after_branch, box_distance2
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import NONE, POINT, SEGMENT, distance, segment_distance
-
-
-@njit(**BORROWING)
-def _beyond(kind, data, i, ax, ay, nx, ny, around, keep):
-    """Whether primitive i lies beyond a line's box, or ``keep`` or more to one of its sides.
-
-    ``around``, x_min, y_min, x_max, y_max, is the line's box, grown by ``keep``; (nx, ny) is
-    normal to the line through a. Where this is False the distance has to be taken.
-    """
-    x0, y0, x1, y1 = around
-    ux, uy = data[i, 0], data[i, 1]
-    off = nx * (ux - ax) + ny * (uy - ay)
-    if kind[i] == SEGMENT:
-        vx, vy = data[i, 2], data[i, 3]
-        if (
-            (ux >= x1 and vx >= x1)
-            or (ux <= x0 and vx <= x0)
-            or (uy >= y1 and vy >= y1)
-            or (uy <= y0 and vy <= y0)
-        ):
-            return True
-        far = nx * (vx - ax) + ny * (vy - ay)
-        return (off >= keep and far >= keep) or (off <= -keep and far <= -keep)
-    r = 0.0 if kind[i] == POINT else data[i, 2]
-    if ux - r >= x1 or ux + r <= x0 or uy - r >= y1 or uy + r <= y0:
-        return True
-    return abs(off) - r >= keep
+from planner.scene.primitive_kernels import NONE, distance, segment_distance
+from planner.scene.shape_kernels import is_beyond
 
 
 @njit(**BORROWING)
@@ -68,7 +42,7 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
     sure = keep * (1.0 + 1e-9)
     for j in range(large):
         i = np.int64(order[j])
-        if _beyond(kind, data, i, ax, ay, nx, ny, around, sure):
+        if is_beyond(kind, data, i, ax, ay, nx, ny, around, sure):
             continue
         if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
             return i
@@ -89,7 +63,7 @@ def blocker(tree, ax, ay, bx, by, keep, guess):
             first = large + (node - leaves) * LEAF
             for j in range(first, min(first + LEAF, n)):
                 i = np.int64(order[j])
-                if _beyond(kind, data, i, ax, ay, nx, ny, around, sure):
+                if is_beyond(kind, data, i, ax, ay, nx, ny, around, sure):
                     continue
                 if segment_distance(kind, data, i, ax, ay, bx, by)[0] < keep:
                     return i

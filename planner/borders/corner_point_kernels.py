@@ -12,8 +12,6 @@ Rules
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 
@@ -25,51 +23,19 @@ from planner.scene.primitive_kernels import (
     LAST,
     NONE,
     POINT,
-    SEGMENT,
-    TAU,
-    circles_cross,
     has_ends,
-    on_circle,
-    segment_distance,
+)
+from planner.scene.shape_kernels import (
+    area_beyond_chord,
+    cross,
+    end_of,
+    length_of,
+    tangent_at,
+    x_range,
 )
 
 SMOOTH = 1e-3
 """Sine of the turn below which a joint counts as smooth, so that it needs a corner point."""
-
-
-@njit(**BORROWING)
-def _end(kind, data, backwards, i, last):
-    """The first or last point of primitive i in its border's order."""
-    if kind[i] == SEGMENT:
-        return (data[i, 2], data[i, 3]) if last else (data[i, 0], data[i, 1])
-    if kind[i] == POINT:
-        return data[i, 0], data[i, 1]
-    return on_circle(data, i, data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0))
-
-
-@njit(**BORROWING)
-def _tangent(kind, data, backwards, i, x, y):
-    """The unit direction of travel along primitive i at its point (x, y)."""
-    if kind[i] == SEGMENT:
-        dx, dy = data[i, 2] - data[i, 0], data[i, 3] - data[i, 1]
-    else:
-        dx, dy = data[i, 1] - y, x - data[i, 0]
-        if backwards[i]:
-            dx, dy = -dx, -dy
-    d = math.sqrt(dx * dx + dy * dy)
-    return dx / d, dy / d
-
-
-@njit(**BORROWING)
-def length_of(kind, data, i):
-    """How long primitive i is; 0 for a point."""
-    if kind[i] == SEGMENT:
-        return math.sqrt((data[i, 2] - data[i, 0]) ** 2 + (data[i, 3] - data[i, 1]) ** 2)
-    if kind[i] == CIRCLE:
-        return TAU * data[i, 2]
-    if kind[i] == ARC:
-        return data[i, 4] * data[i, 2]
-    return 0.0
 
 
 @njit(**OWNING)
@@ -86,7 +52,7 @@ def without_repeats(kind, data, border, backwards, tolerance):
     for i in range(n):
         if kind[i] != POINT and length_of(kind, data, i) <= tolerance:
             if kind[i] == ARC and data[i, 2] > tolerance:
-                out[i, 0], out[i, 1] = _end(kind, data, backwards, i, FIRST)
+                out[i, 0], out[i, 1] = end_of(kind, data, backwards, i, FIRST)
             out[i, 2:] = 0.0
             out_kind[i] = POINT
     for turn in range(2):
@@ -96,7 +62,7 @@ def without_repeats(kind, data, border, backwards, tolerance):
             if out_kind[i] == CIRCLE or not keep[i]:
                 continue
             if out_kind[i] == POINT and last >= 0 and border[last] == border[i]:
-                x, y = _end(out_kind, out, backwards, last, turn == 0)
+                x, y = end_of(out_kind, out, backwards, last, turn == 0)
                 keep[i] = abs(x - out[i, 0]) > tolerance or abs(y - out[i, 1]) > tolerance
             if keep[i]:
                 last = np.int64(i)
@@ -128,14 +94,14 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
             first += 1
             continue
         while last + 1 < n and border[last + 1] == border[first] and kind[last + 1] != CIRCLE:
-            ex, ey = _end(kind, data, backwards, last, LAST)
-            sx, sy = _end(kind, data, backwards, last + 1, FIRST)
+            ex, ey = end_of(kind, data, backwards, last, LAST)
+            sx, sy = end_of(kind, data, backwards, last + 1, FIRST)
             if abs(ex - sx) > tolerance or abs(ey - sy) > tolerance:
                 break
             following[last], preceding[last + 1] = last + 1, last
             last += 1
-        ex, ey = _end(kind, data, backwards, last, LAST)
-        sx, sy = _end(kind, data, backwards, first, FIRST)
+        ex, ey = end_of(kind, data, backwards, last, LAST)
+        sx, sy = end_of(kind, data, backwards, first, FIRST)
         if (
             abs(ex - sx) <= tolerance
             and abs(ey - sy) <= tolerance
@@ -151,14 +117,6 @@ def link_borders(kind, data, border, is_hole, backwards, tolerance):
     return following, preceding, solid, crossed
 
 
-@njit(**BORROWING)
-def _x_range(kind, data, i):
-    """A range of x that primitive i lies within."""
-    if kind[i] == SEGMENT:
-        return min(data[i, 0], data[i, 2]), max(data[i, 0], data[i, 2])
-    return data[i, 0] - data[i, 2], data[i, 0] + data[i, 2]
-
-
 @njit(**OWNING)
 def _crosses_itself(kind, data, first, last):
     """Whether two sides of a closed border that are no neighbours meet. O(n log n) for most."""
@@ -168,12 +126,12 @@ def _crosses_itself(kind, data, first, last):
     if n <= 12:
         for i in range(n):
             for j in range(i + 2, n if i > 0 else n - 1):
-                if _meet(kind, data, first + i, first + j):
+                if cross(kind, data, first + i, first + j):
                     return True
         return False
     low, high = np.empty(n), np.empty(n)
     for i in range(n):
-        low[i], high[i] = _x_range(kind, data, first + i)
+        low[i], high[i] = x_range(kind, data, first + i)
     order = np.argsort(low)
     for a in range(n):
         i = order[a]
@@ -182,38 +140,21 @@ def _crosses_itself(kind, data, first, last):
             if low[j] > high[i]:
                 break
             apart = abs(i - j)
-            if 1 < apart < n - 1 and _meet(kind, data, first + i, first + j):
+            if 1 < apart < n - 1 and cross(kind, data, first + i, first + j):
                 return True
     return False
-
-
-@njit(**BORROWING)
-def _meet(kind, data, i, j):
-    """Whether two segments or arcs have a point in common."""
-    if kind[j] == SEGMENT:
-        i, j = j, i
-    if kind[i] == SEGMENT:
-        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
-        return segment_distance(kind, data, j, ax, ay, bx, by)[0] == 0.0
-    dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
-    r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
-    if square == 0.0 or square > (r + s) ** 2 or square < (r - s) ** 2:
-        return False
-    return circles_cross(data, i, j)
 
 
 @njit(**BORROWING)
 def _signed_area(kind, data, backwards, first, last):
     """Area inside a closed chain, positive where it turns from x to y."""
     area = 0.0
-    ox, oy = _end(kind, data, backwards, first, FIRST)
+    ox, oy = end_of(kind, data, backwards, first, FIRST)
     for i in range(first, last + 1):
-        ax, ay = _end(kind, data, backwards, i, FIRST)
-        bx, by = _end(kind, data, backwards, i, LAST)
+        ax, ay = end_of(kind, data, backwards, i, FIRST)
+        bx, by = end_of(kind, data, backwards, i, LAST)
         area += 0.5 * ((ax - ox) * (by - oy) - (ay - oy) * (bx - ox))
-        if kind[i] == ARC:
-            part = 0.5 * data[i, 2] ** 2 * (data[i, 4] - math.sin(data[i, 4]))
-            area += -part if backwards[i] else part
+        area += area_beyond_chord(kind, data, backwards, i)
     return area
 
 
@@ -233,15 +174,15 @@ def corner_points(kind, data, backwards, following, preceding, solid, every):
         if not has_ends(kind[i]):
             continue
         if preceding[i] < 0:
-            at[c, 0], at[c, 1] = _end(kind, data, backwards, i, FIRST)
+            at[c, 0], at[c, 1] = end_of(kind, data, backwards, i, FIRST)
             before[c], after[c] = -1, i
             c += 1
-        x, y = _end(kind, data, backwards, i, LAST)
+        x, y = end_of(kind, data, backwards, i, LAST)
         j = np.int64(following[i])
         if j >= 0 and not every[i] and solid[i] != 0:
-            ux, uy = _tangent(kind, data, backwards, i, x, y)
-            sx, sy = _end(kind, data, backwards, j, FIRST)
-            vx, vy = _tangent(kind, data, backwards, j, sx, sy)
+            ux, uy = tangent_at(kind, data, backwards, i, x, y)
+            sx, sy = end_of(kind, data, backwards, j, FIRST)
+            vx, vy = tangent_at(kind, data, backwards, j, sx, sy)
             if (ux * vy - uy * vx) * solid[i] < -SMOOTH:
                 continue
         at[c, 0], at[c, 1] = x, y

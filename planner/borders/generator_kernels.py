@@ -13,13 +13,9 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.borders.corner_point_kernels import length_of
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import ARC, CIRCLE, POINT, SEGMENT, TAU, on_circle
-
-ROUND_LEAST, ROUND_APART = 8.0, 0.8
-"""A circle has so many generators at least; an arc's are no further apart than that, in radians,
-which is as many for a whole turn."""
+from planner.scene.primitive_kernels import POINT, has_ends
+from planner.scene.shape_kernels import ROUND_LEAST, fewest_places, length_of, place_at
 
 
 @njit(**BORROWING)
@@ -56,23 +52,16 @@ def place_generators(kind, data, backwards, at, before, after, spacing, room):
         length = length_of(kind, data, i)
         lead = 1.0 if point_at_start[i] else 0.5
         tail = 1.0 if point_at_end[i] else 0.5
-        if kind[i] == CIRCLE:
-            lead, tail = 0.5, 0.5
-            count = max(ROUND_LEAST, math.ceil(length / spacing))
-        else:
-            least = 1.0 if kind[i] == SEGMENT else math.ceil(data[i, 4] / ROUND_APART)
+        least = fewest_places(kind, data, i)
+        if has_ends(kind[i]):
             count = max(least, math.ceil(length / spacing - lead - tail) + 1.0)
+        else:
+            lead, tail = 0.5, 0.5
+            count = max(least, math.ceil(length / spacing))
         step = length / (count - 1.0 + lead + tail)
-        turned = kind[i] == ARC and backwards[i]
         for j in range(int(count)):
             t = (lead + j) * step / length
-            if kind[i] == SEGMENT:
-                sites[n, 0] = data[i, 0] + t * (data[i, 2] - data[i, 0])
-                sites[n, 1] = data[i, 1] + t * (data[i, 3] - data[i, 1])
-            else:
-                sweep = TAU if kind[i] == CIRCLE else data[i, 4]
-                a = data[i, 3] + sweep * (1.0 - t if turned else t)
-                sites[n, 0], sites[n, 1] = on_circle(data, i, a)
+            sites[n, 0], sites[n, 1] = place_at(kind, data, backwards, i, t)
             label[n] = i
             n += 1
     for c in range(len(before)):

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from planner.borders import border_kernels, box_tree_kernels, generator_kernels, inside_kernels
 from planner.borders.border_arrays import Corners, Pieces, Tree
 from planner.borders.inside_kernels import ClosedBorders
-from planner.scene import SEGMENT, FloatArray, IntArray, Primitives
-from planner.scene.primitives import ROUND
+from planner.scene import FloatArray, IntArray, Primitives
 from planner.shared.numbers import as_float
 
 Mode: TypeAlias = Literal["exact", "paper"]
@@ -195,12 +194,10 @@ def _free_box(flat: Primitives) -> FloatArray:
         return np.array(walls)
     if not len(flat.kind):
         raise ValueError("the scene has neither objects nor bounds")
-    around = flat.data[:, 2] * np.isin(flat.kind, ROUND)
-    far_end = np.where((flat.kind == SEGMENT)[:, None], flat.data[:, 2:4], flat.data[:, :2])
-    low = np.minimum(flat.data[:, :2], far_end) - around[:, None]
-    high = np.maximum(flat.data[:, :2], far_end) + around[:, None]
-    grow = max(1.0, float(np.hypot(*(high.max(axis=0) - low.min(axis=0)))))
-    return np.concatenate([low.min(axis=0) - grow, high.max(axis=0) + grow])
+    boxes, _ = box_tree_kernels.object_spans(flat.kind, flat.data, flat.owner, len(flat.kind))
+    low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    grow = max(1.0, float(np.hypot(*(high - low))))
+    return np.concatenate([low - grow, high + grow])
 
 
 def count_generators(borders: Borders, spacing: float) -> float:

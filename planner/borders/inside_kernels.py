@@ -15,7 +15,6 @@ Rules and units
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +23,8 @@ from numpy.typing import NDArray
 
 from planner.borders.box_tree_kernels import morton_codes, nearest
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import ARC, CIRCLE, FIRST, LAST, SEGMENT, box_of
+from planner.scene.primitive_kernels import FIRST, LAST, box_of
+from planner.scene.shape_kernels import crosses_ray, end_of
 
 RAYS = (0.0, 0.31830988618, -0.43429448190)
 """Where rays are cast, in parts of the clearance: no two of them graze joints at once."""
@@ -49,17 +49,6 @@ class ClosedBorders(NamedTuple):
     level: NDArray[np.int32]
     blocks: NDArray[np.float64]
     none: NDArray[np.int32]
-
-
-@njit(**BORROWING)
-def _height(kind, data, backwards, i, last):
-    """In y, where primitive i begins or ends in its border's order; a circle anywhere."""
-    if kind[i] == SEGMENT:
-        return data[i, 3] if last else data[i, 1]
-    if kind[i] == ARC:
-        a = data[i, 3] + (data[i, 4] if last != backwards[i] else 0.0)
-        return data[i, 1] + data[i, 2] * math.sin(a)
-    return data[i, 1]
 
 
 @njit(**OWNING)
@@ -163,56 +152,14 @@ def _fill_heights(pieces, order, begin, end, level, blocks):
         for b in range(level[tier + 1] - level[tier]):
             first, last = b << tier, min((b + 1) << tier, n) - 1
             row = blocks[level[tier] + b]
-            row[4] = _height(kind, data, backwards, order[first], FIRST)
-            row[5] = row[6] = row[7] = _height(kind, data, backwards, order[last], LAST)
+            row[4] = end_of(kind, data, backwards, order[first], FIRST)[1]
+            row[5] = row[6] = row[7] = end_of(kind, data, backwards, order[last], LAST)[1]
             if begin[first] != begin[last]:
-                row[5] = _height(kind, data, backwards, order[begin[first]], FIRST)
-                row[6] = _height(kind, data, backwards, order[begin[last]], FIRST)
+                row[5] = end_of(kind, data, backwards, order[begin[first]], FIRST)[1]
+                row[6] = end_of(kind, data, backwards, order[begin[last]], FIRST)[1]
             if begin[last] >= first and end[last] == last + 1:
                 row[7] = row[6] if begin[first] != begin[last] else row[7]
                 row[4] = row[5] if begin[first] == begin[last] else row[4]
-
-
-@njit(**BORROWING)
-def _crosses(kind, data, i, x, y):
-    """Whether a rightward ray from (x, y) crosses primitive i an odd number of times.
-
-    A ray through a shared end counts once because a piece holds its lower end only (half-open
-    in y). Arcs are cut where their tangent is level, so that each part is monotone in y.
-    """
-    k = kind[i]
-    if k == SEGMENT:
-        y0, y1 = data[i, 1], data[i, 3]
-        if (y0 <= y) == (y1 <= y):
-            return False
-        side = (data[i, 2] - data[i, 0]) * (y - y0) - (x - data[i, 0]) * (y1 - y0)
-        return (side > 0.0) == (y1 > y0)
-    if k == CIRCLE:
-        return (x - data[i, 0]) ** 2 + (y - data[i, 1]) ** 2 < data[i, 2] ** 2
-    return k == ARC and _arc_crossings(data, i, x, y) % 2 == 1
-
-
-@njit(**BORROWING)
-def _arc_crossings(data, i, x, y):
-    """How often a rightward ray from (x, y) crosses the arc."""
-    cx, cy, r, a0 = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
-    a1 = a0 + data[i, 4]
-    count = 0
-    cut = (math.floor(a0 / math.pi - 0.5) + 1.0) * math.pi + 0.5 * math.pi
-    lo = a0
-    y_lo = cy + r * math.sin(a0)
-    while lo < a1:
-        hi = min(cut, a1)
-        y_hi = cy + r * math.sin(hi)
-        if (y_lo <= y) != (y_hi <= y):
-            dx = math.sqrt(max(r * r - (y - cy) ** 2, 0.0))
-            if math.cos(0.5 * (lo + hi)) < 0.0:
-                dx = -dx
-            if cx + dx > x:
-                count += 1
-        lo, y_lo = hi, y_hi
-        cut += math.pi
-    return count
 
 
 @njit(**BORROWING)
@@ -234,7 +181,7 @@ def _ray(kind, data, closed, x, y, only, votes):
             enters = (blocks[b, 4] <= y) != (blocks[b, 5] <= y)
             leaves = (blocks[b, 6] <= y) != (blocks[b, 7] <= y)
             if x >= blocks[b, 0]:
-                enters, leaves = _crosses(kind, data, order[p], x, y), False
+                enters, leaves = crosses_ray(kind, data, order[p], x, y), False
             for end in range(2):
                 o = owner[last] if end else owner[p]
                 if o != holder:

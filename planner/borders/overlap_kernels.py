@@ -10,59 +10,19 @@ Rules and units
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numba import njit
 
 from planner.borders.inside_kernels import in_object
-from planner.scene.compile_options import BORROWING, OWNING
+from planner.scene.compile_options import OWNING
 from planner.scene.primitive_kernels import (
-    POINT,
-    SEGMENT,
     box_of,
-    circles_cross,
-    distance,
     grown,
-    is_round,
-    on_circle,
-    segment_distance,
 )
+from planner.scene.shape_kernels import meet, place_on
 
 MEET, WITHIN = 1, 2
 """How two objects are related: their borders meet, or the first lies inside the second."""
-
-
-@njit(**BORROWING)
-def _start(kind, data, i):
-    """A point of primitive i."""
-    if is_round(kind[i]):
-        return on_circle(data, i, data[i, 3])
-    return data[i, 0], data[i, 1]
-
-
-@njit(**BORROWING)
-def _meet(kind, data, i, j, tolerance):
-    """Whether primitives i and j come within the tolerance of each other."""
-    if not is_round(kind[j]):
-        i, j = j, i
-    if kind[i] == POINT:
-        return distance(kind, data, j, data[i, 0], data[i, 1]) <= tolerance
-    if kind[i] == SEGMENT:
-        ax, ay, bx, by = data[i, 0], data[i, 1], data[i, 2], data[i, 3]
-        return segment_distance(kind, data, j, ax, ay, bx, by)[0] <= tolerance
-    x, y = _start(kind, data, i)
-    if distance(kind, data, j, x, y) <= tolerance:
-        return True
-    x, y = _start(kind, data, j)
-    if distance(kind, data, i, x, y) <= tolerance:
-        return True
-    dx, dy = data[j, 0] - data[i, 0], data[j, 1] - data[i, 1]
-    r, s, square = data[i, 2], data[j, 2], dx * dx + dy * dy
-    d = math.sqrt(square)
-    if d == 0.0 or d > r + s + tolerance or d < abs(r - s) - tolerance:
-        return False
-    return circles_cross(data, i, j)
 
 
 @njit(**OWNING)
@@ -76,9 +36,9 @@ def _related(kind, data, closed, boxes, span, a, b, tolerance):
         if own[1] > boxes[b, 3] + tolerance or own[3] < boxes[b, 1] - tolerance:
             continue
         for j in range(span[b, 0], span[b, 1]):
-            if _meet(kind, data, i, j, tolerance):
+            if meet(kind, data, i, j, tolerance):
                 return MEET
-    x, y = _start(kind, data, span[a, 0])
+    x, y = place_on(kind, data, span[a, 0])
     # the borders do not meet here
     if in_object(kind, data, closed, x, y, tolerance, b):
         return WITHIN

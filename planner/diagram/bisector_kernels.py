@@ -22,7 +22,8 @@ from numba import njit
 
 from planner.borders.box_tree_kernels import segment_clearance
 from planner.scene.compile_options import LEAF, OWNING
-from planner.scene.primitive_kernels import SEGMENT, foot, grown
+from planner.scene.primitive_kernels import foot, grown
+from planner.scene.shape_kernels import normal_at
 
 STEPS = 40
 """Newton steps; four were enough on random scenes, near-parallel borders take more."""
@@ -93,10 +94,7 @@ def slide_between(kind, data, a, b, x, y, tolerance):
 def turn_at(kind, data, corner, side, c, x, y, tolerance):
     """The place on a primitive's normal at its corner point that piece c is as near to."""
     px, py = data[corner, 0], data[corner, 1]
-    if kind[side] == SEGMENT:
-        nx, ny = data[side, 1] - data[side, 3], data[side, 2] - data[side, 0]
-    else:
-        nx, ny = px - data[side, 0], py - data[side, 1]
+    nx, ny = normal_at(kind, data, side, px, py)
     n = math.sqrt(nx * nx + ny * ny)
     nx, ny = nx / n, ny / n
     s = nx * (x - px) + ny * (y - py)

@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING
-from planner.scene.primitive_kernels import grown, is_round, on_circle
+from planner.scene.primitive_kernels import grown
+from planner.scene.shape_kernels import place_on
 
 
 @njit(**OWNING)
@@ -34,10 +35,8 @@ def anchors(kind, data, owner, count):
     n = 0
     for p in first:
         if p >= 0:
-            x, y = data[p, 0], data[p, 1]
-            if is_round(kind[p]):
-                x, y = on_circle(data, p, data[p, 3])
-            out[n, 0], out[n, 1], out[n, 2] = x, y, n
+            out[n, 0], out[n, 1] = place_on(kind, data, p)
+            out[n, 2] = n
             n += 1
     return out[np.argsort(out[:n, 0], kind="mergesort")]
 
