@@ -20,7 +20,7 @@ from planner.diagram.agvd import Chains
 from planner.path import Bottleneck, NoPath
 from planner.route.taut import certain
 from planner.scene import Vec
-from planner.search.chain_search import ROUNDING, Network, attach, routes, widest_gap
+from planner.search.chain_search import ROUNDING, Network, attach, cheapest_routes, widest_gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def widest_way(
         if gap <= least:
             return None
         least_gap = gap * (1.0 - 1e-12)
-        route = routes(network, entries, exits, least_gap, least_gap, 1)
+        route, _ = cheapest_routes(borders, network, entries, exits, least_gap, 1)
         if not len(route):
             return None
         way = certain(borders, route, gap)

@@ -3,7 +3,7 @@
 Rules and units
 - Method: Yen (1971): every route found is left once at each of its nodes, for the cheapest way
   on that no route found before it takes. Nodes on the way there are shut, so no route meets
-  a node twice.
+  a node twice. Up to where it left another one itself, that one was left before (Lawler 1972).
 - Two such routes are never shifts of one another: the chains are what is left of the free space
   when it is shrunk, and in a graph two ways without a step back and forth are shifts of one
   another only where they are the same.
@@ -22,7 +22,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from planner.scene.compile_options import BORROWING, OWNING
-from planner.scene.primitive_kernels import grown
+from planner.scene.primitive_kernels import NONE, grown
 from planner.search.route_kernels import (
     CLEARED,
     between,
@@ -34,38 +34,40 @@ from planner.search.route_kernels import (
 )
 from planner.search.search_kernels import GateCosts, Graph
 
-COST, ENTRY, EXIT, BEGIN, END, TAKEN = 0, 1, 2, 3, 4, 5
-"""Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told."""
+COST, ENTRY, EXIT, BEGIN, END, TAKEN, LEFT = 0, 1, 2, 3, 4, 5, 6
+"""Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told,
+and after how many steps it left another, -1 at its gate."""
 
 
 class Query(NamedTuple):
     """What is asked, the same for every search.
 
-    ``ahead`` (n,) as :func:`planner.search.route_kernels.left_to` returns it, ``dearer`` (c,) ones;
-    what the gates of both stations cost, and the steps that lead over a station's ``own`` chain
-    (2 c,).
+    ``ahead`` (n,) as :func:`planner.search.route_kernels.left_to` returns it; what the gates of
+    both stations cost, and the steps that lead over a station's ``own`` chain (2 c,).
     """
 
     graph: Graph
     ahead: NDArray[np.float64]
     floor: float
-    dearer: NDArray[np.float64]
     start: GateCosts
     goal: GateCosts
     own: NDArray[np.bool_]
 
 
 class Table(NamedTuple):
-    """The routes that were found: ``filled`` rows of ``routes`` (r, 6), and all their ``steps``."""
+    """The routes that were found: ``filled`` rows of ``routes`` (r, 7), and all their ``steps``."""
 
     routes: NDArray[np.float64]
     steps: NDArray[np.int32]
-    filled: int
+    filled: np.int64
 
 
 @njit(**OWNING)
-def _noted(table, cost, entry, out, root, rest):
-    """The table with a route with the steps ``root`` and then ``rest``, unless it is known."""
+def _noted(table, cost, entry, out, root, rest, left):
+    """The table with a route with the steps ``root`` and then ``rest``, unless it is known.
+
+    It ``left`` another after so many steps.
+    """
     routes, steps, count = table
     n = len(root) + len(rest)
     for k in range(count):
@@ -85,6 +87,7 @@ def _noted(table, cost, entry, out, root, rest):
     steps[begin + len(root) : begin + n] = rest
     routes[count, COST], routes[count, ENTRY], routes[count, EXIT] = cost, entry, out
     routes[count, BEGIN], routes[count, END], routes[count, TAKEN] = begin, begin + n, 0.0
+    routes[count, LEFT] = left
     return Table(routes, steps, count + 1)
 
 
@@ -158,22 +161,21 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
 @njit(**OWNING)
 def _first_routes(query, start, goal):
     """The cheapest route, and those within one chain, in a new table; and the work."""
-    table = Table(np.empty((32, 6)), np.empty(64, np.int32), 0)
+    table = Table(np.empty((32, 7)), np.empty(64, np.int32), np.int64(0))
     none = np.empty(0, np.int32)
     shut = np.zeros(len(query.graph.around) - 1, np.bool_)
     best, entry, out, way, work = search(
-        query.graph, query.dearer, query.ahead, query.floor, query.start, query.goal, shut,
-        query.own,
-    )  # fmt: skip
+        query.graph, query.ahead, query.floor, query.start, query.goal, shut, query.own
+    )
     if best < np.inf:
-        table = _noted(table, best, entry, out, none, way)
+        table = _noted(table, best, entry, out, none, way, NONE)
     for i in range(len(start.where)):
         for j in range(len(goal.where)):
             if start.where[i, 0] == goal.where[j, 0]:
                 wide, apart = between(query.graph, start, i, goal, j)
                 if wide >= query.floor:
                     cost = start.price[i, 1] + goal.price[j, 1] + apart
-                    table = _noted(table, cost, -1 - i, -1 - j, none, none)
+                    table = _noted(table, cost, -1 - i, -1 - j, none, none, NONE)
     return table, work
 
 
@@ -181,14 +183,24 @@ def _first_routes(query, start, goal):
 def _leave(query, table, told, pick, way, work, budget):
     """Leave route ``pick``, its steps ``way``, at its gate and at each of its nodes.
 
-    The table with the routes that were found, and the work, which ends at ``budget``.
+    Not before it left another itself. The table with the routes that were found, and the work,
+    which ends at ``budget``.
     """
     graph, ends, own = query.graph, query.graph.chains.ends, query.own
-    entry = int(table.routes[pick, ENTRY])
+    entry, first = int(table.routes[pick, ENTRY]), int(table.routes[pick, LEFT])
     shut = np.zeros(len(graph.around) - 1, np.bool_)
-    gone = 0.0
+    u, gone = np.int32(-1), 0.0
     # at its gate (-1), and then at each of its nodes
-    for at in range(-1, len(way) + 1):
+    for at in range(min(first, 0), len(way) + 1):
+        if at == 0:
+            u, gone = query.start.node[entry], query.start.cost[entry]
+        elif at > 0:
+            gone += graph.total[way[at - 1] // 2]
+            u = ends[way[at - 1] // 2, 1 - way[at - 1] % 2]
+        if at >= 0:
+            shut[u] = True
+        if at < first:
+            continue
         barred = own.copy()
         origin = GateCosts(query.start.node, query.start.cost.copy())
         goal = GateCosts(query.goal.node, query.goal.cost.copy())
@@ -197,21 +209,15 @@ def _leave(query, table, told, pick, way, work, budget):
                 if table.routes[told[t], ENTRY] >= 0:
                     origin.cost[int(table.routes[told[t], ENTRY])] = np.inf
         else:
-            if at == 0:
-                u, gone = query.start.node[entry], query.start.cost[entry]
-            else:
-                gone += graph.total[way[at - 1] // 2]
-                u = ends[way[at - 1] // 2, 1 - way[at - 1] % 2]
             _bar_told(table, told, entry, way, at, barred, goal.cost)
             origin = GateCosts(np.full(1, u, np.int32), np.full(1, gone))
-            shut[u] = True
         found, way_in, way_out, rest, looked_at = search(
-            graph, query.dearer, query.ahead, query.floor, origin, goal, shut, barred
+            graph, query.ahead, query.floor, origin, goal, shut, barred
         )
         work += looked_at + len(own) // CLEARED + len(told) * (at + 2) + table.filled
         if found < np.inf:
             table = _noted(
-                table, found, way_in if at < 0 else entry, way_out, way[: max(at, 0)], rest
+                table, found, way_in if at < 0 else entry, way_out, way[: max(at, 0)], rest, at
             )
         if work > budget:
             break
@@ -219,35 +225,35 @@ def _leave(query, table, told, pick, way, work, budget):
 
 
 @njit(**OWNING)
-def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget):
+def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest):
     """The ``wanted`` cheapest routes, the cheapest first: fewer where there are no more.
 
     ``start`` and ``goal`` are the stations' gates; those nearer to one another than ``rounding``
     are one. The search ends, too, where it has done the work of looking at ``budget`` steps over
-    chains. Returns what :func:`planner.search.route_kernels.routes` does, and the work.
+    chains, or where a route is more than ``dearest`` times as dear as the first. Returns all
+    lines' points and pairs, where each line begins (n + 1,), and the work.
     """
     line = np.empty((64, 2))
     pair = np.empty((64, 2), np.int32)
     begin = np.zeros(wanted + 1, np.int32)
-    same = np.ones(len(graph.total))
     if len(start.where) == 0 or len(goal.where) == 0:
         return line[:0], pair[:0], begin[:1].copy(), 0
-    from_cost = gates_of(start, graph.chains.ends, floor, same)
-    to_cost = gates_of(goal, graph.chains.ends, floor, same)
+    from_cost = gates_of(start, graph.chains.ends, floor)
+    to_cost = gates_of(goal, graph.chains.ends, floor)
     _shut_repeats(start.access, from_cost.cost, rounding)
     _shut_repeats(goal.access, to_cost.cost, rounding)
     own = np.zeros(2 * len(graph.chains.ends), np.bool_)
     _bar_own(start.where, from_cost.cost, own)
     _bar_own(goal.where, to_cost.cost, own)
     ahead = left_to(graph, floor, start, goal)
-    query = Query(graph, ahead, floor, same, from_cost, to_cost, own)
+    query = Query(graph, ahead, floor, from_cost, to_cost, own)
     table, work = _first_routes(query, start, goal)
-    taken = np.empty(wanted * 4 + 8, np.int32)
+    taken = np.zeros(wanted * 4 + 8, np.int32)
     told, laid = 0, 0
     while laid < wanted and told < len(taken) and work <= budget:
         work += table.filled
         pick = _cheapest(table.routes, table.filled)
-        if pick < 0:
+        if pick < 0 or table.routes[pick, COST] > dearest * table.routes[taken[0], COST]:
             break
         taken[told], table.routes[pick, TAKEN] = pick, 1.0
         told += 1
@@ -261,6 +267,6 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget):
             line, pair = put_behind(line, pair, begin[laid], xy, beside)
             laid += 1
             begin[laid] = begin[laid - 1] + len(xy)
-        if entry >= 0:
+        if entry >= 0 and laid < wanted:
             table, work = _leave(query, table, taken[:told], pick, way, work, budget)
     return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy(), work

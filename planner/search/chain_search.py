@@ -8,6 +8,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,10 +25,10 @@ NEAR = 0.25
 """A retracted place this near to a chain, in radii, has met it."""
 ENTRIES = 8
 """Chains tried as a station's way onto the roadmap."""
+WORK = 40_000_000
+"""Steps over chains that a search for routes takes at most: about 0.2 s."""
 ROUNDING = 1e-9
 """Clearances are equal within this share of the scene's extent."""
-PENALTY = 1.4
-"""How much dearer a chain becomes with every route that took it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,18 +91,6 @@ def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
     return float(route_kernels.widest_way(network.graph, start, goal))
 
 
-def routes(
-    network: Network, start: Gates, goal: Gates, least: float, floor: float, tries: int
-) -> Lines:
-    """The cheapest route that keeps ``least``, and then others that keep ``floor``.
-
-    A chain gets dearer with every route that took it: ``tries`` searches find as many routes or
-    fewer.
-    """
-    found = route_kernels.routes(network.graph, least, floor, start, goal, tries, PENALTY)
-    return Lines(*found)
-
-
 def cheapest_routes(
     borders: Borders,
     network: Network,
@@ -109,14 +98,16 @@ def cheapest_routes(
     goal: Gates,
     floor: float,
     wanted: int,
-    budget: int,
+    budget: int = WORK,
+    dearest: float = math.inf,
 ) -> tuple[Lines, int]:
     """The ``wanted`` cheapest routes without a loop that keep ``floor``, the cheapest first.
 
     Fewer only where there are no more, or where the ``budget`` is spent: so many steps over
-    chains. The second value is what was spent, more than the budget in that case only.
+    chains; or where all others are more than ``dearest`` times as dear as the first. The second
+    value is what was spent, more than the budget in that case only.
     """
     *found, work = alternative_kernels.cheapest_routes(
-        network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget
+        network.graph, floor, start, goal, wanted, ROUNDING * borders.extent, budget, dearest
     )
     return Lines(*found), int(work)

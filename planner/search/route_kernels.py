@@ -28,7 +28,7 @@ CLEARED = 8
 
 
 @njit(**OWNING)
-def gates_of(gates, ends, floor, dearer):
+def gates_of(gates, ends, floor):
     """What every gate costs, infinity where its clearance is below ``floor``."""
     where, price = gates.where, gates.price
     m = len(where)
@@ -39,7 +39,7 @@ def gates_of(gates, ends, floor, dearer):
         for end in range(2):
             node[2 * i + end] = ends[c, end]
             wide = min(price[i, 2], price[i, 4 + 2 * end]) >= floor
-            cost[2 * i + end] = price[i, 1] + dearer[c] * price[i, 3 + 2 * end] if wide else np.inf
+            cost[2 * i + end] = price[i, 1] + price[i, 3 + 2 * end] if wide else np.inf
     return GateCosts(node, cost)
 
 
@@ -71,14 +71,14 @@ def between(graph, start, i, goal, j):
 
 
 @njit(**OWNING)
-def search(graph, dearer, ahead, floor, start, goal, shut, barred):
+def search(graph, ahead, floor, start, goal, shut, barred):
     """The cheapest way from the ``start``'s gates to the ``goal``'s, not over ``shut`` nodes (n,).
 
-    A* over the chains not below ``floor``, each ``dearer`` (>= 1) times its cost; ``ahead`` (n,)
-    is what is left at least from each node, as :func:`costs_from` says of the goal. No step is
-    walked that is ``barred`` (2 chains,). Returns the cost, infinity where there is none, the
-    start's and the goal's gate, the chains in order as chain * 2 + end walked from, and the work:
-    steps looked at, and what clearing the nodes costs in them.
+    A* over the chains not below ``floor``; ``ahead`` (n,) is what is left at least from each node,
+    as :func:`costs_from` says of the goal. No step is walked that is ``barred`` (2 chains,).
+    Returns the cost, infinity where there is none, the start's and the goal's gate, the chains in
+    order as chain * 2 + end walked from, and the work: steps looked at, and what clearing the nodes
+    costs in them.
     """
     around, leaving, total = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance
@@ -115,7 +115,7 @@ def search(graph, dearer, ahead, floor, start, goal, shut, barred):
             v = ends[c, 1 - end]
             if clearance[c] < floor or shut[v] or barred[leaving[k]]:
                 continue
-            there = d + total[c] * dearer[c]
+            there = d + total[c]
             if there < far[v]:
                 far[v], came[v], gate[v] = there, leaving[k], -1
                 if there + ahead[v] < best:
@@ -135,9 +135,8 @@ def search(graph, dearer, ahead, floor, start, goal, shut, barred):
 @njit(**OWNING)
 def left_to(graph, floor, start, goal):
     """What is left at least from every node to the goal, for :func:`search`."""
-    same = np.ones(len(graph.total))
-    begin = gates_of(start, graph.chains.ends, floor, same)
-    return costs_from(graph, floor, gates_of(goal, graph.chains.ends, floor, same), begin)
+    begin = gates_of(start, graph.chains.ends, floor)
+    return costs_from(graph, floor, gates_of(goal, graph.chains.ends, floor), begin)
 
 
 @njit(**BORROWING)
@@ -235,35 +234,6 @@ def lay(chains, start, s_gate, steps, goal, g_gate):
 
 
 @njit(**OWNING)
-def one_route(graph, ahead, floor, dearer, start, goal):
-    """The cheapest route of that clearance: its cost, both gates as :func:`lay` takes them, steps.
-
-    The cost is infinite where there is none.
-    """
-    ends, s_where, g_where = graph.chains.ends, start.where, goal.where
-    from_cost = gates_of(start, ends, floor, dearer)
-    to_cost = gates_of(goal, ends, floor, dearer)
-    best, entry, out = np.inf, -1, -1
-    steps = np.empty(0, np.int32)
-    if len(s_where) == 0 or len(g_where) == 0:
-        return best, entry, out, steps
-    best, entry, out, steps, _ = search(
-        graph, dearer, ahead, floor, from_cost, to_cost,
-        np.zeros(len(graph.around) - 1, np.bool_), np.zeros(2 * len(ends), np.bool_),
-    )  # fmt: skip
-    for i in range(len(s_where)):
-        for j in range(len(g_where)):
-            if s_where[i, 0] != g_where[j, 0]:
-                continue
-            wide, apart = between(graph, start, i, goal, j)
-            here = start.price[i, 1] + goal.price[j, 1] + apart * dearer[s_where[i, 0]]
-            if wide >= floor and here < best:
-                best, entry, out = here, -1 - i, -1 - j
-                steps = np.empty(0, np.int32)
-    return best, entry, out, steps
-
-
-@njit(**OWNING)
 def widest_way(graph, start, goal):
     """The largest least clearance of any way from the start's entries to the goal's, or -inf."""
     around, leaving = graph.around, graph.leaving
@@ -307,58 +277,6 @@ def widest_way(graph, start, goal):
                 push(keys, items, size, -w, v)
                 size += 1
     return best
-
-
-@njit(**BORROWING)
-def _known(used, count):
-    """Whether row ``count`` is one of those before it."""
-    for k in range(count):
-        same = True
-        for c in range(used.shape[1]):
-            if used[k, c] != used[count, c]:
-                same = False
-                break
-        if same:
-            return True
-    return False
-
-
-@njit(**OWNING)
-def routes(graph, least, floor, start, goal, tries, penalty):
-    """The cheapest route, and then others: a chain gets dearer with every route that took it.
-
-    The first keeps ``least``, the others ``floor``. ``tries`` searches are made; what they find
-    again is left out. Returns all lines' points and pairs, and where each line begins (n + 1,).
-    """
-    total, s_where, g_where = graph.total, start.where, goal.where
-    dearer = np.ones(len(total))
-    ahead = left_to(graph, floor, start, goal)
-    used = np.zeros((tries, len(total)), np.bool_)
-    begin = np.zeros(tries + 1, np.int32)
-    line = np.empty((64, 2))
-    pair = np.empty((64, 2), np.int32)
-    count = np.int64(0)
-    for t in range(tries):
-        best, entry, out, steps = one_route(
-            graph, ahead, least if t == 0 else floor, dearer, start, goal
-        )
-        if best == np.inf:
-            break
-        used[count] = False
-        used[count, s_where[-1 - entry if entry < 0 else entry // 2, 0]] = True
-        used[count, g_where[-1 - out if out < 0 else out // 2, 0]] = True
-        for k in range(len(steps)):
-            used[count, steps[k] // 2] = True
-        for c in range(len(total)):
-            if used[count, c]:
-                dearer[c] *= penalty
-        if _known(used, count):
-            continue
-        xy, beside = lay(graph.chains, start, entry, steps, goal, out)
-        line, pair = put_behind(line, pair, begin[count], xy, beside)
-        count += 1
-        begin[count] = begin[count - 1] + len(xy)
-    return line[: begin[count]], pair[: begin[count]], begin[: count + 1].copy()
 
 
 @njit(**OWNING)

@@ -43,7 +43,7 @@ def test_the_search_for_other_paths_ends_and_says_so(monkeypatch: pytest.MonkeyP
     places = rng.uniform(0.1, 7.9, (200, 2))
     start, *_, goal = places[roadmap.clearance(places) > 0.06]
     plain = roadmap.plan(start, goal, alternatives=40)
-    monkeypatch.setattr("planner.route.route.OTHERS_WORK", 2_000)
+    monkeypatch.setattr("planner.route.route.WORK", 2_000)
     bounded = roadmap.plan(start, goal, alternatives=40)
     assert isinstance(plain, Path)
     assert isinstance(bounded, Path)

@@ -10,10 +10,9 @@ import pytest
 
 import planner
 from planner.roadmap.roadmap import Roadmap
-from planner.route.route import OTHERS_WORK
 from planner.scene import FloatArray
 from planner.search import route_kernels
-from planner.search.chain_search import Network, attach, cheapest_routes, routes, widest_gap
+from planner.search.chain_search import WORK, Network, attach, cheapest_routes, widest_gap
 from planner.search.search_kernels import GateCosts, Gates
 from tests.support.scenes.planner_scenes import box, hand_made, random_scene, scene_of
 
@@ -26,8 +25,7 @@ def _stations(roadmap: Roadmap, rng: np.random.Generator) -> list[tuple[float, f
 
 def _costs(network: Network, gates: Gates, floor: float) -> GateCosts:
     """Node and cost of both ways over each gate, infinity below the floor."""
-    same = np.ones(len(network.graph.total))
-    return route_kernels.gates_of(gates, network.chains.ends, floor, same)
+    return route_kernels.gates_of(gates, network.chains.ends, floor)
 
 
 def _graph(network: Network, start: Gates, goal: Gates, floor: float) -> nx.MultiGraph:
@@ -82,7 +80,7 @@ def test_the_first_route_is_as_cheap_as_networkx_finds(seed: int) -> None:
         best = _inside(network, start, goal, need)
         if nx.has_path(graph, "s", "g"):
             best = min(best, nx.dijkstra_path_length(graph, "s", "g"))
-        found = routes(network, start, goal, need, need, 4)
+        found, _ = cheapest_routes(roadmap.borders, network, start, goal, need, 4)
         assert (len(found) > 0) == np.isfinite(best)
         if len(found):
             # costs are lengths here: those of the curves, which the line's chords cut short
@@ -99,9 +97,10 @@ def test_the_widest_way_is_the_widest_of_all_thresholds(seed: int) -> None:
         start, goal = (attach(roadmap.borders, network, p, 2.0) for p in (a, b))
         wide = widest_gap(network, start, goal)
         if wide >= 2.0:
-            assert len(routes(network, start, goal, wide * (1 - 1e-12), 2.0, 1)) == 1
+            keep = wide * (1 - 1e-12)
+            assert len(cheapest_routes(roadmap.borders, network, start, goal, keep, 1)[0]) == 1
         over = max(wide, 0.0) * (1 + 1e-9) + 1e-9
-        assert len(routes(network, start, goal, over, over, 1)) == 0
+        assert len(cheapest_routes(roadmap.borders, network, start, goal, over, 1)[0]) == 0
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -129,10 +128,8 @@ def test_the_k_cheapest_routes_are_those_of_a_search_of_all(seed: int) -> None:
             for way in nx.all_simple_edge_paths(graph, "s", "g")
         )
         for wanted in (1, 3, 8):
-            found, work = cheapest_routes(
-                roadmap.borders, network, start, goal, 2.0, wanted, OTHERS_WORK
-            )
-            assert work <= OTHERS_WORK
+            found, work = cheapest_routes(roadmap.borders, network, start, goal, 2.0, wanted)
+            assert work <= WORK
             assert len(found.after(1, 10**9)) == len(found) - 1
             lengths = [_length(found.points[i:j]) for i, j in itertools.pairwise(found.begin)]
             assert len(lengths) == min(wanted, len(costs))
@@ -152,7 +149,7 @@ def test_laid_routes_have_no_gap_and_know_what_is_beside_them(name: str) -> None
     longest = float(roadmap.chains.step.max()) * (1 + 1e-9)
     for a, b in _pairs(_stations(roadmap, rng)[:10]):
         start, goal = (attach(roadmap.borders, network, p, 2.0) for p in (a, b))
-        found = routes(network, start, goal, 2.0, 2.0, 4)
+        found, _ = cheapest_routes(roadmap.borders, network, start, goal, 2.0, 4)
         for i, j in itertools.pairwise(found.begin):
             line, pairs = found.points[i:j], found.pairs[i:j]
             assert tuple(line[0]) == a
