@@ -84,6 +84,7 @@ pictures: $(VENV)/.installed-dev ## the documentation's pictures, into docs/pict
 	$(BIN)/python -m benchmarks.house --graph docs/pictures/folders.svg
 	bash .ci/packages browser
 	$(BIN)/python -m benchmarks.figures
+	$(BIN)/python -m benchmarks.figures.film
 	$(BIN)/python -m tests.browser.pictures
 
 docs: $(VENV)/.installed-dev ## the documentation site, strictly, into build/site
