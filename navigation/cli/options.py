@@ -160,7 +160,7 @@ def _finite(word: str) -> float | None:
     return number if math.isfinite(number) and "_" not in word else None
 
 
-def format_option(meaning: str = "Of the answer.") -> Decorator:
+def format_option(meaning: str = "The form of the answer.") -> Decorator:
     """``--format text|json``, as ``form``."""
     choice = click.Choice(["text", "json"])
     return click.option(
@@ -169,7 +169,7 @@ def format_option(meaning: str = "Of the answer.") -> Decorator:
 
 
 def polarity_option(
-    meaning: str = "Of a picture: whether the obstacles are dark or light.",
+    meaning: str = "For a picture: whether the obstacles are dark or light.",
 ) -> Decorator:
     """``--polarity dark|light|auto``."""
     choice = click.Choice(["dark", "light", "auto"])
@@ -177,8 +177,8 @@ def polarity_option(
 
 
 RADIUS_OPTION = click.option(
-    "--radius", type=POSITIVE, required=True, help="The robot's, in the scene's units."
+    "--radius", type=POSITIVE, required=True, help="The robot's radius, in the scene's units."
 )
 SPACING_OPTION = click.option(
-    "--spacing", type=POSITIVE, help="Between generators; less than 2 radius."
+    "--spacing", type=POSITIVE, help="Largest distance between generators; less than 2 radius."
 )

@@ -30,7 +30,7 @@ class ExtractError(ValueError):
 @click.argument("image", type=INPUT)
 @format_option("The paper's records, or one JSON object.")
 @click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
-@click.option("--paper", is_flag=True, help="The paper's recipe to the letter.")
+@click.option("--paper", is_flag=True, help="Follow the paper's method to the letter.")
 @polarity_option("Whether the obstacles are dark or light.")
 @click.option(
     "--method",

@@ -53,7 +53,9 @@ class PlanError(ValueError):
     show_default=True,
     help="The stations' order: as given, or the one that makes the whole path shortest.",
 )
-@click.option("--margin", type=NOT_NEGATIVE, default=0.0, help="Clearance on top of the radius.")
+@click.option(
+    "--margin", type=NOT_NEGATIVE, default=0.0, help="Clearance to keep on top of the radius."
+)
 @SPACING_OPTION
 @click.option(
     "--prefer",

@@ -25,7 +25,7 @@ ADDRESS = "dashboard at "
     type=click.IntRange(0, 65535),
     default=0,
     show_default=True,
-    help="Of the dashboard; 0 takes any free one.",
+    help="The dashboard's port; 0 takes any free one.",
 )
 def command(once: bool, no_browser: bool, port: int) -> int:
     """Show a simulated arena: the robot drives, the dashboard opens in the browser.

@@ -22,10 +22,26 @@ MOST_SHOWN = 20
 
 @click.command(short_help="Run vision and planner on a recording; say what differs.")
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--pose-mm", type=POSITIVE, default=3.0, show_default=True, help="Pose: position.")
-@click.option("--pose-deg", type=POSITIVE, default=1.0, show_default=True, help="Pose: heading.")
-@click.option("--scene-mm", type=POSITIVE, default=6.0, show_default=True, help="Borders.")
-@click.option("--plan-mm", type=POSITIVE, default=30.0, show_default=True, help="Path.")
+@click.option(
+    "--pose-mm",
+    type=POSITIVE,
+    default=3.0,
+    show_default=True,
+    help="Tolerance of a pose's position.",
+)
+@click.option(
+    "--pose-deg",
+    type=POSITIVE,
+    default=1.0,
+    show_default=True,
+    help="Tolerance of a pose's heading.",
+)
+@click.option(
+    "--scene-mm", type=POSITIVE, default=6.0, show_default=True, help="Tolerance of borders."
+)
+@click.option(
+    "--plan-mm", type=POSITIVE, default=30.0, show_default=True, help="Tolerance of paths."
+)
 @format_option()
 def command(
     files: tuple[Path, ...],

@@ -102,7 +102,7 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     type=click.IntRange(min=0),
     default=0,
     show_default=True,
-    help="Of the robot's errors and the line's faults.",
+    help="Seed of the robot's errors and the line's faults.",
 )
 @click.option(
     "--start",
@@ -117,7 +117,7 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     type=click.IntRange(1200, 4_000_000),
     default=115_200,
     show_default=True,
-    help="Bits a second; the pseudo-terminal is paced to it.",
+    help="Bits a second; a pseudo-terminal is paced to it.",
 )
 @click.option(
     "--link",

@@ -26,7 +26,11 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--runs", type=click.IntRange(min=1), required=True, help="How many runs.")
 @click.option(
-    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of all runs."
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Seed of the whole sweep.",
 )
 @click.option(
     "--spread",
@@ -35,7 +39,9 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
     show_default=True,
     help="How far errors and start vary, up to 16; 0: other seeds only.",
 )
-@click.option("--workers", type=click.IntRange(min=1), help="Processes; default: one a core.")
+@click.option(
+    "--workers", type=click.IntRange(min=1), help="Processes; default: one for each core."
+)
 @click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster's scheduler, tcp://...")
 @click.option(
     "-o",
@@ -43,7 +49,7 @@ ALL_DONE, SOME_NOT_DONE = 0, 1
     type=OutputType(".csv", ".parquet"),
     default=Path("sweep.csv"),
     show_default=True,
-    help="One row a run.",
+    help="The table, one row for each run.",
 )
 @format_option()
 def command(

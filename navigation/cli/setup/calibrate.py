@@ -24,11 +24,17 @@ _LIVE_SECONDS = 120.0
 @click.command("calibrate")
 @click.argument("pictures", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--camera", help="Take the pictures of the board from this camera, live.")
-@click.option("--board", type=click.Choice(["charuco", "chessboard"]), default="charuco")
+@click.option(
+    "--board",
+    type=click.Choice(["charuco", "chessboard"]),
+    default="charuco",
+    show_default=True,
+    help="The kind of board in the pictures.",
+)
 @click.option("--squares", help="charuco: squares, 5x7; chessboard: inner corners, 9x6.")
 @click.option("--square-mm", type=float, default=25.0, show_default=True, help="A square's side.")
 @click.option("--marker-mm", type=float, help="A ChArUco marker's side; default half a square.")
-@click.option("--dictionary", help="The ChArUco board's; default DICT_6X6_250.")
+@click.option("--dictionary", help="Dictionary of the ChArUco board; default DICT_6X6_250.")
 @click.option(
     "--terms", type=click.Choice(["0", "1", "2", "4", "5"]), help="Distortion terms; default: best."
 )
@@ -38,7 +44,14 @@ _LIVE_SECONDS = 120.0
 @click.option("--floor-at", help="X,Y[,DEG] of that board's first corner; default 0,0,0.")
 @click.option("--camera-height-m", type=float, help="The camera's height above the floor.")
 @click.option("--size", help="WIDTHxHEIGHT, for --points without any picture.")
-@click.option("-o", "--output", type=_FILE, default=Path("calibration.yaml"), show_default=True)
+@click.option(
+    "-o",
+    "--output",
+    type=_FILE,
+    default=Path("calibration.yaml"),
+    show_default=True,
+    help="The calibration to write.",
+)
 @click.option("--residual-map", type=_FILE, help="A picture of the surveyed points' residuals.")
 def command(  # noqa: PLR0913 (an argument for each option of the command line)
     pictures: tuple[Path, ...],

@@ -20,7 +20,13 @@ import click
     "--squares", default=None, help="charuco: squares; chessboard: inner corners, e.g. 9x6."
 )
 @click.option("--square-mm", type=float, default=25.0, show_default=True, help="A square's side.")
-@click.option("--paper", type=click.Choice(["a4", "a3", "letter"]), default="a4", show_default=True)
+@click.option(
+    "--paper",
+    type=click.Choice(["a4", "a3", "letter"]),
+    default="a4",
+    show_default=True,
+    help="The paper to print on.",
+)
 @click.option(
     "-o",
     "--output",
