@@ -17,6 +17,7 @@ PAGES = [
 ]
 
 
+@pytest.mark.timeout(900)  # on a machine that has no compiled kernels yet
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_examples_of_a_page_print_what_it_states(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

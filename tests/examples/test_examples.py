@@ -22,6 +22,8 @@ PICTURES = dict(
 """Which picture each example makes, as its README says."""
 SCRIPTS = sorted(name for name in PICTURES if name.endswith(".py"))
 NOTEBOOKS = sorted(name for name in PICTURES if name.endswith(".ipynb"))
+COLD_S = 900
+"""What one may take on a machine that has no compiled kernels yet."""
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 
 
@@ -30,6 +32,7 @@ def test_the_readme_lists_every_example() -> None:
     assert set(PICTURES) == there - {"photograph.py"}  # which only makes what others look at
 
 
+@pytest.mark.timeout(COLD_S)
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_a_script_runs_and_leaves_its_picture(name: str, tmp_path: Path) -> None:
     done = subprocess.run(
@@ -38,7 +41,7 @@ def test_a_script_runs_and_leaves_its_picture(name: str, tmp_path: Path) -> None
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=COLD_S - 20,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -48,7 +51,7 @@ def test_a_script_runs_and_leaves_its_picture(name: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
-@pytest.mark.timeout(900)
+@pytest.mark.timeout(COLD_S)
 # the notebook's kernel, and the client's own threads, leave sockets to the end of the process
 @pytest.mark.filterwarnings("default")
 def test_a_notebook_runs_and_leaves_its_picture(
@@ -58,7 +61,9 @@ def test_a_notebook_runs_and_leaves_its_picture(
     monkeypatch.setenv("RUNS", "2")
     monkeypatch.setenv("MPLBACKEND", "agg")
     book = nbformat.read(EXAMPLES / name, as_version=4)
-    NotebookClient(book, timeout=800, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    NotebookClient(
+        book, timeout=COLD_S - 100, resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
     _is_a_picture(tmp_path / PICTURES[name])
 
 
@@ -70,12 +75,13 @@ def test_a_notebook_is_kept_without_outputs(name: str) -> None:
     ]
 
 
+@pytest.mark.timeout(COLD_S)
 def test_nav2_reads_the_route_graph(tmp_path: Path) -> None:
     subprocess.run(
         [sys.executable, str(EXAMPLES / "ros_map_to_nav2.py"), str(tmp_path)],
         env=ENVIRONMENT,
         capture_output=True,
-        timeout=280,
+        timeout=COLD_S - 20,
         check=True,
     )
     nodes = load_graph((tmp_path / "route_graph.geojson").read_text())
