@@ -12,9 +12,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from planner.motion.speed_profile import plan_speed
-from planner.motion.stops_and_bends import wrap_angle, wrap_angles
 from planner.motion.trajectory import TrajectoryError, default_limits, time_path, turning_time
 from planner.path import Limits
+from planner.shared.numbers import wrap_angle
 from tests.planner.motion.trajectories import (
     LIMITS,
     RADIUS,
@@ -245,5 +245,5 @@ def test_an_angle_a_hair_beyond_half_a_turn_is_brought_into_the_range() -> None:
     for angle in (-math.pi, math.nextafter(-math.pi, 0.0), math.nextafter(math.pi, 4.0), math.pi):
         for turns in range(-3, 4):
             assert -math.pi < wrap_angle(angle + turns * math.tau) <= math.pi
-            (wrapped,) = wrap_angles(np.array([angle + turns * math.tau]))
+            (wrapped,) = wrap_angle(np.array([angle + turns * math.tau]))
             assert -math.pi < wrapped <= math.pi
