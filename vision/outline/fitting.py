@@ -17,7 +17,9 @@ from vision.outline.drawn.separation_kernels import runs_between_two_greys
 from vision.outline.fit.edge_prices import edge_prices
 from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
+from vision.outline.limit_kernels import allow_losses, longest_of
 from vision.outline.outline_types import CrackPixels, Prices
+from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
 """The noise left by the profile's five-pixel Gaussian."""
@@ -94,16 +96,27 @@ def fit_edges(
     ``separate``: the points are the picture's own, and it is a drawing without grey, so that every
     border's edges have to separate its obstacle pixels from the free ones beside them.
     """
+    count = len(starts) - 1
     known = len(borders.x) if separate else 0
-    kind, edge_starts, edge_kind, data = fit_borders(
+    longest = longest_of(starts)
+    if separate:
+        longest = max(longest, longest_of(borders.starts))
+    budgets = np.empty(count)
+    pixels = np.zeros(count, np.int64)
+    allow_losses(starts, borders.area, borders.owner, pixels, budgets)
+    fitted = make_fitted(count, max(len(points), known) + count)
+    edges = fit_borders(
         np.ascontiguousarray(points),
         starts,
-        borders.area,
-        borders.owner,
+        budgets,
+        pixels,
         CrackPixels(
             borders.x[:known], borders.y[:known], borders.direction[:known], borders.starts
         ),
         tolerance,
         tolerance.prices,
+        memory_for(longest),
+        fitted,
     )
-    return FittedBorders(kind, edge_starts, edge_kind, data)
+    kind, rows = fitted.kind[:edges].copy(), fitted.rows[:edges].copy()
+    return FittedBorders(fitted.border_kind, fitted.edge_starts, kind, rows)

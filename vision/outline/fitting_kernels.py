@@ -10,6 +10,12 @@ Rules and units
   (``vision.outline.drawn.separating_chord_kernels``).
 - Whatever was fitted, an outline that leaves its border, or leaves a part of it out, is given up
   for chords from border point to border point (``vision.outline.check.stray_kernels``).
+- A kernel that says nothing of ``forceinline`` or ``fastmath`` inherits it from the one that it is
+  first compiled for. ``fit_borders`` takes in all that is below it but what is called seldom: a
+  call copies nine numbers for an array, which costs small borders a fifth of their time.
+- A step that is handed all the memory is written into its caller before anything is compiled
+  (``inline``). As kernels of their own the steps are compiled again and again, each with all that
+  is below it and once more with the next one above.
 """
 
 # mypy: allow-untyped-defs
@@ -45,17 +51,20 @@ from vision.outline.drawn.separation_kernels import fill_cracks, find_cracks
 from vision.outline.fit.outline_kernels import finish_edge
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import CIRCLE, LINE, POLYGON, TINY
-from vision.outline.limit_kernels import allow_losses, limits_of
+from vision.outline.limit_kernels import limits_of
 from vision.outline.outline_types import (
     BorderPoints,
     Costs,
     Cracks,
     FinishedEdges,
+    Outline,
     Prices,
+    Review,
+    Scratch,
+    Work,
 )
 from vision.outline.partition_kernels import partition
 from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write_circle
-from vision.outline.work_kernels import make_work
 
 FEWEST = 10
 """Points of the smallest border that is fitted."""
@@ -80,78 +89,82 @@ SURE = 0.5
 """Pixels by which the last check is stricter than the search."""
 HELD_AREA = 400
 """Pixels from which an object drawn again covers its own, whether or not it is round."""
-STEP = {**LEAF, "forceinline": True}
-"""Options of a step that is called in one place: it is handed all the memory, which a call would
-copy number by number."""
 NONE, ONE = np.int64(0), np.int64(1)
 """Typed, so that kernels are compiled for numbers and not once more for these."""
 
 
-@njit(cache=True, nogil=True)
-def fit_borders(points, point_starts, areas, owners, crack_pixels, tolerance, prices):
-    """Lines, arcs and circles of every border.
+@njit(**LEAF, forceinline=True)
+def fit_borders(
+    points, point_starts, budgets, pixels, crack_pixels, tolerance, prices, memory, fitted
+):  # fmt: skip
+    """Write lines, arcs and circles of every border into ``fitted``; returns the edges' number.
 
-    ``areas`` (b,): the pixels that each border encloses, holes negative; ``owners`` (b,): the
-    outline that it belongs to; ``crack_pixels``: the borders' cracks where edges have to separate
-    every crack's pixels, or else none. Returns
-    ``(border_kind, edge_starts, kind, data)``: per border POLYGON, CIRCLE or TINY and its first
-    edge; per edge LINE, ARC_CW or ARC_CCW and data (k, 6): the edge's first point x, y, then
-    cx, cy, r of an arc, and the whole border's rms deviation. A circle is one edge of kind LINE
-    with its centre and radius in the data. TINY borders have no edges.
+    ``budgets``, ``pixels`` (b,): see ``vision.outline.limit_kernels.allow_losses``;
+    ``crack_pixels``: the borders' cracks where edges have to separate every crack's pixels, or else
+    none; ``memory``: as long as the longest border.
+    Per border POLYGON, CIRCLE or TINY and its first edge; per edge LINE, ARC_CW or ARC_CCW and a
+    row (6,): the edge's first point x, y, then cx, cy, r of an arc, and the whole border's rms
+    deviation. A circle is one edge of kind LINE with its centre and radius in the row. TINY
+    borders have no edges.
     """
-    borders = point_starts.shape[0] - 1
     exact = crack_pixels.x.shape[0] > 0
-    longest = _longest(point_starts)
-    if exact:
-        longest = max(longest, _longest(crack_pixels.starts))
-    budgets = np.empty(borders, np.float64)
-    pixels = np.zeros(borders, np.int64)
-    allow_losses(point_starts, areas, owners, pixels, budgets)
     limits = limits_of(tolerance, exact)
-    work = make_work(longest, exact)
-    room = max(points.shape[0], crack_pixels.x.shape[0]) + borders
-    border_kind = np.empty(borders, np.int8)
-    edge_starts = np.empty(borders + 1, np.int64)
-    kind = np.empty(room, np.int8)
-    data = np.empty((room, 6), np.float64)
+    work = share_out(memory)
+    places = work.places
+    borders = point_starts.shape[0] - 1
     count = 0
     for b in range(borders):
-        edge_starts[b] = count
+        fitted.edge_starts[b] = count
         here = points[point_starts[b] : point_starts[b + 1]]
         if here.shape[0] < FEWEST:
-            border_kind[b] = TINY
+            fitted.border_kind[b] = TINY
             continue
-        border = BorderPoints(work.points.x, work.points.y, here.shape[0])
-        place = bring_into_place(here, exact, work.near[0], border)
+        border = BorderPoints(places[0], places[1], here.shape[0])
+        place = bring_into_place(here, exact, work.room.numbers[0], border)
         known = crack_pixels.starts[b + 1] - crack_pixels.starts[b] if exact else 0
-        room_of = work.cracks
-        cracks = Cracks(room_of.x, room_of.y, room_of.free_x, room_of.free_y, known)
+        cracks = Cracks(places[2], places[3], places[4], places[5], known)
         if exact:
             these = slice(crack_pixels.starts[b], crack_pixels.starts[b + 1])
             fill_cracks(
                 crack_pixels.x[these], crack_pixels.y[these], crack_pixels.direction[these], cracks
             )
             place = bring_cracks_along(border, cracks, place)
-        finished = FinishedEdges(kind[count:], data[count:], work.at)
-        border_kind[b], edges = _fit_border(
+        finished = FinishedEdges(fitted.kind[count:], fitted.rows[count:], work.at)
+        fitted.border_kind[b], edges = _fit_border(
             border, cracks, place, budgets[b], pixels[b] >= HELD_AREA, tolerance, limits, prices,
             work, finished,
         )  # fmt: skip
         count += edges
-    edge_starts[borders] = count
-    return border_kind, edge_starts, kind[:count].copy(), data[:count].copy()
+    fitted.edge_starts[borders] = count
+    return count
 
 
-@njit(**LEAF)
-def _longest(starts):
-    """The longest of sequences that follow one another."""
-    longest = 0
-    for b in range(starts.shape[0] - 1):
-        longest = max(longest, starts[b + 1] - starts[b])
-    return longest
+@njit(**LEAF, inline="always")
+def share_out(memory):
+    """What each array of the memory for one border is used for: ``Work``."""
+    most = memory.most
+    numbers = memory.numbers
+    indices = memory.indices
+    flags = memory.flags
+    table = memory.table
+    outline = Outline(
+        indices[5], flags[5], flags[6], table[:most], table[most : 2 * most], memory.pairs[:most],
+        memory.fresh, indices[6],
+    )  # fmt: skip
+    for e in range(most):
+        outline.is_fillet[e] = False
+    return Work(
+        numbers[0:6],
+        outline,
+        FinishedEdges(memory.kinds, table[2 * most : 3 * most], indices[7]),
+        Review(flags[7], numbers[6], flags[8]),
+        indices[8],
+        numbers[7],
+        Scratch(numbers[8:15], indices[0:5], flags[0:5], memory.pairs[most:], table[3 * most :]),
+    )
 
 
-@njit(**STEP)
+@njit(**LEAF, inline="always")
 def _fit_border(
     border, cracks, place, budget, held, tolerance, limits, prices, work, finished
 ):  # fmt: skip
@@ -167,7 +180,7 @@ def _fit_border(
         limits.expected,
     )
     round_cost, nearly = circle_of_all(
-        border, cracks, costs, budget, held, prices.circle, work.circle, work.near
+        border, cracks, costs, budget, held, prices.circle, work.circle, work.room.numbers[0:2]
     )
     edges = 0
     sound = False
@@ -194,7 +207,7 @@ def _fit_border(
     return POLYGON, edges
 
 
-@njit(**STEP)
+@njit(**LEAF, inline="always")
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
     """Break a border into edges, and once more where they do not cover it.
 
@@ -202,6 +215,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     them, and whether they are known to cover it.
     """
     outline = work.outline
+    spare = work.room.numbers[6]
     crisp = limits.crisp
     spread = tolerance.spread_px
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
@@ -216,29 +230,31 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         costs = Costs(crisp, dead_zone, sigma, limits.worst, limits.expected)
         paid = finer if again > 0 else prices
         edges, cost = partition(
-            border, outline, limits.skip, costs, seeds, paid, round_cost, radius, work
+            border, outline, limits.skip, costs, seeds, paid, round_cost, radius, work.room
         )
         if round_cost <= cost:
             return 0, False
-        edges = _join_edges(border, edges, tolerance, limits, costs, prices, paid, work)
+        edges = _join_edges(
+            border, outline, edges, tolerance, limits, costs, prices, paid, work.room
+        )
         if cracks.n > 0 and not _any(outline.is_arc, edges):
             # what straight sides lose they lose at their corners, which the last check sees
             break
         if crisp:
             if budget >= pass_between_pixels(
-                border, outline, edges, limits, work.review, work.trial, work.spare, work.push
+                border, outline, edges, limits, work.review, work.trial, spare, work.room.table
             ):
                 break
             sigma *= STRICTER_BY
             continue
-        lost = area_lost(border, outline, edges, limits, work.review, work.trial, work.spare)
+        lost = area_lost(border, outline, edges, limits, work.review, work.trial, spare)
         if round_cost < HUGE and lost > area_beside_circle(
             border.x, border.y, NONE, border.n, work.circle, limits.free
         ):
             # its one edge covers the border better than all of these
             return 0, False
         sound = lost <= budget
-        bent = again + 1 < looks and any_bent_line(border, outline, edges, spread, work.spare)
+        bent = again + 1 < looks and any_bent_line(border, outline, edges, spread, spare)
         if sound and not bent:
             break
         dead_zone *= CALMER_BY
@@ -246,38 +262,36 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     return edges, sound
 
 
-@njit(**STEP)
-def _join_edges(border, edges, tolerance, limits, costs, prices, paid, work):
+@njit(**LEAF, inline="always")
+def _join_edges(border, outline, edges, tolerance, limits, costs, prices, paid, room):
     """Fit the edges that a search found and join them; with grey, see to walls' ends and corners.
 
     ``paid``: the prices in the search. Returns the number of edges.
     """
-    outline = work.outline
-    fit_and_join(border, outline, edges, limits, work.near, work.spare)
+    fit_and_join(border, outline, edges, limits, room)
     if limits.crisp:
         return edges
-    edges, cut = cut_ends(
-        border, outline, edges, tolerance.blur_px, limits.guard, work.is_end, work.corner_room
-    )
+    is_end = room.flags[2]
+    edges, cut = cut_ends(border, outline, edges, tolerance.blur_px, limits.guard, is_end, room)
     if cut:
-        fit_and_join(border, outline, edges, limits, work.near, work.spare)
-        square_ends(outline, edges, work.is_end)
-    return _settle_corners(border, outline, edges, limits, costs, prices, paid, work)
+        fit_and_join(border, outline, edges, limits, room)
+        square_ends(outline, edges, is_end)
+    return _settle_corners(border, outline, edges, limits, costs, prices, paid, room)
 
 
-@njit(**STEP)
-def _settle_corners(border, outline, edges, limits, costs, prices, paid, work):
+@njit(**LEAF, inline="always")
+def _settle_corners(border, outline, edges, limits, costs, prices, paid, room):
     """Put fillets where sharp corners do not fit, and fit again; returns the number of edges.
 
     What is one line then, at the prices that were ``paid`` in the search, is made one first.
     """
     blur = limits.corner_blur
-    room = work.corner_room
+    corner = room.numbers[6]
     for e in range(edges):
         outline.is_fillet[e] = False
     searched = 0
     while True:
-        edges, changed = merge_lines(border, outline, edges, costs, paid, room.corner)
+        edges, changed = merge_lines(border, outline, edges, costs, paid, corner)
         if not changed:
             edges, changed = drop_side(border, outline, edges, blur, costs, prices.line, room)
         if not changed and searched < ROUNDS:
@@ -285,50 +299,47 @@ def _settle_corners(border, outline, edges, limits, costs, prices, paid, work):
             edges, changed = insert_fillets(border, outline, edges, blur, costs, prices, room)
         if not changed:
             break
-        fit_and_join(border, outline, edges, limits, work.near, work.spare)
-        touch_lines(border, outline, edges, blur, costs, room.corner)
+        fit_and_join(border, outline, edges, limits, room)
+        touch_lines(border, outline, edges, blur, costs, corner)
     return edges
 
 
-@njit(**STEP)
+@njit(**LEAF, inline="always")
 def _finish_drawn(border, cracks, edges, budget, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number."""
     outline = work.outline
+    room = work.room
+    crack_of = room.indices[0]
+    found = room.indices[1]
     for e in range(edges):
-        finished.kind[e] = finish_edge(border, outline, edges, e, finished.rows, work.spare)
-    find_cracks(border, cracks, work.crack_of)
+        finished.kind[e] = finish_edge(border, outline, edges, e, finished.rows, room.numbers[6])
+    find_cracks(border, cracks, crack_of)
     for e in range(edges):
-        finished.at[e] = work.crack_of[outline.breaks[e]]
+        finished.at[e] = crack_of[outline.breaks[e]]
     count = separate_by_chords(
-        cracks,
-        finished,
-        edges,
-        budget - SURE,
-        work.state,
-        work.inside,
-        work.seeds,
-        work.trial,
-        work.ends,
-    )
+        cracks, finished, edges, budget - SURE, room.indices[2], room.flags[0], found, work.trial,
+        room.numbers[0:2],
+    )  # fmt: skip
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)
     if outline_strays(middles, finished, count):
-        count = all_chords(cracks, finished, work.seeds)
+        count = all_chords(cracks, finished, found)
     measure_residual(middles, finished, count, NO_BLUR, NO_BLUR)
     return count
 
 
-@njit(**STEP)
+@njit(**LEAF, inline="always")
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
     """Write edges that cover their border, chords where none do; returns their number."""
     outline = work.outline
+    review = work.review
+    room = work.room
     if not sound:
-        check_edges(border, outline, edges, limits, budget, work.review, work.trial, work.spare)
+        check_edges(border, outline, edges, limits, budget, review, work.trial, room.numbers[6])
     count = finish_with_chords(
-        border, outline, edges, work.trial, work.review, limits.chord, work.is_seed, work.seeds,
-        work.stack, finished,
-    )  # fmt: skip
+        border, outline, edges, work.trial, review, limits.chord, room, finished
+    )
     if outline_strays(border, finished, count):
-        count = chords_around(border, limits.chord, work.is_seed, work.seeds, work.stack, finished)
+        count = chords_around(border, limits.chord, room, finished)
     measure_residual(border, finished, count, tolerance.blur_px, limits.guard)
     return count
 

@@ -85,3 +85,12 @@ def allow_losses(point_starts, areas, owners, pixels, budgets):
         allowed = max(LOSS_SHARE * pixels[b], LEAST_LOSS)
         length = point_starts[b + 1] - point_starts[b]
         budgets[b] = allowed * length / max(lengths[owners[b]], 1)
+
+
+@njit(**LEAF)
+def longest_of(starts):
+    """The longest of sequences that follow one another."""
+    longest = 0
+    for b in range(starts.shape[0] - 1):
+        longest = max(longest, starts[b + 1] - starts[b])
+    return longest

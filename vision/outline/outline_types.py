@@ -210,71 +210,75 @@ class Gains(NamedTuple):
     """The best fillet that begins at each edge.
 
     ``saved`` (edges,) float64: what it saves; ``run`` (edges,) int64: how many edges it replaces;
-    ``arc`` (edges, 2) int64: its first point, and the one behind its last.
+    ``first``, ``behind`` (edges,) int64: its arc's first point, and the one behind its last.
     """
 
     saved: NDArray[np.float64]
     run: NDArray[np.int64]
-    arc: NDArray[np.int64]
+    first: NDArray[np.int64]
+    behind: NDArray[np.int64]
 
 
-class CornerRoom(NamedTuple):
-    """Room for a search of an outline's corners, for so many edges or points.
+class Scratch(NamedTuple):
+    """Room that every step works in and none leaves anything in for the next.
 
-    ``corners`` (edges, 8) float64: see ``vision.outline.corners.blurred_corner_kernels``; ``sums``
-    (2 n + 1,) float64: what the points up to each cost; ``corner`` (7,) float64. Edges that are
-    ``gone``, lines beside a fillet that is chosen, an ``anchor``, and those that one follows,
-    ``used``: (edges,) bool; ``begins`` (edges,) int64: where an edge begins behind a fillet, or
-    -1; ``ends`` (edges, 2) int64: the points at the corners of the wall's end behind an edge, or
-    -1. ``breaks``, ``is_arc``, ``is_fillet`` (2 edges,) as in ``Outline``.
+    ``numbers`` (7, 2 n + 1) float64, ``indices`` (5, 2 n + 1) int64, ``flags`` (5, 2 n + 1) bool:
+    a step takes rows of them under names of its own. ``pairs`` (n + 1, 2) int64, ``table`` (2 n, 8)
+    float64.
     """
 
-    fillet: Fillet
-    gains: Gains
-    corners: NDArray[np.float64]
-    sums: NDArray[np.float64]
-    corner: NDArray[np.float64]
-    gone: NDArray[np.bool_]
-    anchor: NDArray[np.bool_]
-    used: NDArray[np.bool_]
-    begins: NDArray[np.int64]
-    ends: NDArray[np.int64]
-    breaks: NDArray[np.int64]
-    is_arc: NDArray[np.bool_]
-    is_fillet: NDArray[np.bool_]
+    numbers: NDArray[np.float64]
+    indices: NDArray[np.int64]
+    flags: NDArray[np.bool_]
+    pairs: NDArray[np.int64]
+    table: NDArray[np.float64]
+
+
+class Memory(NamedTuple):
+    """All that one border is fitted in, shared out by ``vision.outline.fitting_kernels.share_out``.
+
+    Few arrays: a call from Python unpacks each of them. ``most``: so many points, and one more.
+    """
+
+    most: int
+    numbers: NDArray[np.float64]
+    indices: NDArray[np.int64]
+    flags: NDArray[np.bool_]
+    table: NDArray[np.float64]
+    pairs: NDArray[np.int64]
+    fresh: NDArray[np.bool_]
+    kinds: NDArray[np.int8]
 
 
 class Work(NamedTuple):
     """Memory to fit one border in, as long as the longest one needs.
 
     All of it is made at once, so that everything below is a borrowing kernel
-    (``planner.scene.compile_options``).
+    (``planner.scene.compile_options``), and is few arrays: a kernel is compiled the longer the more
+    of them it is handed. As 60 of their own they were a third of the eye's compile time.
 
-    ``points``, ``cracks``: their arrays, as long as they can be; ``crack_of`` (n,) int64: every
-    point's crack. ``trial``: edges finished for a look at them; ``at`` (n,) int64: of those that
-    are written at last. ``seeds``, ``state`` (n,) int64, ``is_seed``, ``inside``, ``is_end`` (n,)
-    bool, ``stack`` (n + 1, 2) int64, ``near`` (2, n) and ``push`` (2 n, 6) float64, ``circle`` and
-    ``spare`` (3,), ``ends`` (2, 2) float64.
+    ``places`` (6, 2 n + 1) float64: the arrays of ``BorderPoints``, then those of ``Cracks``.
+    ``trial``: edges finished for a look at them; ``at`` (n,) int64: of those that are written at
+    last. ``circle`` (3,) float64: the one through the whole border.
     """
 
-    points: BorderPoints
-    cracks: Cracks
-    crack_of: NDArray[np.int64]
+    places: NDArray[np.float64]
     outline: Outline
     trial: FinishedEdges
     review: Review
-    search: Search
-    stretch: StretchFit
-    corner_room: CornerRoom
     at: NDArray[np.int64]
-    seeds: NDArray[np.int64]
-    state: NDArray[np.int64]
-    is_seed: NDArray[np.bool_]
-    inside: NDArray[np.bool_]
-    is_end: NDArray[np.bool_]
-    stack: NDArray[np.int64]
-    near: NDArray[np.float64]
-    push: NDArray[np.float64]
     circle: NDArray[np.float64]
-    spare: NDArray[np.float64]
-    ends: NDArray[np.float64]
+    room: Scratch
+
+
+class Fitted(NamedTuple):
+    """Where all borders' edges are written, one border after the other.
+
+    ``border_kind`` (b,) int8, ``edge_starts`` (b + 1,) int64, ``kind`` (k,) int8 and ``rows``
+    (k, 6) float64 as in ``vision.outline.fitted_borders``.
+    """
+
+    border_kind: NDArray[np.int8]
+    edge_starts: NDArray[np.int64]
+    kind: NDArray[np.int8]
+    rows: NDArray[np.float64]

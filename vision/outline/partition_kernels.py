@@ -20,6 +20,7 @@ from planner.scene.compile_options import LEAF
 from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, line_cost
+from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 
 FAILED = 4.0
@@ -47,8 +48,8 @@ NO_LINE, NO_CIRCLE = 2.0, 3.0
 ends and the middle, of a stretch that might be a line or an arc."""
 
 
-@njit(**LEAF, forceinline=True)
-def partition(border, outline, skip, costs, tolerance, prices, limit, radius, work):
+@njit(**LEAF)
+def partition(border, outline, skip, costs, tolerance, prices, limit, radius, room):
     """Seeds, then the cheapest partition that breaks at some of them: (edges, cost).
 
     ``tolerance``: how far the chords between seeds may lie from the border; ``skip``: points left
@@ -57,19 +58,21 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     """
     n = border.n
     longest = _longest_line(n, radius, costs.worst, skip)
-    seed_breaks(border, tolerance, work.is_seed, work.near[0], work.stack)
+    is_seed = room.flags[0]
+    seeds = room.indices[0]
+    seed_breaks(border, tolerance, is_seed, room.numbers[0], room.pairs)
     m = 0
     for k in range(n):
-        if work.is_seed[k]:
-            work.seeds[m] = k
+        if is_seed[k]:
+            seeds[m] = k
             m += 1
     chord = _longest_line(n, radius, 0.5 * costs.worst, 0)
     if radius > 0.0 and m > ROUND_SEEDS and prices.line * n >= limit * chord:
         # no polygon is cheaper than the circle: what is left are arcs
         for t in range(ROUND_SEEDS):
-            work.seeds[t] = work.seeds[t * m // ROUND_SEEDS]
+            seeds[t] = seeds[t * m // ROUND_SEEDS]
         m = ROUND_SEEDS
-    seeds = work.seeds[:m]
+    seeds = seeds[:m]
     snap_seeds(border, seeds, skip + 4)
     sharpest = -1.0
     start = 0
@@ -83,7 +86,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     for _ in range(2):
         found, least = _best_partition(
             border, outline, seeds, start, skip, costs, prices,
-            min(cost * (1.0 + ROUNDING), limit), longest, work,
+            min(cost * (1.0 + ROUNDING), limit), longest, room,
         )  # fmt: skip
         if found == 0:
             break
@@ -100,8 +103,8 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, wo
     return edges, cost
 
 
-@njit(**LEAF, forceinline=True)
-def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, work):
+@njit(**LEAF)
+def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, longest, room):
     """The cheapest partition of a closed border into lines and arcs that break at seeds.
 
     The first break is seed number ``start``. Fills the outline's ``breaks`` (in order along the
@@ -111,7 +114,10 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     costs at least a line or an arc: what leads beyond ``limit`` with that is not followed up.
     """
     m = seeds.shape[0]
-    search = work.search
+    indices = room.indices
+    numbers = room.numbers
+    search = Search(indices[1], numbers[2], numbers[3], indices[2], room.flags[1])
+    fit = StretchFit(numbers[4], numbers[5], numbers[6], numbers[0:2])
     for t in range(m + 1):
         search.came[t] = -1
     for t in range(m + 1):
@@ -124,7 +130,7 @@ def _best_partition(border, outline, seeds, start, skip, costs, prices, limit, l
     search.came[0] = 0
     for i in range(m):
         if search.came[i] >= 0 and search.best[i] + search.rest[i] < search.best[m]:
-            _extend(border, search, m, i, skip, costs, prices, work.stretch)
+            _extend(border, search, m, i, skip, costs, prices, fit)
     if search.came[m] < 0:
         return 0, limit
     return _write_partition(border.n, search, m, outline), search.best[m]

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from planner.scene import PolygonRecord
+from tests.support.drawn.outlines import blank_outline, scratch_for
 from tests.support.drawn.render import Points, draw, polygon
 from vision import extract
 from vision.outline.corners.dropped_side_kernels import drop_side
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import fit_line
 from vision.outline.outline_types import BorderPoints, Costs
-from vision.outline.work_kernels import make_corner_room, make_outline
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
@@ -72,7 +72,7 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
         # four sides, and the four points around a corner as a fifth
         starts = np.array([2, 30, 60, 90, n - 2])
         edges = len(starts)
-        outline = make_outline(edges)
+        outline = blank_outline(edges)
         breaks = outline.breaks
         breaks[:] = np.sort((starts - shift) % n)
         outline.is_arc[:] = False
@@ -86,7 +86,7 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
             1.0,
             Costs(False, 0.2, 0.3, 2.0, 0.0),
             30.0,
-            make_corner_room(n),
+            scratch_for(n),
         )
         assert changed
         assert left == edges - 1

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.drawn.outlines import blank_outline
 from vision.outline.corners.blurred_corner_kernels import (
     ALONG_X,
     CORNER_ROOM,
@@ -17,7 +18,6 @@ from vision.outline.corners.blurred_corner_kernels import (
     sum_costs,
 )
 from vision.outline.outline_types import BorderPoints, Costs
-from vision.outline.work_kernels import make_outline
 
 SIDE = 40.0
 HALF = 20
@@ -51,7 +51,7 @@ def test_points_where_blur_puts_them_cost_nothing(blur: float, clockwise: bool) 
     n = len(points)
     x, y = (np.append(np.tile(points[:, c], 2), points[0, c]) for c in (0, 1))
     border = BorderPoints(x, y, n)
-    outline = make_outline(4)
+    outline = blank_outline(4)
     outline.breaks[:] = np.arange(4) * 2 * HALF + HALF
     outline.is_arc[:] = False
     outline.joints[:] = joints

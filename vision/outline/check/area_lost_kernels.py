@@ -101,7 +101,7 @@ def _find_losses(border, outline, edges, limits, review, finished):
     return strayed, total
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=False)
 def check_edges(border, outline, edges, limits, budget, review, finished, circle):
     """Finish the edges, and mark as ragged what would not cover the border well enough.
 

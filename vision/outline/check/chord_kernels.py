@@ -1,9 +1,8 @@
 """Chords from border point to border point, where no edges cover their border well enough.
 
 Rules and units
-- ``border``, ``outline``, ``review`` and ``finished``: see ``vision.outline.outline_types``.
-- ``is_seed`` (n + 1,) bool, ``found`` (n + 1,) and ``stack`` (n + 2, 2) int64
-  are room to work in.
+- ``border``, ``outline``, ``review``, ``room`` and ``finished``: see
+  ``vision.outline.outline_types``.
 """
 
 # mypy: allow-untyped-defs
@@ -24,10 +23,8 @@ FIRST = np.int64(0)
 """Typed, so that kernels are compiled for numbers and not once more for this."""
 
 
-@njit(**LEAF)
-def finish_with_chords(
-    border, outline, edges, trial, review, tolerance, is_seed, found, stack, finished
-):
+@njit(**LEAF, forceinline=False)
+def finish_with_chords(border, outline, edges, trial, review, tolerance, room, finished):
     """Write the edges of ``trial``, and chords instead of the ragged ones; returns their number.
 
     ``tolerance``: how far a chord may leave its points, in pixels.
@@ -37,6 +34,7 @@ def finish_with_chords(
     n = border.n
     breaks = outline.breaks
     joints = outline.joints
+    found = room.indices[0]
     count = 0
     for e in range(edges):
         if not review.ragged[e]:
@@ -46,9 +44,7 @@ def finish_with_chords(
                 finished.rows[count, c] = trial.rows[e, c]
             count += 1
             continue
-        m = _chords(
-            border, breaks[e], edge_end(breaks, edges, n, e), tolerance, is_seed, found, stack
-        )
+        m = _chords(border, breaks[e], edge_end(breaks, edges, n, e), tolerance, found, room)
         for t in range(m):
             x = joints[e, 0] if t == 0 else px[found[t]]
             y = joints[e, 1] if t == 0 else py[found[t]]
@@ -58,10 +54,11 @@ def finish_with_chords(
     return count
 
 
-@njit(**LEAF)
-def chords_around(border, tolerance, is_seed, found, stack, finished):
+@njit(**LEAF, forceinline=False)
+def chords_around(border, tolerance, room, finished):
     """Write chords all around a border, from point to point; returns their number."""
-    count = _chords(border, FIRST, border.n, tolerance, is_seed, found, stack)
+    found = room.indices[0]
+    count = _chords(border, FIRST, border.n, tolerance, found, room)
     for t in range(count):
         _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
     return count
@@ -80,10 +77,12 @@ def _write_chord(finished, i, k, x, y):
 
 
 @njit(**LEAF)
-def _chords(border, lo, hi, tolerance, is_seed, found, stack):
+def _chords(border, lo, hi, tolerance, found, room):
     """Break a stretch into chords within tolerance: ``found`` = their first points' indices."""
     px = border.x
     py = border.y
+    is_seed = room.flags[0]
+    stack = room.pairs
     count = hi - lo
     for k in range(count + 1):
         is_seed[k] = False

@@ -75,7 +75,7 @@ def _sharp_cost(border, lo, hi, a, b, corner, blur, costs):
 def drop_side(border, outline, edges, blur, costs, price, room):
     """Leave out the short side that a sharp corner explains best.
 
-    ``price`` is a line's; ``room``: ``CornerRoom``. ``breaks``, ``is_arc`` and
+    ``price`` is a line's; ``room``: ``Scratch``. ``breaks``, ``is_arc`` and
     ``is_fillet`` are changed; returns the new number of edges, and whether they are.
     """
     n = border.n
@@ -88,9 +88,9 @@ def drop_side(border, outline, edges, blur, costs, price, room):
     blur = math.sqrt(blur * blur + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
     span = int(REACH * blur) + 1
     longest = (LONGEST_BY * blur) ** 2
-    corner = room.corner
-    corners = room.corners
-    sums = room.sums
+    corner = room.numbers[6]
+    corners = room.table
+    sums = room.numbers[2]
     summed = False
     best = 0.0
     gone = -1

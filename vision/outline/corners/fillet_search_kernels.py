@@ -32,6 +32,7 @@ from vision.outline.corners.fillet_kernels import (
 )
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE, circle_rms
+from vision.outline.outline_types import Fillet, Gains
 
 LONGEST_RUN = 6
 """Edges that one fillet may replace."""
@@ -57,11 +58,11 @@ def insert_fillets(border, outline, edges, blur, costs, prices, room):
         return edges, False
     inwards = half_variance(blur)
     blur = math.sqrt(blur * blur + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
-    find_corners(border, outline, edges, room.corners)
-    sum_costs(border, outline, edges, room.corners, blur, costs, room.sums)
-    if not _find_fillets(border, outline, edges, blur, inwards, costs, prices, room):
+    indices = room.indices
+    gains = Gains(room.numbers[3], indices[0], indices[1], indices[2])
+    if not _find_fillets(border, outline, edges, blur, inwards, costs, prices, gains, room):
         return edges, False
-    return _place_fillets(border.n, outline, edges, room), True
+    return _place_fillets(border.n, outline, edges, gains, room), True
 
 
 @njit(**LEAF)
@@ -75,12 +76,14 @@ def _is_flat(border, outline, lo, hi, e):
 
 
 @njit(**LEAF)
-def _find_fillets(border, outline, edges, blur, inwards, costs, prices, room):
+def _find_fillets(border, outline, edges, blur, inwards, costs, prices, gains, room):
     """Find the best fillet that begins at each line: whether any saves something."""
-    corners = room.corners
-    sums = room.sums
-    gains = room.gains
-    fillet = room.fillet
+    numbers = room.numbers
+    corners = room.table
+    sums = numbers[2]
+    fillet = Fillet(numbers[4], numbers[5], numbers[6], room.indices[3])
+    find_corners(border, outline, edges, corners)
+    sum_costs(border, outline, edges, corners, blur, costs, sums)
     n = border.n
     breaks = outline.breaks
     is_arc = outline.is_arc
@@ -116,8 +119,8 @@ def _find_fillets(border, outline, edges, blur, inwards, costs, prices, room):
                     if gain > gains.saved[i]:
                         gains.saved[i] = gain
                         gains.run[i] = run
-                        gains.arc[i, 0] = fillet.found[2]
-                        gains.arc[i, 1] = fillet.found[3] + 1
+                        gains.first[i] = fillet.found[2]
+                        gains.behind[i] = fillet.found[3] + 1
                         any_gain = True
             saved += prices.arc if is_arc[j] else prices.line
             b_lo = b_hi
@@ -125,15 +128,18 @@ def _find_fillets(border, outline, edges, blur, inwards, costs, prices, room):
 
 
 @njit(**LEAF)
-def _place_fillets(n, outline, edges, room):
-    """Replace runs of edges by fillets, those that save most first; returns the new number."""
-    saved = room.gains.saved
-    runs = room.gains.run
-    arcs = room.gains.arc
-    gone = room.gone
-    anchor = room.anchor
-    begins = room.begins
-    used = room.used
+def _place_fillets(n, outline, edges, gains, room):
+    """Replace runs of edges by fillets, those that save most first; returns the new number.
+
+    Edges that are ``gone``, lines beside a fillet that is chosen, an ``anchor``, and those that one
+    follows, ``used``; where an edge ``begins`` behind a fillet, or -1.
+    """
+    saved = gains.saved
+    runs = gains.run
+    gone = room.flags[0]
+    anchor = room.flags[1]
+    used = room.flags[2]
+    begins = room.indices[3]
     for e in range(edges):
         gone[e] = False
         anchor[e] = False
@@ -152,13 +158,14 @@ def _place_fillets(n, outline, edges, room):
         for t in range(1, runs[i] + 1):
             e = (i + t) % edges
             free = free and not gone[e] and not anchor[e]
-        first = arcs[i, 0]
-        last = arcs[i, 1]
+        first = gains.first[i]
+        last = gains.behind[i]
         # what is left of each line lies between the arcs at its ends
         if begins[i] >= 0:
             free = free and (first - begins[i]) % n < n // 2 and (first - begins[i]) % n >= 3
         if used[j]:
-            free = free and (arcs[j, 0] - last) % n < n // 2 and (arcs[j, 0] - last) % n >= 3
+            ahead = (gains.first[j] - last) % n
+            free = free and ahead < n // 2 and ahead >= 3
         if not free:
             continue
         used[i] = True
@@ -167,20 +174,19 @@ def _place_fillets(n, outline, edges, room):
         begins[j] = last % n
         for t in range(1, runs[i] + 1):
             gone[(i + t) % edges] = True
-    return _with_fillets(n, outline, edges, room)
+    return _with_fillets(n, outline, edges, gains, room)
 
 
 @njit(**LEAF)
-def _with_fillets(n, outline, edges, room):
+def _with_fillets(n, outline, edges, gains, room):
     """Write the edges that are not gone, and the arc behind each that is used: the new number."""
-    gone = room.gone
-    begins = room.begins
-    used = room.used
-    arcs = room.gains.arc
+    gone = room.flags[0]
+    used = room.flags[2]
+    begins = room.indices[3]
     # every edge adds at most one
-    new_breaks = room.breaks
-    bent = room.is_arc
-    fillet = room.is_fillet
+    new_breaks = room.indices[4]
+    bent = room.flags[3]
+    fillet = room.flags[4]
     m = 0
     for e in range(edges):
         if not gone[e]:
@@ -189,7 +195,7 @@ def _with_fillets(n, outline, edges, room):
             fillet[m] = outline.is_fillet[e]
             m += 1
         if used[e]:
-            new_breaks[m] = arcs[e, 0] % n
+            new_breaks[m] = gains.first[e] % n
             bent[m] = True
             fillet[m] = True
             m += 1

@@ -42,12 +42,13 @@ SLIDE = 8
 
 
 @njit(**LEAF)
-def fit_and_join(border, outline, edges, limits, near, found):
+def fit_and_join(border, outline, edges, limits, room):
     """Fit every edge, join neighbours, and so again with the joints found, until it settles.
 
-    The outline's ``breaks`` and ``is_arc`` are corrected, all but ``is_fillet`` filled; ``near``
-    (2, points) and ``found`` (3,) are room to work in.
+    The outline's ``breaks`` and ``is_arc`` are corrected, all but ``is_fillet`` filled.
     """
+    near = room.numbers[0:2]
+    found = room.numbers[2]
     for e in range(edges):
         outline.joints[e, 0] = border.x[outline.breaks[e]]
         outline.joints[e, 1] = border.y[outline.breaks[e]]

@@ -46,20 +46,21 @@ def cut_ends(border, outline, edges, blur, guard, is_end, room):
     """Put a side where two lines that turn back have a blunt end between them.
 
     ``breaks`` and ``is_arc`` are changed and ``is_end`` (edges + 1,) filled; returns the new number
-    of edges, and whether it is. ``room``: ``CornerRoom``.
+    of edges, and whether it is. ``room``: ``Scratch``.
     """
     breaks = outline.breaks
     is_arc = outline.is_arc
     shape = outline.shape
     n = border.n
-    gone = room.gone
-    ends = room.ends
-    found = room.fillet.found
+    gone = room.flags[0]
+    first = room.indices[0]
+    behind = room.indices[1]
+    found = room.indices[2]
     any_end = False
     for e in range(edges):
         gone[e] = False
-        ends[e, 0] = -1
-        ends[e, 1] = -1
+        first[e] = -1
+        behind[e] = -1
     for e in range(edges):
         if gone[e] or is_arc[e] or edge_end(breaks, edges, n, e) - breaks[e] < LEAST:
             continue
@@ -69,8 +70,8 @@ def cut_ends(border, outline, edges, blur, guard, is_end, room):
                 continue
             dot = shape[e, 2] * shape[j, 2] + shape[e, 3] * shape[j, 3]
             if dot < BACK and _find_end(border, outline, edges, e, j, blur, guard, found):
-                ends[e, 0] = found[0]
-                ends[e, 1] = found[1]
+                first[e] = found[0]
+                behind[e] = found[1]
                 any_end = True
                 for t in range(run):
                     gone[(e + t + 1) % edges] = True
@@ -85,12 +86,13 @@ def cut_ends(border, outline, edges, blur, guard, is_end, room):
 @njit(**LEAF)
 def _put_sides(outline, edges, room, is_end):
     """Put the sides at walls' ends in the place of edges that are gone: how many are left."""
-    gone = room.gone
-    ends = room.ends
+    gone = room.flags[0]
+    first = room.indices[0]
+    behind = room.indices[1]
     breaks = outline.breaks
     is_arc = outline.is_arc
-    old_breaks = room.breaks
-    old_arcs = room.is_arc
+    old_breaks = room.indices[2]
+    old_arcs = room.flags[1]
     for e in range(edges):
         old_breaks[e] = breaks[e]
         old_arcs[e] = is_arc[e]
@@ -101,19 +103,19 @@ def _put_sides(outline, edges, room, is_end):
         before = predecessor(e, edges)
         while gone[before]:
             before = predecessor(before, edges)
-        breaks[m] = ends[before, 1] if ends[before, 1] >= 0 else old_breaks[e]
+        breaks[m] = behind[before] if behind[before] >= 0 else old_breaks[e]
         is_arc[m] = old_arcs[e]
         is_end[m] = False
         m += 1
-        if ends[e, 0] >= 0:
-            breaks[m] = ends[e, 0]
+        if first[e] >= 0:
+            breaks[m] = first[e]
             is_arc[m] = False
             is_end[m] = True
             m += 1
     return m
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=False)
 def square_ends(outline, edges, is_end):
     """Turn the sides at walls' ends square to their walls where they nearly are."""
     is_arc = outline.is_arc

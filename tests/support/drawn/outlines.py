@@ -1,0 +1,29 @@
+"""Outlines that are still to be filled, for the tests of single kernels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vision.outline.fitting_kernels import share_out
+from vision.outline.outline_types import Outline, Scratch
+from vision.outline.work import make_memory
+
+
+def blank_outline(edges: int) -> Outline:
+    """An outline of so many edges, none of them a fillet."""
+    return Outline(
+        np.empty(edges, np.int64),
+        np.empty(edges, np.bool_),
+        np.zeros(edges, np.bool_),
+        np.empty((edges, 5)),
+        np.empty((edges, 2)),
+        np.empty((edges, 2), np.int64),
+        np.empty((edges, 2), np.bool_),
+        np.empty(edges, np.int64),
+    )
+
+
+def scratch_for(points: int) -> Scratch:
+    """Room to work on a border of so many points."""
+    room: Scratch = getattr(share_out, "py_func", share_out)(make_memory(points + 1)).room
+    return room

@@ -1,0 +1,58 @@
+"""The memory that one border after the other is fitted in.
+
+Rules and units
+- Sizes are in points or cracks; a border never has more edges than those.
+"""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from vision.outline.outline_types import Fitted, Memory
+
+LEAST = 16
+"""So long are rows at least: a few sums of a stretch, or a corner, need that."""
+
+
+class _Kept(threading.local):
+    """What this thread's last picture was fitted in: fresh pages cost as much as a small fit."""
+
+    memory: Memory | None = None
+
+
+_KEPT = _Kept()
+
+
+def memory_for(longest: int) -> Memory:
+    """Memory to fit borders of up to ``longest`` points or cracks; the next call takes it again."""
+    memory = _KEPT.memory
+    if memory is None or memory.most <= longest:
+        memory = _KEPT.memory = make_memory(longest + 1)
+    return memory
+
+
+def make_memory(most: int) -> Memory:
+    """Memory to fit borders of fewer than ``most`` points or cracks."""
+    row = max(2 * most + 1, LEAST)
+    return Memory(
+        most,
+        np.empty((15, row)),
+        np.empty((9, row), np.int64),
+        np.empty((9, row), np.bool_),
+        np.empty((5 * most, 8)),
+        np.empty((2 * most + 1, 2), np.int64),
+        np.empty((most, 2), np.bool_),
+        np.empty(most, np.int8),
+    )
+
+
+def make_fitted(borders: int, edges: int) -> Fitted:
+    """Room for the edges of so many borders."""
+    return Fitted(
+        np.empty(borders, np.int8),
+        np.empty(borders + 1, np.int64),
+        np.empty(edges, np.int8),
+        np.empty((edges, 6)),
+    )
