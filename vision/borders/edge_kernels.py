@@ -26,23 +26,14 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from vision.borders.edge_level_kernels import find_plateaus
 from vision.borders.edge_profile_kernels import (
-    ASTRAY,
     BEHIND,
-    CHOSEN,
-    CLEAR,
-    CROSSING,
-    DARK_LEVEL,
-    FAR,
-    GAP,
-    LIGHT_LEVEL,
-    NEAR,
     REACH,
     ROWS,
-    SLANTED,
+    SAMPLES,
     TAP0,
     TAP1,
     TAP2,
-    WALL,
+    Profiles,
     gather,
     locate,
     look_along,
@@ -76,7 +67,11 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     longest = 0
     for b in range(borders):
         longest = max(longest, starts[b + 1] - starts[b])
-    work = np.empty((ROWS, longest + 2 * REACH), np.float64)
+    rows = np.empty((ROWS, longest + 2 * REACH), np.float64)
+    work = Profiles(
+        rows[:SAMPLES], rows[10], rows[11], rows[12], rows[13], rows[14], rows[15], rows[16],
+        rows[17], rows[18], rows[19], rows[20], rows[21], rows[22], rows[23], rows[24],
+    )  # fmt: skip
     places = np.empty((2, longest), np.int64)
     sums = np.zeros((4, longest + 1), np.float64)
     totals = np.zeros(4)
@@ -90,7 +85,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
         point_starts[b] = count
         locate(grey, x, y, direction, n, work, places)
         if not by_level:
-            look_at_mask(mask, grey.shape[1], x, y, direction, n, work[CLEAR])
+            look_at_mask(mask, grey.shape[1], x, y, direction, n, work.clear)
         gather(grey, mask, x, y, direction, n, work, places)
         look_along(direction, n, work)
         look_beside(level, by_level, n, work)
@@ -103,25 +98,14 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     return points[:count], point_starts, slope, crispness
 
 
-@njit(**SUMS)
+@njit(**SUMS, forceinline=True)
 def _find_crossings(level, n, work, totals):
     """Where the smoothed profile crosses the half level between the crack's own two pixels.
 
     ``totals``: the sum and number of slopes, full steps and slanted cracks.
     """
-    here = work[BEHIND]
-    beside = work[BEHIND + 1]
-    wall = work[WALL]
-    gap = work[GAP]
-    clear = work[CLEAR]
-    chosen = work[CHOSEN]
-    slanted = work[SLANTED]
-    near = work[NEAR]
-    far = work[FAR]
-    dark_level = work[DARK_LEVEL]
-    light_level = work[LIGHT_LEVEL]
-    crossing = work[CROSSING]
-    astray = work[ASTRAY]
+    here = work.profile[BEHIND]
+    beside = work.profile[BEHIND + 1]
     slopes = 0.0
     crossed = 0.0
     steps = 0.0
@@ -130,27 +114,27 @@ def _find_crossings(level, n, work, totals):
         g0 = here[i]
         g1 = beside[i]
         step = g1 - g0
-        contrast = light_level[i] - dark_level[i]
-        seen = (clear[i] > 0.0) & (contrast > 0.0)
-        counts = chosen[i] * slanted[i] if seen else 0.0
+        contrast = work.light_level[i] - work.dark_level[i]
+        seen = (work.clear[i] > 0.0) & (contrast > 0.0)
+        counts = work.chosen[i] * work.slanted[i] if seen else 0.0
         slants += counts
         steps += counts if step >= CRISP * contrast else 0.0
         share = 1.0 / (contrast if contrast > 0.0 else 1.0)
-        half = 0.5 * (light_level[i] + dark_level[i])
-        p0 = _probit((near[i] - half) * share)
-        p1 = _probit((far[i] - half) * share)
+        half = 0.5 * (work.light_level[i] + work.dark_level[i])
+        p0 = _probit((work.near[i] - half) * share)
+        p1 = _probit((work.far[i] - half) * share)
         rise = p1 - p0
-        between = seen & (near[i] < half) & (half <= far[i])
+        between = seen & (work.near[i] < half) & (half <= work.far[i])
         good = between & (rise > 1e-6)
-        counts = chosen[i] if good else 0.0
-        slopes += counts * (far[i] - near[i]) * share
+        counts = work.chosen[i] if good else 0.0
+        slopes += counts * (work.far[i] - work.near[i]) * share
         crossed += counts
-        plain = (g1 > level) & (step > 0.0) & (g0 < level) & (clear[i] == 0.0)
+        plain = (g1 > level) & (step > 0.0) & (g0 < level) & (work.clear[i] == 0.0)
         t = (level - g0) / (step if step > 0.0 else 1.0) if plain else 0.5
         t = -p0 / (rise if rise > 1e-6 else 1.0) if good else t
-        crossing[i] = 0.5 if crossing[i] < 0.0 else t
-        narrow = wall[i] + gap[i] > 0.0
-        astray[i] = 1.0 if seen & (narrow | (not between)) else 0.0
+        work.crossing[i] = 0.5 if work.crossing[i] < 0.0 else t
+        narrow = work.wall[i] + work.gap[i] > 0.0
+        work.astray[i] = 1.0 if seen & (narrow | (not between)) else 0.0
     totals[0] += slopes
     totals[1] += crossed
     totals[2] += steps
@@ -165,34 +149,31 @@ def _probit(w):
     return w * (1.0 + q * (1.047198 + q * (2.30291 + q * 6.0)))
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def _place(grey, level, xs, ys, directions, n, work, totals, points, count):
     """The points of the chosen cracks, in order; returns the next point's number."""
-    crossing = work[CROSSING]
-    chosen = work[CHOSEN]
-    astray = work[ASTRAY]
     for i in range(n):
         nx, ny = out(np.int64(directions[i]))
-        t = crossing[i]
-        if astray[i] * chosen[i] > 0.0:
-            if work[WALL, i] + work[GAP, i] > 0.0:
+        t = work.crossing[i]
+        if work.astray[i] * work.chosen[i] > 0.0:
+            if work.wall[i] + work.gap[i] > 0.0:
                 t = _crossing_narrow(level, i, work)
             else:
                 t = _crossing_beside(grey, xs[i], ys[i], nx, ny, i, work, totals)
         points[count, 0] = xs[i] + t * nx
         points[count, 1] = ys[i] + t * ny
-        count += np.int64(chosen[i])
+        count += np.int64(work.chosen[i])
     return count
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
     """Where the smoothed profile crosses the half level beside the crack's own two pixels."""
-    half = 0.5 * (work[LIGHT_LEVEL, i] + work[DARK_LEVEL, i])
-    share = 1.0 / (work[LIGHT_LEVEL, i] - work[DARK_LEVEL, i])
+    half = 0.5 * (work.light_level[i] + work.dark_level[i])
+    share = 1.0 / (work.light_level[i] - work.dark_level[i])
     k = 0
-    s0 = work[NEAR, i]
-    s1 = work[FAR, i]
+    s0 = work.near[i]
+    s1 = work.far[i]
     while s0 >= half and k > -WANDER:
         k -= 1
         s1 = s0
@@ -211,24 +192,24 @@ def _crossing_beside(grey, x, y, nx, ny, i, work, totals):
     return 0.5
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def _crossing_narrow(level, i, work):
     """Where the profile itself crosses the half level, at a wall or a gap three or four wide."""
-    dark = work[DARK_LEVEL, i]
-    light = work[LIGHT_LEVEL, i]
+    dark = work.dark_level[i]
+    light = work.light_level[i]
     half = 0.5 * (light + dark)
     # what a plateau lacks can only lie beyond what is seen of it
-    lowest = half - (UNREACHED * (light - dark) if work[WALL, i] > 0.0 else 0.0)
-    highest = half + (UNREACHED * (light - dark) if work[GAP, i] > 0.0 else 0.0)
+    lowest = half - (UNREACHED * (light - dark) if work.wall[i] > 0.0 else 0.0)
+    highest = half + (UNREACHED * (light - dark) if work.gap[i] > 0.0 else 0.0)
     if lowest <= level <= highest:
         half = level
     k = BEHIND
-    while work[k, i] >= half and k > BEHIND - WANDER:
+    while work.profile[k, i] >= half and k > BEHIND - WANDER:
         k -= 1
-    while work[k + 1, i] < half and k < BEHIND + WANDER:
+    while work.profile[k + 1, i] < half and k < BEHIND + WANDER:
         k += 1
-    g0 = work[k, i]
-    g1 = work[k + 1, i]
+    g0 = work.profile[k, i]
+    g1 = work.profile[k + 1, i]
     return k - BEHIND + (half - g0) / (g1 - g0) if g0 < half <= g1 else 0.5
 
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from numba import njit
 
 from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, SUMS
-from vision.borders.edge_profile_kernels import CLEAR, DARK, DARK_LEVEL, LIGHT, LIGHT_LEVEL
 
 STRETCH = 64
 """Cracks to either side over which the plateaus are averaged."""
@@ -39,82 +39,50 @@ class Kind(NamedTuple):
     """How many of the other kind: without those there is no level either."""
 
 
-@njit(**SUMS)
+@njit(**SUMS, forceinline=True)
 def find_plateaus(n, work, sums):
     """Dark and light for every crack, from what lies within STRETCH of it.
 
     Near a corner the plateaus are not reached, so that the second round leaves out what is
     lighter or darker than the first round's mean. A crack whose stretch has none keeps its own.
+    ``sums`` (4, n + 1) is room to work in.
     """
     reach = min(STRETCH, (n - 1) // 2)
-    for again in range(2):
-        if again == 0:
-            _add_up(n, work, sums)
-        else:
-            _add_up_the_plain(n, work, sums)
-        for row, level, total, count, others in (
-            (DARK, DARK_LEVEL, 0, 1, 3),
-            (LIGHT, LIGHT_LEVEL, 2, 3, 1),
-        ):
-            kind = Kind(work[row], work[level], sums[total], sums[count], sums[others])
+    dark = Kind(work.dark, work.dark_level, sums[0], sums[1], sums[3])
+    light = Kind(work.light, work.light_level, sums[2], sums[3], sums[1])
+    # at first no plateau is too light or too dark
+    dark.level[:n] = np.inf
+    light.level[:n] = -np.inf
+    for _ in range(2):
+        _add_up(n, work.clear, dark, light)
+        for kind in (dark, light):
             _set_level(0, reach, reach + 1, n - reach, True, n, kind)
             _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, kind)
             _set_level(n - reach, n, 1, n - 2 * reach, True, n, kind)
 
 
-@njit(**LEAF)
-def _add_up(n, work, sums):
+@njit(**LEAF, forceinline=True)
+def _add_up(n, clear, dark, light):
     """Up to every crack: what is dark and how many, what is light and how many.
 
-    Sums of whole and half grey values, and so exact: the same wherever a border begins.
+    Without what is lighter than the dark level known so far, or darker than the light one. Sums of
+    whole and half grey values, and so exact: the same wherever a border begins.
     """
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    dark_sum = sums[0]
-    darks = sums[1]
-    light_sum = sums[2]
-    lights = sums[3]
-    a = 0.0
-    b = 0.0
-    c = 0.0
-    for i in range(n):
-        a += clear[i] * dark[i]
-        b += clear[i]
-        c += clear[i] * light[i]
-        dark_sum[i + 1] = a
-        darks[i + 1] = b
-        light_sum[i + 1] = c
-        lights[i + 1] = b
-
-
-@njit(**LEAF)
-def _add_up_the_plain(n, work, sums):
-    """The same without what is lighter or darker than the levels found first."""
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    dark_level = work[DARK_LEVEL]
-    light_level = work[LIGHT_LEVEL]
-    dark_sum = sums[0]
-    darks = sums[1]
-    light_sum = sums[2]
-    lights = sums[3]
     a = 0.0
     b = 0.0
     c = 0.0
     d = 0.0
     for i in range(n):
-        counts = clear[i] if dark[i] <= dark_level[i] + SAME_GREY else 0.0
-        a += counts * dark[i]
+        counts = clear[i] if dark.own[i] <= dark.level[i] + SAME_GREY else 0.0
+        a += counts * dark.own[i]
         b += counts
-        counts = clear[i] if light[i] >= light_level[i] - SAME_GREY else 0.0
-        c += counts * light[i]
+        counts = clear[i] if light.own[i] >= light.level[i] - SAME_GREY else 0.0
+        c += counts * light.own[i]
         d += counts
-        dark_sum[i + 1] = a
-        darks[i + 1] = b
-        light_sum[i + 1] = c
-        lights[i + 1] = d
+        dark.total[i + 1] = a
+        dark.number[i + 1] = b
+        light.total[i + 1] = c
+        light.number[i + 1] = d
 
 
 @njit(**SUMS)

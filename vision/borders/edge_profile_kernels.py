@@ -9,9 +9,12 @@ Rules and units
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
+from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, SUMS
 
 REACH = 3
@@ -20,14 +23,41 @@ TAP0, TAP1, TAP2 = 0.40261995, 0.24420134, 0.05448868
 """A Gaussian of sigma 1 on five pixels."""
 BEHIND, SAMPLES = 4, 10
 """A profile has so many pixels behind its obstacle pixel, and so many in all."""
-MIDDLE_X, MIDDLE_Y, CLEAR, CHOSEN, SLANTED, DARK, LIGHT = 10, 11, 12, 13, 14, 15, 16
-NEAR, FAR, DARK_LEVEL, LIGHT_LEVEL, CROSSING, ASTRAY = 17, 18, 19, 20, 21, 22
-WALL, GAP, ROWS = 23, 24, 25
-"""Rows of ``work`` behind those of the profile: twice a crack's middle; 1 where both plateaus are
-there, where the crack gives a point, where the border runs aslant; the plateaus beside it; the
-smoothed profile at the obstacle pixel and at the free one; the plateaus of its stretch; where the
-light crosses the half level, in pixels from the obstacle pixel; 1 where that lies farther away;
-1 where the obstacle, and where the free space, is three or four pixels wide."""
+ROWS = SAMPLES + 15
+"""Rows of memory behind a ``Profiles``."""
+
+
+class Profiles(NamedTuple):
+    """The profiles of a border's cracks, and what is found there: a column a crack."""
+
+    profile: FloatArray
+    """(SAMPLES, k): grey values, from the obstacle to the free side."""
+    middle_x: FloatArray
+    """Twice a crack's middle, with REACH cracks more at both ends."""
+    middle_y: FloatArray
+    clear: FloatArray
+    """1 where both plateaus are there, else 0."""
+    chosen: FloatArray
+    """1 where the crack gives a point."""
+    slanted: FloatArray
+    """1 where the border runs aslant."""
+    dark: FloatArray
+    """The plateaus beside the crack."""
+    light: FloatArray
+    near: FloatArray
+    """The smoothed profile at the obstacle pixel and at the free one."""
+    far: FloatArray
+    dark_level: FloatArray
+    """The plateaus of its stretch."""
+    light_level: FloatArray
+    crossing: FloatArray
+    """Where the light crosses the half level, in pixels from the obstacle pixel."""
+    astray: FloatArray
+    """1 where that lies farther away than between the crack's own two pixels."""
+    wall: FloatArray
+    """1 where the obstacle is three or four pixels wide."""
+    gap: FloatArray
+    """1 where the free space is."""
 
 
 @njit(**LEAF)
@@ -36,7 +66,7 @@ def out(direction):
     return (direction & 1) * (2 - direction), (1 - (direction & 1)) * (direction - 1)
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def locate(grey, xs, ys, directions, n, work, places):
     """Where every crack lies, and what its profile holds at the obstacle pixel.
 
@@ -46,30 +76,26 @@ def locate(grey, xs, ys, directions, n, work, places):
     """
     width = grey.shape[1]
     flat_grey = grey.reshape(-1)
-    middle_x = work[MIDDLE_X]
-    middle_y = work[MIDDLE_Y]
-    here = work[BEHIND]
-    clear = work[CLEAR]
-    crossing = work[CROSSING]
+    here = work.profile[BEHIND]
     at = places[0]
     step = places[1]
     for i in range(n):
         x = np.int64(xs[i])
         y = np.int64(ys[i])
         nx, ny = out(np.int64(directions[i]))
-        middle_x[REACH + i] = 2 * x + nx
-        middle_y[REACH + i] = 2 * y + ny
+        work.middle_x[REACH + i] = 2 * x + nx
+        work.middle_y[REACH + i] = 2 * y + ny
         at[i] = y * width + x
         step[i] = ny * width + nx
-        crossing[i] = 0.0
-        clear[i] = 1.0
+        work.crossing[i] = 0.0
+        work.clear[i] = 1.0
     for i in range(n):
         here[i] = flat_grey[np.uint64(at[i])]
     for i in range(REACH):
-        middle_x[i] = middle_x[n + i]
-        middle_y[i] = middle_y[n + i]
-        middle_x[n + REACH + i] = middle_x[REACH + i]
-        middle_y[n + REACH + i] = middle_y[REACH + i]
+        work.middle_x[i] = work.middle_x[n + i]
+        work.middle_y[i] = work.middle_y[n + i]
+        work.middle_x[n + REACH + i] = work.middle_x[REACH + i]
+        work.middle_y[n + REACH + i] = work.middle_y[REACH + i]
 
 
 @njit(**LEAF)
@@ -96,7 +122,7 @@ def look_at_mask(mask, width, xs, ys, directions, n, clear):
             clear[i] = dark & ~(flat[ahead] | flat[ahead + across]) & 1
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def gather(grey, mask, xs, ys, directions, n, work, places):
     """The rest of the profile across every crack.
 
@@ -105,7 +131,6 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
     """
     height, width = grey.shape
     flat_grey = grey.reshape(-1)
-    clear = work[CLEAR]
     for i in range(n):
         x = np.int64(xs[i])
         y = np.int64(ys[i])
@@ -113,33 +138,23 @@ def gather(grey, mask, xs, ys, directions, n, work, places):
             # unsigned: no index counts from the end
             at = np.uint64(places[0, i])
             step = np.uint64(places[1, i])
-            back = at - step
-            work[3, i] = flat_grey[back]
-            back -= step
-            work[2, i] = flat_grey[back]
-            back -= step
-            work[1, i] = flat_grey[back]
-            back -= step
-            work[0, i] = flat_grey[back]
-            at += step
-            work[5, i] = flat_grey[at]
-            at += step
-            work[6, i] = flat_grey[at]
-            at += step
-            work[7, i] = flat_grey[at]
-            at += step
-            work[8, i] = flat_grey[at]
-            at += step
-            work[9, i] = flat_grey[at]
+            there = at
+            for k in range(BEHIND - 1, -1, -1):
+                there -= step
+                work.profile[k, i] = flat_grey[there]
+            there = at
+            for k in range(BEHIND + 1, SAMPLES):
+                there += step
+                work.profile[k, i] = flat_grey[there]
             continue
         nx, ny = out(np.int64(directions[i]))
         for k in range(SAMPLES):
             px = min(max(x + (k - BEHIND) * nx, 0), width - 1)
             py = min(max(y + (k - BEHIND) * ny, 0), height - 1)
-            work[k, i] = grey[py, px]
-        clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
+            work.profile[k, i] = grey[py, px]
+        work.clear[i] = 1.0 if _is_clear(mask, x, y, nx, ny, width, height) else 0.0
         if not (0 <= x + nx < width and 0 <= y + ny < height):
-            work[CROSSING, i] = -1.0
+            work.crossing[i] = -1.0
 
 
 @njit(**LEAF)
@@ -160,75 +175,57 @@ def _is_clear(mask, x, y, nx, ny, width, height):
     return True
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def look_along(directions, n, work):
     """Which cracks give a point, and where the border runs aslant."""
-    middle_x = work[MIDDLE_X]
-    middle_y = work[MIDDLE_Y]
-    chosen = work[CHOSEN]
-    slanted = work[SLANTED]
     for i in range(n):
         # twice the way between the cracks' middles
-        dx = abs(middle_x[i + 2 * REACH] - middle_x[i])
-        dy = abs(middle_y[i + 2 * REACH] - middle_y[i])
+        dx = abs(work.middle_x[i + 2 * REACH] - work.middle_x[i])
+        dy = abs(work.middle_y[i + 2 * REACH] - work.middle_y[i])
         upright = directions[i] & 1 == 1
         across = dx if upright else dy
         along = dy if upright else dx
-        chosen[i] = 1.0 if across <= along else 0.0
-        slanted[i] = 1.0 if across > 1.0 else 0.0
+        work.chosen[i] = 1.0 if across <= along else 0.0
+        work.slanted[i] = 1.0 if across > 1.0 else 0.0
 
 
-@njit(**LEAF)
+@njit(**LEAF, forceinline=True)
 def look_beside(level, by_level, n, work):
     """The plateaus beside every crack, and the profile smoothed at its two pixels.
 
     A plateau is the mean of two pixels, or the nearer one where the outer one may be at the far
     side, or in a narrow wall or gap the middle.
     """
-    a4 = work[0]
-    a3 = work[1]
-    a2 = work[2]
-    a1 = work[3]
-    here = work[4]
-    b1 = work[5]
-    b2 = work[6]
-    b3 = work[7]
-    b4 = work[8]
-    b5 = work[9]
-    wall = work[WALL]
-    gap = work[GAP]
-    clear = work[CLEAR]
-    dark = work[DARK]
-    light = work[LIGHT]
-    near = work[NEAR]
-    far = work[FAR]
+    pixels = work.profile
+    a4, a3, a2, a1, here = pixels[0], pixels[1], pixels[2], pixels[3], pixels[4]
+    b1, b2, b3, b4, b5 = pixels[5], pixels[6], pixels[7], pixels[8], pixels[9]
     if by_level:
         for i in range(n):
             dark_side = (a1[i] < level) & (a2[i] < level)
             light_side = (b2[i] >= level) & (b3[i] >= level)
-            clear[i] = clear[i] if dark_side & light_side else 0.0
+            work.clear[i] = work.clear[i] if dark_side & light_side else 0.0
     for i in range(n):
         three = a3[i] >= level
         four = a4[i] >= level
         five = a4[i] + a4[i] > a2[i] + level
         middle = a1[i] if three else 0.5 * (a1[i] + a2[i])
         beyond = a2[i] if five else 0.5 * (a2[i] + a3[i])
-        dark[i] = middle if three | four else beyond
-        wall[i] = 1.0 if three | four else 0.0
+        work.dark[i] = middle if three | four else beyond
+        work.wall[i] = 1.0 if three | four else 0.0
         three = b4[i] < level
         four = b5[i] < level
         five = b5[i] + b5[i] < b3[i] + level
         middle = b2[i] if three else 0.5 * (b2[i] + b3[i])
         beyond = b3[i] if five else 0.5 * (b3[i] + b4[i])
-        light[i] = middle if three | four else beyond
-        gap[i] = 1.0 if three | four else 0.0
-        near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
-        far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
+        work.light[i] = middle if three | four else beyond
+        work.gap[i] = 1.0 if three | four else 0.0
+        work.near[i] = TAP0 * here[i] + TAP1 * (a1[i] + b1[i]) + TAP2 * (a2[i] + b2[i])
+        work.far[i] = TAP0 * b1[i] + TAP1 * (here[i] + b2[i]) + TAP2 * (a1[i] + b3[i])
     # the few places where a narrow wall looks wide, at its corners, show no plateau either
-    if 2.0 * _sum(wall[:n]) > n:
-        wall[:n] = 1.0
-    if 2.0 * _sum(gap[:n]) > n:
-        gap[:n] = 1.0
+    if 2.0 * _sum(work.wall[:n]) > n:
+        work.wall[:n] = 1.0
+    if 2.0 * _sum(work.gap[:n]) > n:
+        work.gap[:n] = 1.0
 
 
 @njit(**SUMS)
