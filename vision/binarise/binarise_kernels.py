@@ -204,25 +204,19 @@ def split_histogram(histogram, noise, least):
     Returns ``(found, dark, light, light_spread, dark_share)``: the classes' medians, the light
     one's quartile distance as a normal distribution's sigma, and the dark one's share.
     """
-    total = 0.0
-    whole = 0.0
-    squares = 0.0
+    # how many pixels are darker, and the sums of their values and of these squared
+    sums = np.zeros((257, 3))
     for v in range(256):
         n = np.float64(histogram[v])
-        total += n
-        whole += n * v
-        squares += n * v * v
+        sums[v + 1, 0] = sums[v, 0] + n
+        sums[v + 1, 1] = sums[v, 1] + n * v
+        sums[v + 1, 2] = sums[v, 2] + n * v * v
+    total, whole, squares = sums[256, 0], sums[256, 1], sums[256, 2]
     floor = noise * noise + 1.0
     split = -1
     cheapest = np.inf
-    n0 = 0.0
-    s0 = 0.0
-    q0 = 0.0
     for v in range(255):
-        n = np.float64(histogram[v])
-        n0 += n
-        s0 += n * v
-        q0 += n * v * v
+        n0, s0, q0 = sums[v + 1, 0], sums[v + 1, 1], sums[v + 1, 2]
         n1 = total - n0
         if n0 <= 0.0 or n1 <= 0.0:
             continue

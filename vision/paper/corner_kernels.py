@@ -13,6 +13,8 @@ import math
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import LEAF
+
 
 @njit(cache=True, nogil=True)
 def small_eigenvalues(xs, ys, starts, k):
@@ -22,51 +24,39 @@ def small_eigenvalues(xs, ys, starts, k):
     pixels has a support region of all it has.
     """
     values = np.zeros(xs.shape[0], np.float64)
+    sums = np.empty(5)
     for b in range(starts.shape[0] - 1):
         first = starts[b]
         n = starts[b + 1] - first
         reach = min(k, (n - 1) // 2)
         count = 2 * reach + 1
-        sx = 0.0
-        sy = 0.0
-        sxx = 0.0
-        syy = 0.0
-        sxy = 0.0
+        sums[:] = 0.0
         for j in range(-reach, reach + 1):
-            p = first + j % n
-            x = np.float64(xs[p] - xs[first])
-            y = np.float64(ys[p] - ys[first])
-            sx += x
-            sy += y
-            sxx += x * x
-            syy += y * y
-            sxy += x * y
+            _add(xs, ys, first, first + j % n, 1.0, sums)
         for i in range(n):
-            cx = sx / count  # (10)
-            cy = sy / count  # (11)
-            c11 = sxx / count - cx * cx  # (7)
-            c22 = syy / count - cy * cy  # (8)
-            c12 = sxy / count - cx * cy  # (9)
+            cx = sums[0] / count  # (10)
+            cy = sums[1] / count  # (11)
+            c11 = sums[2] / count - cx * cx  # (7)
+            c22 = sums[3] / count - cy * cy  # (8)
+            c12 = sums[4] / count - cx * cy  # (9)
             values[first + i] = 0.5 * (
                 c11 + c22 - math.sqrt((c11 - c22) * (c11 - c22) + 4.0 * c12 * c12)
             )  # (13)
-            old = first + (i - reach) % n
-            new = first + (i + reach + 1) % n
-            x = np.float64(xs[old] - xs[first])
-            y = np.float64(ys[old] - ys[first])
-            sx -= x
-            sy -= y
-            sxx -= x * x
-            syy -= y * y
-            sxy -= x * y
-            x = np.float64(xs[new] - xs[first])
-            y = np.float64(ys[new] - ys[first])
-            sx += x
-            sy += y
-            sxx += x * x
-            syy += y * y
-            sxy += x * y
+            _add(xs, ys, first, first + (i - reach) % n, -1.0, sums)
+            _add(xs, ys, first, first + (i + reach + 1) % n, 1.0, sums)
     return values
+
+
+@njit(**LEAF)
+def _add(xs, ys, first, p, sign, sums):
+    """Add pixel p, or take it away, from the contour's pixel ``first`` on: x, y, xx, yy, xy."""
+    x = np.float64(xs[p] - xs[first])
+    y = np.float64(ys[p] - ys[first])
+    sums[0] += sign * x
+    sums[1] += sign * y
+    sums[2] += sign * x * x
+    sums[3] += sign * y * y
+    sums[4] += sign * x * y
 
 
 @njit(cache=True, nogil=True)
