@@ -17,7 +17,7 @@ warm_up(sys.argv[1])
 kernels = (b.sampled_histogram, b.noise_sigma, b.split_histogram, b.steepest_level,
            b.flat_histogram, c.calmed_histogram, d.mark_below_but_dots, d.mark_dots,
            d.dots_left_out, s.steps_across_level, s.typical_step, s.support_by_level,
-           s.support_of_mask, s.steps_of_regions, s.steps_off_level)
+           s.steps_of_regions, s.steps_off_level)
 print([k.py_func.__name__ for k in kernels if not k.signatures])
 """
 

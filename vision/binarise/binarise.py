@@ -38,7 +38,6 @@ from vision.binarise.grey_picture import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMA
 from vision.binarise.light import light_surface
 from vision.binarise.methods import METHODS, POLARITIES, Method, Polarity
 from vision.binarise.regions.edge_evidence import Support, follows_edges, leaves_out
-from vision.binarise.regions.faint_regions import Judged, without_faint
 from vision.binarise.regions.missed_obstacles import with_left_out
 from vision.errors import PictureError
 from vision.shared.scratch import Room
@@ -172,7 +171,7 @@ def _by_method(
         case "adaptive":
             return _adaptive(look, classes, side)
         case "background":
-            return _divided(look, side, "asked for")
+            return _best_divided(look, side)
         case "auto":
             return _auto(look, classes, side)
 
@@ -204,33 +203,35 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
         even = None
     # noise hides the edges that a level leaves out, and so does the glow around light obstacles
     surely = room >= SURE_MARGIN or (side == "dark" and look.noise < CALM_NOISE)
-    if even is not None and surely and follows_edges(look, even, side):
-        binary = _even(look, even, side)
-        if not leaves_out(look, even, side):
-            return binary
-        return with_left_out(Judged(binary), Support(look, side), side)
+    if (
+        even is not None
+        and surely
+        and follows_edges(look, even, side)
+        and not leaves_out(look, even, side)
+    ):
+        return _even(look, even, side)
     support = Support(look, side)
-    best = support.best_level(look.counts, even)
-    if best.pairs < FEWEST_PAIRS:
+    best, across = support.best_level(look.counts, even)
+    if across < FEWEST_PAIRS:
         # what is so rare the sample may have missed
         support = Support(look, side, 2 * look.grey.size)
-        best = support.best_level(look.counts, even)
+        best, _ = support.best_level(look.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
-    divided = without_faint(_divided(look, side, why, support), support.grey, support.noise, side)
-    judged = [(divided, 1.0)]
-    levels = () if best.classes is None else (best.classes, *best.others)
-    for each in levels if even is None or even in levels else (even, *levels):
-        # each in a room of its own: masks are compared
-        level = (_even if each is even else _level)(Look(look.grey), each, side)
+    judged = [(support.judge.real(one), 1.0) for one in _divided(look, side, why)]
+    levels = (best,) if even is None or even is best else (even, best)
+    for each in levels:
+        if each is None:
+            continue
+        level = (_even if each is even else _level)(look.apart(), each, side)
         sure = each is even and room >= SURE_MARGIN
         as_good = EVEN_IS_AS_GOOD if sure else DIVISION_IS_AS_GOOD
-        judged.append((without_faint(level, support.grey, support.noise, side), as_good))
-    judged = [one for one in judged if support.of_mask(one[0].binary.mask) > 0.0]
+        judged.append((support.judge.real(level), as_good))
+    judged = [one for one in judged if one[0].speaks > 0.0]
     if not judged:
         return _edgeless(look, side)
     typical = max(one.typical for one, _ in judged)
-    best_of_all = max(judged, key=lambda one: one[1] * one[0].worth(typical))[0]
-    return with_left_out(best_of_all, support, side)
+    best_of_all, _ = max(judged, key=lambda one: one[1] * one[0].worth(typical))
+    return with_left_out(best_of_all, support)
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
@@ -295,10 +296,22 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
     )
 
 
-def _divided(
-    look: Look, side: Literal["dark", "light"], why: str, support: Support | None = None
-) -> Binary:
-    """The picture divided by the light, at the level that ``support`` is larger for."""
+def _best_divided(look: Look, side: Literal["dark", "light"]) -> Binary:
+    """The picture divided by the light, as it was asked for, at the level of the better edges."""
+    found = _divided(look, side, "asked for")
+    if len(found) == 1:
+        return found[0]
+    judge = Support(look, side).judge
+    judged = [judge.real(replace(one, mask=one.mask.copy())) for one in found]
+    typical = max(one.typical for one in judged)
+    return max(zip(found, judged, strict=True), key=lambda one: one[1].worth(typical))[0]
+
+
+def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binary]:
+    """The picture divided by the light, at the level between its classes.
+
+    And, in noise, at the one half-way to what stands out of it: masks in rooms of their own.
+    """
     light, top = light_surface(look.grey, side), 0.0
     if side == "light":
         # light multiplies what the camera saw, not its negative
@@ -309,7 +322,6 @@ def _divided(
         flat = np.clip(look.grey / light * np.float32(FREE_LEVEL), 0.0, 255.0)
     scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
     flat = flat.astype(np.float32, copy=False)
-    # a room of its own: its mask is compared with another
     divided = Look(flat)
     divided.noise = float(noise_sigma(flat))
     # where there is little light, division makes the noise stronger
@@ -323,24 +335,17 @@ def _divided(
     def at(level: float, contrast: float) -> Binary:
         shown = top - level / scale if side == "light" else level / FREE_LEVEL
         how = Binarisation("background", round(shown, 4), side, why)
-        return black_and_white(divided, level, contrast, how, strongest_noise=strongest)
+        return black_and_white(divided.apart(), level, contrast, how, strongest_noise=strongest)
 
     classes = classes_of(divided, strongest)
-    plain = (
-        at(0.5 * FREE_LEVEL, FREE_LEVEL) if classes is None else at(classes.level, classes.contrast)
-    )
-    if strongest < CALM_NOISE:
-        return plain
-    dark = significant_dark(divided, noise, FREE_LEVEL)
-    if dark is None:
-        return plain
-    support = Support(look, side) if support is None else support
-    # masks are in one room: what speaks for the first is asked before the second is made
-    for_plain = support.of_mask(plain.mask)
-    other = at(0.5 * (FREE_LEVEL + dark), FREE_LEVEL - dark)
-    if support.of_mask(other.mask) > for_plain:
-        return other
-    return at(plain.level, plain.contrast)
+    plain = (0.5 * FREE_LEVEL, FREE_LEVEL)
+    if classes is not None:
+        plain = (classes.level, classes.contrast)
+    found = [at(*plain)]
+    dark = significant_dark(divided, noise, FREE_LEVEL) if strongest >= CALM_NOISE else None
+    if dark is not None:
+        found.append(at(0.5 * (FREE_LEVEL + dark), FREE_LEVEL - dark))
+    return found
 
 
 def _otsu(grey: NDArray[Any]) -> float:

@@ -60,19 +60,23 @@ def binarise_by_colour(
         return binarise(
             image, polarity=polarity, method=method, threshold=threshold, ignore=ignore, room=room
         )
+    grey = error = None
+    side: Literal["dark", "light"] = "light" if polarity == "light" else "dark"
     try:
-        grey = binarise(image, polarity=polarity, ignore=ignore)
+        grey = binarise(image, polarity=polarity, ignore=ignore, room=room)
         side = grey.how.polarity
-    except PictureError:
-        # of one grey all over: only colours can tell
-        grey, side = None, "light" if polarity == "light" else "dark"
+    except PictureError as of_one_grey:
+        # only colours can tell
+        error = of_one_grey
     unseen = found.unseen_in(grey, side)
     if unseen > 0:
-        apart = binarise(found.beside_the_floor(side), polarity=side, ignore=ignore, room=room)
+        apart = binarise(found.beside_the_floor(side), polarity=side, ignore=ignore)
         if found.unseen_in(apart, side) < unseen:
             return replace(apart, how=_how(apart.how, found.floor))
-    # once more, for the picture's own error, and in the caller's room
-    return binarise(image, polarity=polarity, ignore=ignore, room=room)
+    if grey is None:
+        assert error is not None
+        raise error
+    return grey
 
 
 def _how(how: Binarisation, floor: NDArray[np.float64]) -> Binarisation:

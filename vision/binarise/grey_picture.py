@@ -6,6 +6,7 @@ Grey values are 0 .. 255; noise is its standard deviation in grey levels.
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -67,6 +68,12 @@ class Look:
         # two values only: drawn, not taken; what looks like noise is texture
         drawn = np.count_nonzero(self.counts) <= 2
         self.noise = 0.0 if drawn else float(noise_sigma(grey))
+
+    def apart(self) -> Look:
+        """The same picture with a room of its own, for a mask that is compared with others."""
+        other = copy(self)
+        other.room = Room()
+        return other
 
     def counts_after(self, calming: Calming) -> NDArray[np.int64]:
         """The smoothed picture's histogram (256,), from a sample."""

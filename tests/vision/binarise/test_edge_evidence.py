@@ -37,7 +37,7 @@ def test_the_level_between_a_shadow_and_the_light_does_not() -> None:
     assert classes is not None
     assert classes.dark > 100.0
     assert not follows_edges(look, classes, "dark")
-    best = Support(look, "dark").best_level(look.counts, classes).classes
+    best, _ = Support(look, "dark").best_level(look.counts, classes)
     assert best is not None
     assert 45.0 < best.level < 129.0
 
@@ -45,4 +45,4 @@ def test_the_level_between_a_shadow_and_the_light_does_not() -> None:
 def test_nothing_speaks_for_any_level_of_an_empty_ramp() -> None:
     ramp = np.linspace(60.0, 220.0, SIZE[0])[None].repeat(SIZE[1], axis=0).astype(np.uint8)
     look = Look(ramp)
-    assert Support(look, "dark").best_level(look.counts, None).classes is None
+    assert Support(look, "dark").best_level(look.counts, None)[0] is None

@@ -12,8 +12,7 @@ Rules and units
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +25,9 @@ from vision.binarise.regions.edge_evidence_kernels import (
     steps_across_level,
     steps_off_level,
     support_by_level,
-    support_of_mask,
     typical_step,
 )
+from vision.binarise.regions.judge import NOISE_WORTH, Judge
 
 FIRST_PAIRS = 16384
 """Pairs of pixels that are looked at first; more where few of them lie across the level."""
@@ -50,21 +49,13 @@ FEWEST_CLEAR = 3
 """Such steps, of those looked at, from which on a level leaves something out."""
 COST = 0.3
 """What a border has to have, as a share of the typical sharp step, to speak for itself."""
-DARK_WORTH = 8.0
-"""Grey levels that are added before the root: in the dark a grey level is not much."""
-NOISE_WORTH = 5.0
-"""The same in standard deviations of the noise."""
 LEAST_SUPPORT = 0.5
 """What speaks for a border at least, as a share of its cost: noise has no more."""
-PROMINENT = 0.04
-"""How much a peak among the levels has to stand out, as a share of the most that speaks."""
 NOWHERE = np.zeros((0, 0), np.uint8)
 LEFT_PAIRS = 1 << 21
 """Pairs of pixels that are looked at for what a level has left out, about."""
 LEFT_COST = 0.6
 """What a border there has to have, as a share of what noise has hardly anywhere."""
-MOST_PEAKS = 2
-"""Peaks beside the highest that are looked at."""
 NEARLY_ALL, MOST = 0.95, 0.9
 """The share of the most that any level has from which the level half-way is as good, and where
 the light is even anyway."""
@@ -110,126 +101,75 @@ def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
     return bool(left >= FEWEST_CLEAR)
 
 
-@dataclass(frozen=True, slots=True)
-class BestLevel:
-    """The classes whose level edges speak for most, None where nothing speaks for any.
-
-    ``pairs`` lie across it. ``others``: those of other levels for which edges speak more than for
-    the levels beside them: in a shadow there may be edges that the best level has not.
-    """
-
-    pairs: int
-    classes: Classes | None
-    others: tuple[Classes, ...] = ()
-
-
 class Support:
-    """What a picture's edges say for one border or another: sums, larger is better.
+    """What a picture's edges say for one level or another: sums, larger is better.
 
     Sums are comparable for one picture only; nothing speaks for what has none or less.
-    ``pairs``: how many are looked at, about. ``grey``: the picture, smoothed where it is noisy,
-    ``noise`` what is left of it there.
+    ``pairs``: how many are looked at, about. ``judge`` has the picture, smoothed where it is noisy.
     """
 
     def __init__(
         self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
     ) -> None:
         calming = calming_of(look.noise)
-        self.grey: NDArray[Any] = look.grey_after(calming)
-        left = self.noise = look.noise * calming.left
-        own = np.arange(256.0)
-        at_least = DARK_WORTH + NOISE_WORTH * left
-        worth = np.sqrt(own + at_least)
+        left = look.noise * calming.left
+        self.judge = Judge(look.grey_after(calming), left, side)
+        worth = self.judge.worth(np.arange(256.0))
         self._worth = worth if side == "dark" else -worth[::-1].copy()
-        # the least contrast, and noise, at the light end of the picture
-        least = LEAST_CONTRAST + 2.0 * NOISE_WORTH * left
-        self._floor = float(worth[255] - worth[255 - math.ceil(min(least, 128.0))])
-        typical = float(typical_step(self.grey, self._worth, pairs))
-        self._cost = max(COST * typical, self._floor)
+        typical = float(typical_step(self.judge.grey, self._worth, pairs))
+        self._cost = max(COST * typical, self.judge.least)
         self._pairs = pairs
 
-    def best_level(self, counts: NDArray[np.int64], even: Classes | None) -> BestLevel:
-        """The level that most speaks for.
+    def best_level(
+        self, counts: NDArray[np.int64], even: Classes | None
+    ) -> tuple[Classes | None, int]:
+        """The classes whose level most speaks for, and the pairs across it; None: nothing speaks.
 
         ``counts`` is the picture's histogram (256,); ``even`` its classes where the light is,
         whose own level is taken where it has not much less.
         """
-        support, pairs = support_by_level(self.grey, NOWHERE, self._worth, self._cost, self._pairs)
-        # where no pair lies across a level the sum is but rounding
-        enough = np.maximum(LEAST_SUPPORT * self._cost * pairs, LEAST_SUPPORT * self._cost)
-        believed = np.where(support >= enough, support, 0.0)
+        believed, pairs = self._believed(NOWHERE, self._cost, self._pairs)
         most = float(believed.max())
         if most <= 0.0:
-            return BestLevel(0, None)
-        if even is not None and believed[math.ceil(even.level)] >= MOST * most:
-            peaks = (_classes_at(believed, peak, counts) for peak in _peaks(believed)[1:])
-            return BestLevel(int(pairs[math.ceil(even.level)]), even, tuple(peaks))
-        found = _classes_at(believed, np.ones(257, dtype=np.bool_), counts)
-        others = tuple(_classes_at(believed, peak, counts) for peak in _peaks(believed)[1:])
-        return BestLevel(int(pairs[math.ceil(found.level)]), found, others)
+            return None, 0
+        best = even
+        if even is None or believed[math.ceil(even.level)] < MOST * most:
+            best = _classes_at(believed, counts)
+        assert best is not None
+        return best, int(pairs[math.ceil(best.level)])
 
-    def levels_outside(self, shut: NDArray[np.uint8]) -> list[float]:
-        """The levels that most edges speak for where ``shut`` (h, w) is 0, the best first.
+    def level_outside(self, shut: NDArray[np.uint8]) -> float | None:
+        """The level that most edges speak for where ``shut`` (h, w) is 0, None without any.
 
         However faint those edges are beside the others, as far as noise has none like them.
         """
-        cost = LEFT_COST * self._floor
-        support, pairs = support_by_level(self.grey, shut, self._worth, cost, LEFT_PAIRS)
-        enough = np.maximum(LEAST_SUPPORT * cost * pairs, LEAST_SUPPORT * cost)
-        believed = np.where(support >= enough, support, 0.0)
-        levels = []
-        for peak in _peaks(believed):
-            nearly = NEARLY_ALL * float(believed[peak].max())
-            levels.append(float(np.flatnonzero((believed >= nearly) & peak).mean()))
-        return levels
+        believed, _ = self._believed(shut, LEFT_COST * self.judge.least, LEFT_PAIRS)
+        most = float(believed.max())
+        if most <= 0.0:
+            return None
+        return float(np.flatnonzero(believed >= NEARLY_ALL * most).mean())
 
-    def of_mask(self, mask: NDArray[np.uint8]) -> float:
-        """What speaks for the borders of a padded mask."""
-        return float(support_of_mask(self.grey, mask, self._worth, self._cost, self._pairs))
+    def _believed(
+        self, shut: NDArray[np.uint8], cost: float, sample: int
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """What speaks for each level (257,) outside ``shut``, 0 for too little, and the pairs."""
+        support, pairs = support_by_level(self.judge.grey, shut, self._worth, cost, sample)
+        # where no pair lies across a level the sum is but rounding
+        enough = LEAST_SUPPORT * cost * np.maximum(pairs, 1.0)
+        return np.where(support >= enough, support, 0.0), pairs
 
 
-def _classes_at(
-    believed: NDArray[np.float64], where: NDArray[np.bool_], counts: NDArray[np.int64]
-) -> Classes:
-    """The classes that the best of some levels (257,) makes of a histogram (256,)."""
-    nearly = NEARLY_ALL * float(believed[where].max())
-    level = int(np.flatnonzero((believed >= nearly) & where).mean())
+def _classes_at(believed: NDArray[np.float64], counts: NDArray[np.int64]) -> Classes:
+    """The classes that the best of all levels (257,) makes of a histogram (256,)."""
+    nearly = NEARLY_ALL * float(believed.max())
+    level = int(np.flatnonzero(believed >= nearly).mean())
     below = np.arange(256) < level
     dark, light = _middle(np.where(below, counts, 0)), _middle(np.where(below, 0, counts))
-    half_way = math.ceil(0.5 * (dark + light))
-    if believed[half_way] < nearly or not where[half_way]:
+    if believed[math.ceil(0.5 * (dark + light))] < nearly:
         # one class is two: what is next to the level counts
         reach = min(level - dark, light - level)
         dark, light = level - reach, level + reach
     return Classes(dark, light, 0.0, float(counts[below].sum() / counts.sum()))
-
-
-def _peaks(believed: NDArray[np.float64]) -> list[NDArray[np.bool_]]:
-    """The levels around each peak, the highest first: (257,) each.
-
-    A peak stands ``PROMINENT`` of the most out of what lies between it and a higher one.
-    """
-    least = PROMINENT * float(believed.max())
-    free = np.ones(257, dtype=np.bool_)
-    peaks: list[NDArray[np.bool_]] = []
-    while len(peaks) <= MOST_PEAKS and free.any() and believed[free].max() > least:
-        top = int(np.argmax(np.where(free, believed, -1.0)))
-        around = np.zeros(257, dtype=np.bool_)
-        prominent = True
-        for beyond in (range(top, 257), range(top, -1, -1)):
-            lowest = believed[top]
-            for level in beyond:
-                if not free[level]:
-                    prominent &= bool(lowest <= believed[top] - least)
-                    break
-                if believed[level] > lowest + least:
-                    break
-                lowest = min(lowest, believed[level])
-                around[level] = True
-        free &= ~around
-        if prominent:
-            peaks.append(around)
-    return peaks
 
 
 def _middle(counts: NDArray[np.int64]) -> float:

@@ -220,29 +220,6 @@ def support_by_level(grey, shut, worth, cost, pairs):
     return np.cumsum(changes[0])[:257], np.cumsum(changes[1])[:257]
 
 
-@njit(**LEAF)
-def support_of_mask(grey, mask, worth, cost, pairs):
-    """What speaks for the borders of a padded mask (h + 2, w')."""
-    height, width = grey.shape
-    total = 0.0
-    for y in range(0, height, _row_step(height, width, pairs)):
-        for down in (False, True):
-            if down and y + REACH >= height:
-                continue
-            for x in range(width if down else width - REACH):
-                inside = mask[y + 1, x + 1]
-                there = mask[y + 1 + REACH, x + 1] if down else mask[y + 1, x + 1 + REACH]
-                if inside == there:
-                    continue
-                before, a, b, behind = _pair(grey, y, x, down)
-                if (a <= b) == (inside == 1):
-                    total += _support(worth, before, a, b, behind, cost)
-                else:
-                    # the obstacle's is the lighter pixel
-                    total -= abs(worth[int(b + 0.5)] - worth[int(a + 0.5)]) + cost
-    return total
-
-
 @njit(cache=True, nogil=True)
 def steps_of_regions(grey, labels, count, end, sign):
     """The steps across the border of each region: ``(steps, light, sharp, pairs)``, (count,) each.

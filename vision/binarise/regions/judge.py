@@ -1,4 +1,4 @@
-"""Objects and holes that uneven light or noise has made, told by how faint their borders are.
+"""Whether the regions of a mask are real: the one judge, by the steps across their borders.
 
 Rules and units
 - Grey values are 0 .. 255, obstacles dark. Light multiplies what the camera sees, so that what is
@@ -8,12 +8,14 @@ Rules and units
 - The step is the mean over the whole border, of pixels ``REACH`` apart across it: it grows with the
   depth alone, and its error falls with the border's length, so that no count of pixels is asked
   for. What a soft shadow or noise had made was found to have 0.02 to 0.19, obstacles 0.5 to 0.67.
-- The masks that are left are compared by what their borders have in all: one that leaves out
-  obstacles in a shadow has less.
+- A border counts where its step stands out of the noise (``SIGMAS``) and is sharp
+  (``LEAST_SHARP``). How large a share of the light it has to have is the asker's: of the share that
+  most borders of its mask have, ``FAINT``.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -22,104 +24,121 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise.binary import Binary
-from vision.binarise.regions.edge_evidence_kernels import REACH, steps_of_regions
+from vision.binarise.grey_classes import LEAST_CONTRAST
+from vision.binarise.regions.edge_evidence_kernels import steps_of_regions
 
-FAINT = 0.4
-"""What a border has to have of the share that most of them have."""
-COST = 0.5
-"""What it has to have to speak for a mask, in such shares."""
-SIGMAS, ALIKE = 6.0, 4.0
-"""How far a border's steps stand out of the noise at least, and how many pairs share theirs."""
+SIGMAS = 6.0
+"""How far a border's step stands out of the noise at least: noise alone does so twice in 10^9."""
+ALIKE = 4.0
+"""How many pairs of pixels share their noise: derived, every pixel is in two pairs to the right and
+down, and the picture that is judged may be smoothed by the binomial, over two pixels each way."""
+LEAST_SHARP = 0.2
+"""How much of a border's step is sharp at least. Measured: 0.6 and more where nothing else is
+near, 0 in a shadow's rim (``tests/vision/binarise``)."""
+DARK_WORTH = 8.0
+"""Grey levels that are added before the root: chosen, the least contrast, which is nothing in the
+dark either."""
+NOISE_WORTH = 5.0
+"""The same in standard deviations of the noise: the least contrast of two classes in noise."""
+FAINT = 0.5
+"""What a border has to have of the share that most of them have, to be of the same stuff: half-way
+between that and none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Regions:
     """A mask's regions, (n,) each, the first of them what is in none; ``labels`` (h, w).
 
-    ``shares`` are the steps across their borders as shares of the light, ``sharp`` how much of
-    them is sharp, ``pairs`` the pairs of pixels, ``steps`` the sums of their steps.
+    ``shares`` are the steps across their borders as shares of the light, ``pairs`` the pairs of
+    pixels. Whether the sum of the steps stands out of the noise (``stand_out``), by how much their
+    mean is worth more than the least (``beyond``), and whether they are ``sharp``.
     """
 
     shares: NDArray[np.float64]
-    sharp: NDArray[np.float64]
     pairs: NDArray[np.int64]
-    steps: NDArray[np.float64]
+    stand_out: NDArray[np.bool_]
+    beyond: NDArray[np.float64]
+    sharp: NDArray[np.bool_]
     labels: NDArray[np.int32]
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """A picture in black and white without what is faint, and what is left in it.
+    """A picture in black and white without what is not real, and what its borders have in all.
 
     ``pairs`` of pixels across its borders, ``shares`` the sum of their steps as shares of the
-    light, ``typical`` the share that most of them have. ``left_out`` (h, w): what
-    is faint but no noise.
+    light, ``typical`` the share that most of them have. ``speaks``: what their steps are worth
+    beyond the least; where that is nothing there are no edges. ``left_out`` (h, w): what is not
+    real but no noise.
     """
 
     binary: Binary
-    pairs: float = 0.0
-    shares: float = 0.0
-    typical: float = 0.0
-    left_out: NDArray[np.bool_] | None = None
+    pairs: float
+    shares: float
+    typical: float
+    speaks: float
+    left_out: NDArray[np.bool_]
 
     def worth(self, typical: float) -> float:
-        """What speaks for it beside others of which the largest ``typical`` share is given."""
-        return self.shares - COST * typical * self.pairs
+        """What speaks for it beside others of which the largest ``typical`` share is given.
+
+        A border counts as much as it has more than is faint.
+        """
+        return self.shares - FAINT * typical * self.pairs
 
 
-def without_faint(
-    binary: Binary, grey: NDArray[Any], noise: float, side: Literal["dark", "light"]
-) -> Judged:
-    """The mask without the objects, and the holes, whose borders are faint in ``grey`` (h, w).
+@dataclass(frozen=True, slots=True)
+class Judge:
+    """Judges borders in ``grey`` (h, w), of which ``noise`` is the standard deviation."""
 
-    Nor with objects whose borders ``noise``, the standard deviation in ``grey``, could have made.
-    The mask itself is changed. O(pixels).
-    """
-    inside = binary.inside
-    if min(inside.shape) <= 2 * REACH:
-        return Judged(binary)
-    objects = regions_of(grey, inside, 8, side)
-    shares, pairs = objects.shares, objects.pairs
-    if not (shares > 0.0).any():
-        return Judged(binary)
-    typical = _typical(shares, pairs)
-    faint = (shares < FAINT * typical) & (pairs > 0)
-    significant = stand_out(objects, noise)
-    left_out = (faint & significant)[objects.labels]
-    faint |= ~significant
-    inside[faint[objects.labels]] = 0
-    kept = ~faint
-    total, across = float((shares * pairs)[kept].sum()), float(pairs[kept].sum())
-    # seen from a hole the obstacle is the darker side
-    holes = regions_of(grey, 1 - inside, 4, side)
-    spaces = holes.labels
-    filled = (-holes.shares < FAINT * typical) & (holes.pairs > 0)
-    rim = (spaces[0], spaces[-1], spaces[:, 0], spaces[:, -1])
-    filled[np.unique(np.concatenate(rim))] = False
-    inside[filled[spaces]] = 1
-    changed = bool(faint.any() or filled.any())
-    cleaned = replace(binary, by_level=False) if changed else binary
-    return Judged(cleaned, across, total, typical, left_out)
+    grey: NDArray[Any]
+    noise: float
+    side: Literal["dark", "light"]
 
+    def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What grey values are worth, whose differences are compared.
 
-def regions_of(
-    grey: NDArray[Any], inside: NDArray[Any], connectivity: int, side: Literal["dark", "light"]
-) -> Regions:
-    """The connected regions of a mask (h, w), and the steps across their borders."""
-    count, found = cv2.connectedComponents(inside, connectivity=connectivity)
-    labels = np.asarray(found, dtype=np.int32)
-    end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
-    steps, light, sharp, pairs = steps_of_regions(grey, labels, count, end, sign)
-    sharp = np.where(steps > 0.0, sharp / np.where(steps > 0.0, steps, 1.0), 0.0)
-    return Regions(steps / np.maximum(light, 1.0), sharp, pairs, steps, labels)
+        The root, because light multiplies what the camera sees and its noise grows with the root
+        of it. The logarithm would be right for the light alone, and puts the level of a blurred
+        edge too near its dark side.
+        """
+        root: NDArray[np.float64] = np.sqrt(light + (DARK_WORTH + NOISE_WORTH * self.noise))
+        return root
 
+    @property
+    def least(self) -> float:
+        """What the step of a border is worth at least: the least contrast, and noise, in light."""
+        step = min(LEAST_CONTRAST + 2.0 * NOISE_WORTH * self.noise, 128.0)
+        light, less = self.worth(np.array([255.0, 255.0 - math.ceil(step)]))
+        return float(light - less)
 
-def stand_out(regions: Regions, noise: float) -> NDArray[np.bool_]:
-    """Which regions' borders ``noise``, a standard deviation, could not have made."""
-    # neighbours share their noise: about every fourth pair is one by itself
-    least = SIGMAS * noise * np.sqrt(2.0 * ALIKE * regions.pairs)
-    stands: NDArray[np.bool_] = regions.steps >= least
-    return stands
+    def regions(self, inside: NDArray[Any]) -> Regions:
+        """The connected regions of a mask (h, w), and the steps across their borders. O(pixels)."""
+        count, found = cv2.connectedComponents(inside, connectivity=8)
+        labels = np.asarray(found, dtype=np.int32)
+        # without light a pixel is black, which is white where obstacles are light
+        end, sign = (0.0, 1.0) if self.side == "dark" else (255.0, -1.0)
+        steps, light, sharp, pairs = steps_of_regions(self.grey, labels, count, end, sign)
+        step, lit = steps / np.maximum(pairs, 1), light / np.maximum(pairs, 1)
+        beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.least
+        stand_out = steps >= SIGMAS * self.noise * np.sqrt(2.0 * ALIKE * pairs)
+        stand_out &= pairs > 0
+        shares = steps / np.maximum(light, 1.0)
+        return Regions(shares, pairs, stand_out, beyond, sharp >= LEAST_SHARP * steps, labels)
+
+    def real(self, binary: Binary) -> Judged:
+        """The mask without the objects whose borders do not count. O(pixels)."""
+        inside = binary.inside
+        objects = self.regions(inside)
+        shares, pairs = objects.shares, objects.pairs
+        typical = _typical(shares, pairs)
+        kept = objects.stand_out & objects.sharp & (shares >= FAINT * typical)
+        left_out = (objects.stand_out & ~kept)[objects.labels]
+        inside[~kept[objects.labels]] = 0
+        total, across = float((shares * pairs)[kept].sum()), float(pairs[kept].sum())
+        cleaned = binary if kept[1:].all() else replace(binary, by_level=False)
+        speaks = float((objects.beyond * pairs)[kept].sum())
+        return Judged(cleaned, across, total, typical, speaks, left_out)
 
 
 def _typical(shares: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:

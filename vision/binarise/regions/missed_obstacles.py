@@ -13,7 +13,7 @@ Rules and units
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import cv2
 import numpy as np
@@ -22,48 +22,42 @@ from numpy.typing import NDArray
 from vision.binarise.binary import Binary
 from vision.binarise.regions.edge_evidence import Support
 from vision.binarise.regions.edge_evidence_kernels import REACH
-from vision.binarise.regions.faint_regions import Judged, regions_of, stand_out
+from vision.binarise.regions.judge import Judge, Judged
 
 LEAST_SHARE = 0.1
-"""Share of the light that the step across a border has at least: 180 on 215 has 0.11."""
-LEAST_SHARP = 0.2
-"""How much of it is sharp at least: 0.6 where nothing else is near, 0 in a shadow's rim."""
+"""Share of the light that the step across a border has at least: an obstacle of 180 on a floor of
+215 has 0.11."""
 THICK_PX = 3.0
 """How far the middle of an obstacle lies from its border at least: joints are thinner."""
 SPECKS = 0.2
 """Share of an obstacle's pixels below which those in the mask already are no obstacle."""
 SAID = 0.05
 """The share from which a region is said to have been left out."""
-ROUNDS = 3
-"""How often edges are asked: each time without what is found."""
 
 
-def with_left_out(judged: Judged, support: Support, side: Literal["dark", "light"]) -> Binary:
+def with_left_out(judged: Judged, support: Support) -> Binary:
     """The mask with the obstacles that other levels show, and remarks on them and on the rest.
 
     The rest is what is no noise, but is left out of the mask. The mask itself is changed.
-    O(pixels).
+    O(pixels) a level.
     """
     binary = judged.binary
     inside = binary.inside
-    if min(inside.shape) <= 2 * REACH:
-        return binary
-    left = np.zeros(inside.shape, np.bool_) if judged.left_out is None else judged.left_out
+    left = judged.left_out
+    shut = _around(inside)
     found = 0
-    for _ in range(ROUNDS):
-        before = found
-        # levels go on to be asked for what the others have not found
-        shut = _around(inside)
-        for level in support.levels_outside(shut):
-            found += _add_obstacles_below(level, inside, shut, left, support, side)
-        if found == before:
+    # each level is asked for what the others have not found
+    while (level := support.level_outside(shut)) is not None:
+        more = _add_obstacles_below(level, inside, shut, left, support.judge)
+        if more == 0:
             break
+        found += more
     remarks = binary.remarks
     if found:
         many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
         one = "an obstacle that is lighter, or shaded, is seen at a level of its own"
         remarks += (one if found == 1 else many,)
-    remarks += _said(left, inside, support, side)
+    remarks += _said(left, inside, support.judge)
     return replace(binary, by_level=binary.by_level and not found, remarks=remarks)
 
 
@@ -78,18 +72,17 @@ def _add_obstacles_below(
     inside: NDArray[np.uint8],
     shut: NDArray[np.uint8],
     left: NDArray[np.bool_],
-    support: Support,
-    side: Literal["dark", "light"],
+    judge: Judge,
 ) -> int:
     """Mark the obstacles below a level that ``inside`` (h, w) has not yet; how many.
 
     They touch nothing of ``shut``, which is the mask and what is near, but specks of themselves.
     What else is no noise is marked in ``left``.
     """
-    below = (support.grey < level).astype(np.uint8)
-    regions = regions_of(support.grey, below, 8, side)
+    below = (judge.grey < level).astype(np.uint8)
+    regions = judge.regions(below)
     labels = regions.labels
-    significant = stand_out(regions, support.noise) & (regions.pairs > 0)
+    significant = regions.stand_out
     away = cv2.distanceTransform(below, cv2.DIST_L2, 3)
     thick = np.zeros(significant.size, dtype=np.bool_)
     thick[labels[(away >= THICK_PX) & (shut == 0)]] = True
@@ -102,8 +95,7 @@ def _add_obstacles_below(
     specks[labels[cv2.distanceTransform(inside, cv2.DIST_L2, 3) >= THICK_PX]] = False
     free = ~touching | specks
     free[0] = False
-    kept = significant & free & thick
-    kept &= (regions.shares >= LEAST_SHARE) & (regions.sharp >= LEAST_SHARP)
+    kept = significant & free & thick & regions.sharp & (regions.shares >= LEAST_SHARE)
     left |= (significant & free & ~kept)[labels]
     more = kept[labels]
     inside[more] = 1
@@ -114,13 +106,12 @@ def _add_obstacles_below(
 def _said(
     left: NDArray[np.bool_],
     inside: NDArray[np.uint8],
-    support: Support,
-    side: Literal["dark", "light"],
+    judge: Judge,
 ) -> tuple[str, ...]:
     """A sentence on the regions that are in the mask (h, w) in no part; none without any."""
     if not left.any():
         return ()
-    regions = regions_of(support.grey, left.astype(np.uint8), 8, side)
+    regions = judge.regions(left.astype(np.uint8))
     labels = regions.labels
     missing = regions.shares >= SAID
     missing[labels[inside != 0]] = False
