@@ -20,8 +20,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
-from planner.scene.primitive_kernels import predecessor, successor
-from vision.outline.corners.joint_kernels import nearest_point
+from planner.scene.primitive_kernels import successor
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN
 from vision.outline.fitted_borders import ARC_CW, LINE
@@ -31,9 +30,6 @@ PACE = 0.6
 """Share of a step that is taken: neighbours step at the same time."""
 DAMPING = 0.3
 """Points' worth of resistance: one point alone must not move a joint far."""
-RELOCATION, REACH = 6, 8
-"""Sweeps after which every break moves to the point nearest to its joint, so many points away at
-most."""
 STRAY_PX = 6.0
 """A joint that would move farther from where it began stays."""
 
@@ -56,9 +52,7 @@ def relax_joints(border, outline, edges, finished, push):
         push[e, 5] = rise
         push[edges + e, 3] = joints[e, 0]
         push[edges + e, 4] = joints[e, 1]
-    for sweep in range(SWEEPS):
-        if sweep % RELOCATION == RELOCATION - 1:
-            _move_breaks(border, outline, edges)
+    for _ in range(SWEEPS):
         for e in range(edges):
             for c in range(5):
                 push[e, c] = 0.0
@@ -92,22 +86,6 @@ def _step(outline, edges, kinds, push):
             joints[e, 1] = y
         if kinds[e] != LINE:
             push[e, 5] += PACE * push[edges + e, 1] / (push[edges + e, 0] + DAMPING)
-
-
-@njit(**LEAF)
-def _move_breaks(border, outline, edges):
-    """Let every edge begin at the point nearest to its joint; edges keep their order."""
-    n = border.n
-    breaks = outline.breaks
-    for e in range(edges):
-        before = breaks[predecessor(e, edges)]
-        room_before = ((breaks[e] - before) % n - 1) // 2
-        room_after = (edge_end(breaks, edges, n, e) - breaks[e] - 1) // 2
-        where, _ = nearest_point(
-            border, breaks[e], max(min(REACH, room_before), 0), max(min(REACH, room_after), 0),
-            outline.joints[e, 0], outline.joints[e, 1],
-        )  # fmt: skip
-        breaks[e] = where
 
 
 @njit(**LEAF)

@@ -31,10 +31,6 @@ def weigh_runs(cracks, state, weights):
     A pixel is lost at one upright and one level crack where the border runs aslant. Returns
     the pixels of all runs, and of the heaviest one that is not grave.
     """
-    qx = cracks.x
-    qy = cracks.y
-    hx = cracks.free_x
-    hy = cracks.free_y
     n = cracks.n
     start = 0
     while state[start] != OK:
@@ -51,11 +47,13 @@ def weigh_runs(cracks, state, weights):
     for t in range(1, n + 1):
         k = start + t if start + t < n else start + t - n
         if state[k] != OK:
-            standing += hx[k] != 0.0
-            lying += hx[k] == 0.0
+            standing += cracks.free_x[k] != 0.0
+            lying += cracks.free_x[k] == 0.0
             grave = grave or state[k] == GRAVE
             j = predecessor(k, n)
-            apart = abs(qx[k] - hx[k] - qx[j] + hx[j]) + abs(qy[k] - hy[k] - qy[j] + hy[j])
+            apart = abs(cracks.x[k] - cracks.free_x[k] - cracks.x[j] + cracks.free_x[j]) + abs(
+                cracks.y[k] - cracks.free_y[k] - cracks.y[j] + cracks.free_y[j]
+            )
             around = around + 1 if apart < HALF and standing + lying > 1 else 1
             most = max(most, around)
             continue

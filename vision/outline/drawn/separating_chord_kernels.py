@@ -43,10 +43,6 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
 
     ``found``: the crack at whose middle every chord begins; the first one begins at (x0, y0).
     """
-    qx = cracks.x
-    qy = cracks.y
-    hx = cracks.free_x
-    hy = cracks.free_y
     m = 0
     here = lo
     x = x0
@@ -61,15 +57,15 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
         dark_x = 0.0
         dark_y = 0.0
         for k in range(here + 1, hi + 1):
-            tx = (x1 if k == hi else qx[k]) - x
-            ty = (y1 if k == hi else qy[k]) - y
+            tx = (x1 if k == hi else cracks.x[k]) - x
+            ty = (y1 if k == hi else cracks.y[k]) - y
             seen = tx * dark_y - ty * dark_x > 0.0 and tx * free_y - ty * free_x < 0.0
             if k > here + 1 and seen:
                 best = k
-            a = qx[k] + WAY * hx[k] - x
-            b = qy[k] + WAY * hy[k] - y
-            c = qx[k] - WAY * hx[k] - x
-            d = qy[k] - WAY * hy[k] - y
+            a = cracks.x[k] + WAY * cracks.free_x[k] - x
+            b = cracks.y[k] + WAY * cracks.free_y[k] - y
+            c = cracks.x[k] - WAY * cracks.free_x[k] - x
+            d = cracks.y[k] - WAY * cracks.free_y[k] - y
             if a * d - b * c <= 0.0:
                 # the border turns back
                 break
@@ -83,8 +79,8 @@ def chords_between(cracks, lo, hi, x0, y0, x1, y1, found):
             if free_x * dark_y - free_y * dark_x <= 0.0:
                 break
         here = best
-        x = qx[here]
-        y = qy[here]
+        x = cracks.x[here]
+        y = cracks.y[here]
     return m
 
 
@@ -94,39 +90,37 @@ def _on_way(cracks, k, finished, i, count, out):
 
     Returns whether it crosses.
     """
-    kind = finished.kind
-    rows = finished.rows
     after = successor(i, count)
     x = cracks.x[k]
     y = cracks.y[k]
     upright = cracks.free_x[k] != 0.0
-    if kind[i] == LINE:
-        dx = rows[after, 0] - rows[i, 0]
-        dy = rows[after, 1] - rows[i, 1]
+    if finished.kind[i] == LINE:
+        dx = finished.rows[after, 0] - finished.rows[i, 0]
+        dy = finished.rows[after, 1] - finished.rows[i, 1]
         run = dy if upright else dx
         if abs(run) > 1e-9:
-            t = (y - rows[i, 1]) / run if upright else (x - rows[i, 0]) / run
-            qx = x if not upright else rows[i, 0] + t * dx
-            qy = y if upright else rows[i, 1] + t * dy
+            t = (y - finished.rows[i, 1]) / run if upright else (x - finished.rows[i, 0]) / run
+            qx = x if not upright else finished.rows[i, 0] + t * dx
+            qy = y if upright else finished.rows[i, 1] + t * dy
             if 0.0 <= t <= 1.0 and abs(qx - x) + abs(qy - y) < WAY * HALF:
                 out[0] = qx
                 out[1] = qy
                 return True
     else:
-        off = y - rows[i, 3] if upright else x - rows[i, 2]
-        root = math.sqrt(max(rows[i, 4] * rows[i, 4] - off * off, 0.0))
+        off = y - finished.rows[i, 3] if upright else x - finished.rows[i, 2]
+        root = math.sqrt(max(finished.rows[i, 4] * finished.rows[i, 4] - off * off, 0.0))
         # the crossing on the crack's side of the centre
         if upright:
-            qx = rows[i, 2] + (root if x > rows[i, 2] else -root)
+            qx = finished.rows[i, 2] + (root if x > finished.rows[i, 2] else -root)
             qy = y
         else:
             qx = x
-            qy = rows[i, 3] + (root if y > rows[i, 3] else -root)
+            qy = finished.rows[i, 3] + (root if y > finished.rows[i, 3] else -root)
         if abs(qx - x) + abs(qy - y) < WAY * HALF:
             out[0] = qx
             out[1] = qy
-            return in_sweep(kind, rows, i, after, qx, qy)
-    _, out[0], out[1] = distance_to_edge(kind, rows, i, after, x, y)
+            return in_sweep(finished.kind, finished.rows, i, after, qx, qy)
+    _, out[0], out[1] = distance_to_edge(finished.kind, finished.rows, i, after, x, y)
     return False
 
 
@@ -169,43 +163,40 @@ def _any_grave(weights, n):
 @njit(**LEAF)
 def all_chords(cracks, finished, found):
     """Chords all around, from the crack farthest from the middle on; returns their number."""
-    qx = cracks.x
-    qy = cracks.y
     n = cracks.n
     mx = 0.0
     my = 0.0
     for k in range(n):
-        mx += qx[k]
-        my += qy[k]
+        mx += cracks.x[k]
+        my += cracks.y[k]
     mx /= n
     my /= n
     far = -1.0
     first = 0
     for k in range(n):
-        d = (qx[k] - mx) ** 2 + (qy[k] - my) ** 2
+        d = (cracks.x[k] - mx) ** 2 + (cracks.y[k] - my) ** 2
         if d > far:
             far = d
             first = k
-    x = qx[first]
-    y = qy[first]
+    x = cracks.x[first]
+    y = cracks.y[first]
     count = chords_between(cracks, first, first + n, x, y, x, y, found)
     for t in range(count):
         k = found[t]
-        _write(finished, t, qx[k], qy[k], k - n if k >= n else k)
+        _write(finished, t, cracks.x[k], cracks.y[k], k - n if k >= n else k)
     return count
 
 
 @njit(**LEAF)
 def _write(finished, i, x, y, k):
     """Write edge i, a line from (x, y) at crack k on."""
-    rows = finished.rows
     finished.kind[i] = LINE
-    rows[i, 0] = x
-    rows[i, 1] = y
-    rows[i, 2] = 0.0
-    rows[i, 3] = 0.0
-    rows[i, 4] = 0.0
-    rows[i, 5] = CHORD_RESIDUAL_PX
+    finished.rows[i, 0] = x
+    finished.rows[i, 1] = y
+    finished.rows[i, 2] = 0.0
+    finished.rows[i, 3] = 0.0
+    finished.rows[i, 4] = 0.0
+    finished.rows[i, 5] = CHORD_RESIDUAL_PX
     finished.at[i] = k
 
 
@@ -321,22 +312,19 @@ def _keep(finished, i, old, e, x, y, k):
 @njit(**LEAF)
 def _straighten(finished, n, count, j):
     """Make a line of what is left of an arc where it is flat, or would turn the long way round."""
-    kind = finished.kind
-    rows = finished.rows
-    at = finished.at
     after = successor(j, count)
-    hi = at[after]
-    hi = hi + n if hi <= at[j] else hi
-    ax = rows[j, 0] - rows[j, 2]
-    ay = rows[j, 1] - rows[j, 3]
-    bx = rows[after, 0] - rows[j, 2]
-    by = rows[after, 1] - rows[j, 3]
+    hi = finished.at[after]
+    hi = hi + n if hi <= finished.at[j] else hi
+    ax = finished.rows[j, 0] - finished.rows[j, 2]
+    ay = finished.rows[j, 1] - finished.rows[j, 3]
+    bx = finished.rows[after, 0] - finished.rows[j, 2]
+    by = finished.rows[after, 1] - finished.rows[j, 3]
     turn = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
-    turn = -turn if kind[j] == ARC_CCW else turn
+    turn = -turn if finished.kind[j] == ARC_CCW else turn
     turn = turn + TAU if turn < 0.0 else turn
-    rise = rows[j, 4] * (1.0 - math.cos(min(0.5 * turn, 0.5 * math.pi)))
-    if turn * rows[j, 4] > 2.0 * (hi - at[j]) + 4.0 or rise < FLATTEST_PX:
-        kind[j] = LINE
-        rows[j, 2] = 0.0
-        rows[j, 3] = 0.0
-        rows[j, 4] = 0.0
+    rise = finished.rows[j, 4] * (1.0 - math.cos(min(0.5 * turn, 0.5 * math.pi)))
+    if turn * finished.rows[j, 4] > 2.0 * (hi - finished.at[j]) + 4.0 or rise < FLATTEST_PX:
+        finished.kind[j] = LINE
+        finished.rows[j, 2] = 0.0
+        finished.rows[j, 3] = 0.0
+        finished.rows[j, 4] = 0.0

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from planner.scene.primitive_kernels import predecessor, successor
+from planner.scene.primitive_kernels import successor
 from vision.outline.fit.outline_kernels import distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fit.shape_kernels import HUGE
@@ -31,9 +31,6 @@ NEAR_JOINT_PX = 2.0
 """So near to a joint more than its own edge may pass a point."""
 NEIGHBOURS = 2
 """Edges on either side that may pass a point."""
-JUT_PX, AROUND, TOUCH_PX = 1.2, 8, 0.51
-"""A corner farther from its border may hold a pixel that is none of the object's; it is compared
-with so many cracks on either side. A free pixel touches the obstacle across a crack's middle."""
 GRAVE_PX = 0.75
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
 than one from what is drawn."""
@@ -73,27 +70,23 @@ def runs_between_two_greys(grey, xs, ys, directions):
 @njit(**LEAF)
 def fill_cracks(xs, ys, directions, cracks):
     """Fill ``cracks`` from a border's obstacle pixels and the free ones' directions."""
-    qx = cracks.x
-    qy = cracks.y
-    hx = cracks.free_x
-    hy = cracks.free_y
     n = cracks.n
     for k in range(n):
         d = np.int64(directions[k])
         ox = HALF * ((d & 1) * (2 - d))
         oy = HALF * ((1 - (d & 1)) * (d - 1))
-        hx[k] = ox
-        hy[k] = oy
-        hx[n + k] = ox
-        hy[n + k] = oy
-        qx[k] = xs[k] + ox
-        qy[k] = ys[k] + oy
-        qx[n + k] = qx[k]
-        qy[n + k] = qy[k]
-    qx[2 * n] = qx[0]
-    qy[2 * n] = qy[0]
-    hx[2 * n] = hx[0]
-    hy[2 * n] = hy[0]
+        cracks.free_x[k] = ox
+        cracks.free_y[k] = oy
+        cracks.free_x[n + k] = ox
+        cracks.free_y[n + k] = oy
+        cracks.x[k] = xs[k] + ox
+        cracks.y[k] = ys[k] + oy
+        cracks.x[n + k] = cracks.x[k]
+        cracks.y[n + k] = cracks.y[k]
+    cracks.x[2 * n] = cracks.x[0]
+    cracks.y[2 * n] = cracks.y[0]
+    cracks.free_x[2 * n] = cracks.free_x[0]
+    cracks.free_y[2 * n] = cracks.free_y[0]
 
 
 @njit(**LEAF)
@@ -207,88 +200,44 @@ def _judge(kind, rows, count, i, x, y, upright):
 
 
 @njit(**LEAF)
-def _juts_out(cracks, finished, count, i):
-    """Whether the corner where edge i begins holds a pixel that touches no obstacle."""
-    qx = cracks.x
-    qy = cracks.y
-    n = cracks.n
-    k = finished.at[i]
-    x = finished.rows[i, 0]
-    y = finished.rows[i, 1]
-    # where its edges come from and go to
-    ax = finished.rows[predecessor(i, count), 0]
-    ay = finished.rows[predecessor(i, count), 1]
-    bx = finished.rows[successor(i, count), 0]
-    by = finished.rows[successor(i, count), 1]
-    nearest = HUGE
-    for step in range(-AROUND, AROUND + 1):
-        j = (k + step + n) % n
-        nearest = min(nearest, (qx[j] - x) ** 2 + (qy[j] - y) ** 2)
-    if nearest < JUT_PX * JUT_PX:
-        return False
-    reach = math.sqrt(nearest)
-    # a pixel lies in the corner where it lies on the inner side of both edges
-    turn = (x - ax) * (by - y) - (y - ay) * (bx - x)
-    side = 1.0 if turn > 0.0 else -1.0
-    for py in range(math.ceil(y - reach), math.floor(y + reach) + 1):
-        for px in range(math.ceil(x - reach), math.floor(x + reach) + 1):
-            if (px - x) ** 2 + (py - y) ** 2 >= nearest:
-                continue
-            if side * ((x - ax) * (py - ay) - (y - ay) * (px - ax)) < 0.0:
-                continue
-            if side * ((bx - x) * (py - y) - (by - y) * (px - x)) < 0.0:
-                continue
-            touches = False
-            for step in range(-AROUND, AROUND + 1):
-                j = (k + step + n) % n
-                touches = touches or (qx[j] - px) ** 2 + (qy[j] - py) ** 2 < TOUCH_PX * TOUCH_PX
-            if not touches:
-                return True
-    return False
-
-
-@njit(**LEAF)
 def find_lost(cracks, finished, count, state):
     """``state`` (n,) of every crack; cracks lost, and how many of them gravely."""
-    qx = cracks.x
-    qy = cracks.y
-    hx = cracks.free_x
     n = cracks.n
-    at = finished.at
-    kind = finished.kind
-    rows = finished.rows
     lost = 0
     grave = 0
     for i in range(count):
         after = successor(i, count)
-        lo = at[i]
-        hi = at[after]
+        lo = finished.at[i]
+        hi = finished.at[after]
         hi = hi + n if hi <= lo else hi
-        x0 = rows[i, 0]
-        y0 = rows[i, 1]
-        dx = rows[after, 0] - x0
-        dy = rows[after, 1] - y0
+        x0 = finished.rows[i, 0]
+        y0 = finished.rows[i, 1]
+        dx = finished.rows[after, 0] - x0
+        dy = finished.rows[after, 1] - y0
         # a crack well within a line is told by the line alone
-        square = dx * dx + dy * dy if kind[i] == LINE else 0.0
+        square = dx * dx + dy * dy if finished.kind[i] == LINE else 0.0
         margin = NEAR_JOINT_PX * math.sqrt(square)
         across_upright = HALF * abs(dy)
         across_level = HALF * abs(dx)
         for k in range(lo, hi):
             here = k - n if k >= n else k
-            x = qx[k] - x0
-            y = qy[k] - y0
+            x = cracks.x[k] - x0
+            y = cracks.y[k] - y0
             along = x * dx + y * dy
-            limit = across_upright if hx[k] != 0.0 else across_level
+            limit = across_upright if cracks.free_x[k] != 0.0 else across_level
             if (margin < along) & (along < square - margin) & (abs(x * dy - y * dx) < limit):
                 state[here] = OK
                 continue
-            found = _judge(kind, rows, count, i, qx[k], qy[k], hx[k] != 0.0)
+            found = _judge(
+                finished.kind,
+                finished.rows,
+                count,
+                i,
+                cracks.x[k],
+                cracks.y[k],
+                cracks.free_x[k] != 0.0,
+            )
             state[here] = found
             lost += found != OK
             grave += found == GRAVE
-    for i in range(count):
-        is_corner = kind[i] == LINE and kind[predecessor(i, count)] == LINE
-        if is_corner and _juts_out(cracks, finished, count, i):
-            state[at[i]] = GRAVE
-            grave += 1
     return lost, grave
