@@ -1,0 +1,1 @@
+"""Several robots on one roadmap: timed tracks, no two of which ever touch."""
