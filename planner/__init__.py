@@ -15,6 +15,9 @@ from planner.shared.kernel_cache import choose_kernel_cache
 if TYPE_CHECKING:
     from planner.delaunay.half_edges import HalfEdges
     from planner.delaunay.voronoi_diagram import voronoi
+    from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
+    from planner.fleet.on_graph import plan_on_graph
+    from planner.fleet.on_roadmap import plan_fleet
     from planner.formats.scene_io import load_scene, read_scene_text, write_scene_text
     from planner.motion.trajectory import time_path
     from planner.path import Bottleneck, Limits, NoPath, Path, Trajectory, Waypoint
@@ -23,8 +26,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Bottleneck",
+    "FleetPlan",
     "HalfEdges",
     "Limits",
+    "NoFleetPlan",
     "NoPath",
     "Path",
     "Roadmap",
@@ -34,6 +39,8 @@ __all__ = [
     "Waypoint",
     "build_roadmap",
     "load_scene",
+    "plan_fleet",
+    "plan_on_graph",
     "read_scene_text",
     "time_path",
     "voronoi",
@@ -44,8 +51,10 @@ choose_kernel_cache(_FilePath(__file__).parent)
 
 _HOME = {
     "Bottleneck": "planner.path",
+    "FleetPlan": "planner.fleet.fleet_plan",
     "HalfEdges": "planner.delaunay.half_edges",
     "Limits": "planner.path",
+    "NoFleetPlan": "planner.fleet.fleet_plan",
     "NoPath": "planner.path",
     "Path": "planner.path",
     "Roadmap": "planner.roadmap.roadmap",
@@ -55,6 +64,8 @@ _HOME = {
     "Waypoint": "planner.path",
     "build_roadmap": "planner.roadmap.roadmap",
     "load_scene": "planner.formats.scene_io",
+    "plan_fleet": "planner.fleet.on_roadmap",
+    "plan_on_graph": "planner.fleet.on_graph",
     "read_scene_text": "planner.formats.scene_io",
     "time_path": "planner.motion.trajectory",
     "voronoi": "planner.delaunay.voronoi_diagram",

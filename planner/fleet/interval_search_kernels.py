@@ -16,7 +16,7 @@ Rules and units
 from __future__ import annotations
 
 from heapq import heappop, heappush
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -29,7 +29,7 @@ HORIZON = 1e9
 SLACK = 1e-9
 """By which what is forbidden is wider, for the last bits."""
 X, Y, VX, VY, BEGIN, LASTS, GAP = range(7)
-KERNEL = {"cache": True, "nogil": True, "error_model": "numpy"}
+KERNEL: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 class Graph(NamedTuple):
@@ -39,6 +39,26 @@ class Graph(NamedTuple):
     starts: np.ndarray
     to: np.ndarray
     lasts: np.ndarray
+
+
+class Others(NamedTuple):
+    """The moves of the others, the box of each, and room for intervals in time."""
+
+    moves: np.ndarray
+    boxes: np.ndarray
+    found: np.ndarray
+
+
+class States(NamedTuple):
+    """Of each state: its interval, arrival, departure from its parent, node, whether done."""
+
+    begin: np.ndarray
+    end: np.ndarray
+    arrival: np.ndarray
+    left: np.ndarray
+    parent: np.ndarray
+    node: np.ndarray
+    done: np.ndarray
 
 
 @njit(**LEAF)
@@ -126,117 +146,231 @@ def _earliest(found, count, least, most):
 
 
 @njit(**KERNEL)
-def find_way(graph, to_goal, begin, goal, moves, most):
+def times_to(goal, count, edges, lasts):
+    """The least time from each of ``count`` nodes to the goal alone, HORIZON where there is none.
+
+    ``edges`` (m, 2) from and to, ``lasts`` (m,).
+    """
+    first = np.zeros(count + 1, np.int64)
+    for e in range(edges.shape[0]):
+        first[edges[e, 1] + 1] += 1
+    for n in range(count):
+        first[n + 1] += first[n]
+    into = np.empty(edges.shape[0], np.int64)
+    free = first[:-1].copy()
+    for e in range(edges.shape[0]):
+        into[free[edges[e, 1]]] = e
+        free[edges[e, 1]] += 1
+    best = np.full(count, HORIZON)
+    best[goal] = 0.0
+    heap = [(0.0, np.int64(goal))]
+    while len(heap) > 0:
+        at, there = heappop(heap)
+        if at > best[there]:
+            continue
+        for k in range(first[there], first[there + 1]):
+            e = into[k]
+            before = np.int64(edges[e, 0])
+            if at + lasts[e] < best[before]:
+                best[before] = at + lasts[e]
+                heappush(heap, (at + lasts[e], before))
+    return best
+
+
+@njit(**KERNEL)
+def _with_room(states, needed):
+    """The states with room for so many, twice as many where they have to move."""
+    if needed <= states.arrival.size:
+        return states
+    more = max(needed, states.arrival.size)
+    return States(
+        np.append(states.begin, np.empty(more)),
+        np.append(states.end, np.empty(more)),
+        np.append(states.arrival, np.empty(more)),
+        np.append(states.left, np.empty(more)),
+        np.append(states.parent, np.empty(more, np.int64)),
+        np.append(states.node, np.empty(more, np.int64)),
+        np.append(states.done, np.zeros(more, np.bool_)),
+    )
+
+
+@njit(**KERNEL)
+def _open_node(node, x, y, others, span, states):
+    """Make the node's states, its safe intervals; ``span`` (n + 1, 2) first state and how many.
+
+    The last row of ``span`` counts all states. Returns the states, which may have moved.
+    """
+    used = span[-1, 0]
+    count = unsafe_times(x, y, others.moves, others.boxes, others.found)
+    states = _with_room(states, used + count + 1)
+    span[node, 0] = used
+    since = 0.0
+    for k in range(count + 1):
+        until = others.found[k, 0] if k < count else HORIZON
+        if until >= since:
+            states.begin[used], states.end[used] = since, until
+            states.arrival[used], states.node[used], states.done[used] = HORIZON, node, False
+            used += 1
+        if k < count:
+            since = max(since, others.found[k, 1])
+    span[node, 1] = used - span[node, 0]
+    span[-1, 0] = used
+    return states
+
+
+@njit(**LEAF)
+def _is_useful(now, lasts, first, count, states):
+    """Whether an edge can bring any of the states at its end forward."""
+    arrival = states.arrival[now] + lasts
+    for j in range(first, first + count):
+        if (
+            not states.done[j]
+            and arrival < states.arrival[j]
+            and states.end[j] >= arrival
+            and states.begin[j] <= states.end[now] + lasts
+        ):
+            return True
+    return False
+
+
+@njit(**KERNEL)
+def _go_along(now, edge, graph, others, span, states, heap, ahead):
+    """Bring the states at the end of an edge forward; ``ahead`` (time to go, latest arrival)."""
+    here, there, lasts = states.node[now], graph.to[edge], graph.lasts[edge]
+    first, count = span[there, 0], span[there, 1]
+    if not _is_useful(now, lasts, first, count, states):
+        return
+    x, y = graph.places[here, 0], graph.places[here, 1]
+    vx, vy = 0.0, 0.0
+    if lasts > 0.0:
+        vx = (graph.places[there, 0] - x) / lasts
+        vy = (graph.places[there, 1] - y) / lasts
+    forbidden = forbidden_departures(
+        x, y, vx, vy, lasts, others.moves, others.boxes, others.found
+    )  # fmt: skip
+    for j in range(first, first + count):
+        if states.done[j]:
+            continue
+        at = _earliest(
+            others.found, forbidden, max(states.arrival[now], states.begin[j] - lasts),
+            min(states.end[now], states.end[j] - lasts),
+        )  # fmt: skip
+        arrival = at + lasts
+        if arrival < states.arrival[j] and arrival + ahead[0] <= ahead[1]:
+            states.arrival[j], states.parent[j], states.left[j] = arrival, now, at
+            # of equally good states the one nearer to the goal first
+            heappush(heap, (arrival + ahead[0], ahead[0], j))
+
+
+@njit(**KERNEL)
+def _next_state(heap, states):
+    """The best state that is not done, done from now on; -1 if there is none."""
+    while len(heap) > 0:
+        _, _, j = heappop(heap)
+        if not states.done[j]:
+            states.done[j] = True
+            return j
+    return np.int64(-1)
+
+
+@njit(**KERNEL)
+def _trace(last, states):
+    """The way that ends in a state: nodes, arrivals, departures."""
+    length, j = 0, last
+    while j >= 0:
+        length += 1
+        j = states.parent[j]
+    way, arrivals, departures = np.empty(length, np.int64), np.empty(length), np.empty(length - 1)
+    j = last
+    for k in range(length - 1, -1, -1):
+        way[k], arrivals[k] = states.node[j], states.arrival[j]
+        if k > 0:
+            departures[k - 1] = states.left[j]
+        j = states.parent[j]
+    return way, arrivals, departures
+
+
+@njit(**KERNEL)
+def find_way(graph, to_goal, start, goal, moves, latest):
     """The way with the earliest arrival at the goal, to stay there for ever.
 
-    ``begin`` (node, time), ``to_goal`` (n,) the time to the goal alone, ``most`` the number of
-    states to look at. Returns (nodes (k,), arrivals (k,), departures (k - 1,)), empty where
-    there is none; an edge is left at its departure, and till then the robot stands.
+    It begins at time zero. ``to_goal`` (n,) is the time to the goal alone, ``latest`` the latest
+    arrival that is of use. Returns (nodes (k,), arrivals (k,), departures (k - 1,)), empty where
+    there is no such way; an edge is left at its departure, and till then the robot stands.
+    The states are finite, of each node one more than the moves at most, and each is done once.
     """
     nodes = graph.places.shape[0]
     boxes = np.empty((moves.shape[0], 4))
     _boxes(moves, boxes)
-    found = np.empty((moves.shape[0] + 1, 2))
-    # safe intervals of each node, made when it is first reached
-    first = np.full(nodes, -1, np.int64)
-    number = np.zeros(nodes, np.int64)
-    safe_begin, safe_end = np.empty(4 * nodes + 64), np.empty(4 * nodes + 64)
-    arrival, parent = np.empty(safe_begin.size), np.empty(safe_begin.size, np.int64)
-    left, node_of = np.empty(safe_begin.size), np.empty(safe_begin.size, np.int64)
-    done = np.zeros(safe_begin.size, np.bool_)
-    used = 0
-    heap = [(0.0, 0.0, np.int64(-1))]
+    others = Others(moves, boxes, np.empty((moves.shape[0] + 1, 2)))
+    span = np.zeros((nodes + 1, 2), np.int64)
+    room = nodes + 64
+    states = States(
+        np.empty(room), np.empty(room), np.empty(room), np.empty(room),
+        np.empty(room, np.int64), np.empty(room, np.int64), np.zeros(room, np.bool_),
+    )  # fmt: skip
+    states = _open_node(start, graph.places[start, 0], graph.places[start, 1], others, span, states)
+    heap = [(0.0, 0.0, np.int64(0))]
     heap.clear()
-    start, start_s = np.int64(begin[0]), begin[1]
-    looked = 0
-    now, here = np.int64(-1), start
+    if span[start, 1] > 0 and states.begin[0] <= 0.0 and to_goal[start] <= latest:
+        states.arrival[0], states.parent[0], states.left[0] = 0.0, -1, 0.0
+        heappush(heap, (to_goal[start], to_goal[start], np.int64(0)))
     while True:
+        now = _next_state(heap, states)
         if now < 0:
-            edges_from, edges_to = 0, 1
-        else:
-            edges_from, edges_to = graph.starts[here], graph.starts[here + 1]
-        for e in range(edges_from, edges_to):
-            there = start if now < 0 else np.int64(graph.to[e])
+            return np.empty(0, np.int64), np.empty(0), np.empty(0)
+        here = states.node[now]
+        if here == goal and states.end[now] >= HORIZON:
+            return _trace(now, states)
+        for e in range(graph.starts[here], graph.starts[here + 1]):
+            there = graph.to[e]
             if to_goal[there] >= HORIZON:
                 continue
-            if first[there] < 0:
-                count = unsafe_times(
-                    graph.places[there, 0], graph.places[there, 1], moves, boxes, found
+            if span[there, 1] == 0:
+                states = _open_node(
+                    there, graph.places[there, 0], graph.places[there, 1], others, span, states
                 )
-                while used + count + 1 > arrival.size:
-                    safe_begin = np.append(safe_begin, np.empty(safe_begin.size))
-                    safe_end = np.append(safe_end, np.empty(safe_end.size))
-                    arrival = np.append(arrival, np.empty(arrival.size))
-                    left = np.append(left, np.empty(left.size))
-                    parent = np.append(parent, np.empty(parent.size, np.int64))
-                    node_of = np.append(node_of, np.empty(node_of.size, np.int64))
-                    done = np.append(done, np.zeros(done.size, np.bool_))
-                first[there] = used
-                since = 0.0
-                for k in range(count + 1):
-                    until = found[k, 0] if k < count else HORIZON
-                    if until >= since:
-                        safe_begin[used], safe_end[used] = since, until
-                        arrival[used], node_of[used] = HORIZON, there
-                        used += 1
-                    if k < count:
-                        since = max(since, found[k, 1])
-                number[there] = used - first[there]
-            if now < 0:
-                for j in range(first[there], first[there] + number[there]):
-                    if safe_begin[j] <= start_s <= safe_end[j]:
-                        arrival[j], parent[j], left[j] = start_s, -1, start_s
-                        heappush(heap, (start_s + to_goal[there], -start_s, j))
-                continue
-            lasts = graph.lasts[e]
-            x, y = graph.places[here, 0], graph.places[here, 1]
-            vx = (graph.places[there, 0] - x) / lasts
-            vy = (graph.places[there, 1] - y) / lasts
-            useful = False
-            for j in range(first[there], first[there] + number[there]):
-                if (
-                    not done[j]
-                    and arrival[now] + lasts < arrival[j]
-                    and safe_end[j] >= arrival[now] + lasts
-                    and safe_begin[j] <= safe_end[now] + lasts
-                ):
-                    useful = True
-            if not useful:
-                continue
-            count = forbidden_departures(x, y, vx, vy, lasts, moves, boxes, found)
-            for j in range(first[there], first[there] + number[there]):
-                if done[j]:
-                    continue
-                at = _earliest(
-                    found, count, max(arrival[now], safe_begin[j] - lasts),
-                    min(safe_end[now], safe_end[j] - lasts),
-                )  # fmt: skip
-                if at + lasts < arrival[j]:
-                    arrival[j], parent[j], left[j] = at + lasts, now, at
-                    heappush(heap, (at + lasts + to_goal[there], -at - lasts, j))
-        now = np.int64(-1)
-        while len(heap) > 0:
-            _, _, j = heappop(heap)
-            if not done[j]:
-                now = j
-                break
-        looked += 1
-        if now < 0 or looked > most:
-            return np.empty(0, np.int64), np.empty(0), np.empty(0)
-        done[now] = True
-        here = node_of[now]
-        if here == goal and safe_end[now] >= HORIZON:
-            break
-    length = 0
-    j = now
-    while j >= 0:
-        length += 1
-        j = parent[j]
-    way, arrivals, departures = np.empty(length, np.int64), np.empty(length), np.empty(length - 1)
-    j = now
-    for k in range(length - 1, -1, -1):
-        way[k], arrivals[k] = node_of[j], arrival[j]
-        if k > 0:
-            departures[k - 1] = left[j]
-        j = parent[j]
-    return way, arrivals, departures
+            _go_along(now, e, graph, others, span, states, heap, (to_goal[there], latest))
+
+
+@njit(**KERNEL)
+def moves_along(places, way, arrivals, departures, radius):
+    """The rows of ``moves`` of a robot on its way; its radius stands where the gap will."""
+    length = way.shape[0]
+    rows = np.empty((2 * length, 7))
+    used = 0
+    for k in range(length):
+        x, y = places[way[k], 0], places[way[k], 1]
+        until = departures[k] if k < length - 1 else HORIZON
+        if until > arrivals[k]:
+            rows[used] = (x, y, 0.0, 0.0, arrivals[k], until - arrivals[k], radius)
+            used += 1
+        if k < length - 1 and arrivals[k + 1] > until:
+            lasts = arrivals[k + 1] - until
+            vx, vy = (places[way[k + 1], 0] - x) / lasts, (places[way[k + 1], 1] - y) / lasts
+            rows[used] = (x, y, vx, vy, until, lasts, radius)
+            used += 1
+    return rows[:used].copy()
+
+
+@njit(**KERNEL)
+def do_touch(rows, others, gap):
+    """Whether two robots' moves (m, 7), each sorted by time, ever come nearer than the gap."""
+    i, j = 0, 0
+    while i < rows.shape[0] and j < others.shape[0]:
+        a, b = rows[i], others[j]
+        begin = max(a[BEGIN], b[BEGIN])
+        end = min(a[BEGIN] + a[LASTS], b[BEGIN] + b[LASTS])
+        if end > begin:
+            s, t = begin - a[BEGIN], begin - b[BEGIN]
+            near, far = near_times(
+                a[X] + s * a[VX] - b[X] - t * b[VX], a[Y] + s * a[VY] - b[Y] - t * b[VY],
+                a[VX] - b[VX], a[VY] - b[VY], end - begin, gap,
+            )  # fmt: skip
+            if far - near > SLACK:
+                return True
+        if a[BEGIN] + a[LASTS] <= b[BEGIN] + b[LASTS]:
+            i += 1
+        else:
+            j += 1
+    return False

@@ -19,6 +19,8 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 
 NEVER = math.inf
+INSTANT = 1e-9
+"""Nearness that lasts no longer is rounding: touching for an instant."""
 
 
 @njit(**LEAF)
@@ -91,3 +93,25 @@ def _touched_inside(x, y, first, second, gap, low, high):
         if 0.0 <= s <= lasts1 and 0.0 <= t <= lasts2:
             low, high = min(low, t - s), max(high, t - s)
     return low, high
+
+
+@njit(**LEAF)
+def do_steps_touch(first, second, gap):
+    """Whether two discs that begin together, each (x, y, vx, vy, lasts), come nearer than the gap.
+
+    Each stands at its end once it has arrived; to touch for an instant is allowed.
+    """
+    ax, ay, avx, avy, a_lasts = first
+    bx, by, bvx, bvy, b_lasts = second
+    both = min(a_lasts, b_lasts)
+    begin, end = near_times(ax - bx, ay - by, avx - bvx, avy - bvy, both, gap)
+    if end - begin > INSTANT:
+        return True
+    x, y = ax - bx + both * (avx - bvx), ay - by + both * (avy - bvy)
+    vx, vy = (avx, avy) if a_lasts > b_lasts else (-bvx, -bvy)
+    begin, end = near_times(x, y, vx, vy, max(a_lasts, b_lasts) - both, gap)
+    if end - begin > INSTANT:
+        return True
+    ex = ax + a_lasts * avx - bx - b_lasts * bvx
+    ey = ay + a_lasts * avy - by - b_lasts * bvy
+    return ex * ex + ey * ey < gap * gap * (1.0 - INSTANT)

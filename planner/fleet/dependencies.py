@@ -1,0 +1,77 @@
+"""Who passes shared places before whom, from tracks that never touch.
+
+Rules
+- A piece of one track and one of another that come nearer than the gap are a shared place. Who
+  passes it first in the plan, exactly, passes it first whatever happens: the other does not begin
+  its piece before the first has ended its own. So no two robots are ever on pieces that are near.
+- As long as the waits form no circle, somebody can always go on (Hoenig et al., "Persistent and
+  robust execution of MAPF schedules in warehouses", RA-L 2019).
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from planner.fleet.fleet_plan import Dependency
+from planner.fleet.track_kernels import order_of_pair
+from planner.scene import FloatArray, IntArray
+
+
+def find_dependencies(tracks: Sequence[FloatArray], radii: Sequence[float]) -> list[Dependency]:
+    """All waits that do not follow from others of the same two robots."""
+    found: list[Dependency] = []
+    for i in range(len(tracks)):
+        for j in range(i + 1, len(tracks)):
+            later, sooner = order_of_pair(_drawn(tracks[i]), _drawn(tracks[j]), radii[i] + radii[j])
+            found += _waits(i, j, later) + _waits(j, i, sooner)
+    return found
+
+
+def _drawn(track: FloatArray) -> FloatArray:
+    """A track with two rows or more: who never moves has one piece, of no length."""
+    return track if len(track) > 1 else np.vstack([track, track])
+
+
+def _waits(first: int, waiting: int, rows: IntArray) -> list[Dependency]:
+    """Of the waits of one robot for another those that ask for more than the ones before."""
+    asked, found = 0, []
+    for row, passed in enumerate(rows.tolist()):
+        if passed > asked:
+            asked = passed
+            found.append((first, passed, waiting, row))
+    return found
+
+
+def is_live(tracks: Sequence[FloatArray], dependencies: Sequence[Dependency]) -> bool:
+    """Whether the waits form no circle: whoever is late, all arrive in the end.
+
+    The events are the robots' points; each comes after the one before it and after what its
+    robot waits for.
+    """
+    first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])])
+    after: list[list[int]] = [[] for _ in range(int(first[-1]))]
+    waits = [0] * len(after)
+
+    def put(sooner: int, later: int) -> None:
+        after[sooner].append(later)
+        waits[later] += 1
+
+    for i, track in enumerate(tracks):
+        for row in range(len(track) - 1):
+            put(int(first[i]) + row, int(first[i]) + row + 1)
+    for i, passed, j, row in dependencies:
+        if passed >= len(tracks[i]) or row + 1 >= len(tracks[j]):
+            continue
+        put(int(first[i]) + passed, int(first[j]) + row + 1)
+    ready = deque(event for event, count in enumerate(waits) if count == 0)
+    done = 0
+    while ready:
+        done += 1
+        for later in after[ready.popleft()]:
+            waits[later] -= 1
+            if waits[later] == 0:
+                ready.append(later)
+    return done == len(after)

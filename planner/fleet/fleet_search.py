@@ -1,0 +1,196 @@
+"""From robots on a graph to a checked plan, or why there is none: the stages in their order.
+
+Rules
+- Every plan is checked before it is given out: no two tracks ever come nearer than both radii.
+- Searches are limited by counts of work, so that equal input gives equal answers; the clock ends
+  them only where the time limit is reached, and the answer then says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from planner.fleet.dependencies import find_dependencies, is_live
+from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
+from planner.fleet.joint_search import JointSearch
+from planner.fleet.pair_proof import can_never_pass
+from planner.fleet.solver import Solver
+from planner.fleet.team import Robot, Route, cut_off
+from planner.fleet.track_kernels import nearest_pair
+from planner.scene import FloatArray
+
+ROUNDS = 30
+"""Of shortening: ``python -m benchmarks.fleet`` says what they gain and cost."""
+FIRST_TRIES = 400
+"""Searches before anything else is tried: ten a robot for 40."""
+JOINT_ROUNDS = 500
+"""Constraints of the joint search between two such rows of searches; about as long."""
+SUSPECTS = 6
+"""Robots that failed most often, whose pairs are asked for a proof."""
+ROUNDING = 1e-9
+"""Distances are exact within this share of the coordinates' extent."""
+NOT_LIVE = (
+    "some robots pass shared places at the same time, each before another:"
+    " this plan needs its timing, its dependencies alone would wait in a circle"
+)
+
+Clock = Callable[[], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How long and how hard to search; ``clock`` gives seconds."""
+
+    time_limit_s: float
+    rounds: int
+    seed: int
+    clock: Clock
+
+
+def search(robots: Sequence[Robot], effort: Effort) -> FleetPlan | NoFleetPlan:
+    """A checked plan for robots whose starts and goals do not touch, or why there is none."""
+    if not robots:
+        return FleetPlan((), (), 0.0, 0.0)
+    lost = cut_off(robots)
+    if lost:
+        who = _listed(lost)
+        return NoFleetPlan(f"{who}: there is no way to the goal, even alone", tuple(lost))
+    end_s = effort.clock() + effort.time_limit_s
+
+    def expired() -> bool:
+        return effort.clock() >= end_s
+
+    solver = Solver(robots, np.random.default_rng(effort.seed))
+    refused = _solve(solver, effort, expired)
+    if refused is not None:
+        return refused
+    solver.improve(effort.rounds, expired)
+    return checked_plan(robots, [solver.routes[i] for i in range(len(robots))])
+
+
+def _solve(solver: Solver, effort: Effort, expired: Callable[[], bool]) -> NoFleetPlan | None:
+    """Fill in the solver's routes, or say why there are none."""
+    robots = solver.robots
+    if solver.plan_all(expired, FIRST_TRIES):
+        return None
+    joint = JointSearch(robots, np.random.default_rng(effort.seed))
+    first = True
+    while not expired():
+        if joint.run(JOINT_ROUNDS, expired):
+            solver.routes = joint.routes()
+            solver.shorten_each()
+            return None
+        if joint.exhausted:
+            who = _often(solver)
+            return NoFleetPlan(
+                f"{_listed(who)}: no sequence of steps, in which all drive along one edge each or"
+                " stand, brings all robots to their goals (proved: all were looked at)", who,
+            )  # fmt: skip
+        pair = _hopeless_pair(solver, effort, expired) if first else None
+        first = False
+        if pair is not None:
+            return NoFleetPlan(
+                f"{_listed(pair)}: they cannot both reach their goals, one is always in the"
+                " other's only way (proved)", pair,
+            )  # fmt: skip
+        if solver.plan_all(expired, FIRST_TRIES):
+            return None
+    who = _often(solver)
+    return NoFleetPlan(
+        f"{_listed(who)}: no plan was found within {effort.time_limit_s:g} s; that there is none"
+        " is not proved", who, proved=False,
+    )  # fmt: skip
+
+
+def _often(solver: Solver) -> tuple[int, ...]:
+    """The robots that found no way most often: of those at least half as often as the first."""
+    most = max(int(solver.pushed.max(initial=0)), 1)
+    found = np.flatnonzero(2 * solver.pushed >= most).tolist()
+    return tuple(found or range(len(solver.robots)))
+
+
+def _hopeless_pair(
+    solver: Solver, effort: Effort, expired: Callable[[], bool]
+) -> tuple[int, int] | None:
+    """Two robots that are proved to have no plan, of those that failed most often."""
+    by_failures = np.argsort(-solver.pushed, kind="stable").tolist()
+    failed = [i for i in by_failures if solver.pushed[i] > 0][:1]
+    suspects = by_failures[:SUSPECTS]
+    pairs = [(min(pair), max(pair)) for pair in combinations(suspects, 2)]
+    # who fails may do so because of one that stands still and so never fails itself
+    pairs += [(min(i, j), max(i, j)) for i in failed for j in by_failures[SUSPECTS:]]
+    for i, j in pairs:
+        one, other = solver.robots[i], solver.robots[j]
+        if not _is_in_the_way(solver, i, j):
+            continue
+        joint = JointSearch((one, other), np.random.default_rng(effort.seed))
+        if can_never_pass(one, other, joint, expired):
+            return i, j
+    return None
+
+
+def _is_in_the_way(solver: Solver, i: int, j: int) -> bool:
+    """Whether either has no way while the other stands at its start or its goal for ever."""
+    for one, other in ((i, j), (j, i)):
+        robot = solver.robots[other]
+        for node in (robot.start, robot.goal):
+            if not solver.can_pass(one, other, node):
+                return True
+    return False
+
+
+def _listed(who: Sequence[int]) -> str:
+    if len(who) == 1:
+        return f"robot {who[0]}"
+    return f"robots {', '.join(map(str, who[:-1]))} and {who[-1]}"
+
+
+def checked_plan(robots: Sequence[Robot], routes: Sequence[Route]) -> FleetPlan:
+    """The plan of the routes; ``AssertionError`` where two of its tracks touch: our bug."""
+    tracks = [track_of(robot, route) for robot, route in zip(robots, routes, strict=True)]
+    radii = np.array([robot.radius for robot in robots])
+    first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])]).astype(np.int64)
+    flat = np.concatenate(tracks)
+    margin, i, j, when = nearest_pair(flat, first, radii)
+    extent = float(np.abs(flat[:, 1:]).max()) + float(radii.max())
+    if margin < -ROUNDING * extent:
+        raise AssertionError(
+            f"robots {i} and {j} would overlap by {-margin:g} at {when:g} s: a bug in the planner"
+        )
+    dependencies = find_dependencies(tracks, radii.tolist())
+    arrivals = [float(track[-1, 0]) for track in tracks]
+    remarks = () if is_live(tracks, dependencies) else (NOT_LIVE,)
+    return FleetPlan(
+        tuple(tracks), tuple(dependencies), max(arrivals), math.fsum(arrivals), remarks
+    )
+
+
+def track_of(robot: Robot, route: Route) -> FloatArray:
+    """The rows t, x, y of a route: a node's arrival and, where it waits there, its departure."""
+    places = robot.graph.places[route.way]
+    rows = []
+    for k, (x, y) in enumerate(places.tolist()):
+        rows.append((float(route.arrivals[k]), x, y))
+        if k < len(places) - 1 and route.departures[k] > route.arrivals[k]:
+            rows.append((float(route.departures[k]), x, y))
+    track = np.array(rows)
+    track.setflags(write=False)
+    return track
+
+
+def touching(what: str, places: FloatArray, radii: Sequence[float]) -> NoFleetPlan | None:
+    """A refusal where two places of one kind, each a robot's, are nearer than both radii."""
+    for i, j in combinations(range(len(places)), 2):
+        distance = math.dist(places[i], places[j])
+        need = radii[i] + radii[j]
+        if distance < need - ROUNDING * (need + float(np.abs(places).max())):
+            return NoFleetPlan(
+                f"robots {i} and {j}: their {what} are {distance:g} apart,"
+                f" must be {need:g} (both radii)", (i, j),
+            )  # fmt: skip
+    return None

@@ -1,0 +1,120 @@
+"""Several robots on a given graph: unit speed, waiting at nodes, one radius for all."""
+
+from __future__ import annotations
+
+import math
+import operator
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
+from planner.fleet.fleet_search import ROUNDS, Effort, search, touching
+from planner.fleet.team import make_graph, make_robot
+from planner.scene import FloatArray
+
+
+def plan_on_graph(
+    nodes: ArrayLike,
+    edges: ArrayLike,
+    radius: float,
+    starts: Sequence[int],
+    goals: Sequence[int],
+    time_limit_s: float = 30.0,
+    *,
+    improve: int = ROUNDS,
+    seed: int = 0,
+) -> FleetPlan | NoFleetPlan:
+    """Tracks for discs of one radius on a graph, no two of which ever touch.
+
+    ``nodes`` (n, 2) are places, ``edges`` (m, 2) node numbers from and to, directed; all drive
+    along straight edges at speed 1 and may wait at nodes. ``starts`` and ``goals`` are node
+    numbers. The sum of arrivals is shortened in ``improve`` rounds, the more the better, 0 for the
+    first plan as it is. Equal input and ``seed`` give equal plans, unless the time limit cuts in.
+    ``ValueError`` on input that makes no sense. See :mod:`planner.fleet.solver` for the method.
+    """
+    places = _numbers("nodes", nodes)
+    rows = _edges(edges, len(places))
+    size = _positive("radius", radius, zero=True)
+    effort = check_effort(time_limit_s, improve, seed)
+    begin, end = _nodes("starts", starts, len(places)), _nodes("goals", goals, len(places))
+    if len(begin) != len(end):
+        raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")
+    radii = [size] * len(begin)
+    for what, chosen in (("starts", begin), ("goals", end)):
+        for refused in (_shared(what, chosen), touching(what, places[chosen], radii)):
+            if refused is not None:
+                return refused
+    graph = make_graph(places, rows)
+    robots = [make_robot(graph, size, a, b) for a, b in zip(begin, end, strict=True)]
+    return search(robots, effort)
+
+
+def check_effort(time_limit_s: float, improve: int, seed: int) -> Effort:
+    """The effort, with the process's own clock; ``ValueError`` on what makes no sense."""
+    limit = _positive("time_limit_s", time_limit_s)
+    rounds, number = operator.index(improve), operator.index(seed)
+    if rounds < 0:
+        raise ValueError(f"improve = {rounds}: must be >= 0")
+    if number < 0:
+        raise ValueError(f"seed = {number}: must be >= 0")
+    return Effort(limit, rounds, number, time.monotonic)
+
+
+def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:
+    """A refusal where two robots have the same node."""
+    for j, node in enumerate(chosen):
+        i = list(chosen).index(node)
+        if i < j:
+            return NoFleetPlan(f"robots {i} and {j}: their {what} are the same place", (i, j))
+    return None
+
+
+def _numbers(name: str, rows: ArrayLike) -> FloatArray:
+    """A copy of rows (n, 2), finite."""
+    try:
+        array = np.array(rows, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: must be rows of two numbers") from None
+    if array.size == 0:
+        return np.empty((0, 2))
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ValueError(f"{name}: must be rows of two numbers, not of shape {array.shape}")
+    if not np.isfinite(array).all():
+        at = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        raise ValueError(f"{name}[{at}] = {tuple(array[at].tolist())}: must be finite")
+    return np.ascontiguousarray(array)
+
+
+def _edges(edges: ArrayLike, count: int) -> NDArray[np.int64]:
+    pairs = _numbers("edges", edges)
+    bad = np.flatnonzero(((pairs < 0) | (pairs >= count) | (pairs != np.floor(pairs))).any(axis=1))
+    if len(bad):
+        at = int(bad[0])
+        raise ValueError(
+            f"edges[{at}] = {tuple(pairs[at].tolist())}: must be nodes 0 to {count - 1}"
+        )
+    return pairs.astype(np.int64)
+
+
+def _nodes(name: str, chosen: Sequence[Any], count: int) -> list[int]:
+    numbers = []
+    for i, node in enumerate(chosen):
+        try:
+            number = operator.index(node)
+        except TypeError:
+            raise ValueError(f"{name}[{i}] = {node!r}: must be a node number") from None
+        if not 0 <= number < count:
+            raise ValueError(f"{name}[{i}] = {number}: must be a node, 0 to {count - 1}")
+        numbers.append(number)
+    return numbers
+
+
+def _positive(name: str, value: float, *, zero: bool = False) -> float:
+    number = float(value)
+    if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero):
+        raise ValueError(f"{name} = {number:g}: must be finite and {'>=' if zero else '>'} 0")
+    return number

@@ -1,0 +1,140 @@
+"""Several robots among obstacles: from and to anywhere in free space, of any radius and speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
+from planner.fleet.fleet_search import ROUNDS, search, touching
+from planner.fleet.on_graph import check_effort
+from planner.fleet.places import Places, lay_places
+from planner.fleet.team import Robot, make_graph, make_robot
+from planner.motion.trajectory import default_limits
+from planner.path import Limits, NoPath
+from planner.roadmap.roadmap import Roadmap, build_roadmap
+from planner.scene import FloatArray
+
+ROUNDING = 1e-9
+"""A track keeps the radius within this share of the coordinates' extent."""
+
+
+def plan_fleet(
+    roadmap: Roadmap,
+    starts: Sequence[Sequence[float]],
+    goals: Sequence[Sequence[float]],
+    radii: float | Sequence[float] | None = None,
+    limits: Limits | Sequence[Limits] | None = None,
+    *,
+    time_limit_s: float = 30.0,
+    improve: int = ROUNDS,
+    seed: int = 0,
+) -> FleetPlan | NoFleetPlan:
+    """Tracks for several discs among the roadmap's obstacles, no two of which ever touch.
+
+    ``starts`` and ``goals`` are places (x, y) or (x, y, heading_rad) anywhere in free space, one
+    of each a robot; headings are not planned for. ``radii`` is one for all or one each, that of the
+    roadmap where None; for other radii than the roadmap's, roadmaps of their own are built.
+    ``limits`` is one for all or one each: a robot drives at ``limits.speed`` or stands, changes
+    of speed and turns take no time here; None means
+    :func:`planner.motion.trajectory.default_limits` of its radius, one diameter a second.
+    ``time_limit_s``, ``improve`` and ``seed`` are as in
+    :func:`planner.fleet.on_graph.plan_on_graph`. Every track keeps its robot's radius from all
+    borders. ``ValueError`` on input that makes no sense.
+    """
+    effort = check_effort(time_limit_s, improve, seed)
+    begin, end = _places("starts", starts), _places("goals", goals)
+    if len(begin) != len(end):
+        raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")
+    sizes = _radii(radii, roadmap.radius, len(begin))
+    speeds = _speeds(limits, sizes)
+    if not len(begin):
+        return FleetPlan((), (), 0.0, 0.0)
+    for what, chosen in (("starts", begin), ("goals", end)):
+        refused = touching(what, chosen, sizes)
+        if refused is not None:
+            return refused
+    roadmaps = {size: _roadmap_for(roadmap, size) for size in sorted(set(sizes))}
+    paths = []
+    for i, size in enumerate(sizes):
+        path = roadmaps[size].plan(tuple(begin[i]), tuple(end[i]))
+        if isinstance(path, NoPath):
+            return NoFleetPlan(f"robot {i}: there is no way even alone: {path.reason}", (i,))
+        # the path's own ends may be rounded: the robot stands where it stands
+        paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
+    shared = lay_places(roadmaps[min(sizes)], paths, sizes)
+    plan = search(_team(shared, sizes, speeds), effort)
+    if isinstance(plan, FleetPlan):
+        _check_walls(roadmap, plan, sizes)
+    return plan
+
+
+def _team(shared: Places, sizes: list[float], speeds: list[float]) -> list[Robot]:
+    """The robots, those of equal radius and speed on one graph."""
+    graphs = {}
+    for size, speed in sorted(set(zip(sizes, speeds, strict=True))):
+        wide = shared.clearance >= size - ROUNDING * float(np.abs(shared.places).max())
+        graphs[size, speed] = make_graph(shared.places, shared.edges[wide], speed)
+    return [
+        make_robot(graphs[size, speed], size, a, b)
+        for size, speed, a, b in zip(sizes, speeds, shared.starts, shared.goals, strict=True)
+    ]
+
+
+def _check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: list[float]) -> None:
+    """``AssertionError`` where a track comes too near to a border: our bug."""
+    for i, track in enumerate(plan.tracks):
+        places = np.ascontiguousarray(track[:, 1:])
+        rounding = 2.0 * ROUNDING * float(np.abs(places).max())
+        found = roadmap.path_clearance(places)
+        inside = roadmap.clearance(places).min()
+        if min(found.distance, float(inside)) < sizes[i] - rounding:
+            raise AssertionError(
+                f"robot {i} would come to {found.distance:g} of a border at {found.at},"
+                f" must be {sizes[i]:g}: a bug in the planner"
+            )
+
+
+def _roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
+    if radius == roadmap.radius:
+        return roadmap
+    return build_roadmap(roadmap.scene, radius, mode=roadmap.mode)
+
+
+def _places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
+    """The places without their headings, (n, 2)."""
+    found = np.empty((len(rows), 2))
+    for i, row in enumerate(rows):
+        numbers = np.asarray(row, dtype=np.float64)
+        if numbers.shape not in ((2,), (3,)) or not np.isfinite(numbers).all():
+            raise ValueError(f"{name}[{i}] = {row!r}: must be (x, y) or (x, y, heading), finite")
+        found[i] = numbers[:2]
+    return found
+
+
+def _radii(radii: float | Sequence[float] | None, default: float, count: int) -> list[float]:
+    values: ArrayLike = default if radii is None else radii
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0:
+        array = np.full(count, float(array))
+    if array.shape != (count,):
+        raise ValueError(f"{array.size} radii for {count} robots: must be one, or one each")
+    for i, radius in enumerate(array.tolist()):
+        if not math.isfinite(radius) or radius <= 0.0:
+            raise ValueError(f"radii[{i}] = {radius:g}: must be > 0 and finite")
+    return [float(radius) for radius in array.tolist()]
+
+
+def _speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -> list[float]:
+    if limits is None:
+        return [default_limits(size).speed for size in sizes]
+    each = [limits] * len(sizes) if isinstance(limits, Limits) else list(limits)
+    if len(each) != len(sizes):
+        raise ValueError(f"{len(each)} limits for {len(sizes)} robots: must be one, or one each")
+    for i, one in enumerate(each):
+        if not math.isfinite(one.speed) or one.speed <= 0.0:
+            raise ValueError(f"limits[{i}].speed = {one.speed:g}: must be > 0 and finite")
+    return [float(one.speed) for one in each]

@@ -1,0 +1,80 @@
+"""Two robots that can never both reach their goals, whatever the others do.
+
+Rules
+- Only the two are there, in the steps of ``joint_search``: if they have no plan, nobody has one.
+- The search goes back from both goals, and forwards from both starts: who cannot leave a few
+  places is soon found to be enclosed, from one side or the other. Each side ends after so many
+  pairs of places, and then proves nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from planner.fleet.interval_search_kernels import HORIZON
+from planner.fleet.joint_search import JointSearch
+from planner.fleet.team import Robot
+
+PAIRS_MOST = 20_000
+"""Pairs of places that are looked at from one side: some seconds, where steps are new."""
+
+Pair = tuple[int, int]
+
+
+def can_never_pass(
+    one: Robot, other: Robot, search: JointSearch, expired: Callable[[], bool]
+) -> bool:
+    """Whether it is proved that the two have no plan; ``search`` is of these two."""
+    start, goal = (one.start, other.start), (one.goal, other.goal)
+    before = _into(one), _into(other)
+    return _is_enclosed(
+        goal, start, lambda pair: _back(pair, before, search), expired
+    ) or _is_enclosed(start, goal, lambda pair: _on(pair, search), expired)
+
+
+def _is_enclosed(
+    begin: Pair,
+    end: Pair,
+    neighbours: Callable[[Pair], Iterator[Pair]],
+    expired: Callable[[], bool],
+) -> bool:
+    """Whether all pairs that can be reached are few, and the end is none of them."""
+    seen = {begin}
+    open_pairs = [begin]
+    while open_pairs:
+        if expired():
+            return False
+        for pair in neighbours(open_pairs.pop()):
+            if pair == end or len(seen) > PAIRS_MOST:
+                return False
+            if pair not in seen:
+                seen.add(pair)
+                open_pairs.append(pair)
+    return end not in seen
+
+
+def _into(robot: Robot) -> dict[int, list[int]]:
+    """The nodes from which each node can be reached in one step, itself included."""
+    graph = robot.graph
+    into = {n: [n] for n in range(len(graph.places))}
+    for n in range(len(graph.places)):
+        for m in graph.to[graph.starts[n] : graph.starts[n + 1]].tolist():
+            if m != n and robot.to_goal[m] < HORIZON:
+                into[m].append(n)
+    return into
+
+
+def _back(
+    pair: Pair, before: tuple[dict[int, list[int]], dict[int, list[int]]], search: JointSearch
+) -> Iterator[Pair]:
+    for u in before[0][pair[0]]:
+        for v in before[1][pair[1]]:
+            if search.is_allowed((u, v), pair):
+                yield u, v
+
+
+def _on(pair: Pair, search: JointSearch) -> Iterator[Pair]:
+    for u, _ in search.ends(0, pair[0]):
+        for v, _ in search.ends(1, pair[1]):
+            if search.is_allowed(pair, (u, v)):
+                yield u, v

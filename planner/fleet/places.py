@@ -1,0 +1,165 @@
+"""The graph that several robots share: the roadmap's chains, each robot's own path, places beside.
+
+Rules and units
+- The chains of the roadmap for the smallest robot give all ways, niches and dead ends included;
+  each robot's own path from its start to its goal joins them, so that starts and goals may be
+  anywhere in free space; a lattice of places beside them is where robots pass each other.
+- Lines are cut where robots can stand, a radius of the smallest robot apart at most, and
+  places within reach of each other are joined by straight edges.
+- The clearance of every edge is measured on the whole edge, exactly: a robot drives along edges
+  that are as wide as it needs, and no others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.fleet.clearance_kernels import edge_clearances, near_pairs
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import FloatArray
+
+STEP = 1.0
+"""Between places of a line, in radii of the smallest robot: half of what two need to be apart,
+so that one gives way by little more than it must."""
+LATTICE = 2.2
+"""Between places of the lattice, in radii of the largest robot: two fit side by side."""
+REACH = 2.0
+"""Places are joined within so many lattice spacings: straight lines in 12 directions and more."""
+LATTICE_MOST = 2500
+"""Places of the lattice; in larger arenas those nearest to the robots' own paths."""
+ASKED_MOST = 400
+"""Places of the paths that are asked for what is near: one in so many, along all of them."""
+SAME = 1e-6
+"""Places are one within this share of the smallest radius."""
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Places (n, 2), edges (m, 2) in both directions, the clearance of each (m,).
+
+    ``starts`` and ``goals`` are node numbers.
+    """
+
+    places: FloatArray
+    edges: NDArray[np.int64]
+    clearance: FloatArray
+    starts: list[int]
+    goals: list[int]
+
+
+def lay_places(roadmap: Roadmap, paths: Sequence[FloatArray], radii: Sequence[float]) -> Places:
+    """The shared graph; ``paths`` are polylines from each robot's start to its goal."""
+    smallest, largest = min(radii), max(radii)
+    lines = [data["polyline"] for _, _, data in roadmap.graph.edges(data=True)]
+    gather = _Gather(SAME * smallest)
+    fine = [_cut(path, STEP * smallest) for path in paths]
+    ends = [gather.line(path) for path in fine]
+    for line in lines:
+        keep = float(roadmap.path_clearance(line).distance)
+        gather.line(_cut(_straightened(roadmap, line, keep, smallest), STEP * smallest))
+    spacing = LATTICE * largest
+    gather.add_beside(_lattice(roadmap, fine, smallest, spacing), 0.5 * spacing)
+    places = np.array(gather.places)
+    joined = near_pairs(places, REACH * spacing)
+    pairs = np.unique(
+        np.concatenate([np.array(gather.pairs, np.int64).reshape(-1, 2), joined]), axis=0
+    )
+    clearance = edge_clearances(roadmap.borders.tree, places, pairs)
+    inside = roadmap.clearance(places)
+    clearance = np.minimum(clearance, inside[pairs].min(axis=1))
+    wide = clearance >= smallest - SAME * smallest
+    pairs, clearance = pairs[wide], clearance[wide]
+    edges = np.concatenate([pairs, pairs[:, ::-1]])
+    return Places(
+        places, np.ascontiguousarray(edges), np.concatenate([clearance, clearance]),
+        [a for a, _ in ends], [b for _, b in ends],
+    )  # fmt: skip
+
+
+class _Gather:
+    """Places with their numbers, each once."""
+
+    def __init__(self, same: float) -> None:
+        self.same = same
+        self.places: list[tuple[float, float]] = []
+        self.pairs: list[tuple[int, int]] = []
+        self._numbers: dict[tuple[int, int], int] = {}
+
+    def number(self, x: float, y: float) -> int:
+        """The number of a place, a new one where none is the same."""
+        key = round(x / self.same), round(y / self.same)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.places)
+            self.places.append((x, y))
+        return self._numbers[key]
+
+    def line(self, points: FloatArray) -> tuple[int, int]:
+        """Add a polyline with its edges; the numbers of its ends."""
+        numbers = [self.number(x, y) for x, y in points.tolist()]
+        for a, b in pairwise(numbers):
+            if a != b:
+                self.pairs.append((min(a, b), max(a, b)))
+        return numbers[0], numbers[-1]
+
+    def add_beside(self, points: FloatArray, apart: float) -> None:
+        """Add the points that are not near to a place that is there already."""
+        known = np.array(self.places)
+        for x, y in points.tolist():
+            if np.hypot(known[:, 0] - x, known[:, 1] - y).min() >= apart:
+                self.number(x, y)
+
+
+def _cut(line: FloatArray, step: float) -> FloatArray:
+    """The polyline with points no further apart than a step."""
+    points = [line[:1]]
+    for a, b in pairwise(line):
+        parts = max(math.ceil(math.dist(a, b) / step), 1)
+        share = np.arange(1, parts + 1)[:, None] / parts
+        points.append(a + share * (b - a))
+        points[-1][-1] = b
+    return np.concatenate(points)
+
+
+def _straightened(roadmap: Roadmap, line: FloatArray, keep: float, step: float) -> FloatArray:
+    """Fewer points of a polyline, where the chords are as wide and no longer than a step."""
+    kept, last = [0], len(line) - 1
+    while kept[-1] < last:
+        end = kept[-1] + 1
+        while end < last and math.dist(line[kept[-1]], line[end + 1]) <= step:
+            chord = line[[kept[-1], end + 1]]
+            if roadmap.path_clearance(chord).distance < keep:
+                break
+            end += 1
+        kept.append(end)
+    return np.asarray(line[kept])
+
+
+def _lattice(
+    roadmap: Roadmap, paths: Sequence[FloatArray], smallest: float, spacing: float
+) -> FloatArray:
+    """Places in rows, every other one shifted by half, as wide as the smallest robot needs."""
+    b = roadmap.scene.bounds  # type: ignore[attr-defined]
+    ys = np.arange(b.y_min + smallest, b.y_max - smallest, math.sqrt(0.75) * spacing)
+    xs = np.arange(b.x_min + smallest, b.x_max - smallest, spacing)
+    if not len(xs) or not len(ys):
+        return np.empty((0, 2))
+    x, y = np.meshgrid(xs, ys)
+    x = x + 0.5 * spacing * (np.arange(len(ys)) % 2)[:, None]
+    points = np.column_stack([x.ravel(), y.ravel()])
+    if len(points) > LATTICE_MOST:
+        points = points[np.sort(_nearest(points, np.concatenate(paths)))]
+    return points[roadmap.clearance(points) >= smallest]
+
+
+def _nearest(points: FloatArray, to: FloatArray) -> NDArray[np.int64]:
+    """The numbers of the points that are nearest to some of the places of the paths."""
+    distance = np.full(len(points), np.inf)
+    for x, y in to[:: -(-len(to) // ASKED_MOST)].tolist():
+        np.minimum(distance, np.hypot(points[:, 0] - x, points[:, 1] - y), out=distance)
+    return np.argsort(distance, kind="stable")[:LATTICE_MOST].astype(np.int64)

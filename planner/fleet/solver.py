@@ -1,0 +1,175 @@
+"""Plans for all robots: one after the other, who fails pushes others out, then all shortened.
+
+Rules
+- Each robot is planned as well as can be among the moves of those that are planned already
+  (prioritised planning; Silver, "Cooperative pathfinding", AIIDE 2005).
+- A robot that finds no way keeps as many of the planned ones as it can, those first that were
+  pushed out most often, and takes the others out, who are planned again after it: conflicts are
+  repaired where they are, as in MAPF-LNS2 (Li et al., AAAI 2022), and what blocks again and
+  again is left in peace.
+- Shortening takes a few robots out and plans them again in another order; what is no shorter is
+  put back (large neighbourhood search; Li et al., "Anytime multi-agent path finding via large
+  neighborhood search", IJCAI 2021).
+- All chance comes from one generator, so that equal input gives equal plans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from planner.fleet.interval_search_kernels import HORIZON, do_touch, find_way, moves_along
+from planner.fleet.team import Robot, Route
+from planner.scene import FloatArray
+
+SIZES = (2, 8)
+"""Robots that are taken out at once: what Li et al. 2021 found best is 8; fewer are quicker."""
+SAME = 1e-9
+"""Sums of times that differ by less are equal."""
+NO_MOVES = np.empty((0, 7))
+
+Expired = Callable[[], bool]
+
+
+class Solver:
+    """The routes of a fleet, while they are looked for."""
+
+    def __init__(self, robots: Sequence[Robot], rng: np.random.Generator) -> None:
+        self.robots = list(robots)
+        self.rng = rng
+        self.routes: dict[int, Route] = {}
+        self.pushed = np.zeros(len(self.robots), np.int64)
+        self._alone: dict[int, Route] = {}
+
+    @property
+    def flowtime_s(self) -> float:
+        """The sum of the arrivals of all that are planned."""
+        return sum(route.arrival_s for route in self.routes.values())
+
+    def plan_one(self, i: int, others: Sequence[int], latest_s: float = HORIZON) -> Route | None:
+        """The best route of one robot among the others' routes; None where there is none."""
+        robot = self.robots[i]
+        if others:
+            moves = np.concatenate([self.routes[j].moves for j in others])
+            moves[:, 6] += robot.radius
+        else:
+            moves = NO_MOVES
+        way, arrivals, departures = find_way(
+            robot.graph, robot.to_goal, robot.start, robot.goal, moves, latest_s
+        )
+        if not len(way):
+            return None
+        rows = moves_along(robot.graph.places, way, arrivals, departures, robot.radius)
+        return Route(way, arrivals, departures, rows)
+
+    def plan_all(self, expired: Expired, tries: int) -> bool:
+        """Routes for all, the longest way first, in so many calls of the search at most."""
+        queue = sorted(range(len(self.robots)), key=lambda i: -self.robots[i].alone_s)
+        self.routes.clear()
+        while queue:
+            if expired() or tries <= 0:
+                return False
+            i = queue.pop(0)
+            tries -= 1
+            route = self.plan_one(i, list(self.routes))
+            if route is None:
+                self.pushed[i] += 1
+                route, calls = self._push_in(i)
+                tries -= calls
+                out = [j for j in self.routes if self._touch(i, route, j)]
+                for j in out:
+                    del self.routes[j]
+                self.rng.shuffle(out)
+                # who is pushed out first comes first again: nobody waits for ever
+                queue.extend(sorted(out, key=lambda j: -self.robots[j].alone_s))
+            self.routes[i] = route
+        return True
+
+    def _push_in(self, i: int) -> tuple[Route, int]:
+        """A route among as many of the others as can be kept, and how many searches it took."""
+        chance = self.rng.random(len(self.robots))
+        keep = sorted(self.routes, key=lambda j: -self.pushed[j] - 2.0 * chance[j])
+        low, high, calls = 0, len(keep), 0
+        best = self.alone(i)
+        while high - low > 1:
+            middle = (low + high) // 2
+            route = self.plan_one(i, keep[:middle])
+            calls += 1
+            if route is None:
+                high = middle
+            else:
+                low, best = middle, route
+        return best, calls
+
+    def alone(self, i: int) -> Route:
+        """The route of a robot with nobody else there."""
+        if i not in self._alone:
+            route = self.plan_one(i, ())
+            if route is None:
+                raise ValueError(f"robot {i}: has no way even alone")
+            self._alone[i] = route
+        return self._alone[i]
+
+    def _touch(self, i: int, route: Route, j: int) -> bool:
+        gap = self.robots[i].radius + self.robots[j].radius
+        return bool(do_touch(route.moves, self.routes[j].moves, gap))
+
+    def can_pass(self, i: int, j: int, node: int) -> bool:
+        """Whether a robot has a way while another stands at a node for ever."""
+        one, other = self.robots[i], self.robots[j]
+        x, y = other.graph.places[node].tolist()
+        standing = np.array([[x, y, 0.0, 0.0, 0.0, HORIZON, one.radius + other.radius]])
+        way, _, _ = find_way(one.graph, one.to_goal, one.start, one.goal, standing, HORIZON)
+        return len(way) > 0
+
+    def shorten_each(self) -> None:
+        """Plan each robot again among all others, where that brings it to its goal earlier."""
+        for i in sorted(self.routes, key=lambda i: self.robots[i].alone_s):
+            others = [j for j in self.routes if j != i]
+            route = self.plan_one(i, others, self.routes[i].arrival_s - SAME)
+            if route is not None:
+                self.routes[i] = route
+
+    def improve(self, rounds: int, expired: Expired) -> int:
+        """Shorten the sum of arrivals; the rounds that were made."""
+        for done in range(rounds):
+            delay = self._delays()
+            if delay.sum() <= SAME or expired():
+                return done
+            self._replan(self._neighbourhood(delay))
+        return rounds
+
+    def _delays(self) -> FloatArray:
+        return np.array(
+            [self.routes[i].arrival_s - r.alone_s for i, r in enumerate(self.robots)]
+        ).clip(0.0)
+
+    def _neighbourhood(self, delay: FloatArray) -> list[int]:
+        """A late robot and others: those in its way, or any."""
+        count = len(self.robots)
+        late = int(self.rng.choice(count, p=delay / delay.sum()))
+        size = min(int(self.rng.integers(SIZES[0], SIZES[1] + 1)), count)
+        others = [int(j) for j in self.rng.permutation(count) if j != late]
+        # as often one way as the other
+        if self.rng.random() < 0.5:
+            route = self.alone(late)
+            others.sort(key=lambda j: not self._touch(late, route, j))
+        chosen = [late, *others[: size - 1]]
+        self.rng.shuffle(chosen)
+        return chosen
+
+    def _replan(self, chosen: list[int]) -> None:
+        """Plan the chosen again in this order; back to what was where that is no better."""
+        old = {i: self.routes[i] for i in chosen}
+        left = sum(route.arrival_s for route in old.values()) - SAME
+        left -= sum(self.robots[i].alone_s for i in chosen)
+        done = [j for j in self.routes if j not in old]
+        for i in chosen:
+            route = self.plan_one(i, done, self.robots[i].alone_s + left)
+            if route is None:
+                self.routes.update(old)
+                return
+            left -= route.arrival_s - self.robots[i].alone_s
+            self.routes[i] = route
+            done.append(i)

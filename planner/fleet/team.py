@@ -1,0 +1,76 @@
+"""The robots of a fleet on one graph: where each can go, how fast, from where to where.
+
+Rules and units
+- Lengths in the graph's units, times in seconds; a robot drives at one speed or stands at a node.
+- Starts and goals are node numbers; a robot is known by its place in the list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.fleet.interval_search_kernels import HORIZON, Graph, times_to
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """One robot: its graph with the times that it takes, and the times to its goal alone."""
+
+    graph: Graph
+    radius: float
+    start: int
+    goal: int
+    to_goal: FloatArray
+
+    @property
+    def alone_s(self) -> float:
+        """How long it takes with nobody else there."""
+        return float(self.to_goal[self.start])
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A robot's way: nodes (k,), arrivals (k,), departures (k - 1,), and its moves (m, 7).
+
+    It stands at its last node for ever; the moves are rows as in ``interval_search_kernels``,
+    with the robot's radius where the gap will be.
+    """
+
+    way: NDArray[np.int64]
+    arrivals: FloatArray
+    departures: FloatArray
+    moves: FloatArray
+
+    @property
+    def arrival_s(self) -> float:
+        """When it comes to its goal to stay."""
+        return float(self.arrivals[-1])
+
+
+def make_graph(places: FloatArray, edges: NDArray[np.int64], speed: float = 1.0) -> Graph:
+    """The graph of a robot of one speed; ``edges`` (m, 2) from and to, directed."""
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    row = edges[order]
+    step = places[row[:, 1]] - places[row[:, 0]]
+    starts = np.searchsorted(row[:, 0], np.arange(len(places) + 1)).astype(np.int64)
+    return Graph(
+        places, starts, np.ascontiguousarray(row[:, 1]), np.hypot(step[:, 0], step[:, 1]) / speed
+    )
+
+
+def make_robot(graph: Graph, radius: float, start: int, goal: int) -> Robot:
+    """A robot with its times to the goal."""
+    count = len(graph.places)
+    row = np.repeat(np.arange(count), np.diff(graph.starts))
+    edges = np.column_stack([row, graph.to]).astype(np.int64)
+    return Robot(graph, radius, start, goal, times_to(goal, count, edges, graph.lasts))
+
+
+def cut_off(robots: Sequence[Robot]) -> list[int]:
+    """The robots that have no way to their goal even alone."""
+    return [i for i, robot in enumerate(robots) if robot.alone_s >= HORIZON]

@@ -1,0 +1,170 @@
+"""Several robots among obstacles: no contact with each other or a wall, whoever they are."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from planner import FleetPlan, NoFleetPlan, build_roadmap, plan_fleet
+from planner.motion.trajectory import default_limits
+from planner.scene import Bounds, CircleRecord, Scene, SceneObject
+from tests.support.oracles.fleet_judge import delayed, least_gap
+from tests.support.scenes.planner_scenes import box, scene_of, slow_distance
+
+CORRIDOR = scene_of(box(0, 0, 3, 0.35), box(0, 0.65, 3, 1), bounds=Bounds(0, 0, 3, 1))
+ALCOVE = scene_of(
+    box(0, 0, 3, 0.35), box(0, 0.65, 1.3, 1), box(1.7, 0.65, 3, 1), bounds=Bounds(0, 0, 3, 1)
+)
+ENDS = [(0.2, 0.5), (2.8, 0.5)]
+
+
+def judge(plan: Any, scene: Scene, starts: Any, goals: Any, radii: Any, speeds: Any) -> FleetPlan:
+    """Starts, goals, speeds, other robots and walls, without the planner's own checks."""
+    assert isinstance(plan, FleetPlan), plan
+    for track, start, goal, radius, speed in zip(
+        plan.tracks, starts, goals, radii, speeds, strict=True
+    ):
+        assert not track.flags.writeable
+        assert track[0].tolist() == pytest.approx([0.0, start[0], start[1]], abs=1e-6)
+        assert track[-1, 1:].tolist() == pytest.approx([goal[0], goal[1]], abs=1e-6)
+        for (t, x, y), (u, v, w) in itertools.pairwise(track.tolist()):
+            assert u >= t
+            assert math.hypot(v - x, w - y) <= speed * (u - t) * (1.0 + 1e-6) + 1e-9
+        dense = [
+            a + share * (b - a)
+            for a, b in itertools.pairwise(track[:, 1:])
+            for share in (0.0, 0.25, 0.5, 1.0)
+        ]
+        places = np.array(dense or [track[0, 1:]])
+        b = scene.bounds
+        inside = np.minimum(
+            (places - (b.x_min, b.y_min)).min(axis=1), ((b.x_max, b.y_max) - places).min(axis=1)
+        )
+        assert inside.min() >= radius - 1e-6
+        if scene.objects:
+            assert slow_distance(scene, places).min() >= radius - 1e-6
+    assert least_gap(plan.tracks, radii) >= -1e-7
+    return plan
+
+
+def random_task(seed: int) -> tuple[Any, ...]:
+    rng = np.random.default_rng(seed)
+    objects = tuple(
+        SceneObject(i, (CircleRecord(tuple(rng.uniform((0.5, 0.5), (2.5, 1.5))),
+                                     float(rng.uniform(0.05, 0.2))),))
+        for i in range(rng.integers(0, 6))
+    )  # fmt: skip
+    scene = Scene("m", Bounds(0.0, 0.0, 3.0, 2.0), objects)
+    count = int(rng.integers(2, 9))
+    radii = [0.08] * count if seed % 2 else rng.uniform(0.05, 0.12, count).tolist()
+    roadmap = build_roadmap(scene, radius=0.08)
+
+    def drawn() -> list[tuple[float, float]]:
+        found: list[tuple[float, float]] = []
+        while len(found) < count:
+            place = tuple(rng.uniform((0.0, 0.0), (3.0, 2.0)).tolist())
+            size = radii[len(found)]
+            apart = all(
+                math.dist(place, p) > size + r + 0.01 for p, r in zip(found, radii, strict=False)
+            )
+            if apart and roadmap.clearance([place])[0] > 1.05 * size:
+                found.append(place)
+        return found
+
+    return roadmap, scene, drawn(), drawn(), radii, rng
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_robots_cross_random_arenas_without_a_contact(seed: int) -> None:
+    roadmap, scene, starts, goals, radii, rng = random_task(seed)
+    plan = plan_fleet(roadmap, starts, goals, radii)
+    judge(plan, scene, starts, goals, radii, [2.0 * r for r in radii])
+    if not plan.remarks:
+        driven = delayed(plan.tracks, plan.dependencies, rng, 5.0)
+        assert least_gap(driven, radii) >= -1e-7
+
+
+def test_two_meet_in_a_corridor_with_one_niche() -> None:
+    roadmap = build_roadmap(ALCOVE, radius=0.1)
+    plan = plan_fleet(roadmap, ENDS, ENDS[::-1])
+    judge(plan, ALCOVE, ENDS, ENDS[::-1], [0.1, 0.1], [0.2, 0.2])
+    assert max(track[:, 2].max() for track in plan.tracks) > 0.6
+
+
+def test_two_cannot_pass_in_a_corridor_without_one() -> None:
+    plan = plan_fleet(build_roadmap(CORRIDOR, radius=0.1), ENDS, ENDS[::-1], time_limit_s=120.0)
+    assert isinstance(plan, NoFleetPlan)
+    assert plan.proved
+    assert plan.blocking == (0, 1)
+
+
+def test_a_goal_in_a_wall_names_its_robot_and_why() -> None:
+    plan = plan_fleet(build_roadmap(CORRIDOR, radius=0.1), ENDS, [(0.6, 0.5), (2.0, 0.1)])
+    assert isinstance(plan, NoFleetPlan)
+    assert plan.blocking == (1,)
+    assert "alone" in plan.reason
+
+
+def test_starts_that_overlap_are_refused_with_distance_and_need() -> None:
+    plan = plan_fleet(
+        build_roadmap(CORRIDOR, radius=0.1), [(0.5, 0.5), (0.62, 0.5)], ENDS, [0.1, 0.05]
+    )
+    assert isinstance(plan, NoFleetPlan)
+    assert plan.blocking == (0, 1)
+    assert "0.12 apart" in plan.reason
+    assert "0.15" in plan.reason
+
+
+def test_a_larger_robot_takes_no_way_that_is_too_narrow() -> None:
+    # a wall with a narrow gap below and a wide one above
+    scene = scene_of(box(0.95, 0.3, 1.05, 1.2), bounds=Bounds(0, 0, 2, 2))
+    starts, goals, radii = [(0.4, 0.5), (0.4, 1.0)], [(1.6, 0.5), (1.6, 1.0)], [0.1, 0.25]
+    plan = plan_fleet(build_roadmap(scene, radius=0.1), starts, goals, radii)
+    judge(plan, scene, starts, goals, radii, [0.2, 0.5])
+
+
+def test_speeds_are_each_robots_own() -> None:
+    scene = scene_of(bounds=Bounds(0, 0, 2, 2))
+    roadmap = build_roadmap(scene, radius=0.1)
+    starts, goals = [(0.3, 0.5), (0.3, 1.5)], [(1.7, 0.5), (1.7, 1.5)]
+    limits = [replace(default_limits(0.1), speed=speed) for speed in (0.1, 0.5)]
+    plan = judge(
+        plan_fleet(roadmap, starts, goals, limits=limits), scene, starts, goals,
+        [0.1, 0.1], [0.1, 0.5],
+    )  # fmt: skip
+    assert plan.arrivals_s[0] >= 14.0 - 1e-6
+    assert plan.arrivals_s[1] < 4.0
+
+
+def test_no_robots_and_headings_and_input_types() -> None:
+    roadmap = build_roadmap(ALCOVE, radius=0.1)
+    assert plan_fleet(roadmap, [], []).tracks == ()
+    starts, goals = np.array([[0.2, 0.5, 1.0]]), np.array([[2.8, 0.5, 0.0]])
+    starts.setflags(write=False)
+    one = plan_fleet(roadmap, starts, goals, radii=0.1)
+    other = plan_fleet(roadmap, [(0.2, 0.5)], [[2.8, 0.5]])
+    assert one.tracks[0].tolist() == other.tracks[0].tolist()
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"starts": [(0.0, float("nan"))]}, "starts"),
+        ({"goals": [(1.0,)]}, "goals"),
+        ({"goals": []}, "goals"),
+        ({"radii": [0.1, 0.1]}, "radii"),
+        ({"radii": 0.0}, "radii"),
+        ({"limits": []}, "limits"),
+        ({"limits": [replace(default_limits(0.1), speed=0.0)]}, "limits"),
+    ],
+)
+def test_input_that_makes_no_sense_is_named(changed: dict[str, Any], said: str) -> None:
+    roadmap = build_roadmap(CORRIDOR, radius=0.1)
+    request = {"starts": ENDS[:1], "goals": ENDS[1:]}
+    with pytest.raises(ValueError, match=said):
+        plan_fleet(roadmap, **{**request, **changed})
