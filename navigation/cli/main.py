@@ -55,6 +55,7 @@ COMMANDS: dict[str, Listed] = {
     "run": Listed(".running.run:command", "Drive the robot: camera, planning, serial link."),
     "extract": Listed(".pictures.extract:command", "The geometric structure of a picture."),
     "plan": Listed(".pictures.plan:command", "One plan through a picture, scene or map."),
+    "fleet": Listed(".pictures.fleet:command", "Ways for several robots, none of which touch."),
     "roadmap": Listed(".pictures.roadmap:command", "The AGVD roadmap as a file."),
     "markers": Listed(".pictures.markers:command", "The markers in a picture."),
     "robot": Listed(".running.robot:command", "A simulated robot on a serial port."),

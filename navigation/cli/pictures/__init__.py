@@ -1,1 +1,1 @@
-"""Commands that look at a picture or a map and drive nothing: extract, plan, roadmap."""
+"""Commands that look at a picture or a map and drive nothing: extract, plan, fleet, roadmap."""

@@ -1,0 +1,102 @@
+"""`clearway fleet`: ways for several robots at once through a picture, a scene text or a map."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from navigation.cli.cold_kernels import compile_for
+from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
+from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
+from navigation.cli.progress import long_work
+
+NO_PLAN = 3
+"""As the entry point's exit code for no path."""
+
+
+class FleetError(ValueError):
+    """No fleet can be planned with these values; the message says why."""
+
+
+@click.command(short_help="Ways for several robots at once, no two of which ever touch.")
+@click.argument("source", type=INPUT)
+@click.option(
+    "--robots",
+    "robots_file",
+    type=INPUT,
+    required=True,
+    help="CSV or JSON: name, start_x, start_y, goal_x, goal_y, radius.",
+)
+@click.option(
+    "--time-limit",
+    "time_limit_s",
+    type=click.FloatRange(min=0.0, min_open=True),
+    default=30.0,
+    show_default=True,
+    help="Seconds of search at most.",
+)
+@polarity_option()
+@format_option()
+@click.option("--render", type=OutputType(".svg"), help="Draw the plan, animated: FILE.svg.")
+@click.option("-o", "--output", type=OUTPUT, help="Write the answer to this file.")
+def command(
+    source: Path,
+    robots_file: Path,
+    time_limit_s: float,
+    polarity: Literal["dark", "light", "auto"],
+    form: str,
+    render: Path | None,
+    output: Path | None,
+) -> int:
+    """Plan several robots through SOURCE: a picture, a scene text, a ROS map's YAML or a .map.
+
+    Every robot drives a diameter a second or stands, as clearway plan does where nothing else is
+    said. Exits 3 where there is no plan, and says why and which robots it hangs on.
+    """
+    from navigation.cli.pictures.fleet_answer import FleetAnswer
+    from navigation.cli.pictures.fleet_picture import draw_fleet
+    from navigation.cli.pictures.fleet_robots import load_robots
+    from navigation.cli.pictures.plan import timed_roadmap
+    from navigation.cli.pictures.sources import hold_points, load_source
+    from planner.fleet.fleet_plan import FleetPlan
+    from planner.fleet.on_roadmap import plan_fleet
+
+    keep_apart((("--output", output), ("--render", render)), (source, robots_file))
+    robots = load_robots(robots_file)
+    compile_for(source)
+    begin_s = time.perf_counter()
+    with long_work("looking for obstacles"):
+        scene = load_source(source, polarity)
+    warn_of_doubts(scene, source)
+    radii = [robot.radius for robot in robots]
+    stations = [robot.start for robot in robots] + [robot.goal for robot in robots]
+    scene = hold_points(scene, stations, 4.0 * max(radii))
+    with long_work("building the roadmap") as begin:
+        roadmap, timings_ms = timed_roadmap(scene, min(radii), None)
+        begin("planning")
+        planned_s = time.perf_counter()
+        starts, goals = [r.start for r in robots], [r.goal for r in robots]
+        try:
+            plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s)
+        except ValueError as error:
+            raise FleetError(f"{robots_file}: {error}") from error
+        timings_ms["fleet"] = 1e3 * (time.perf_counter() - planned_s)
+    timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
+    remarks = (*scene.remarks, *roadmap.remarks)
+    if isinstance(plan, FleetPlan):
+        remarks += plan.remarks
+    answer = FleetAnswer(scene.units, robots, plan, timings_ms, remarks)
+    text = answer.as_json() + "\n" if form == "json" else answer.as_text()
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        write_text(output, text)
+    if not isinstance(plan, FleetPlan):
+        click.echo(f"clearway: no plan: {answer.sentence()}", err=True)
+        return NO_PLAN
+    if render is not None:
+        write_text(render, draw_fleet(scene, robots, plan))
+    return 0
