@@ -8,9 +8,10 @@ import numpy as np
 from numba import njit
 
 from planner.borders.box_tree_kernels import polyline_clearance
+from planner.scene.compile_options import OWNING
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def edge_clearances(tree, places, edges):
     """The least distance of each edge (m, 2) between two of the places (n, 2) to any border."""
     found = np.empty(edges.shape[0])
@@ -22,7 +23,7 @@ def edge_clearances(tree, places, edges):
     return found
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def near_pairs(places, reach):
     """All pairs of places (k, 2), the lower number first, that are within ``reach``.
 

@@ -22,14 +22,14 @@ import numpy as np
 from numba import njit
 
 from planner.fleet.motion_kernels import forbidden_delays, near_times
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 
 HORIZON = 1e9
 """Time that stands for ever."""
 SLACK = 1e-9
 """By which what is forbidden is wider, for the last bits."""
 X, Y, VX, VY, BEGIN, LASTS, GAP = range(7)
-KERNEL: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+KERNEL: dict[str, Any] = {**OWNING, "error_model": "numpy"}
 
 
 class Graph(NamedTuple):

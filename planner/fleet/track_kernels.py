@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 
 from planner.fleet.motion_kernels import forbidden_delays
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 
 
 @njit(**LEAF)
@@ -122,7 +122,7 @@ def find_order(one, other, gap, wait_for, waits_for):
                 waits_for[k] = max(waits_for[k], m + 1)
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def nearest_pair(flat, first, radii):
     """The pair of tracks that keeps the least beyond its radii: (margin, i, j, time).
 
@@ -139,7 +139,7 @@ def nearest_pair(flat, first, radii):
     return margin, one, other, when
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def order_of_pair(one, other, gap):
     """As ``find_order``, with arrays of its own: (wait_for (m - 1,), waits_for (k - 1,))."""
     wait_for = np.empty(max(other.shape[0] - 1, 0), np.int64)

@@ -12,7 +12,9 @@ Rules
   on as a literal, or as a number of another width, costs as much as one more kernel.
 - ``error_model``: a division is not looked at for zero, which would keep loops from working on
   several points at a time; divisors are kept from zero where they are made.
-- ``fastmath``: sums may be added in any order; no number is ever NaN.
+- ``fastmath``: sums may be added in any order; no number is ever NaN. Where a kernel does not say,
+  numba lets it inherit this from the kernel that happens to call it first, so that the last bits
+  would depend on what was compiled before what: all others say no.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from planner.shared.kernel_locator import prepare_kernels
 
 prepare_kernels()
 
-OWNING: dict[str, Any] = {"cache": True, "nogil": True}
+OWNING: dict[str, Any] = {"cache": True, "nogil": True, "fastmath": False}
 """Options of ``njit`` for a kernel that makes arrays."""
 if hasattr(DefaultOptions, "no_cfunc_wrapper"):
     OWNING["no_cfunc_wrapper"] = True

@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 
 SAMPLE = 32768
 """Pixels looked at, about."""
@@ -30,7 +30,7 @@ REFINEMENTS = 3
 """Times that the level moves half-way between the middles of what it splits."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def sampled_histogram(grey):
     """How many of the sampled pixels have each grey value: (256,) int64."""
     height, width = grey.shape
@@ -74,7 +74,7 @@ def count_greys(line, columns, counters):
         x += step
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def summed(counters):
     """The histogram (256,) int64 of what was counted."""
     histogram = np.empty(256, np.int64)
@@ -83,7 +83,7 @@ def summed(counters):
     return histogram
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def noise_sigma(grey):
     """The noise's standard deviation, from the median absolute second difference.
 
@@ -176,7 +176,7 @@ def steepest_level(grey, least):
     return levels / weights if weights > 0.0 else -1.0
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def flat_histogram(grey, most):
     """How many of the sampled pixels that are no edge have each grey value: (256,) int64.
 
@@ -196,7 +196,7 @@ def flat_histogram(grey, most):
     return histogram
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def split_histogram(histogram, noise, least):
     """The two classes of a histogram (256,) by minimum error, ``least`` grey levels apart.
 
@@ -253,7 +253,7 @@ def split_histogram(histogram, noise, least):
     return True, dark, light, spread / 1.349, below / total
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _quantile(histogram, first, last, share):
     """The grey value in first .. last - 1 below which ``share`` of their pixels lie."""
     total = 0.0

@@ -21,7 +21,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
 from vision.binarise.smoothing_kernels import MARGIN, compare, sum_limit, sum_rows
 
@@ -42,7 +42,7 @@ BLOCK = 128
 """Pixels of a row that are looked at together."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def mark_below_but_dots(grey, bound, weights, norm, mask):
     """Mark where the smoothed picture is ``bound`` or darker, and list what is by itself only.
 
@@ -68,7 +68,7 @@ def mark_below_but_dots(grey, bound, weights, norm, mask):
     return places[:count]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def dots_left_out(grey, level, mask):
     """Where the picture lies below the level, of its own kind, but is not marked: places.
 
@@ -102,7 +102,7 @@ def _list(left_out, first, places, count):
     return count
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def mark_dots(grey, noise, places, mask):
     """Mark with 1 in a padded mask of what is larger which of these places are dots; how many."""
     width = grey.shape[1]

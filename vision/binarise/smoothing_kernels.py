@@ -15,14 +15,14 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 from vision.binarise.binarise_kernels import count_greys, sample_steps, summed
 
 MARGIN = 2
 """Pixels that the smoothing reaches beyond one."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def calmed_histogram(grey, weights, norm):
     """How many of the sampled pixels have each smoothed grey value, rounded: (256,) int64."""
     height, width = grey.shape

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
 
 OBSTACLE = np.uint8(1)
@@ -38,7 +38,7 @@ AT_A_TIME = 32
 """Words of eight pixels that are looked at for new borders together."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def follow_borders(mask, xs, ys, directions):
     """Walk every border of the padded mask (h + 2, w') uint8, which is left as it was.
 
@@ -150,7 +150,7 @@ def _walk(flat, start, x, y, tables, xs, ys, directions, count):
     return -1, area
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _walk_tables(stride):
     """The walk without branches: what follows from a direction and the two pixels ahead.
 
@@ -201,7 +201,7 @@ def _walk_tables(stride):
     return move, to_left, to_front, step_x, step_y, turn, seen, area_of_x, begin_left, begin_front
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def hole_owners(mask, xs, ys, directions, starts, areas):
     """The outline that each border belongs to: its own index, or for a hole its object's.
 
@@ -233,7 +233,7 @@ def hole_owners(mask, xs, ys, directions, starts, areas):
     return owners
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _ask_for_owners(mask, xs, ys, starts, areas, keys):
     """Of every hole the west crack whose border owns it, also into the table of ``keys``."""
     borders = areas.shape[0]
@@ -258,7 +258,7 @@ def _ask_for_owners(mask, xs, ys, starts, areas, keys):
     return asked
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _walked_by(stride, xs, ys, directions, starts, keys):
     """For every west crack in the table of ``keys`` the border that walks it."""
     size = keys.shape[0]
@@ -292,7 +292,7 @@ def count_contour_pixels(xs, ys, starts):
     return count
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def contour_pixels(xs, ys, starts):
     """The 8-connected contours: every border's pixels without immediate repetition.
 
@@ -323,6 +323,6 @@ def contour_pixels(xs, ys, starts):
     return out_x[:count].copy(), out_y[:count].copy(), out_starts
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def _slot(key, size):
     return (key * 2654435761 >> 7) & (size - 1)

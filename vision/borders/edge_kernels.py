@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF, SUMS
+from planner.scene.compile_options import LEAF, OWNING, SUMS
 from vision.borders.edge_level_kernels import find_plateaus
 from vision.borders.edge_profile_kernels import (
     BEHIND,
@@ -51,7 +51,7 @@ UNREACHED = 1 / 8
 them, the given level is still believed at a narrow wall: a fifth of the contrast is unseen."""
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points):
     """Sub-pixel points of every border, in order.
 

@@ -10,8 +10,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
 
-@njit(cache=True, nogil=True)
+
+@njit(cache=True, nogil=True, fastmath=False)
 def undistort(
     x_px: float, y_px: float, camera: NDArray[np.float64], lens: NDArray[np.float64]
 ) -> tuple[float, float]:
@@ -38,7 +40,7 @@ def undistort(
     return x * camera[0] + camera[2], y * camera[1] + camera[3]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def undistort_all(
     points: NDArray[np.float64], camera: NDArray[np.float64], lens: NDArray[np.float64]
 ) -> NDArray[np.float64]:

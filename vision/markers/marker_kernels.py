@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
 from vision.calibration.calibration_kernels import undistort
 
 _ENDS = 0.1  # share of a side left out at each end: the neighbouring side's blur reaches there
@@ -18,7 +19,7 @@ _MIN_CONTRAST = 12.0
 _OUTLIER_MADS = 4.0
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def fit_sides(
     grey: NDArray[np.uint8],
     corners: NDArray[np.float64],
@@ -66,7 +67,7 @@ def fit_sides(
     return lines, seen
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def _edges_of_side(
     grey: NDArray[np.uint8],
     start: NDArray[np.float64],
@@ -109,7 +110,7 @@ def _edges_of_side(
         out_steps[i] = brightest - darkest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
     height, width = grey.shape
     x = min(max(x, 0.0), width - 1.0)
@@ -121,7 +122,7 @@ def _bilinear(grey: NDArray[np.uint8], x: float, y: float) -> float:
     return float(above * (1.0 - fy) + below * fy)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def _fit_line(
     points: NDArray[np.float64], use: NDArray[np.bool_], out_line: NDArray[np.float64]
 ) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
 from vision.calibration.calibration_kernels import undistort
 
 UNKNOWNS = 13
@@ -20,7 +21,7 @@ UNKNOWNS = 13
 the contrast, each a plane over the marker."""
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def collect_pixels(
     grey: NDArray[np.uint8],
     box: tuple[int, int, int, int],
@@ -61,7 +62,7 @@ def collect_pixels(
     return rows[:count]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def normal_equations(
     pixels: NDArray[np.float64],
     bits: NDArray[np.float64],
@@ -124,7 +125,7 @@ def normal_equations(
     return math.sqrt(total / max(len(pixels), 1))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
     """A cell's value; the marker's rim is light."""
     if column < 0 or row < 0 or column >= len(bits) or row >= len(bits):
@@ -132,13 +133,13 @@ def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
     return float(bits[row, column])
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def _share(t: float) -> float:
     """The normal distribution."""
     return 0.5 * math.erfc(-t * 0.7071067811865476)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath=False)
 def _slope(t: float) -> float:
     """Its density."""
     return 0.3989422804014327 * math.exp(-0.5 * t * t)

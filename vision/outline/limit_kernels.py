@@ -14,7 +14,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 from vision.outline.fit.outline_kernels import STRAY_PX
 from vision.outline.outline_types import Limits
 
@@ -69,7 +69,7 @@ def _expected_cost(dead_zone, sigma, spread):
     return 2.0 * ((1.0 + a * a) * tail - a * density) * (spread / sigma) ** 2
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def allow_losses(point_starts, areas, owners, pixels, budgets):
     """Fill every border's ``budgets``, and ``pixels``, those of its object without its holes.
 

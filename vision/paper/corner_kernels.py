@@ -13,10 +13,10 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF
+from planner.scene.compile_options import LEAF, OWNING
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def small_eigenvalues(xs, ys, starts, k):
     """lambda_S, equation 13, around every pixel of every contour: (n,) float64.
 
@@ -59,7 +59,7 @@ def _add(xs, ys, first, p, sign, sums):
     sums[4] += sign * x * y
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def strongest_apart(values, starts, k, threshold):
     """Which pixels are corners: above the threshold, the strongest first, k pixels apart."""
     chosen = np.zeros(values.shape[0], np.bool_)
@@ -79,7 +79,7 @@ def strongest_apart(values, starts, k, threshold):
     return chosen
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def is_digital_circle(xs, ys, first, last, slack):
     """Sauer's condition, equation 14, for the contour pixels first .. last.
 

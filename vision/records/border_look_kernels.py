@@ -10,8 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.scene.compile_options import OWNING
 
-@njit(cache=True, nogil=True)
+
+@njit(**OWNING)
 def look_at_borders(kind, data, edge_starts, limits):
     """``(ends, stray)`` of the fitted edges, see ``vision.records.records.FittedBorders``.
 
@@ -36,7 +38,7 @@ def look_at_borders(kind, data, edge_starts, limits):
     return ends, stray
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def may_be_thin(areas, starts):
     """Which borders have two cracks for every pixel that they enclose, or more: (b,) bool."""
     thin = np.empty(areas.shape[0], np.bool_)

@@ -8,7 +8,6 @@ from typing import Literal
 
 import click
 
-from navigation.cli.cold_kernels import compile_for
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
@@ -60,7 +59,7 @@ def command(
     from navigation.cli.pictures.fleet_picture import draw_fleet
     from navigation.cli.pictures.fleet_robots import load_robots
     from navigation.cli.pictures.plan import timed_roadmap
-    from navigation.cli.pictures.sources import hold_points, load_source
+    from navigation.cli.pictures.sources import compile_for, hold_points, load_source
     from planner.fleet.fleet_plan import FleetPlan
     from planner.fleet.on_roadmap import plan_fleet
 

@@ -40,7 +40,7 @@ def test_every_kernel_is_kept_by_what_it_depends_on() -> None:
 def test_every_file_of_kernels_has_the_locator_set_up_before(package: str) -> None:
     files = [file for file in (ROOT / package).rglob("*.py") if "@njit" in file.read_text()]
     assert len(files) > 20
-    bare = [file for file in files if "compile_options import" not in file.read_text()]
+    bare = [file for file in files if "planner.scene.compile_options" not in file.read_text()]
     assert bare == []
 
 
@@ -93,3 +93,24 @@ def test_a_cache_that_cannot_be_written_keeps_the_program_running(
     monkeypatch.setattr(kernel_locator, "choose_processor", lambda _: shipped.name)
     monkeypatch.setattr(kernel_locator.caching.CacheImpl, "_locator_classes", [])
     kernel_locator.prepare_kernels()
+
+
+INHERITS = """
+import importlib, pkgutil
+import planner, vision
+from numba.core.dispatcher import Dispatcher
+
+for package in (planner, vision):
+    for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+        for kernel in vars(importlib.import_module(module.name)).values():
+            if isinstance(kernel, Dispatcher) and "fastmath" not in kernel.targetoptions:
+                print(kernel)
+"""
+
+
+def test_no_kernels_arithmetic_depends_on_who_calls_it_first() -> None:
+    """Numba lets a kernel that says nothing of ``fastmath`` inherit it from its first caller."""
+    told = subprocess.run(
+        [sys.executable, "-c", INHERITS], capture_output=True, text=True, cwd=ROOT, timeout=120
+    )
+    assert (told.returncode, told.stdout) == (0, ""), told.stdout + told.stderr

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from planner.scene.compile_options import LEAF, SUMS
+from planner.scene.compile_options import LEAF, OWNING, SUMS
 
 REACH = 4
 """Pixels from one end of a step to the other: the width of a blurred edge."""
@@ -189,7 +189,7 @@ def _support(worth, before, a, b, behind, cost):
     return min(step - cost, sharp)
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def support_by_level(grey, shut, worth, cost, pairs):
     """What speaks for a border at each level, and how many pairs lie across it: 2 x (257,).
 
@@ -220,7 +220,7 @@ def support_by_level(grey, shut, worth, cost, pairs):
     return np.cumsum(changes[0])[:257], np.cumsum(changes[1])[:257]
 
 
-@njit(cache=True, nogil=True)
+@njit(**OWNING)
 def steps_of_regions(grey, labels, count, end, sign):
     """The steps across the border of each region: ``(steps, light, sharp, pairs)``, (count,) each.
 
