@@ -22,7 +22,7 @@ def compile_what_is_missing(*parts: Part) -> None:
             missing[part] = (_work_of(part), ())
     if not missing:
         return
-    from navigation.run.compiling import compile_parts
+    from navigation.run.kernels.compiling import compile_parts
 
     first = "compiling the kernels, once on this machine"
     live = sys.stderr is not None and sys.stderr.isatty()
@@ -51,7 +51,7 @@ def _is_cold(part: Part) -> bool:
 
 
 def _work_of(part: Part) -> Callable[[], None]:
-    from navigation.run.rehearsal import see_an_arena
+    from navigation.run.kernels.rehearsal import see_an_arena
     from navigation.run.warm_up import compile_planner
 
     return see_an_arena if part == "eye" else compile_planner

@@ -22,7 +22,7 @@ from navigation.loop.planning import ArenaPlanner, PlanSettings
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.traffic import Disc
-from navigation.run.compiling import CompileProgress, compile_parts
+from navigation.run.kernels.compiling import CompileProgress, compile_parts
 from planner.delaunay.insertion_kernels import triangulate
 from planner.motion.trajectory import default_limits
 from planner.path import NoPath

@@ -10,7 +10,7 @@ import pytest
 
 from navigation.config import load_config
 from navigation.run import warm_up
-from navigation.run.compiling import compile_parts
+from navigation.run.kernels.compiling import compile_parts
 
 CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
 

@@ -1,6 +1,6 @@
 """How long the kernels take to compile on a machine that has none.
 
-    python -m benchmarks.compile [--kernels 20]
+    python -m benchmarks.start.compile [--kernels 20]
 
 Compiles what the warm-up compiles, eye and planner in a process each as it does, into a folder
 that is thrown away, and prints wall and processor time. ``--kernels`` lists those that took
@@ -36,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for part in PARTS:
-            command = [sys.executable, "-m", "benchmarks.compile", "--part", part]
+            command = [sys.executable, "-m", "benchmarks.start.compile", "--part", part]
             environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
             done = subprocess.run(command, env=environment, capture_output=True, check=True)
             found = json.loads(done.stdout)

@@ -1,6 +1,6 @@
 """From a fresh environment with the wheel to the first plan and the first metre driven.
 
-    python -m benchmarks.startup dist/clearway-*.whl [--limits]
+    python -m benchmarks.start.startup dist/clearway-*.whl [--limits]
 
 Installs the wheel into an environment of its own, with nothing compiled, and prints the seconds of
 the first ``clearway plan``, of later ones, of ``clearway --help``, and from ``clearway run`` to a
@@ -23,7 +23,7 @@ import venv
 from collections.abc import Sequence
 from pathlib import Path
 
-TOP = Path(__file__).parents[1]
+TOP = Path(__file__).parents[2]
 SCENE = TOP / "tests" / "golden" / "square.txt"
 PLAN = ("plan", SCENE.name, "--start", "10,10", "--goal", "90,90", "--radius", "3")
 REPEATS = 5

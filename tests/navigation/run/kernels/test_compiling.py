@@ -6,7 +6,7 @@ import time
 import numba
 import pytest
 
-from navigation.run.compiling import CompileProgress, compile_parts
+from navigation.run.kernels.compiling import CompileProgress, compile_parts
 
 
 def define_kernels(count: int, pause_s: float) -> None:

@@ -1,0 +1,1 @@
+"""Kernels compiled before a run or for a wheel, in processes of their own."""
