@@ -32,6 +32,10 @@ EXAMPLES: dict[str, Example] = {
         "clearway plan arena.png --start 40,40 --goal 600,400 --radius 9 --render plan.svg",
         "Plan through a picture for a robot of 9 pixels, and draw the plan.",
     ),
+    "fleet": Example(
+        "clearway fleet arena.scene --robots robots.csv --render fleet.svg",
+        "Plan several robots at once, and draw them moving.",
+    ),
     "roadmap": Example(
         "clearway roadmap map.yaml --radius 0.2 -o roadmap.geojson",
         "Turn a ROS map into a graph for Nav2's route server.",
