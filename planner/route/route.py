@@ -26,14 +26,7 @@ from planner.route.no_way import Blocked, Place, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
 from planner.scene import FloatArray, Vec
-from planner.search.chain_search import (
-    ROUNDING,
-    WORK,
-    Network,
-    attach,
-    cheapest_routes,
-    widest_gap,
-)
+from planner.search.chain_search import ROUNDING, WORK, Network, attach, cheapest_routes, widest_gap
 from planner.search.homotopy import Word, anchors, word
 from planner.search.search_kernels import Gates
 from planner.search.shortest import shortest_way
