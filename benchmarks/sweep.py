@@ -21,7 +21,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from navigation.config import Config, load_config
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 from navigation.sweep.runs import Row, Sweep, run_one
 from navigation.sweep.variations import Variation, variation
 from navigation.sweep.workers import local_executor

@@ -15,7 +15,7 @@ from benchmarks.adversary.bars import Outcome
 from benchmarks.adversary.processes import ProcessError
 from benchmarks.adversary.rig import Rig
 from benchmarks.adversary.scene import ERRANDS, read_config, write_config
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 
 
 def prepare() -> None:

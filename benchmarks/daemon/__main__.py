@@ -43,10 +43,10 @@ from navigation.config import load_config
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
+from navigation.run.kernels.warm_up import warm_up
 from navigation.run.report import Report
 from navigation.run.virtual_run import run_virtually
 from navigation.run.virtual_world import VirtualWorld
-from navigation.run.warm_up import warm_up
 from tests.support.runs.kills import Campaign, drive_under_fire
 from tests.support.runs.virtual import CONFIGS, short_config
 from tests.support.scenes.random_arenas import RADIUS_M, random_config

@@ -56,7 +56,7 @@ def _compile(part: str) -> dict[str, Any]:
     from numba.core import event
 
     from navigation.config import load_config
-    from navigation.run.warm_up import compile_eye, compile_planner
+    from navigation.run.kernels.warm_up import compile_eye, compile_planner
 
     begin_s, begin_processor_s = time.perf_counter(), time.process_time()
     with event.install_recorder("numba:compile") as recorder:

@@ -52,6 +52,6 @@ def _is_cold(part: Part) -> bool:
 
 def _work_of(part: Part) -> Callable[[], None]:
     from navigation.run.kernels.rehearsal import see_an_arena
-    from navigation.run.warm_up import compile_planner
+    from navigation.run.kernels.warm_up import compile_planner
 
     return see_an_arena if part == "eye" else compile_planner

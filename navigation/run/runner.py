@@ -32,6 +32,7 @@ from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import State
 from navigation.run.attendance import Attendance
+from navigation.run.kernels.warm_up import warm_up
 from navigation.run.report import Report
 from navigation.run.restart import unfinished_mission
 from navigation.run.summary import (
@@ -41,7 +42,6 @@ from navigation.run.summary import (
     write_report,
     write_run,
 )
-from navigation.run.warm_up import warm_up
 from navigation.run.world import World
 from navigation.shared.supervisor import Part
 

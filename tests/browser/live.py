@@ -14,7 +14,7 @@ from navigation.dashboard import Dashboard, ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 from navigation.run.world import World
 from tests.support.waiting import wait_until
 

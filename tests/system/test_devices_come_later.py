@@ -21,7 +21,7 @@ from pathlib import Path
 import pytest
 
 from navigation.config import load_config
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 from navigation.simulator.shared_pose import PoseReader
 from tests.support.pictures import call
 from tests.support.waiting import wait_until

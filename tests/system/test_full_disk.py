@@ -15,7 +15,7 @@ import pytest
 
 from navigation.config import load_config
 from navigation.journal.journal import Journal, Owner
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]

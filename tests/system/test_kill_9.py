@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from navigation.config import load_config
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = Path(sys.executable).with_name("clearway")

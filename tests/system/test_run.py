@@ -26,7 +26,7 @@ from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 from navigation.run.world import World
 from planner.scene import Scene
 from tests.support.pictures import call

@@ -101,7 +101,7 @@ def _executors(
 ) -> tuple[Callable[[], Executor], int]:
     """What makes an executor, and how many workers it has."""
     if scheduler is None:
-        from navigation.run.warm_up import kernels_are_cold, warm_up
+        from navigation.run.kernels.warm_up import kernels_are_cold, warm_up
         from navigation.sweep.workers import local_executor
 
         count = workers or os.cpu_count() or 1

@@ -73,7 +73,7 @@ def machine_findings() -> Iterator[Finding]:
     from navigation.config.last_good import state_folder
     from navigation.control import default_socket
     from navigation.machine import doctor
-    from navigation.run.warm_up import kernels_are_cold
+    from navigation.run.kernels.warm_up import kernels_are_cold
 
     yield doctor.check_python()
     yield from doctor.check_packages(metadata.requires("clearway") or [])

@@ -1,6 +1,6 @@
 """Compile every kernel into a folder that a wheel carries.
 
-    NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= python -m navigation.run.kernels.compile_ahead FOLDER
+    NUMBA_CPU_NAME=x86-64-v3 python -m navigation.run.kernels.compile_ahead FOLDER
 
 ``.ci/compile-wheel`` calls this for each processor; what it makes is described in
 ``planner.shared.kernel_locator``.

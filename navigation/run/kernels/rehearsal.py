@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import planner
 import vision
 from navigation.config import Config
-from navigation.run.warm_up import compile_eye, compile_planner
+from navigation.run.kernels.warm_up import compile_eye, compile_planner
 from planner.scene import Bounds, Scene
 from vision.binarise.methods import METHODS, POLARITIES
 from vision.camera.camera import Image

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from navigation.config import load_config
-from navigation.run import warm_up
+from navigation.run.kernels import warm_up
 from navigation.run.kernels.compiling import compile_parts
 
-CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
+CONFIG = load_config(Path(__file__).parents[4] / "configs" / "simulation.yaml", environment={})
 
 
 def test_with_compiled_kernels_nothing_is_said() -> None:
@@ -41,7 +41,7 @@ def test_a_process_that_cannot_compile_is_told(monkeypatch: pytest.MonkeyPatch) 
     assert any("not compiled: it is done here" in line for line in said)
 
 
-COLD = "from navigation.run.warm_up import kernels_are_cold; print(kernels_are_cold())"
+COLD = "from navigation.run.kernels.warm_up import kernels_are_cold; print(kernels_are_cold())"
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_kernels_are_cold_where_they_would_be_compiled(
     told = subprocess.run(
         [sys.executable, "-c", COLD],
         env={**os.environ, **variables},
-        cwd=Path(__file__).parents[3],
+        cwd=Path(__file__).parents[4],
         capture_output=True,
         text=True,
     )
@@ -75,7 +75,7 @@ KERNELS_LOADED_LATE = """
 import sys
 from numba.core.dispatcher import Dispatcher
 from navigation.run.virtual_run import run_virtually
-from navigation.run.warm_up import warm_up
+from navigation.run.kernels.warm_up import warm_up
 from tests.support.runs.virtual import short_config
 
 def loaded():
@@ -102,7 +102,7 @@ def test_no_kernel_is_compiled_or_loaded_while_the_robot_drives() -> None:
     """Each would cost half a second just when an obstacle has come. In a process of its own."""
     told = subprocess.run(
         [sys.executable, "-c", KERNELS_LOADED_LATE],
-        cwd=Path(__file__).parents[3],
+        cwd=Path(__file__).parents[4],
         capture_output=True,
         text=True,
         timeout=900,
