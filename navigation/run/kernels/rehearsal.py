@@ -22,6 +22,8 @@ from vision.camera.camera import Image
 SIZE_PX = (160, 120)
 RADIUS_PX = 4.0
 STATIONS = ((6.0, 6.0), (150.0, 110.0), (80.0, 8.0), (8.0, 110.0))
+PLACES = ((0.0, 0.0), (20.0, 0.0), (10.0, 9.0))
+EDGES = ((0, 1), (1, 0), (1, 2), (2, 1), (0, 2), (2, 0))
 CONFIG = {
     "arena": {"bounds_m": [0.0, 0.0, 2.0, 1.5]},
     "camera": {"source": 0, "calibration": "none.yaml"},
@@ -86,6 +88,9 @@ def rehearse_planner() -> None:
         # too large for every way: why there is none
         planner.build_roadmap(one, 30.0).plan(*STATIONS[:2])
         planner.build_roadmap(one, RADIUS_PX).updated(scene)
+    roadmap = planner.build_roadmap(scene, RADIUS_PX)
+    planner.plan_fleet(roadmap, STATIONS[:2], STATIONS[2:])
+    planner.plan_on_graph(PLACES, EDGES, 1.0, [0, 1], [1, 0])  # they exchange places
     planner.voronoi(np.random.default_rng(0).random((50, 2)))
 
 
