@@ -72,7 +72,7 @@ class KernelLocator(caching._CacheLocator):
 
 def kernel_stamp(source: Path) -> str:
     """What a source file's kernels are compiled from; this folder computes nothing."""
-    return stamp_of(source, VERSIONS, apart=Path(__file__).parent)
+    return stamp_of(source, PACKAGES, VERSIONS, apart=Path(__file__).parent)
 
 
 def cache_folder(source_folder: Path) -> Path:

@@ -15,17 +15,19 @@ from pathlib import Path
 _IMPORT = re.compile(rb"^\s*(?:from|import) ([a-z_][\w.]*)(?: import ([^#\n(]+|\([^)]*\)))?", re.M)
 
 
-def stamp_of(file: Path, versions: str, apart: Path | None = None) -> str:
-    """Hex digest over a source file, all of its own distribution that it imports, and versions.
+def stamp_of(
+    file: Path, packages: tuple[str, ...], versions: str, apart: Path | None = None
+) -> str:
+    """Hex digest over a source file, all that it imports of some packages, and versions.
 
-    ``file`` is inside a package; imports are followed within the folder above the topmost package,
-    but not into the folder ``apart``.
+    ``file`` is inside a package; the others lie beside it. Strangers' packages, which may lie there
+    too, are not followed, nor is the folder ``apart`` counted.
     """
     root = file.parent
     while (root / "__init__.py").exists():
         root = root.parent
     digest = hashlib.sha256(versions.encode())
-    for part in sorted(_reachable(file, root)):
+    for part in sorted(_reachable(file, root, packages)):
         if apart is not None and part.is_relative_to(apart):
             continue
         digest.update(part.relative_to(root).as_posix().encode())
@@ -45,12 +47,12 @@ def _content(file: Path) -> tuple[bytes, tuple[tuple[str, ...], ...]]:
     return hashlib.sha256(source).digest(), tuple(names)
 
 
-def _reachable(file: Path, root: Path) -> set[Path]:
+def _reachable(file: Path, root: Path, packages: tuple[str, ...]) -> set[Path]:
     found = {file}
     waiting = [file]
     while waiting:
         for parts in _content(waiting.pop())[1]:
-            imported = _file_of(root, parts)
+            imported = _file_of(root, parts) if parts[0] in packages else None
             if imported is not None and imported not in found:
                 found.add(imported)
                 waiting.append(imported)
@@ -59,7 +61,7 @@ def _reachable(file: Path, root: Path) -> set[Path]:
 
 @cache
 def _file_of(root: Path, parts: tuple[str, ...]) -> Path | None:
-    """The source of a module or package below ``root``; None for a stranger's, or for a name."""
+    """The source of a module or package below ``root``; None for any other name."""
     place = root.joinpath(*parts)
     for candidate in (place.with_suffix(".py"), place / "__init__.py"):
         if candidate.is_file():

@@ -16,6 +16,7 @@ FILES = {
     "house/floor/tile.py": "    from house.wall import COLOUR\n",
     "house/wall.py": "from house.kernel import circle\nCOLOUR = 1\n",
     "house/garden.py": "TREES = 3\n",
+    "numpy/__init__.py": "",  # beside it, where both are installed
 }
 
 
@@ -31,7 +32,7 @@ def house(tmp_path: Path) -> Path:
 def stamp(root: Path, versions: str = "numba 1") -> str:
     source_stamp._content.cache_clear()
     source_stamp._file_of.cache_clear()
-    return stamp_of(root / "house" / "kernel.py", versions)
+    return stamp_of(root / "house" / "kernel.py", ("house",), versions)
 
 
 @pytest.mark.parametrize("changed", ["house/kernel.py", "house/floor/tile.py", "house/wall.py"])
@@ -39,6 +40,14 @@ def test_a_change_in_anything_that_is_imported_changes_it(house: Path, changed: 
     before = stamp(house)
     (house / changed).write_text(FILES[changed] + "# changed\n")
     assert stamp(house) != before
+
+
+def test_strangers_beside_it_do_not_change_it(house: Path) -> None:
+    before = stamp(house)
+    (house / "numpy/__init__.py").write_text("pi = 3\n")
+    assert stamp(house) == before
+    (house / "numpy/__init__.py").unlink()
+    assert stamp(house) == before
 
 
 def test_what_is_not_imported_does_not_change_it(house: Path) -> None:
@@ -50,7 +59,7 @@ def test_what_is_not_imported_does_not_change_it(house: Path) -> None:
 def test_a_folder_apart_does_not_change_it(house: Path) -> None:
     def without_the_floor() -> str:
         stamp(house)
-        return stamp_of(house / "house/kernel.py", "1", apart=house / "house" / "floor")
+        return stamp_of(house / "house/kernel.py", ("house",), "1", apart=house / "house" / "floor")
 
     before = without_the_floor()
     (house / "house/floor/tile.py").write_text("GREY = 1\nfrom house.wall import COLOUR\n")
