@@ -33,7 +33,10 @@ def test_a_kernel_compiles_without_scipy(path: Path) -> None:
 def test_every_import_is_declared_in_the_project_file() -> None:
     project = tomllib.loads((TOP / "pyproject.toml").read_text())["project"]
     extras = project.get("optional-dependencies", {})
-    wanted = [*project["dependencies"], *extras.get("cluster", ()), *extras.get("parquet", ())]
+    optional = [
+        need for extra in ("cluster", "examples", "parquet") for need in extras.get(extra, ())
+    ]
+    wanted = [*project["dependencies"], *optional]
     declared = {_distribution(requirement) for requirement in wanted}
     provides = packages_distributions()
     for path in SOURCES:

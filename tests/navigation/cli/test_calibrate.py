@@ -203,7 +203,7 @@ def test_a_picture_that_was_held_otherwise_is_taken_as_its_sensor_saw_it(
     assert run(["calibrate", str(held), *map(str, whole[1:]), *BOARD]) == 0
     said = capfd.readouterr()
     assert said.out == lens
-    assert f"{held}: its EXIF orientation, 3, is left aside" in said.err
+    assert f"{held}: its EXIF orientation, 3, is ignored" in said.err
 
 
 def test_a_calibration_without_a_lens_is_no_lens(
