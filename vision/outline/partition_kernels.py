@@ -239,8 +239,7 @@ def _trim(length, guard):
 @njit(**LEAF)
 def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
     """What points a .. b may be, by the seeds i + 1 .. j - 1 alone: ANY, BENT or NOTHING."""
-    px = border.x
-    py = border.y
+    px, py = border.x, border.y
     x0 = px[a]
     y0 = py[a]
     dx = px[b] - x0
@@ -286,12 +285,9 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
 @njit(**LEAF)
 def _stretch(border, a, b, may_be, costs, bound, prices, fit):
     """The cheaper of a line and an arc through points a .. b - 1: (cost, is_arc)."""
-    px = border.x
-    py = border.y
+    px, py = border.x, border.y
     crisp = costs.crisp
-    dead_zone = costs.dead_zone
-    sigma = costs.sigma
-    worst = costs.worst
+    dead_zone, sigma, worst = costs.dead_zone, costs.sigma, costs.worst
     circle = fit.circle
     grow(px, py, a, b, fit.sums)
     straight = HUGE

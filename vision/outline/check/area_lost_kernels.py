@@ -46,11 +46,8 @@ def pass_between_pixels(border, outline, edges, limits, review, finished, circle
 @njit(**SUMS)
 def area_beside_circle(px, py, lo, hi, circle, free):
     """The area that a circle would lose of points lo .. hi - 1, as ``area_lost`` of edges."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    cx = circle[0]
-    cy = circle[1]
-    r = circle[2]
+    xs, ys = px[lo:hi], py[lo:hi]
+    cx, cy, r = circle[0], circle[1], circle[2]
     lost = 0.0
     for k in range(hi - lo):
         x = xs[k] - cx

@@ -50,14 +50,10 @@ def _narrow_reach(rows, before, at, after):
 @njit(**LEAF)
 def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
     """Whether no pixel of a picture without grey is lost beside a finished edge."""
-    kinds = finished.kind
-    rows = finished.rows
-    xs = border.x[lo : hi + 1]
-    ys = border.y[lo : hi + 1]
-    x0 = rows[e, 0]
-    y0 = rows[e, 1]
-    x1 = rows[after, 0]
-    y1 = rows[after, 1]
+    kinds, rows = finished.kind, finished.rows
+    xs, ys = border.x[lo : hi + 1], border.y[lo : hi + 1]
+    x0, y0 = rows[e, 0], rows[e, 1]
+    x1, y1 = rows[after, 0], rows[after, 1]
     doubts = 0
     if kinds[e] == LINE:
         dx = x1 - x0
@@ -78,9 +74,7 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
             beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
             doubts += lost & (not beside)
         return doubts == 0
-    cx = rows[e, 2]
-    cy = rows[e, 3]
-    r = rows[e, 4]
+    cx, cy, r = rows[e, 2], rows[e, 3], rows[e, 4]
     ax, ay, bx, by = arc_ends(kinds, rows, e, after)
     narrow = ax * by - ay * bx >= 0.0
     for k in range(hi + 1 - lo):
@@ -117,14 +111,10 @@ def loss_beside(border, lo, hi, finished, e, after, free, near_begin, near_end):
     In a picture with grey; what lies near the ends, as squared distances, does not count as far as
     ``STRAY_PX``.
     """
-    kinds = finished.kind
-    rows = finished.rows
-    xs = border.x[lo : hi + 1]
-    ys = border.y[lo : hi + 1]
-    x0 = rows[e, 0]
-    y0 = rows[e, 1]
-    x1 = rows[after, 0]
-    y1 = rows[after, 1]
+    kinds, rows = finished.kind, finished.rows
+    xs, ys = border.x[lo : hi + 1], border.y[lo : hi + 1]
+    x0, y0 = rows[e, 0], rows[e, 1]
+    x1, y1 = rows[after, 0], rows[after, 1]
     farthest = 0.0
     lost = 0.0
     if kinds[e] == LINE:
@@ -146,9 +136,7 @@ def loss_beside(border, lo, hi, finished, e, after, free, near_begin, near_end):
             farthest = max(farthest, away)
             lost += max(away - free, 0.0)
         return farthest, lost
-    cx = rows[e, 2]
-    cy = rows[e, 3]
-    r = rows[e, 4]
+    cx, cy, r = rows[e, 2], rows[e, 3], rows[e, 4]
     ax, ay, bx, by = arc_ends(kinds, rows, e, after)
     narrow = ax * by - ay * bx >= 0.0
     for k in range(hi + 1 - lo):
@@ -183,8 +171,7 @@ def edge_loss(border, lo, hi, finished, e, edges, limits):
     """
     px = border.x
     py = border.y
-    kinds = finished.kind
-    rows = finished.rows
+    kinds, rows = finished.kind, finished.rows
     crisp = limits.crisp
     free = limits.free
     guard = limits.guard

@@ -39,11 +39,8 @@ LONGEST_BY = 4.5
 @njit(**LEAF)
 def _sharp_cost(border, lo, hi, a, b, corner, blur, costs):
     """What points lo .. hi - 1 cost beside two lines and the corner that blur makes of them."""
-    px = border.x
-    py = border.y
-    dead_zone = costs.dead_zone
-    sigma = costs.sigma
-    worst = costs.worst
+    px, py = border.x, border.y
+    dead_zone, sigma, worst = costs.dead_zone, costs.sigma, costs.worst
     expected = costs.expected
     along_x = a[2] + b[2]
     along_y = a[3] + b[3]

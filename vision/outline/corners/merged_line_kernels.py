@@ -58,10 +58,8 @@ def _cost(border, lo, hi, outline, e, costs):
 def _gain(border, outline, edges, e, both, costs, prices, line):
     """What one line saves in the place of edge e, or of it and the next one (``both``)."""
     n = border.n
-    breaks = outline.breaks
-    is_arc = outline.is_arc
-    shape = outline.shape
-    ranges = outline.ranges
+    breaks, is_arc = outline.breaks, outline.is_arc
+    shape, ranges = outline.shape, outline.ranges
     begin = breaks[e]
     middle = edge_end(breaks, edges, n, e)
     if not _may_be_line(outline, middle - begin, e):

@@ -14,12 +14,10 @@ Rules and units
 
 from __future__ import annotations
 
-import math
-
 from numba import njit
 
 from planner.scene.compile_options import SUMS
-from vision.outline.fit.shape_kernels import taubin
+from vision.outline.fit.shape_kernels import put_line, taubin
 
 FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
@@ -38,15 +36,9 @@ def grow(px, py, a, b, sums):
         sums[ORIGIN_Y] = py[a]
         for i in range(X, ROOM):
             sums[i] = 0.0
-    ox = sums[ORIGIN_X]
-    oy = sums[ORIGIN_Y]
-    xs = px[begin:b]
-    ys = py[begin:b]
-    sx = 0.0
-    sy = 0.0
-    xx = 0.0
-    xy = 0.0
-    yy = 0.0
+    ox, oy = sums[ORIGIN_X], sums[ORIGIN_Y]
+    xs, ys = px[begin:b], py[begin:b]
+    sx = sy = xx = xy = yy = 0.0
     for k in range(b - begin):
         x = xs[k] - ox
         y = ys[k] - oy
@@ -68,13 +60,9 @@ def grow_round(px, py, sums):
     """Let ``sums`` be complete, as a circle needs them: most stretches are lines."""
     begin = int(sums[ROUND_BEHIND])
     b = int(sums[BEHIND])
-    ox = sums[ORIGIN_X]
-    oy = sums[ORIGIN_Y]
-    xs = px[begin:b]
-    ys = py[begin:b]
-    xz = 0.0
-    yz = 0.0
-    zz = 0.0
+    ox, oy = sums[ORIGIN_X], sums[ORIGIN_Y]
+    xs, ys = px[begin:b], py[begin:b]
+    xz = yz = zz = 0.0
     for k in range(b - begin):
         x = xs[k] - ox
         y = ys[k] - oy
@@ -92,29 +80,10 @@ def grow_round(px, py, sums):
 def line_of(px, py, sums, out):
     """Total least squares through the points of ``sums``: out = x, y, ux, uy."""
     share = 1.0 / (sums[BEHIND] - sums[FIRST])
-    mx = sums[X] * share
-    my = sums[Y] * share
-    b = sums[XY] * share - mx * my
-    half = 0.5 * ((sums[XX] * share - mx * mx) - (sums[YY] * share - my * my))
-    # the eigenvector of the larger eigenvalue
-    root = math.sqrt(half * half + b * b)
-    ux = half + root if half >= 0.0 else b
-    uy = b if half >= 0.0 else root - half
-    length = math.sqrt(ux * ux + uy * uy)
-    if length > 0.0:
-        ux /= length
-        uy /= length
-    else:
-        ux = 1.0
-        uy = 0.0
+    mean_x, mean_y = sums[X] * share, sums[Y] * share
+    means = (mean_x, mean_y, sums[XX] * share, sums[XY] * share, sums[YY] * share)
     last = int(sums[BEHIND]) - 1
-    if (px[last] - sums[ORIGIN_X]) * ux + (py[last] - sums[ORIGIN_Y]) * uy < 0.0:
-        ux = -ux
-        uy = -uy
-    out[0] = sums[ORIGIN_X] + mx
-    out[1] = sums[ORIGIN_Y] + my
-    out[2] = ux
-    out[3] = uy
+    put_line(sums[ORIGIN_X], sums[ORIGIN_Y], means, px[last], py[last], out)
 
 
 @njit(**SUMS)

@@ -27,9 +27,7 @@ ACTIVE_PX = 0.15
 @njit(**SUMS)
 def lost_to_circle(px, py, n, circle):
     """How many pixels beside n points a circle takes for what they are not, without grey."""
-    cx = circle[0]
-    cy = circle[1]
-    r = circle[2]
+    cx, cy, r = circle[0], circle[1], circle[2]
     lost = 0
     for k in range(n):
         x = abs(px[k] - cx)
@@ -82,14 +80,9 @@ def separate_line(px, py, lo, hi, line, near):
     sides. Least squares on what exceeds that, a few steps from the total-least-squares line;
     ``near`` (2, hi - lo + 1) is room for the points that may matter.
     """
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    near_x = near[0]
-    near_y = near[1]
-    x = line[0]
-    y = line[1]
-    ux = line[2]
-    uy = line[3]
+    xs, ys = px[lo:hi], py[lo:hi]
+    near_x, near_y = near[0], near[1]
+    x, y, ux, uy = line[0], line[1], line[2], line[3]
     limit = (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
     beyond = 0
     for k in range(hi - lo):
@@ -104,11 +97,7 @@ def separate_line(px, py, lo, hi, line, near):
     half = 0.5 * (hi - lo)
     for _ in range(SEPARATION_STEPS):
         limit = (HALF - SEPARATION_MARGIN) * max(abs(ux), abs(uy))
-        w = 0.0
-        wt = 0.0
-        wtt = 0.0
-        b0 = 0.0
-        b1 = 0.0
+        w = wt = wtt = b0 = b1 = 0.0
         for i in range(count):
             dx = near_x[i] - x
             dy = near_y[i] - y
@@ -144,15 +133,11 @@ def separate_line(px, py, lo, hi, line, near):
 
 
 @njit(**SUMS)
-def separate_circle(px, py, lo, hi, circle, near):  # noqa: PLR0915 - sums of one loop, side by side
+def separate_circle(px, py, lo, hi, circle, near):
     """The same for a circle: move and grow it until it passes between the pixels."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    near_x = near[0]
-    near_y = near[1]
-    cx = circle[0]
-    cy = circle[1]
-    r = circle[2]
+    xs, ys = px[lo:hi], py[lo:hi]
+    near_x, near_y = near[0], near[1]
+    cx, cy, r = circle[0], circle[1], circle[2]
     beyond = 0
     for k in range(hi - lo):
         dx = abs(xs[k] - cx)
@@ -171,15 +156,7 @@ def separate_circle(px, py, lo, hi, circle, near):  # noqa: PLR0915 - sums of on
         near_y[count] = ys[k]
         count += excess > -ACTIVE_PX
     for _ in range(SEPARATION_STEPS):
-        suu = 0.0
-        suv = 0.0
-        svv = 0.0
-        su = 0.0
-        sv = 0.0
-        s1 = 0.0
-        bu = 0.0
-        bv = 0.0
-        b1 = 0.0
+        suu = suv = svv = su = sv = s1 = bu = bv = b1 = 0.0
         for i in range(count):
             dx = near_x[i] - cx
             dy = near_y[i] - cy

@@ -39,11 +39,7 @@ def fit_line(px, py, lo, hi, step, out):
     """Total least squares through points lo, lo + step, .. < hi: out = x, y, ux, uy."""
     ox = px[lo]
     oy = py[lo]
-    sx = 0.0
-    sy = 0.0
-    sxx = 0.0
-    sxy = 0.0
-    syy = 0.0
+    sx = sy = sxx = sxy = syy = 0.0
     count = (hi - lo + step - 1) // step
     if step == 1:
         xs = px[lo:hi]
@@ -65,10 +61,19 @@ def fit_line(px, py, lo, hi, step, out):
             sxx += x * x
             sxy += x * y
             syy += y * y
-    mx = sx / count
-    my = sy / count
-    b = sxy / count - mx * my
-    half = 0.5 * ((sxx / count - mx * mx) - (syy / count - my * my))
+    means = (sx / count, sy / count, sxx / count, sxy / count, syy / count)
+    put_line(ox, oy, means, px[hi - 1], py[hi - 1], out)
+
+
+@njit(**SUMS)
+def put_line(ox, oy, means, last_x, last_y, out):
+    """The line of least squares from the mean x, y, xx, xy, yy about (ox, oy): out = x, y, ux, uy.
+
+    It runs towards the last point.
+    """
+    mx, my, xx, xy, yy = means
+    b = xy - mx * my
+    half = 0.5 * ((xx - mx * mx) - (yy - my * my))
     # the eigenvector of the larger eigenvalue
     root = math.sqrt(half * half + b * b)
     ux = half + root if half >= 0.0 else b
@@ -80,7 +85,7 @@ def fit_line(px, py, lo, hi, step, out):
     else:
         ux = 1.0
         uy = 0.0
-    if (px[hi - 1] - ox) * ux + (py[hi - 1] - oy) * uy < 0.0:
+    if (last_x - ox) * ux + (last_y - oy) * uy < 0.0:
         ux = -ux
         uy = -uy
     out[0] = ox + mx
@@ -96,14 +101,7 @@ def fit_circle(px, py, lo, hi, step, out):
     False where the points lie on a line.
     """
     count = (hi - lo + step - 1) // step
-    mx = 0.0
-    my = 0.0
-    xx = 0.0
-    xy = 0.0
-    yy = 0.0
-    xz = 0.0
-    yz = 0.0
-    zz = 0.0
+    mx = my = xx = xy = yy = xz = yz = zz = 0.0
     if step == 1:
         xs = px[lo:hi]
         ys = py[lo:hi]
@@ -192,22 +190,12 @@ def taubin(xx, xy, yy, xz, yz, zz, mx, my, out):
 @njit(**SUMS)
 def refine_circle(px, py, lo, hi, rounds, circle):
     """Gauss-Newton on the distances of points lo .. hi - 1 from a circle, at most so often."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    cx = circle[0]
-    cy = circle[1]
-    r = circle[2]
+    xs, ys = px[lo:hi], py[lo:hi]
+    cx, cy, r = circle[0], circle[1], circle[2]
     inv = 1.0 / (hi - lo)
     for _ in range(rounds):
         # normal equations of the distances sqrt((x - cx)^2 + (y - cy)^2) - r
-        suu = 0.0
-        suv = 0.0
-        svv = 0.0
-        su = 0.0
-        sv = 0.0
-        sud = 0.0
-        svd = 0.0
-        sd = 0.0
+        suu = suv = svv = su = sv = sud = svd = sd = 0.0
         for k in range(hi - lo):
             x = xs[k] - cx
             y = ys[k] - cy
@@ -274,9 +262,7 @@ def line_cost(px, py, lo, hi, line, crisp, dead_zone, sigma, worst, bound):
 @njit(**SUMS)
 def circle_cost(px, py, lo, hi, circle, crisp, dead_zone, sigma, worst, bound):
     """The same for a circle."""
-    cx = circle[0]
-    cy = circle[1]
-    r = circle[2]
+    cx, cy, r = circle[0], circle[1], circle[2]
     bound *= sigma * sigma
     cost = 0.0
     for first in range(lo, hi, CHUNK):
@@ -329,12 +315,8 @@ def goes_round(px, py, n, x, y):
 @njit(**SUMS)
 def line_rms(px, py, lo, hi, line):
     """The rms deviation of points lo .. hi - 1 from a line."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    x0 = line[0]
-    y0 = line[1]
-    ux = line[2]
-    uy = line[3]
+    xs, ys = px[lo:hi], py[lo:hi]
+    x0, y0, ux, uy = line[0], line[1], line[2], line[3]
     total = 0.0
     for k in range(hi - lo):
         d = (xs[k] - x0) * uy - (ys[k] - y0) * ux
@@ -345,11 +327,8 @@ def line_rms(px, py, lo, hi, line):
 @njit(**SUMS)
 def circle_rms(px, py, lo, hi, circle):
     """The rms deviation of points lo .. hi - 1 from a circle."""
-    xs = px[lo:hi]
-    ys = py[lo:hi]
-    cx = circle[0]
-    cy = circle[1]
-    r = circle[2]
+    xs, ys = px[lo:hi], py[lo:hi]
+    cx, cy, r = circle[0], circle[1], circle[2]
     total = 0.0
     for k in range(hi - lo):
         x = xs[k] - cx
