@@ -14,7 +14,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
-import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -132,19 +131,16 @@ def is_compiled(kernel: Any) -> bool:
     return any(key[1] == codegen.magic_tuple() for key in kept)
 
 
-def read_index(index: Path, processor: str) -> set[str]:
-    """The files of compiled code, made for a processor from today's sources, in a kernel's index.
-
-    ``index`` lies where ``cache_folder`` has it, with ``NUMBA_CACHE_DIR`` set.
-    """
-    source = ROOT / index.parent.relative_to(cache_folder(ROOT)) / f"{index.name.split('.')[0]}.py"
-    with index.open("rb") as stream:
-        if not source.exists() or pickle.load(stream) != numba.__version__:
-            return set()
-        stamp, kept = pickle.load(stream)
-    if stamp != kernel_stamp(source):
-        return set()
-    return {name for key, name in kept.items() if key[1][1] == processor}
+def loaded_files(kernel: Any) -> list[Path]:
+    """The files of compiled code that this process has loaded of a kernel."""
+    file = kernel._cache._cache_file
+    magic = kernel.targetctx.codegen().magic_tuple()
+    loaded = kernel.stats.cache_hits
+    return [
+        Path(file._cache_path) / name
+        for key, name in file._load_index().items()
+        if key[0] in loaded and key[1] == magic
+    ]
 
 
 def _put(content: bytes, file: Path) -> None:

@@ -13,8 +13,12 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Callable, Collection
 from pathlib import Path
 
+from numba.core.dispatcher import Dispatcher
+
+from navigation.machine.child import start_child
 from navigation.run.kernels.compiling import compile_parts
 from navigation.run.kernels.rehearsal import rehearse_eye, rehearse_planner
 from planner.shared.kernel_locator import (
@@ -22,7 +26,7 @@ from planner.shared.kernel_locator import (
     PACKAGES,
     ROOT,
     cache_folder,
-    read_index,
+    loaded_files,
     write_label,
 )
 
@@ -44,7 +48,16 @@ def main(folder: Path, known: Path | None) -> int:
                 print(f"{', '.join(progress.failed)}: not compiled", file=sys.stderr)
                 return 1
         print(f"{processor}: {progress.done} kernels compiled, {progress.passed_s:.0f} s")
-        drop_other_processors(cache_folder(ROOT), processor)
+        used = set()
+        for part, (work, _) in parts.items():
+            kept = Path(cache) / f"{part}.used"
+            child = start_child(note_what_is_loaded, work, kept)
+            child.join()
+            if child.exitcode != 0:
+                print(f"{part}: the kernels could not be loaded", file=sys.stderr)
+                return 1
+            used |= {Path(name) for name in kept.read_text(encoding="utf-8").splitlines()}
+        keep_only(used, cache_folder(ROOT))
         write_label(cache_folder(ROOT))
         shutil.copytree(cache_folder(ROOT), folder, dirs_exist_ok=True)
     return 0
@@ -59,14 +72,28 @@ def copy_kernels(checkout: Path) -> None:
             shutil.copy2(kept, folder)
 
 
-def drop_other_processors(folder: Path, processor: str) -> None:
-    """Leave what was compiled for one processor from these sources; the rest is of no use."""
+def note_what_is_loaded(work: Callable[[], None], into: Path) -> None:
+    """Do the work once more, from the compiled kernels, and list the files that it loads.
+
+    Code of a kernel that only kernels call is in theirs too: its own file is never opened.
+    """
+    work()
+    files = []
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] in PACKAGES:
+            for kernel in list(vars(module).values()):
+                if isinstance(kernel, Dispatcher) and kernel.py_func.__module__ == name:
+                    files += loaded_files(kernel)
+    into.write_text("\n".join(map(str, files)), encoding="utf-8")
+
+
+def keep_only(used: Collection[Path], folder: Path) -> None:
+    """Remove all compiled code but the files named, and the indices that then name none."""
+    for code in folder.rglob("*.nbc"):
+        if code not in used:
+            code.unlink()
     for index in folder.rglob("*.nbi"):
-        kept = read_index(index, processor)
-        for code in index.parent.glob(f"{index.stem}.*.nbc"):
-            if code.name not in kept:
-                code.unlink()
-        if not kept:
+        if not any(index.parent.glob(f"{index.stem}.*.nbc")):
             index.unlink()
 
 
