@@ -15,10 +15,10 @@ import contextlib
 import hashlib
 import os
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import llvmlite
 import numba
 from numba.core import caching
 
@@ -33,7 +33,7 @@ SHIPPED = Path(__file__).parents[1] / "compiled"
 LABEL = "label.txt"
 """Beside shipped kernels: the versions that they were made by, and a digest of their sources."""
 CONFIG: Any = numba.config
-VERSIONS = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
+VERSIONS = f"numba {numba.__version__}, llvmlite {version('llvmlite')}"
 
 
 class KernelLocator(caching._CacheLocator):

@@ -78,7 +78,7 @@ def test_borrowing_kernels_make_no_arrays_and_call_their_like_only() -> None:
 
 
 def _holds_an_array(kind: Any) -> bool:
-    if isinstance(kind, types.Tuple | types.UniTuple):
+    if isinstance(kind, types.BaseTuple):  # named ones too
         return any(map(_holds_an_array, kind.types))
     return not isinstance(kind, types.Number | types.Boolean | types.NoneType)
 
