@@ -56,7 +56,7 @@ def drive(robot: navigation.SimulatedRobot, waypoints: list) -> None:
                 uploaded = True
             if uploaded and now.mission_id == 1 and now.mission_done:
                 return
-            time.sleep(CYCLE_S)
+            time.sleep(CYCLE_S)  # the rhythm of a control loop: a pose and a lease each time
         sys.exit(f"not done after {PATIENCE_S:g} s: {link.snapshot().standing_reason}")
 
 
