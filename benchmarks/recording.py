@@ -48,8 +48,7 @@ with bench.recorder:
     while True:
         bench.frame()
         print(repr(bench.now_s), flush=True)
-        # at the camera's pace: what a kill loses is told in seconds
-        time.sleep(max(0.0, bench.now_s - offset_s - time.monotonic()))
+        time.sleep(max(0.0, bench.now_s - offset_s - time.monotonic()))  # at the camera's pace
 """
 MISSION = """mission:
   stations:

@@ -158,8 +158,8 @@ def command(
                 click.echo(describe(view))
             if told_in is not None:
                 told_in.write(*view.pose)
-            # the robot lives in its own thread; this one only looks on
-            time.sleep(LOOK_S if told_in is None else TELL_S)
+            # the robot lives in its own thread: this one only looks on
+            time.sleep(LOOK_S if told_in is None else TELL_S)  # the pace at which it reports
     return BY_SIGNAL + ended[0]
 
 

@@ -44,6 +44,12 @@ def test_every_file_of_kernels_has_the_locator_set_up_before(package: str) -> No
     assert bare == []
 
 
+@pytest.mark.parametrize("package", kernel_locator.PACKAGES)
+def test_no_kernel_takes_anything_from_the_folder_that_stamps_leave_out(package: str) -> None:
+    files = [file for file in (ROOT / package).rglob("*.py") if "@njit" in file.read_text()]
+    assert [file for file in files if "planner.shared" in file.read_text()] == []
+
+
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder of two kernels compiled ahead, and an empty cache."""
