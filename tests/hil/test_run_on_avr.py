@@ -6,11 +6,7 @@ line an emulated ATmega328P runs the firmware, and its PWM and encoders move the
 
 from __future__ import annotations
 
-import json
 import random
-import re
-import shlex
-import shutil
 import time
 from pathlib import Path
 
@@ -24,32 +20,11 @@ from navigation.run.world import World
 from navigation.simulator.emulated_processor import EmulatedProcessor, EmulatorError
 from navigation.simulator.emulated_robot import STEP_S, EmulatedRobot
 from navigation.simulator.line_faults import FaultSpec
-from tests.support.pictures import call
 from tests.support.robots.avr_robot import AvrRobot, missing_tools
+from tests.support.robots.emulated_run import assert_run_reaches_its_goal, short_configuration
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
-
-CONFIGS = Path(__file__).parents[2] / "configs"
-MISSION = """mission:
-  stations:
-    - {x_m: 0.20, y_m: 0.75}
-    - {x_m: 0.20, y_m: 1.40, heading_deg: 90}
-"""
-
-
-def short_configuration(folder: Path, avr: AvrRobot) -> Path:
-    """The shipped simulation with two near stations and the emulated processor."""
-    shutil.copytree(CONFIGS, folder, dirs_exist_ok=True)
-    text = (CONFIGS / "simulation.yaml").read_text()
-    text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, text, flags=re.MULTILINE)
-    text = text.replace("runs_dir: runs", f"runs_dir: {folder / 'runs'}")
-    emulator = json.dumps(shlex.join(avr.command))
-    text = re.sub(r"(    motor_time_s: .*\n)", rf"\1    emulator: {emulator}\n", text)
-    file = folder / "avr.yaml"
-    file.write_text(text)
-    assert load_config(file).simulation is not None
-    return file
 
 
 def speed_of_emulation(avr: AvrRobot) -> float:
@@ -68,20 +43,12 @@ def test_clearway_run_drives_the_emulated_microcontroller_to_its_goal(tmp_path: 
         speed = speed_of_emulation(avr)
         if speed < 1.0:
             pytest.skip(f"this machine emulates {speed:.2f} seconds in a second: not real time")
-        file = short_configuration(tmp_path, avr)
-        told = call("run", file, "--once", "--report", tmp_path / "report.json")
-    assert (told.code, told.err) == (0, ""), told
-    report = json.loads((tmp_path / "report.json").read_text())
-    assert (report["state"], report["stations_visited"]) == ("done", 2)
-    assert report["waypoints_executed"] == report["waypoints_sent"] >= 4
-    assert report["ground_truth"]
-    assert report["goal_error_m"] < 0.02
-    assert report["min_clearance_m"] > 0.09
+        assert_run_reaches_its_goal(tmp_path, avr.command)
 
 
 def test_the_configuration_puts_the_emulator_behind_the_port(tmp_path: Path) -> None:
     with AvrRobot() as avr:
-        world = World(load_config(short_configuration(tmp_path, avr)))
+        world = World(load_config(short_configuration(tmp_path, avr.command)))
         world.start()
         try:
             assert world.truth is not None

@@ -1,0 +1,47 @@
+"""A shortened `clearway run` whose robot is an emulated processor."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from navigation.config import load_config
+from tests.support.pictures import call
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+MISSION = """mission:
+  stations:
+    - {x_m: 0.20, y_m: 0.75}
+    - {x_m: 0.20, y_m: 1.40, heading_deg: 90}
+"""
+
+
+def short_configuration(folder: Path, command: Sequence[str]) -> Path:
+    """The shipped simulation with two near stations and the emulator ``command``."""
+    shutil.copytree(CONFIGS, folder, dirs_exist_ok=True)
+    text = (CONFIGS / "simulation.yaml").read_text()
+    text = re.sub(r"^mission:\n(?:  .*\n)+", MISSION, text, flags=re.MULTILINE)
+    text = text.replace("runs_dir: runs", f"runs_dir: {folder / 'runs'}")
+    emulator = json.dumps(shlex.join(command))
+    text = re.sub(r"(    motor_time_s: .*\n)", rf"\1    emulator: {emulator}\n", text)
+    file = folder / "emulated.yaml"
+    file.write_text(text)
+    assert load_config(file).simulation is not None
+    return file
+
+
+def assert_run_reaches_its_goal(folder: Path, command: Sequence[str]) -> None:
+    """A whole run, to both stations and exactly."""
+    file = short_configuration(folder, command)
+    told = call("run", file, "--once", "--report", folder / "report.json")
+    assert (told.code, told.err) == (0, ""), told
+    report = json.loads((folder / "report.json").read_text())
+    assert (report["state"], report["stations_visited"]) == ("done", 2)
+    assert report["waypoints_executed"] == report["waypoints_sent"] >= 4
+    assert report["ground_truth"]
+    assert report["goal_error_m"] < 0.02
+    assert report["min_clearance_m"] > 0.09
