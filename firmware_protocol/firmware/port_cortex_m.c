@@ -17,10 +17,14 @@
 #define SYSTICK_CONTROL REGISTER(0xE000E010u)
 #define SYSTICK_RELOAD REGISTER(0xE000E014u)
 #define SYSTICK_VALUE REGISTER(0xE000E018u)
-#define INTERRUPT_STATE REGISTER(0xE000ED04u)
 #define INTERRUPT_ENABLE REGISTER(0xE000E100u)
-#define SYSTICK_PENDING (1u << 26)
 #define MS_CYCLES (CLOCK_MHZ * 1000u)
+
+/* A counter that runs down from 2^32 at the processor's clock and begins again by itself (CMSDK
+ * dual timer). No tick of it is lost where interrupts are late. */
+#define COUNTER_VALUE REGISTER(0x40002004u)
+#define COUNTER_CONTROL REGISTER(0x40002008u)
+#define COUNTER_RUNS_32_BITS 0x82u
 
 /* Serial ports (CMSDK APB UART). */
 #define WIRE 0x40004000u
@@ -49,6 +53,7 @@
 #define TO_BOARD 0xA5u
 #define FROM_BOARD 0x5Au
 #define BOARD_FRAME 7u
+#define REPEAT_US 10000u
 #define KNOWN 0xC1EA2B00u
 
 #define BAUD_DIVIDER ((CLOCK_MHZ * 1000000u + CW_BAUD / 2u) / CW_BAUD)
@@ -68,7 +73,6 @@ static volatile bool estop_seen;
 static uint8_t estop_matched;
 static const uint8_t *volatile sending;
 static volatile uint8_t left_to_send;
-static volatile uint32_t clock_ms;
 
 static uint8_t order[BOARD_FRAME];
 static volatile uint8_t order_at = BOARD_FRAME; /* the byte to send next */
@@ -149,7 +153,7 @@ void cw_on_failure(void)
 
 void cw_on_clock(void)
 {
-    clock_ms++;
+    /* it only ends a wait */
 }
 
 void cw_on_wire_received(void)
@@ -231,6 +235,7 @@ bool cw_port_begin(int argc, char **argv)
     UART_DIVIDER(WIRE) = BAUD_DIVIDER;
     UART_CONTROL(BOARD) = ENABLE_BOTH;
     motors_off();
+    COUNTER_CONTROL = COUNTER_RUNS_32_BITS;
     SYSTICK_RELOAD = MS_CYCLES - 1u;
     SYSTICK_VALUE = 0u;
     SYSTICK_CONTROL = 7u; /* the processor's clock, with an interrupt */
@@ -259,19 +264,21 @@ void cw_port_identity(cw_identity *out_identity)
     bitten = 0u;
 }
 
+/* To be called at least once in 171 s, which every round of the program does. */
 uint32_t cw_port_now_us(void)
 {
-    uint32_t ms;
-    uint32_t left;
-    lock();
-    ms = clock_ms;
-    left = SYSTICK_VALUE;
-    if ((INTERRUPT_STATE & SYSTICK_PENDING) != 0u) { /* it has begun again meanwhile */
-        left = SYSTICK_VALUE;
-        ms++;
+    static uint32_t now_us;
+    static uint32_t counted_to; /* the counter begins with 2^32 - 1, and counts down */
+    static uint32_t rest;
+    uint32_t passed = ~COUNTER_VALUE - counted_to;
+    counted_to += passed;
+    now_us += passed / CLOCK_MHZ;
+    rest += passed % CLOCK_MHZ;
+    if (rest >= CLOCK_MHZ) {
+        rest -= CLOCK_MHZ;
+        now_us++;
     }
-    unlock();
-    return ms * 1000u + (MS_CYCLES - 1u - left) / CLOCK_MHZ;
+    return now_us;
 }
 
 uint8_t cw_port_read(uint8_t *out_data, uint8_t room)
@@ -339,15 +346,16 @@ void cw_port_travel(int32_t out_travel_um[2])
  * where orders fail to come, hears the next one. */
 void cw_port_drive(cw_wheels wheels)
 {
-    static uint32_t said_ms;
+    static uint32_t said_us;
+    uint32_t now_us = cw_port_now_us();
     lock();
     if (estop_seen) { /* since the decision */
         unlock();
         return;
     }
     if (wheels.left != ordered.left || wheels.right != ordered.right ||
-        wheels.powered != ordered.powered || clock_ms - said_ms >= 10u) {
-        said_ms = clock_ms;
+        wheels.powered != ordered.powered || now_us - said_us >= REPEAT_US) {
+        said_us = now_us;
         ordered = wheels;
         order_waits = true;
         send_order();
@@ -359,5 +367,6 @@ bool cw_port_idle(void)
 {
     WATCHDOG_LOCK = WATCHDOG_KEY;
     WATCHDOG_LOAD = WATCHDOG_MS * MS_CYCLES;
+    __asm volatile("wfi"); /* until a byte or the next millisecond comes */
     return true;
 }
