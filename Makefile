@@ -44,12 +44,12 @@ test: $(VENV)/.installed-dev ## every test
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
 	$(BIN)/python -m pytest --cov --cov-report=term-missing
 
-firmware: $(VENV)/.installed-dev ## build and test the C99 robot: Linux process, twin, ATmega328P
+firmware: $(VENV)/.installed-dev ## build and test the C99 robot: Linux process, twin, boards
 	bash .ci/packages firmware
-	$(MAKE) -C firmware_protocol/firmware host twin replay avr arduino
+	$(MAKE) -C firmware_protocol/firmware host twin replay avr cortex-m arduino arduino-core
 	$(BIN)/python -m pytest tests/firmware_protocol tests/hil
 
-hil: $(VENV)/.installed-dev ## the AVR binary on an emulated ATmega328P
+hil: $(VENV)/.installed-dev ## the binaries on an emulated ATmega328P and Cortex-M3
 	bash .ci/packages firmware
 	$(BIN)/python -m pytest tests/hil
 

@@ -4,13 +4,13 @@
  * At 16 MHz 115200 is 2.1 % off, and 250000 is exact. The pins stand below, in one place. Only for
  * this processor: on another one the file is empty, and the board brings a port of its own.
  */
-#ifdef __AVR_ATmega328P__
+#include "port.h"
+
+#if defined(__AVR_ATmega328P__) && !defined(CW_USE_ARDUINO_API)
 
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/wdt.h>
-
-#include "port.h"
 
 /* At double speed: the clock over 8 times the rate, to the nearest. */
 #define BAUD_DIVIDER ((F_CPU + CW_BAUD * 4u) / (CW_BAUD * 8u) - 1u)

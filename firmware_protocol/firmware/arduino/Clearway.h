@@ -1,4 +1,5 @@
-/* The library for Arduino sketches; program.h, settings.h and port.h have the manual. */
+/* The library for Arduino sketches; program.h, settings.h, port.h and port_arduino.h have the
+ * manual. */
 #ifndef CLEARWAY_ARDUINO_H
 #define CLEARWAY_ARDUINO_H
 
@@ -7,6 +8,7 @@ extern "C" {
 #endif
 
 #include "port.h"
+#include "port_arduino.h"
 #include "program.h"
 #include "settings.h"
 
