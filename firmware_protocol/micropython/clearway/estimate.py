@@ -1,0 +1,153 @@
+"""Where the robot is: wheel travel, corrected by camera poses that are already old.
+
+The twin of ``estimate.c``; ``pose_estimate.py`` says why. The heading, 2^32 a turn, is kept in
+two halves, of which the upper one is the angle that all others use.
+"""
+
+from array import array
+
+from .fixed import VECTOR, scale, short, turn
+from .wire import get_i16, get_place
+
+DRIFT_MAX = 419904  # 0.6 rad/m
+HISTORY = 9
+HISTORY_STEP = 156  # 40 ms
+JUMP_UM = 150000
+JUMP_ANGLE = JUMP_UM >> 5  # of 2^16 a turn: 0.45 rad
+JUMPS_BELIEVED = 5
+TIME = 0x3FFFFFFF
+X, Y, TOP, LOW = 0, 1, 2, 3
+
+
+class Estimate:
+    """The pose and what corrects it."""
+
+    def __init__(self, track_um: int) -> None:
+        self.pose = array("i", (0, 0, 0, 0))
+        """x and y in micrometres; the heading's upper and lower half."""
+        self._moved = array("i", (0, 0, 0, 0))
+        """The same without any correction; x and y modulo 2^24."""
+        self.known = False
+        self.fix_recent = False
+        self.fix_us = 0
+        self.travel_um = 0
+        self._angle_per_um = (683565276 + track_um // 2) // track_um
+        self._drift = 0
+        self._jumps = 0
+        # the newest first: x and y in 256 um, the angle, the time in 256 us
+        self._past = array("H", bytes(8 * HISTORY))
+        self._shift = array("i", (0, 0, 0, 0))
+
+    def advance(self, travel_um: int, across_um: int, now_us: int) -> None:
+        """The robot drove so far, its right wheel so much further than its left one."""
+        past = self._past
+        if (past[3] - past[7]) & 0xFFFF >= HISTORY_STEP:
+            for i in range(4 * HISTORY - 1, 3, -1):
+                past[i] = past[i - 4]
+        self.travel_um += travel_um
+        # turn: the product, and what the drift adds in its upper 24 bits, modulo 2^32
+        drifted = scale(travel_um, self._drift >> 4)
+        upper = across_um * (self._angle_per_um >> 8) + drifted
+        lower = across_um * (self._angle_per_um & 255) + ((upper & 255) << 8)
+        high = (upper >> 8) + (lower >> 16) & 0xFFFF
+        lower &= 0xFFFF
+        half_high = short(high) >> 1
+        half_low = lower >> 1 | (high & 1) << 15
+        middle = self.pose[TOP] + half_high + (self.pose[LOW] + half_low >> 16)
+        VECTOR[0], VECTOR[1] = travel_um, 0
+        turn(middle)
+        _add(self.pose, VECTOR[0], VECTOR[1], high, lower)
+        moved = self._moved
+        _add(moved, VECTOR[0], VECTOR[1], high, lower)
+        moved[X] &= 0xFFFFFF
+        moved[Y] &= 0xFFFFFF
+        past[0] = moved[X] >> 8
+        past[1] = moved[Y] >> 8
+        past[2] = moved[TOP]
+        past[3] = now_us >> 8 & 0xFFFF
+
+    def correct(self, seen: bytearray, at: int, angle: int, seen_us: int) -> bool:
+        """The camera saw the robot there; False where that was not used.
+
+        Its place is at ``seen[at]``, the heading an angle of 2^16 a turn.
+        """
+        past, begin = self._past, 0
+        since = short((seen_us >> 8) - past[3])
+        while since < 0:
+            begin += 4
+            if begin == 4 * HISTORY:
+                return False  # forgotten
+            since = short((seen_us >> 8) - past[begin + 3])
+        share = 0
+        if begin:
+            share = (since << 14) // ((past[begin - 1] - past[begin + 3]) & 0xFFFF)
+        near = self._find_shift(seen, at, angle, begin, share)
+        shift = self._shift
+        if self.known:
+            if near:
+                self._learn_drift(short(shift[TOP]))
+                shift[X] = shift[X] + 2 >> 2
+                shift[Y] = shift[Y] + 2 >> 2
+                # the heading's quarter, of both halves together
+                low = shift[LOW] + 2
+                high = short(shift[TOP] + (low >> 16))
+                shift[LOW] = (low & 0xFFFF) >> 2 | (high & 3) << 14
+                shift[TOP] = high >> 2
+            else:
+                self._jumps += 1
+                if self._jumps < JUMPS_BELIEVED:
+                    return False
+        _add(self.pose, shift[X], shift[Y], shift[TOP], shift[LOW])
+        self._jumps = 0
+        self.travel_um = 0
+        if not self.fix_recent or 0 < (seen_us - self.fix_us) & TIME < TIME >> 1:
+            self.fix_us = seen_us
+        self.known = True
+        self.fix_recent = True
+        return True
+
+    def _find_shift(self, seen: bytearray, at: int, angle: int, begin: int, share: int) -> bool:
+        """What was seen plus what the wheels have done since, less the pose; whether it is near."""
+        past, shift = self._past, self._shift
+        near = True
+        for i in range(2):
+            since_then = short(past[i] - self._before(i, begin, share)) * 256
+            shift[i] = get_place(seen, at + 4 * i) - self.pose[i] + since_then
+            if not -JUMP_UM <= shift[i] <= JUMP_UM:
+                near = False
+        high = angle + past[2] - self._before(2, begin, share) - self.pose[TOP]
+        shift[LOW] = -self.pose[LOW] & 0xFFFF
+        if self.pose[LOW]:
+            high -= 1
+        shift[TOP] = high & 0xFFFF
+        top = short(high)
+        # the size of all 32 bits, shifted by 11, is compared with the same number
+        size = (-top << 5) - (shift[LOW] >> 11) if top < 0 else top << 5 | shift[LOW] >> 11
+        if top < 0 and shift[LOW] & 0x7FF:
+            size -= 1
+        return near and size <= JUMP_UM
+
+    def _before(self, i: int, begin: int, share: int) -> int:
+        """How far the wheels had moved the robot when it was seen."""
+        before = self._past[begin + i]
+        if share:
+            before += scale(short(self._past[begin - 4 + i] - before), share)
+        return before
+
+    def _learn_drift(self, turn: int) -> None:
+        drift = self._drift + (scale(self.travel_um, turn) >> 1)
+        if -DRIFT_MAX <= drift <= DRIFT_MAX:
+            self._drift = drift
+
+
+def heading_of(seen: bytearray, at: int) -> int:
+    """A heading of the line, 1e-4 rad, as an angle of 2^16 a turn."""
+    return scale(get_i16(seen, at), 17089) & 0xFFFF
+
+
+def _add(to: "array[int]", x: int, y: int, high: int, low: int) -> None:
+    to[X] += x
+    to[Y] += y
+    low += to[LOW]
+    to[LOW] = low & 0xFFFF
+    to[TOP] = to[TOP] + high + (low >> 16) & 0xFFFF

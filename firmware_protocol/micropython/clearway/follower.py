@@ -1,0 +1,385 @@
+"""How the robot follows its waypoints: the twin of ``follower.c``; ``follower.py`` of the Python
+robot says why. Lengths are counts of 64 um and end at 2 m, speeds are eighths of mm/s. Turning is
+half the difference of the wheels' speeds, "spin": positive turns left.
+"""
+
+from array import array
+
+from .estimate import TOP, heading_of
+from .fixed import VECTOR, aside, clip, measure, part, root, scale, sine, turn
+from .settings import Settings
+from .wire import HEADING_FREE, WAYPOINT_BYTES, get_i16, get_place, get_u16
+
+QUEUE_SIZE = 32
+TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
+NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
+# angles of 2^16 a turn: 0.8, 0.2, 0.04, 0.006, 0.15, 0.03 rad
+TURN_ENTER, TURN_STANDING, TURN_EXIT = 8344, 2086, 417
+HEADING_TOLERANCE, DOCK_BEARING, TURNED = 62, 1564, 312
+STANDING, CRAWL, DOCK_SPEED = 160, 80, 480
+PASS_RADIUS, START_RADIUS = 5000 // 64, 20000 // 64
+STOP_TOLERANCE, TURNED_TOLERANCE = 3000 // 64, 4500 // 64
+SIDEWAYS, DOCKED = 900 // 64, 700 // 64
+SHORT = 1000 // 64
+"""A line shorter than this has no direction."""
+NOWHERE = 128 // 64
+"""A line shorter than this is none."""
+FAR = 32000
+MOST_SPIN = 2000 * 8
+SETTLE_US, STUCK_US = 250000, 3000000
+STOOD_UM = 1000
+PROGRESS = 12
+DOCK_ATTEMPTS = 8
+CLEARLY = 2000
+NO_LIMIT = 1 << 29
+"""More than the square of any speed."""
+
+
+class Queue:
+    """The waypoints that wait: a ring of the line's 16-byte records."""
+
+    def __init__(self) -> None:
+        self.data = bytearray(QUEUE_SIZE * WAYPOINT_BYTES)
+        self.head = 0
+        self.count = 0
+
+    def at(self, index: int) -> int:
+        """Where the record lies that is ``index`` places behind the next one."""
+        return (self.head + index) % QUEUE_SIZE * WAYPOINT_BYTES
+
+
+class Follower:
+    """What it is doing, and the speeds that it commands."""
+
+    def __init__(self, settings: Settings, queue: Queue, pose: "array[int]") -> None:
+        self._set = settings
+        self._queue = queue
+        self._pose = pose
+        self.speed = 0
+        self.spin = 0
+        self.trouble = NO_TROUBLE
+        self.dt_us = 0
+        self.phase = TRACK
+        self._bend = 0
+        self._attempts = 0
+        self._first = True
+        self._docking = False
+        self._length = 0
+        self._direction = 0
+        self._distance = 0
+        self._remaining = 0
+        self._beside = 0
+        self._from = array("i", (0, 0))
+        self._from_speed_mm_s = 0
+        self._stood_um = 0
+        self._still_us = 0
+        self._progress_us = 0
+        self._progress = array("H", (0, 0, 0))
+        self._off = 0
+        self._aim = array("i", (0, 0))
+
+    def begin(self) -> None:
+        """Drive from where the robot is."""
+        self.phase = TRACK
+        self._from[0], self._from[1] = self._pose[0], self._pose[1]
+        self._from_speed_mm_s = 0
+        self._first = True
+        self._new_target()
+        self._note_progress()
+
+    def _new_target(self) -> None:
+        self._attempts = 0
+        self._still_us = 0
+        self._docking = False
+
+    def _leave(self, at: int) -> None:
+        data = self._queue.data
+        self._from[0] = get_place(data, at)
+        self._from[1] = get_place(data, at + 4)
+        self._from_speed_mm_s = get_u16(data, at + 10)
+        self._new_target()
+
+    def _note_progress(self) -> None:
+        self._progress[0] = self._pose[0] >> 8 & 0xFFFF
+        self._progress[1] = self._pose[1] >> 8 & 0xFFFF
+        self._progress[2] = self._pose[TOP]
+        self._progress_us = 0
+
+    # where the robot is on its line
+
+    def _look(self, at: int) -> None:
+        data = self._queue.data
+        x, y = get_place(data, at) >> 2, get_place(data, at + 4) >> 2
+        VECTOR[0] = x - (self._from[0] >> 2)
+        VECTOR[1] = y - (self._from[1] >> 2)
+        self._direction = measure()
+        self._length = clip(VECTOR[0] >> 4, FAR) & 0xFFFF
+        VECTOR[0] = (self._pose[0] >> 2) - x
+        VECTOR[1] = (self._pose[1] >> 2) - y
+        bearing = measure()
+        self._distance = clip(VECTOR[0] >> 4, FAR)
+        self._remaining = 0
+        self._beside = 0
+        if self._length >= NOWHERE:
+            VECTOR[1] = 0
+            turn(bearing - self._direction)
+            self._remaining = -clip(VECTOR[0] >> 4, FAR)
+            self._beside = abs(clip(VECTOR[1] >> 4, FAR))
+            behind = self._remaining - self._length
+            if self._remaining > 0 and behind > self._beside:
+                self._beside = behind
+
+    def _next_leg(self, at: int, after: int) -> bool:
+        """Whether the line bends too much between two waypoints; the leg becomes the next one."""
+        data = self._queue.data
+        was_short = self._length < SHORT
+        VECTOR[0] = (get_place(data, after) >> 2) - (get_place(data, at) >> 2)
+        VECTOR[1] = (get_place(data, after + 4) >> 2) - (get_place(data, at + 4) >> 2)
+        direction = measure()
+        self._length = clip(VECTOR[0] >> 4, FAR) & 0xFFFF
+        if self._length < SHORT:
+            return False
+        before, self._direction = self._direction, direction
+        return not was_short and aside(direction - before) > TURN_ENTER
+
+    # speeds
+
+    def _slew_speed(self, wanted: int) -> None:
+        self.speed += clip(wanted - self.speed, part(self.dt_us, self._set.speed_per_cycle))
+
+    def _slew_spin(self, wanted: int) -> None:
+        self.spin += clip(wanted - self.spin, part(self.dt_us, self._set.spin_per_cycle))
+
+    def _move(self, speed: int, spin: int) -> None:
+        self._slew_speed(speed)
+        self._slew_spin(spin)
+
+    def _drive_along(self, speed: int) -> None:
+        self._slew_speed(speed)
+        self._slew_spin(clip(self.speed * self._bend >> 14, MOST_SPIN))
+
+    def _approach(self, square: int, distance: int) -> int:
+        """The speed towards a stop: near it four times the distance left, a second."""
+        speed = root(square) << 3
+        return distance << 1 if distance < speed >> 1 else speed
+
+    def _turn_towards(self, off: int) -> None:
+        arc = part(self._set.perimeter, aside(off))
+        spin = self._approach(arc * self._set.spin_brake_mm_s2 >> 4, arc)
+        spin = min(spin, self._set.max_spin_mm_s * 8)
+        spin = max(spin, self._set.min_spin)
+        self._move(0, -spin if off & 0x8000 else spin)
+
+    # following the line
+
+    def _pass_waypoints(self) -> int:
+        queue, data = self._queue, self._queue.data
+        passed = 0
+        while passed < queue.count:
+            at = queue.at(passed)
+            self._look(at)
+            if self.phase > TURN:
+                break
+            if data[at + 15]:
+                if self._first and self._distance <= START_RADIUS:
+                    self.phase = SETTLE
+                break
+            radius = max(get_u16(data, at + 12) * 25 >> 4 & 0xFFFF, PASS_RADIUS)
+            if passed + 1 < queue.count:
+                length, direction = self._length, self._direction
+                if self._next_leg(at, queue.at(passed + 1)):
+                    radius = STOP_TOLERANCE
+                self._length, self._direction = length, direction
+            if self._first and radius < START_RADIUS:
+                radius = START_RADIUS
+            if self._distance & 0xFFFF > radius and self._remaining > 0:
+                break
+            self._leave(at)
+            self._first = False
+            passed += 1
+        return passed
+
+    def _steer(self, begin: int) -> int:
+        """Find the point that is pursued and the bend to it; the speed that is allowed here.
+
+        Leaves the bearing of that point in ``_off``.
+        """
+        queue, data, aim = self._queue, self._queue.data, self._aim
+        at = queue.at(begin)
+        found = False
+        ahead = max(self._remaining, 0)
+        lookahead = self._set.lookahead + (abs(self.speed) * self._set.lookahead_ms >> 9)
+        fast = self._set.max_speed_mm_s
+        either = max(self._from_speed_mm_s, get_u16(data, at + 10))
+        if either and either < fast:
+            fast = either  # a line is driven at the speed of its faster end
+        square = fast * fast
+        while True:
+            begin += 1
+            after = queue.at(begin)
+            direction = self._direction
+            last = begin >= queue.count or data[at + 15] != 0 or self._next_leg(at, after)
+            if not found and (last or ahead >= lookahead):
+                found = True
+                VECTOR[0], VECTOR[1] = (lookahead - ahead) * 16, 0
+                turn(direction)
+                aim[0] = VECTOR[0] + (get_place(data, at) >> 2) - (self._pose[0] >> 2)
+                aim[1] = VECTOR[1] + (get_place(data, at + 4) >> 2) - (self._pose[1] >> 2)
+            allowed = ahead * self._set.brake_mm_s2 >> 4
+            if last or (found and allowed >= square):
+                break
+            speed = min(get_u16(data, at + 10), 4000)
+            square = min(square, allowed + speed * speed)
+            ahead = min(ahead + self._length, FAR)
+            at = after
+        VECTOR[0], VECTOR[1] = aim[0], aim[1]
+        self._off = measure() - self._pose[TOP] & 0xFFFF
+        self._bend = self._bend_to(clip(VECTOR[0] >> 4, FAR) & 0xFFFF)
+        return self._allowed_speed(min(square, allowed), ahead if last else 0xFFFF)
+
+    def _bend_to(self, distance: int) -> int:
+        """Pure pursuit: the bend is twice the bearing's sine over the distance."""
+        bend = self._set.track * sine(aside(self._off))
+        if distance:
+            bend //= distance
+        bend = min(bend, 0x7FFF)
+        return -bend if self._off & 0x8000 else bend
+
+    def _allowed_speed(self, square: int, distance: int) -> int:
+        bend = (abs(self._bend) >> 4) + 1
+        whole, rest = self._set.bend_limit // bend, self._set.bend_limit % bend
+        limit = NO_LIMIT if whole >= NO_LIMIT >> 10 else whole * 1024 + rest * 1024 // bend
+        speed = self._approach(min(limit, square), distance)
+        return min(speed, (self._set.max_spin_mm_s << 13) // bend)
+
+    def _track(self, begin: int) -> None:
+        if self._queue.data[self._queue.at(begin) + 15] and self._remaining <= SHORT:
+            self.phase = SETTLE
+            self._move(0, 0)
+            return
+        if self._beside > self._set.max_deviation:
+            self.trouble = OFF_PATH
+            return
+        speed = self._steer(begin)
+        enter = TURN_STANDING if self.speed < STANDING else TURN_ENTER
+        if self.phase == TURN:
+            enter = TURN_EXIT
+        if aside(self._off) > enter:
+            self.phase = TURN
+            self._turn_towards(self._off)
+            return
+        self.phase = TRACK
+        self._first = False
+        self._drive_along(max(speed, CRAWL))
+
+    # stopping
+
+    def _has_settled(self, ahead_um: int, at: int, tolerance: int) -> bool:
+        """Whether the robot has stood long enough and stands near enough; otherwise it docks."""
+        self._move(0, 0)
+        if self._still_us == 0:
+            self._stood_um = 0
+        ahead_um += self._stood_um
+        if not -STOOD_UM <= ahead_um <= STOOD_UM or self.speed or self.spin:
+            self._still_us = 0
+            return False
+        self._stood_um = ahead_um
+        self._still_us += self.dt_us
+        if self._still_us < SETTLE_US:
+            return False
+        self._still_us = 0
+        radius = get_u16(self._queue.data, at + 12) * 25 >> 4 & 0xFFFF
+        if self._distance & 0xFFFF <= max(radius, tolerance):
+            return True
+        self.phase = DOCK
+        self._docking = False
+        self._attempts += 1
+        return False
+
+    def _dock(self, at: int) -> None:
+        """Drive straight to the target, forwards or backwards, turning towards it first."""
+        data = self._queue.data
+        VECTOR[0] = (get_place(data, at) >> 2) - (self._pose[0] >> 2)
+        VECTOR[1] = (get_place(data, at + 4) >> 2) - (self._pose[1] >> 2)
+        turn(-self._pose[TOP])
+        back = VECTOR[0] < 0
+        if back:
+            VECTOR[0], VECTOR[1] = -VECTOR[0], -VECTOR[1]
+        ahead = clip(VECTOR[0] >> 4, FAR)
+        beside = abs(clip(VECTOR[1] >> 4, FAR))
+        off = measure()
+        if not self._docking and beside > SIDEWAYS and aside(off) > DOCK_BEARING:
+            self._turn_towards(off)
+            return
+        self._docking = True
+        if ahead < DOCKED:
+            self._move(0, 0)
+            self.phase = SETTLE
+            self._still_us = 0
+            return
+        speed = max(DOCK_SPEED if ahead > DOCK_SPEED // 2 else ahead * 2, CRAWL)
+        self._move(-speed if back else speed, 0)
+
+    def _is_stuck(self) -> bool:
+        pose, progress = self._pose, self._progress
+        if (
+            self.phase == SETTLE
+            or self.phase == DWELL
+            or aside((pose[0] >> 8) - progress[0]) > PROGRESS
+            or aside((pose[1] >> 8) - progress[1]) > PROGRESS
+            or aside(pose[TOP] - progress[2]) > TURNED
+        ):
+            self._note_progress()
+            return False
+        self._progress_us += self.dt_us
+        return self._progress_us > STUCK_US
+
+    def halt(self) -> int:
+        """One cycle of a stop under control; how many waypoints were executed."""
+        executed = 0
+        if self.speed <= 0 or self.phase != TRACK:
+            self._move(0, 0)
+        else:
+            executed = self._pass_waypoints()
+            if executed < self._queue.count and self.phase == TRACK:
+                self._steer(executed)
+            self._drive_along(0)
+        return executed
+
+    def step(self, ahead_um: int) -> int:
+        """One cycle of driving; how many waypoints were executed. Sets ``trouble``."""
+        executed = self._pass_waypoints()
+        self.trouble = NO_TROUBLE
+        if executed == self._queue.count:
+            self._progress_us = 0
+            self._move(0, 0)
+            return executed
+        at, data = self._queue.at(executed), self._queue.data
+        if self.phase <= TURN:
+            self._track(executed)
+        elif self.phase == DOCK:
+            self._dock(at)
+        elif self.phase == DWELL:
+            self._move(0, 0)
+            self._still_us += self.dt_us
+            if self._still_us >= data[at + 14] * 100000:
+                executed += 1
+                self.phase = TRACK
+                self._leave(at)
+        elif self.phase == ALIGN:
+            off = heading_of(data, at + 8) - self._pose[TOP] & 0xFFFF
+            if aside(off) > HEADING_TOLERANCE:
+                self._still_us = 0
+                self._turn_towards(off)
+            elif self._has_settled(ahead_um, at, TURNED_TOLERANCE):
+                self.phase = DWELL
+        elif self._has_settled(ahead_um, at, STOP_TOLERANCE):
+            self.phase = DWELL if get_i16(data, at + 8) == HEADING_FREE else ALIGN
+        if self.trouble == NO_TROUBLE and (self._attempts > DOCK_ATTEMPTS or self._is_stuck()):
+            self.trouble = STUCK
+        return executed
+
+
+def smooth(speed: int, travel_um: int, share: int) -> int:
+    """Towards what the wheels did in this cycle, 30 ms smooth; 17/64 is 8 over 30."""
+    return clip(speed + (travel_um * 17 >> 6) - scale(speed, share), 0x7FFF)

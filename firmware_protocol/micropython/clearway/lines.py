@@ -1,0 +1,61 @@
+"""The serial line on a board: USB, which the REPL shares, or a UART."""
+
+import select
+import sys
+
+
+class UsbLine:
+    """USB serial. Ctrl-C is a byte like others; to get the REPL back, reset into safe mode."""
+
+    def __init__(self) -> None:
+        import micropython
+
+        micropython.kbd_intr(-1)
+        self._poll = select.poll()
+        self._poll.register(sys.stdin, select.POLLIN)
+        self._one = bytearray(1)
+        self._in = sys.stdin.buffer
+        self._out = sys.stdout.buffer
+
+    def read(self, buffer: bytearray) -> int:
+        """What has arrived, into the buffer; how many bytes."""
+        count = 0
+        while count < len(buffer) and self._has_more():
+            self._in.readinto(self._one)
+            buffer[count] = self._one[0]
+            count += 1
+        return count
+
+    def _has_more(self) -> bool:
+        for _ in self._poll.ipoll(0):
+            return True
+        return False
+
+    def can_write(self) -> bool:
+        """USB takes a frame at once, or loses it where nobody listens."""
+        return True
+
+    def write(self, view: memoryview) -> None:
+        """Send a frame."""
+        self._out.write(view)
+
+
+class UartLine:
+    """A ``machine.UART`` with a transmit buffer that holds a frame (``txbuf=256``)."""
+
+    def __init__(self, uart) -> None:  # type: ignore[no-untyped-def]
+        self._uart = uart
+
+    def read(self, buffer: bytearray) -> int:
+        """What has arrived, into the buffer; how many bytes."""
+        if not self._uart.any():
+            return 0
+        return self._uart.readinto(buffer) or 0
+
+    def can_write(self) -> bool:
+        """Whether the last frame has gone."""
+        return bool(self._uart.txdone())
+
+    def write(self, view: memoryview) -> None:
+        """Send a frame."""
+        self._uart.write(view)

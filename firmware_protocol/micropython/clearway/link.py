@@ -1,0 +1,461 @@
+"""The robot's end of the line: bytes in, decisions through ``robot``, frames out.
+
+The twin of ``link.c``. Any byte stream is safe. ``receive`` acts on whole frames at once;
+``next_frame`` leaves the most urgent frame that is due in ``frame`` and returns its size.
+"""
+
+from array import array
+
+from .estimate import TIME, heading_of
+from .fixed import scale, short
+from .follower import QUEUE_SIZE
+from .robot import ESTOP_HOST, Robot
+from .wire import (
+    HALF_TURN,
+    HEADING_FREE,
+    MAX_DECODED,
+    MAX_ENCODED,
+    MAX_PAYLOAD,
+    MINOR_VERSION,
+    SCHEMA_HASH,
+    VERSION,
+    WAYPOINT_BYTES,
+    check_byte,
+    check_bytes,
+    get_i16,
+    get_u16,
+    put_halves,
+    put_place,
+    put_u16,
+    same_halves,
+)
+
+HELLO, CONFIRM, WAYPOINTS, START, PAUSE, CLEAR, RESET_ESTOP = 1, 2, 16, 17, 18, 19, 20
+LEASE, POSE, TIMESYNC, ESTOP_TYPE = 32, 33, 34, 46
+HELLO_ACK, CHALLENGE, ACK, STATUS, TIMESYNC_REPLY = 129, 130, 144, 145, 162
+LENGTHS = b"\x0a\x02\x06\x02"
+"""Of START to RESET_ESTOP."""
+ORDERS = b"\x09\x0e\x04"
+"""Of LEASE to TIMESYNC."""
+RELIABLE, NAK = 1, 2
+RX_WINDOW = 248
+STATUS_INTERVAL_US, STATUS_SPACING_US, NAK_INTERVAL_US = 50000, 10000, 3000
+ESTOP_FRAME = b"\x00\x03\x10\x2e\x01\x01\x01\x01\x01\x05\xa2\x48\xb2\x50\x00"
+# the CRC, inverted, as low and high half: of the byte that is not sent, and over a sound frame
+OF_HOST = (0xE9DD, 0x6620)
+OF_ROBOT = (0x068A, 0x1D9C)
+OF_SOUND = (0xB438, 0xB798)
+# counters of STATUS, in its order
+FRAMES, CRC_ERRORS, FORMAT_ERRORS, OVERRUNS, SESSION_ERRORS, GAPS, DUPLICATES, REJECTED = range(8)
+
+
+class Link:
+    """One robot's line. ``boot_id`` has 32 bits and has to differ from boot to boot."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        boot_id: int,
+        reset_cause: int = 0,
+        firmware: int = 1,
+        schema: bytes = SCHEMA_HASH,
+    ) -> None:
+        self.robot = robot
+        self.frame = bytearray(MAX_ENCODED + 2)
+        self.count = array("H", bytes(16))
+        self.session = 0
+        self._boot = array("H", (boot_id & 0xFFFF, boot_id >> 16 & 0xFFFF))
+        self._cause = reset_cause
+        self._firmware = firmware
+        self._schema = schema
+        self._nonce = array("H", self._boot)
+        self._buffer = bytearray(MAX_DECODED)
+        self._crc = array("H", (0, 0))
+        self._encoded = 0
+        self._block = 0
+        self._filled = 0
+        self._hello_due = False
+        self._hello_session = 0
+        self._nak_sent = False
+        self._nak_us = 0
+        self._status_us = 0
+        self._sync_host = bytearray(4)
+        self._sync_robot = bytearray(4)
+        self._clock = bytearray(4)
+        self._wraps = 0
+        self._forget_session()
+
+    def _forget_session(self) -> None:
+        self._asked = 0
+        self._command = 0
+        self._result = 0
+        self._expected = 0
+        self._challenge_due = False
+        self._ack_due = False
+        self._nak_due = False
+        self._sync_due = False
+        self._status_sent = False
+
+    def _tick(self, now_us: int) -> None:
+        """Time is modulo 2^30; on the line it has 32 bits."""
+        if now_us < self.robot.now_us and self.robot.now_us - now_us > TIME >> 1:
+            self._wraps = self._wraps + 1 & 3
+        self.robot.tick(now_us)
+        put_place(self._clock, 0, now_us)
+        self._clock[3] |= self._wraps << 6
+
+    # receiving
+
+    def receive(self, data: bytearray, count: int, now_us: int) -> None:
+        """Take so many bytes from the line."""
+        self._tick(now_us)
+        for i in range(count):
+            byte = data[i]
+            if byte:
+                self._take_byte(byte)
+                continue
+            if 0 < self._encoded <= MAX_ENCODED:
+                self._take_frame()
+            self._encoded = 0
+
+    def _damaged(self, counter: int) -> None:
+        self._add(counter)
+        if self.session:
+            self._nak_due = True  # ask at once, do not wait for the host's timeout
+
+    def _add(self, counter: int) -> None:
+        self.count[counter] = self.count[counter] + 1 & 0xFFFF
+
+    def lost(self, count: int) -> None:
+        """The board lost so many bytes before they were received."""
+        self.count[OVERRUNS] = self.count[OVERRUNS] + count & 0xFFFF
+
+    def _take_byte(self, byte: int) -> None:
+        if self._encoded == MAX_ENCODED:
+            self._encoded += 1
+            self._damaged(FORMAT_ERRORS)
+        if self._encoded > MAX_ENCODED:
+            return  # too long: until the next zero
+        self._encoded += 1
+        if self._encoded == 1:
+            self._filled = 0
+            self._crc[0], self._crc[1] = OF_HOST[0], OF_HOST[1]
+            self._block = byte
+        elif self._block == 1:
+            self._keep(0)
+            self._block = byte
+        else:
+            self._keep(byte)
+            self._block -= 1
+
+    def _keep(self, byte: int) -> None:
+        self._buffer[self._filled] = byte
+        self._filled += 1
+        check_byte(self._crc, 0, byte)
+
+    def _take_frame(self) -> None:
+        """A zero has ended what may be a frame."""
+        frame = self._buffer
+        if self._block != 1 or self._filled < 12:
+            self._damaged(FORMAT_ERRORS)
+            return
+        if self._crc[0] != OF_SOUND[0] or self._crc[1] != OF_SOUND[1]:
+            self._damaged(CRC_ERRORS)
+            return
+        length, kind = self._filled - 12, frame[1]
+        other = frame[0] >> 4 != VERSION or frame[0] & 0x0C != 0
+        if frame[7] != length or (other and kind != HELLO and kind != HELLO_ACK):
+            self._damaged(FORMAT_ERRORS)
+            return
+        self._add(FRAMES)
+        session = get_u16(frame, 2)
+        if kind == ESTOP_TYPE:
+            self.robot.emergency_stop(ESTOP_HOST)
+        elif session == 0:
+            self._add(SESSION_ERRORS)
+        elif kind == HELLO:
+            self._greet(session, length)
+        elif kind == CONFIRM:
+            self._confirm(session, length)
+        elif session != self.session:
+            self._add(SESSION_ERRORS)
+        else:
+            self._take_message(length)
+
+    def _greet(self, session: int, length: int) -> None:
+        frame = self._buffer
+        if length != 6:
+            self._add(REJECTED)
+            return
+        self._hello_due = True
+        self._hello_session = session
+        if frame[8] != VERSION:
+            return
+        for i in range(4):
+            if frame[10 + i] != self._schema[i]:
+                return
+        if self.session == session:
+            return
+        self._challenge_due = True
+        if self._asked != session:
+            self._asked = session
+            check_bytes(self._nonce, 0, self._clock, 0, 4)
+
+    def _confirm(self, session: int, length: int) -> None:
+        if (
+            length != 4
+            or session != self._asked
+            or not same_halves(self._buffer, 8, self._nonce, 0)
+        ):
+            self._add(SESSION_ERRORS)
+            return
+        self.robot.open_session()
+        self.session = session
+        self._forget_session()
+
+    def _take_message(self, length: int) -> None:
+        frame = self._buffer
+        reliable, kind = frame[0] & RELIABLE != 0, frame[1]
+        ahead = frame[4] - self._expected & 255
+        if not self._is_sound(kind, length):
+            self._add(REJECTED)
+            if reliable and ahead == 0:
+                # a whole frame of nonsense will not get better by being sent again
+                self._expected = self._expected + 1 & 255
+                self._ack_due = True
+            return
+        if reliable != (WAYPOINTS <= kind <= RESET_ESTOP):
+            self._add(REJECTED)
+            return
+        if reliable:
+            self._ack_due = True
+            if ahead > 128:
+                self._add(DUPLICATES)
+                return
+            if ahead > 0:
+                self._add(GAPS)
+                self._nak_due = True
+                return
+        if not self._act(kind):
+            self._add(REJECTED)
+        elif reliable:
+            self._expected = self._expected + 1 & 255
+
+    def _is_sound(self, kind: int, length: int) -> bool:
+        """Whether a host's message of this type has a content that makes sense."""
+        if kind == WAYPOINTS:
+            return self._waypoints_are_right(length)
+        if START <= kind <= RESET_ESTOP:
+            return LENGTHS[kind - START] == length
+        if not LEASE <= kind <= TIMESYNC or ORDERS[kind - LEASE] != length:
+            return False
+        if kind == LEASE:
+            return self._buffer[16] & 0xFC == 0
+        return kind != POSE or self._heading_is_right(16, False)
+
+    def _heading_is_right(self, at: int, may_be_free: bool) -> bool:
+        heading = get_i16(self._buffer, at)
+        if heading == HEADING_FREE:
+            return may_be_free
+        return -HALF_TURN <= heading <= HALF_TURN
+
+    def _waypoints_are_right(self, length: int) -> bool:
+        frame = self._buffer
+        if length < 10:
+            return False
+        count = frame[16]
+        if not 1 <= count <= 6 or length != 10 + WAYPOINT_BYTES * count:
+            return False
+        for i in range(count):
+            at = 18 + WAYPOINT_BYTES * i
+            if frame[at + 15] & 0xFC or not self._heading_is_right(at + 8, True):
+                return False
+            if self._is_lowest(at) or self._is_lowest(at + 4):
+                return False
+        return True
+
+    def _is_lowest(self, at: int) -> bool:
+        """-2^31 is no place."""
+        frame = self._buffer
+        return frame[at + 3] == 0x80 and not (frame[at] or frame[at + 1] or frame[at + 2])
+
+    def _act(self, kind: int) -> bool:
+        """Do what a sound message says; False where it cannot be taken now."""
+        frame, robot = self._buffer, self.robot
+        if kind == WAYPOINTS:
+            return robot.accept(frame, 8)
+        if kind == START:
+            self._answer(robot.start(frame, 10))
+        elif kind == PAUSE:
+            self._answer(robot.pause())
+        elif kind == CLEAR:
+            self._answer(robot.clear(frame, 10))
+        elif kind == RESET_ESTOP:
+            self._answer(robot.reset_estop())
+        elif kind == LEASE:
+            self._ack_due = True
+            return self._is_recent(8) and robot.lease(frame, 8)
+        elif kind == POSE:
+            return self._is_recent(18) and robot.see(frame, 8, heading_of(frame, 16))
+        else:
+            self._sync_due = True
+            for i in range(4):
+                self._sync_host[i] = frame[8 + i]
+                self._sync_robot[i] = self._clock[i]
+        return True
+
+    def _is_recent(self, at: int) -> bool:
+        """Whether a time of 32 bits is at most 9 minutes old, or a second ahead."""
+        low = get_u16(self._clock, 0) - get_u16(self._buffer, at)
+        high = get_u16(self._clock, 2) - get_u16(self._buffer, at + 2) + (low >> 16) & 0xFFFF
+        return high < 0x2000 or high >= 0xFFF0
+
+    def _answer(self, result: int) -> None:
+        self._command = get_u16(self._buffer, 8)
+        self._result = result
+        self.robot.news = True
+
+    # sending: a frame is built behind two free bytes, then encoded in place
+
+    def next_frame(self, now_us: int) -> int:
+        """The size of the most urgent frame that is due, 0 where none is; it is in ``frame``."""
+        self._tick(now_us)
+        if self._hello_due:
+            self._hello_due = False
+            return self._send_hello_ack()
+        if self._challenge_due:
+            self._challenge_due = False
+            self._begin(CHALLENGE, self._asked, 0)
+            return self._end(put_halves(self.frame, 10, self._nonce, 0))
+        if self.session == 0:
+            return 0
+        nak_waited = not self._nak_sent or now_us - self._nak_us & TIME >= NAK_INTERVAL_US
+        if self._nak_due and nak_waited:
+            self._nak_sent = True
+            self._nak_us = now_us
+            self._nak_due = False
+            self._ack_due = False
+            return self._send_ack(NAK)
+        if self._ack_due:
+            self._ack_due = False
+            return self._send_ack(0)
+        if self._sync_due:
+            self._sync_due = False
+            return self._send_time()
+        if self._status_is_due(now_us):
+            self._status_sent = True
+            self._status_us = now_us
+            self.robot.news = False
+            self.robot.alarm = False
+            return self._send_status()
+        return 0
+
+    def _status_is_due(self, now_us: int) -> bool:
+        waited_us = now_us - self._status_us & TIME
+        return (
+            not self._status_sent
+            or self.robot.alarm
+            or waited_us >= STATUS_INTERVAL_US
+            or (waited_us >= STATUS_SPACING_US and self.robot.news)
+        )
+
+    def _begin(self, kind: int, session: int, flags: int) -> None:
+        frame = self.frame
+        frame[2] = VERSION << 4 | flags
+        frame[3] = kind
+        put_u16(frame, 4, session)
+        frame[6] = 0
+        frame[7] = self._expected
+        frame[8] = QUEUE_SIZE - self.robot.queue.count
+        frame[9] = 0
+
+    def _end(self, end: int) -> int:
+        """Length and check, then COBS in place; the frame's size with its zeros."""
+        frame, crc = self.frame, self._crc
+        frame[9] = end - 10
+        low, high = crc[0], crc[1]  # of a frame that is arriving
+        crc[0], crc[1] = OF_ROBOT[0], OF_ROBOT[1]
+        for i in range(2, end):
+            check_byte(crc, 0, frame[i])
+        end = put_u16(frame, end, crc[0] ^ 0xFFFF)
+        end = put_u16(frame, end, crc[1] ^ 0xFFFF)
+        crc[0], crc[1] = low, high
+        code = 1
+        for i in range(end - 1, 1, -1):
+            if frame[i]:
+                code += 1
+            else:
+                frame[i] = code
+                code = 1
+        frame[1] = code
+        frame[0] = 0
+        frame[end] = 0
+        return end + 1
+
+    def _put_bytes(self, at: int, data: bytearray) -> int:
+        for i in range(4):
+            self.frame[at + i] = data[i]
+        return at + 4
+
+    def _put_numbers(self, at: int) -> int:
+        while self.robot.sum():
+            pass
+        for i in range(10):
+            at = put_u16(self.frame, at, self.robot.numbers[i])
+        return at
+
+    def _send_hello_ack(self) -> int:
+        frame = self.frame
+        self._begin(HELLO_ACK, self._hello_session, 0)
+        frame[10] = VERSION
+        frame[11] = MINOR_VERSION
+        for i in range(4):
+            frame[12 + i] = self._schema[i]
+        put_place(frame, 16, self._firmware)
+        put_halves(frame, 20, self._boot, 0)
+        frame[24] = self._cause
+        frame[25] = MAX_PAYLOAD
+        put_u16(frame, 26, RX_WINDOW)
+        frame[28] = QUEUE_SIZE
+        frame[29] = self.robot.state
+        return self._end(self._put_numbers(30))
+
+    def _send_ack(self, flags: int) -> int:
+        self._begin(ACK, self.session, flags)
+        return self._end(put_halves(self.frame, 10, self.robot.numbers, 2))
+
+    def _send_time(self) -> int:
+        self._begin(TIMESYNC_REPLY, self.session, 0)
+        at = self._put_bytes(10, self._sync_host)
+        at = self._put_bytes(at, self._sync_robot)
+        return self._end(self._put_bytes(at, self._clock))
+
+    def _send_status(self) -> int:
+        frame, robot = self.frame, self.robot
+        self._begin(STATUS, self.session, 0)
+        at = self._put_bytes(10, self._clock)
+        at = self._put_numbers(put_halves(frame, at, self._boot, 0))
+        frame[at] = robot.state
+        frame[at + 1] = robot.flags()
+        frame[at + 2] = robot.reason
+        frame[at + 3] = self._result
+        at = put_u16(frame, at + 4, self._command)
+        pose = robot.estimate.pose
+        at = put_place(frame, put_place(frame, at, pose[0]), pose[1])
+        at = put_u16(frame, at, scale(short(pose[2]), 15708))
+        at = put_u16(frame, at, robot.speed_mm_s())
+        at = put_u16(frame, at, robot.turning_mrad_s())
+        at = put_u16(frame, at, robot.pose_age_ms())
+        at = put_u16(frame, at, robot.lease_left_ms())
+        for i in range(8):
+            at = put_u16(frame, at, self.count[i])
+        return self._end(at)
+
+
+def estop_match(matched: int, byte: int) -> int:
+    """How much of the emergency stop's frame has come with this byte; its length: all of it."""
+    if matched == len(ESTOP_FRAME):
+        matched = 1  # the last zero may be the next frame's first
+    if byte == ESTOP_FRAME[matched]:
+        return matched + 1
+    return 1 if byte == 0 else 0

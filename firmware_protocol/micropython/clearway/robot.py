@@ -1,0 +1,361 @@
+"""The robot's decisions: queue, states, lease, emergency stop. The twin of ``robot.c``.
+
+Times are microseconds modulo 2^30 (17.9 minutes); what has passed is a difference without a sign,
+so that a processor that stood still finds its lease lapsed.
+"""
+
+from array import array
+
+from .estimate import TIME, Estimate
+from .fixed import clip, part
+from .follower import CLEARLY, NO_TROUBLE, QUEUE_SIZE, STUCK, Follower, Queue, smooth
+from .settings import Settings
+from .wire import WAYPOINT_BYTES, check_bytes, get_time, get_u16
+
+BOOT, IDLE, RUN, HOLD, ESTOP = 0, 1, 2, 3, 4
+BOOTED, NEW_SESSION, PAUSED, CLEARED, MISSION_DONE = 1, 2, 3, 4, 5
+LEASE_LAPSED, NO_PERMIT, POSE_STALE, OFF_PATH, STUCK_REASON = 6, 7, 8, 9, 10
+ESTOP_HOST, ESTOP_LOCAL, DISARMED, ESTOP_RESET = 11, 12, 13, 14
+DONE, WRONG_MISSION, WRONG_INDEX, WRONG_STATE = 1, 2, 3, 4
+NO_LEASE, NO_POSE, SAME_SESSION = 5, 6, 7
+STOP_FLAG, END_FLAG = 1, 2
+PERMIT, ODOMETRY = 1, 2
+LEASE_MAX_MS = 500
+DISARM_US, POSE_STALE_US, AHEAD_US = 2000000, 500000, 20000
+NEVER_US = 65535000
+NO_POSE_MS = 0xFFFF
+DT_MAX_US, SMOOTHING_US = 60000, 30000
+TURNING = 72
+"""9 mm/s: one late step of both encoders reads as 8.3."""
+# where the halves of 32-bit numbers lie, in the order of STATUS and HELLO_ACK
+MISSION, ACCEPT_NEXT, EXEC_NEXT, PREFIX_CRC, EXEC_CRC = 0, 2, 4, 6, 8
+
+
+class Robot:
+    """One robot; ``left``, ``right`` (eighths of mm/s) and ``powered`` are its motors' orders."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.queue = Queue()
+        self.estimate = Estimate(settings.track_um)
+        self.follower = Follower(settings, self.queue, self.estimate.pose)
+        self.state = BOOT
+        self.reason = BOOTED
+        self.news = False
+        self.alarm = False
+        self.hurry = False
+        self.now_us = 0
+        self.left = 0
+        self.right = 0
+        self.powered = False
+        self.speed = 0
+        self.spin = 0
+        self.done = False
+        self.lease_valid = False
+        self.numbers = array("H", bytes(20))
+        """Mission, accepted, executed, and the CRC of both: halves, the lower first."""
+        self._turning_per_spin = settings.turning_per_spin
+        self._ended = False
+        self._session_after_estop = False
+        self._stepped = False
+        self._step_us = 0
+        self._unsummed = 0
+        self._lease_us = 0
+        self._lease_ttl_ms = 0
+        self._lease_pose_age_ms = NO_POSE_MS
+        self._lease_flags = 0
+        self._index = array("H", (0, 0))
+        self._nothing = bytearray(4)
+        self.forget_mission(self._nothing, 0)
+
+    def _change(self, to: int, reason: int) -> None:
+        if self.state != to:
+            self.state = to
+            self.reason = reason
+            self.news = True
+
+    def _halt(self, reason: int) -> None:
+        if self.state == RUN:
+            self._change(HOLD, reason)
+            self.alarm = True
+            self.hurry = True
+
+    def forget_mission(self, mission: bytearray, at: int) -> None:
+        """Begin with another mission, whose four bytes these are."""
+        numbers = self.numbers
+        for i in range(10):
+            numbers[i] = 0
+        numbers[MISSION] = get_u16(mission, at)
+        numbers[MISSION + 1] = get_u16(mission, at + 2)
+        check_bytes(numbers, PREFIX_CRC, mission, at, 4)
+        numbers[EXEC_CRC] = numbers[PREFIX_CRC]
+        numbers[EXEC_CRC + 1] = numbers[PREFIX_CRC + 1]
+        self.queue.head = 0
+        self.queue.count = 0
+        self._unsummed = 0
+        self.done = False
+        self._ended = False
+        self.news = True
+
+    def open_session(self) -> None:
+        """A host has opened a session: the old lease is void, a running robot holds."""
+        self.lease_valid = False
+        self._lease_us = self.now_us
+        self._lease_flags = 0
+        self._session_after_estop = True
+        if self.state == BOOT:
+            self._change(IDLE, NEW_SESSION)
+        self._halt(NEW_SESSION)
+
+    def _is_mission(self, data: bytearray, at: int) -> bool:
+        numbers = self.numbers
+        return get_u16(data, at) == numbers[0] and get_u16(data, at + 2) == numbers[1]
+
+    def accept(self, data: bytearray, at: int) -> bool:
+        """Queue checked records: mission, first index, count, records. False: the queue is full."""
+        if not self._is_mission(data, at) or self.state == ESTOP:
+            return True
+        queue, numbers, index = self.queue, self.numbers, self._index
+        index[0] = get_u16(data, at + 4)
+        index[1] = get_u16(data, at + 6)
+        for i in range(data[at + 8]):
+            order = _compare(index, 0, numbers, ACCEPT_NEXT)
+            if order == 0:
+                if self._ended:
+                    return True
+                if queue.count == QUEUE_SIZE:
+                    return False
+                record, to = at + 10 + WAYPOINT_BYTES * i, queue.at(queue.count)
+                for byte in range(WAYPOINT_BYTES):
+                    queue.data[to + byte] = data[record + byte]
+                queue.count += 1
+                self._ended = queue.data[to + 15] & END_FLAG != 0
+                self._unsummed += 1
+                _count(numbers, ACCEPT_NEXT)
+            elif order > 0:
+                return True
+            _count(index, 0)
+        return True
+
+    def sum(self) -> bool:
+        """Take one accepted waypoint into its CRC; False where all are."""
+        if self._unsummed == 0:
+            return False
+        at = self.queue.at(self.queue.count - self._unsummed)
+        self._unsummed -= 1
+        check_bytes(self.numbers, PREFIX_CRC, self.queue.data, at, WAYPOINT_BYTES)
+        return True
+
+    def _since(self, stamp_us: int) -> int:
+        """How long ago that was, and AHEAD_US more."""
+        return self.now_us - stamp_us + AHEAD_US & TIME
+
+    def _lease_runs(self, issued_us: int, ttl_ms: int) -> bool:
+        return self._since(issued_us) < min(ttl_ms, LEASE_MAX_MS) * 1000 + AHEAD_US
+
+    def _pose_age_us(self) -> int:
+        estimate = self.estimate
+        return self.now_us - estimate.fix_us & TIME if estimate.fix_recent else TIME
+
+    def _pose_is_stale(self) -> bool:
+        return (
+            self._lease_pose_age_ms > POSE_STALE_US // 1000 or self._pose_age_us() > POSE_STALE_US
+        )
+
+    def start(self, data: bytearray, at: int) -> int:
+        """START: mission and the next waypoint's index; a result."""
+        if self.state == RUN and self._is_mission(data, at):
+            return DONE
+        if (self.state != IDLE and self.state != HOLD) or self.done:
+            return WRONG_STATE
+        if not self._is_mission(data, at) or (self.numbers[0] == 0 and self.numbers[1] == 0):
+            return WRONG_MISSION
+        self._index[0] = get_u16(data, at + 4)
+        self._index[1] = get_u16(data, at + 6)
+        if _compare(self._index, 0, self.numbers, EXEC_NEXT) != 0:
+            return WRONG_INDEX
+        if not self.lease_valid or not self._lease_flags & PERMIT:
+            return NO_LEASE
+        if not self._lease_flags & ODOMETRY and self._pose_is_stale():
+            return NO_POSE
+        self.follower.begin()
+        self._change(RUN, 0)
+        return DONE
+
+    def pause(self) -> int:
+        """PAUSE; a result."""
+        self._halt(PAUSED)
+        return DONE
+
+    def clear(self, data: bytearray, at: int) -> int:
+        """CLEAR: the mission to begin with; a result."""
+        if self.state == ESTOP:
+            return WRONG_STATE
+        none = get_u16(data, at) == 0 and get_u16(data, at + 2) == 0
+        if none or not self._is_mission(data, at):
+            self.forget_mission(data, at)
+            self.state = IDLE
+            self.reason = CLEARED
+        return DONE
+
+    def reset_estop(self) -> int:
+        """RESET_ESTOP; a result."""
+        if self.state != ESTOP:
+            return WRONG_STATE
+        if not self._session_after_estop:
+            return SAME_SESSION
+        self.forget_mission(self._nothing, 0)
+        self._change(IDLE, ESTOP_RESET)
+        return DONE
+
+    def lease(self, data: bytearray, at: int) -> bool:
+        """LEASE: prolong or withdraw the permit. False for one that ran out or is an older one."""
+        issued_us = get_time(data, at)
+        ttl_ms = get_u16(data, at + 4)
+        if not self._lease_runs(issued_us, ttl_ms):
+            return False
+        if self.lease_valid and issued_us - self._lease_us & TIME > TIME >> 1:
+            return False
+        self._lease_us = issued_us
+        self._lease_ttl_ms = ttl_ms
+        self._lease_pose_age_ms = get_u16(data, at + 6)
+        self._lease_flags = data[at + 8]
+        self.lease_valid = True
+        self.tick(self.now_us)
+        return True
+
+    def see(self, data: bytearray, at: int, angle: int) -> bool:
+        """POSE: the camera saw the robot. False where that was not used."""
+        seen_us = get_time(data, at + 10)
+        age_us = self._since(seen_us)
+        if age_us >= POSE_STALE_US + AHEAD_US:
+            return False
+        if age_us < AHEAD_US:
+            seen_us = self.now_us
+        return self.estimate.correct(data, at, angle, seen_us)
+
+    def emergency_stop(self, reason: int) -> None:
+        """Wheels to zero at once, latched."""
+        self._session_after_estop = False
+        self._change(ESTOP, reason)
+        self.follower.speed = 0
+        self.follower.spin = 0
+        self.left = 0
+        self.right = 0
+        self.powered = False
+
+    def tick(self, now_us: int) -> None:
+        """Watch lease and pose between two steps."""
+        self.now_us = now_us
+        if not self._lease_runs(self._lease_us, self._lease_ttl_ms):
+            self.lease_valid = False
+        if self._pose_age_us() >= NEVER_US:
+            self.estimate.fix_recent = False
+        if not self.lease_valid:
+            self._halt(LEASE_LAPSED)
+        elif not self._lease_flags & PERMIT:
+            self._halt(NO_PERMIT)
+        elif not self._lease_flags & ODOMETRY and self._pose_is_stale():
+            self._halt(POSE_STALE)
+        if self.state == HOLD and self._since(self._lease_us) >= DISARM_US + AHEAD_US:
+            self._change(IDLE, DISARMED)
+
+    def _execute(self, count: int) -> None:
+        queue = self.queue
+        while count > 0:
+            count -= 1
+            at = queue.at(0)
+            if self._unsummed == queue.count:
+                self.sum()  # it leaves the queue
+            check_bytes(self.numbers, EXEC_CRC, queue.data, at, WAYPOINT_BYTES)
+            _count(self.numbers, EXEC_NEXT)
+            if queue.data[at + 15] & END_FLAG:
+                self.done = True
+                self.news = True
+                if self.state == RUN:
+                    self._change(IDLE, MISSION_DONE)
+            queue.head = (queue.head + 1) % QUEUE_SIZE
+            queue.count -= 1
+
+    def step(self, now_us: int, left_um: int, right_um: int) -> None:
+        """One control cycle, 100 a second; the wheels have travelled so far since the last one."""
+        follower = self.follower
+        across = right_um - left_um
+        ahead = left_um + (across >> 1)
+        dt_us = now_us - self._step_us & TIME
+        if not self._stepped:
+            self._stepped = True
+            dt_us = 0
+        dt_us = min(dt_us, DT_MAX_US)
+        follower.dt_us = dt_us
+        self._step_us = now_us
+        self.hurry = False
+        self.estimate.advance(ahead, across, now_us)
+        share = part(dt_us, 35790) if dt_us < SMOOTHING_US else 16384
+        self.speed = smooth(self.speed, ahead, share)
+        self.spin = smooth(self.spin, across >> 1, share)
+        self.tick(now_us)
+        if self.state == ESTOP:
+            return
+        if self.state == RUN:
+            if abs(self.speed) >= TURNING:
+                ahead = CLEARLY
+            self._execute(follower.step(ahead))
+            if follower.trouble != NO_TROUBLE:
+                self._halt(STUCK_REASON if follower.trouble == STUCK else OFF_PATH)
+        else:
+            self._execute(follower.halt())
+        self.left = follower.speed - follower.spin
+        self.right = follower.speed + follower.spin
+        moves = follower.speed != 0 or follower.spin != 0
+        self.powered = moves or self.state == RUN or self.state == HOLD
+
+    # what STATUS reports
+
+    def flags(self) -> int:
+        """The flags of STATUS."""
+        flags = 0 if -2 <= self.speed <= 2 and -2 <= self.spin <= 2 else 1
+        if self.lease_valid:
+            flags |= 2
+            if self._lease_flags & PERMIT:
+                flags |= 4
+        if self.estimate.known:
+            flags |= 8
+        if self.state == RUN and self.queue.count == 0:
+            flags |= 16
+        if self.done:
+            flags |= 32
+        return flags
+
+    def speed_mm_s(self) -> int:
+        """The measured speed."""
+        return self.speed + 4 >> 3
+
+    def turning_mrad_s(self) -> int:
+        """The measured turning."""
+        return clip(self.spin * self._turning_per_spin >> 8, 0x7FFF)
+
+    def lease_left_ms(self) -> int:
+        """How long the lease still runs."""
+        if not self.lease_valid:
+            return 0
+        granted_us = min(self._lease_ttl_ms, LEASE_MAX_MS) * 1000 + AHEAD_US
+        return (granted_us - self._since(self._lease_us) + 500) // 1000
+
+    def pose_age_ms(self) -> int:
+        """How old the pose is that was used last."""
+        age_us = self._pose_age_us()
+        return NO_POSE_MS if age_us >= NEVER_US else (age_us + 500) // 1000
+
+
+def _count(halves: "array[int]", at: int) -> None:
+    """One more, modulo 2^32."""
+    low = halves[at] + 1
+    halves[at] = low & 0xFFFF
+    halves[at + 1] = halves[at + 1] + (low >> 16) & 0xFFFF
+
+
+def _compare(a: "array[int]", at: int, b: "array[int]", begin: int) -> int:
+    """The sign of a - b."""
+    if a[at + 1] != b[begin + 1]:
+        return 1 if a[at + 1] > b[begin + 1] else -1
+    return 0 if a[at] == b[begin] else 1 if a[at] > b[begin] else -1

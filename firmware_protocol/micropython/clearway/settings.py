@@ -1,0 +1,35 @@
+"""What the robot is and can do, and what follows from it for the follower."""
+
+
+class Settings:
+    """The same numbers, units and limits as ``settings.h``."""
+
+    def __init__(
+        self,
+        track_um: int = 120000,
+        max_speed_mm_s: int = 500,
+        acceleration_mm_s2: int = 500,
+        lateral_mm_s2: int = 600,
+        max_turn_mrad_s: int = 2500,
+        turn_acceleration_mrad_s2: int = 8000,
+        lookahead_mm: int = 40,
+        lookahead_ms: int = 150,
+        max_deviation_mm: int = 150,
+    ) -> None:
+        hundredths = track_um // 100
+        self.track_um = track_um
+        self.max_speed_mm_s = max_speed_mm_s
+        self.lookahead_ms = lookahead_ms
+        self.lookahead = lookahead_mm * 1000 // 64
+        self.max_deviation = max_deviation_mm * 1000 // 64
+        self.track = track_um // 64
+        self.perimeter = hundredths * 31416 // 6400
+        self.min_spin = hundredths // 128 + 1
+        self.max_spin_mm_s = max_turn_mrad_s * hundredths // 20000
+        self.spin_brake_mm_s2 = turn_acceleration_mrad_s2 * hundredths // 20000
+        self.brake_mm_s2 = acceleration_mm_s2 * 8 // 5
+        self.speed_per_cycle = acceleration_mm_s2 * 4194 // 8000
+        self.spin_per_cycle = self.spin_brake_mm_s2 * 4194 // 8000
+        self.bend_limit = lateral_mm_s2 * (track_um // 2000)
+        """In 1024."""
+        self.turning_per_spin = 64000000 // track_um

@@ -1,0 +1,103 @@
+"""Numbers of the line in bytes, and its check, as ``docs/protocol.md`` has them.
+
+A 32-bit number that is not a place is kept as two halves of 16 bits in an array. CRC-32C goes byte
+by byte over a table of halves.
+"""
+
+from array import array
+
+VERSION = 1
+MINOR_VERSION = 0
+SCHEMA_HASH = b"\x10\x98\xfb\x1f"
+"""CRC-32C of the layouts, as on the line."""
+MAX_PAYLOAD = 112
+MAX_DECODED = 8 + MAX_PAYLOAD + 4
+MAX_ENCODED = MAX_DECODED + 1
+WAYPOINT_BYTES = 16
+HEADING_FREE = -32768
+HALF_TURN = 31416
+
+_LOW = array("H", bytes(512))
+_HIGH = array("H", bytes(512))
+
+
+def _fill_tables() -> None:
+    for byte in range(256):
+        low, high = byte, 0
+        for _ in range(8):
+            odd = low & 1
+            low = low >> 1 | (high & 1) << 15
+            high >>= 1
+            if odd:
+                low ^= 0x3B78
+                high ^= 0x82F6
+        _LOW[byte], _HIGH[byte] = low, high
+
+
+_fill_tables()
+
+
+def check_byte(halves: "array[int]", at: int, byte: int) -> None:
+    """One byte more in the CRC that is kept, inverted, in ``halves[at]`` (low) and the next."""
+    low, high = halves[at], halves[at + 1]
+    row = (low ^ byte) & 255
+    halves[at] = (low >> 8 | (high & 255) << 8) ^ _LOW[row]
+    halves[at + 1] = high >> 8 ^ _HIGH[row]
+
+
+def check_bytes(halves: "array[int]", at: int, data: bytearray, begin: int, count: int) -> None:
+    """A finished CRC in ``halves`` continued by some bytes, and finished again."""
+    halves[at] ^= 0xFFFF
+    halves[at + 1] ^= 0xFFFF
+    for i in range(begin, begin + count):
+        check_byte(halves, at, data[i])
+    halves[at] ^= 0xFFFF
+    halves[at + 1] ^= 0xFFFF
+
+
+def get_u16(data: bytearray, at: int) -> int:
+    """Two bytes without a sign."""
+    return data[at] | data[at + 1] << 8
+
+
+def get_i16(data: bytearray, at: int) -> int:
+    """Two bytes with a sign."""
+    value = data[at] | data[at + 1] << 8
+    return value - 0x10000 if value & 0x8000 else value
+
+
+def get_place(data: bytearray, at: int) -> int:
+    """Four bytes with a sign: micrometres."""
+    top = data[at + 3]
+    if top & 0x80:
+        top -= 256
+    return data[at] | data[at + 1] << 8 | data[at + 2] << 16 | top << 24
+
+
+def get_time(data: bytearray, at: int) -> int:
+    """The lower 30 of 32 bits: microseconds."""
+    return data[at] | data[at + 1] << 8 | data[at + 2] << 16 | (data[at + 3] & 0x3F) << 24
+
+
+def put_u16(data: bytearray, at: int, value: int) -> int:
+    """Two bytes; the place behind."""
+    data[at] = value & 255
+    data[at + 1] = value >> 8 & 255
+    return at + 2
+
+
+def put_place(data: bytearray, at: int, value: int) -> int:
+    """Four bytes with a sign; the place behind."""
+    put_u16(data, at, value)
+    return put_u16(data, at + 2, value >> 16)
+
+
+def put_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> int:
+    """A number that is kept in halves; the place behind."""
+    put_u16(data, at, halves[begin])
+    return put_u16(data, at + 2, halves[begin + 1])
+
+
+def same_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> bool:
+    """Whether four bytes are that number."""
+    return get_u16(data, at) == halves[begin] and get_u16(data, at + 2) == halves[begin + 1]
