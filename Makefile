@@ -46,11 +46,13 @@ coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never re
 
 firmware: $(VENV)/.installed-dev ## build and test the C99 robot: Linux process, twin, boards
 	bash .ci/packages firmware
+	bash .ci/micropython
 	$(MAKE) -C firmware_protocol/firmware host twin replay avr cortex-m arduino arduino-core
 	$(BIN)/python -m pytest tests/firmware_protocol tests/hil
 
 hil: $(VENV)/.installed-dev ## the binaries on an emulated ATmega328P and Cortex-M3
 	bash .ci/packages firmware
+	bash .ci/micropython
 	$(BIN)/python -m pytest tests/hil
 
 FUZZ_S ?= 600

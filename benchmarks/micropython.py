@@ -73,7 +73,11 @@ def soak(found: str, minutes: float) -> tuple[list[int], int, float, int]:
             run.mission()
             used, count, took_us, worst_us = measured(process)
             heap.append(used)
-            steps, total_us, longest_us = steps + count, total_us + took_us, max(longest_us, worst_us)
+            steps, total_us, longest_us = (
+                steps + count,
+                total_us + took_us,
+                max(longest_us, worst_us),
+            )
     finally:
         robot_maker.reset(token)
         process.close()

@@ -7,6 +7,7 @@ two halves, of which the upper one is the angle that all others use.
 from array import array
 
 from .fixed import VECTOR, scale, short, turn
+from .native import micropython
 from .wire import get_i16, get_place
 
 DRIFT_MAX = 419904  # 0.6 rad/m
@@ -38,6 +39,7 @@ class Estimate:
         self._past = array("H", bytes(8 * HISTORY))
         self._shift = array("i", (0, 0, 0, 0))
 
+    @micropython.native
     def advance(self, travel_um: int, across_um: int, now_us: int) -> None:
         """The robot drove so far, its right wheel so much further than its left one."""
         past = self._past
@@ -66,6 +68,7 @@ class Estimate:
         past[2] = moved[TOP]
         past[3] = now_us >> 8 & 0xFFFF
 
+    @micropython.native
     def correct(self, seen: bytearray, at: int, angle: int, seen_us: int) -> bool:
         """The camera saw the robot there; False where that was not used.
 
@@ -106,6 +109,7 @@ class Estimate:
         self.fix_recent = True
         return True
 
+    @micropython.native
     def _find_shift(self, seen: bytearray, at: int, angle: int, begin: int, share: int) -> bool:
         """What was seen plus what the wheels have done since, less the pose; whether it is near."""
         past, shift = self._past, self._shift
@@ -127,6 +131,7 @@ class Estimate:
             size -= 1
         return near and size <= JUMP_UM
 
+    @micropython.native
     def _before(self, i: int, begin: int, share: int) -> int:
         """How far the wheels had moved the robot when it was seen."""
         before = self._past[begin + i]
@@ -134,17 +139,20 @@ class Estimate:
             before += scale(short(self._past[begin - 4 + i] - before), share)
         return before
 
+    @micropython.native
     def _learn_drift(self, turn: int) -> None:
         drift = self._drift + (scale(self.travel_um, turn) >> 1)
         if -DRIFT_MAX <= drift <= DRIFT_MAX:
             self._drift = drift
 
 
+@micropython.native
 def heading_of(seen: bytearray, at: int) -> int:
     """A heading of the line, 1e-4 rad, as an angle of 2^16 a turn."""
     return scale(get_i16(seen, at), 17089) & 0xFFFF
 
 
+@micropython.native
 def _add(to: "array[int]", x: int, y: int, high: int, low: int) -> None:
     to[X] += x
     to[Y] += y

@@ -6,38 +6,46 @@ unsigned. Every step stays below 2^30 in size for places within a kilometre.
 
 from array import array
 
+from .native import micropython
+
 VECTOR = array("i", (0, 0))
 """Where ``turn`` and ``measure`` take their vector, and leave it."""
 
 
+@micropython.native
 def part(a: int, share: int) -> int:
     """a * share / 65536, rounded down; both have 16 bits."""
     return ((a >> 8) * share + ((a & 255) * share >> 8)) >> 8
 
 
+@micropython.native
 def scale(a: int, share: int) -> int:
     """a * share / 16384, to the nearest."""
     low = (a >> 8 & 255) * share + ((a & 255) * share + 0x2000 >> 8)
     return ((a >> 16) * share << 2) + (low >> 6)
 
 
+@micropython.native
 def clip(a: int, most: int) -> int:
     """A number within plus and minus ``most``."""
     return most if a > most else -most if a < -most else a
 
 
+@micropython.native
 def short(a: int) -> int:
     """The lower 16 bits as a signed number."""
     a &= 0xFFFF
     return a - 0x10000 if a & 0x8000 else a
 
 
+@micropython.native
 def aside(angle: int) -> int:
     """How far an angle is from 0, either way round."""
     angle &= 0xFFFF
     return 0x10000 - angle if angle & 0x8000 else angle
 
 
+@micropython.native
 def root(square: int) -> int:
     """The whole part of the square root, of a number below 2^30."""
     found, bit = 0, 0x4000
@@ -49,16 +57,19 @@ def root(square: int) -> int:
     return found
 
 
+@micropython.native
 def _sine_series(z: int) -> int:
     square = part(z, z)
     return part(z, 51455 - (part(square, 42078 - part(square, 4709)) >> 1))
 
 
+@micropython.native
 def _arc_series(z: int) -> int:
     square = part(z, z)
     return part(z, 41528 - (part(square, 24095 - part(square, 6627)) >> 1))
 
 
+@micropython.native
 def sine(angle: int) -> int:
     """The sine of an angle, of 16384."""
     up = angle << 1 & 0xFFFF
@@ -70,6 +81,7 @@ def sine(angle: int) -> int:
     return -size if angle & 0x8000 else size
 
 
+@micropython.native
 def turn(angle: int) -> None:
     """Turn ``VECTOR`` by an angle."""
     angle &= 0xFFFF
@@ -80,6 +92,7 @@ def turn(angle: int) -> None:
     VECTOR[1] = scale(x, up) + scale(y, along)
 
 
+@micropython.native
 def measure() -> int:
     """Turn ``VECTOR`` onto the x axis, so that x becomes its length; its bearing."""
     x, y = VECTOR[0], VECTOR[1]

@@ -7,10 +7,11 @@ from array import array
 
 from .estimate import TOP, heading_of
 from .fixed import VECTOR, aside, clip, measure, part, root, scale, sine, turn
+from .native import micropython
 from .settings import Settings
-from .wire import HEADING_FREE, WAYPOINT_BYTES, get_i16, get_place, get_u16
+from .waypoints import Queue
+from .wire import HEADING_FREE, get_i16, get_place, get_u16
 
-QUEUE_SIZE = 32
 TRACK, TURN, SETTLE, DOCK, ALIGN, DWELL = 0, 1, 2, 3, 4, 5
 NO_TROUBLE, OFF_PATH, STUCK = 0, 1, 2
 # angles of 2^16 a turn: 0.8, 0.2, 0.04, 0.006, 0.15, 0.03 rad
@@ -33,19 +34,6 @@ DOCK_ATTEMPTS = 8
 CLEARLY = 2000
 NO_LIMIT = 1 << 29
 """More than the square of any speed."""
-
-
-class Queue:
-    """The waypoints that wait: a ring of the line's 16-byte records."""
-
-    def __init__(self) -> None:
-        self.data = bytearray(QUEUE_SIZE * WAYPOINT_BYTES)
-        self.head = 0
-        self.count = 0
-
-    def at(self, index: int) -> int:
-        """Where the record lies that is ``index`` places behind the next one."""
-        return (self.head + index) % QUEUE_SIZE * WAYPOINT_BYTES
 
 
 class Follower:
@@ -107,6 +95,7 @@ class Follower:
 
     # where the robot is on its line
 
+    @micropython.native
     def _look(self, at: int) -> None:
         data = self._queue.data
         x, y = get_place(data, at) >> 2, get_place(data, at + 4) >> 2
@@ -129,6 +118,7 @@ class Follower:
             if self._remaining > 0 and behind > self._beside:
                 self._beside = behind
 
+    @micropython.native
     def _next_leg(self, at: int, after: int) -> bool:
         """Whether the line bends too much between two waypoints; the leg becomes the next one."""
         data = self._queue.data
@@ -144,25 +134,31 @@ class Follower:
 
     # speeds
 
+    @micropython.native
     def _slew_speed(self, wanted: int) -> None:
         self.speed += clip(wanted - self.speed, part(self.dt_us, self._set.speed_per_cycle))
 
+    @micropython.native
     def _slew_spin(self, wanted: int) -> None:
         self.spin += clip(wanted - self.spin, part(self.dt_us, self._set.spin_per_cycle))
 
+    @micropython.native
     def _move(self, speed: int, spin: int) -> None:
         self._slew_speed(speed)
         self._slew_spin(spin)
 
+    @micropython.native
     def _drive_along(self, speed: int) -> None:
         self._slew_speed(speed)
         self._slew_spin(clip(self.speed * self._bend >> 14, MOST_SPIN))
 
+    @micropython.native
     def _approach(self, square: int, distance: int) -> int:
         """The speed towards a stop: near it four times the distance left, a second."""
         speed = root(square) << 3
         return distance << 1 if distance < speed >> 1 else speed
 
+    @micropython.native
     def _turn_towards(self, off: int) -> None:
         arc = part(self._set.perimeter, aside(off))
         spin = self._approach(arc * self._set.spin_brake_mm_s2 >> 4, arc)
@@ -172,6 +168,7 @@ class Follower:
 
     # following the line
 
+    @micropython.native
     def _pass_waypoints(self) -> int:
         queue, data = self._queue, self._queue.data
         passed = 0
@@ -199,6 +196,7 @@ class Follower:
             passed += 1
         return passed
 
+    @micropython.native
     def _steer(self, begin: int) -> int:
         """Find the point that is pursued and the bend to it; the speed that is allowed here.
 
@@ -237,6 +235,7 @@ class Follower:
         self._bend = self._bend_to(clip(VECTOR[0] >> 4, FAR) & 0xFFFF)
         return self._allowed_speed(min(square, allowed), ahead if last else 0xFFFF)
 
+    @micropython.native
     def _bend_to(self, distance: int) -> int:
         """Pure pursuit: the bend is twice the bearing's sine over the distance."""
         bend = self._set.track * sine(aside(self._off))
@@ -245,6 +244,7 @@ class Follower:
         bend = min(bend, 0x7FFF)
         return -bend if self._off & 0x8000 else bend
 
+    @micropython.native
     def _allowed_speed(self, square: int, distance: int) -> int:
         bend = (abs(self._bend) >> 4) + 1
         whole, rest = self._set.bend_limit // bend, self._set.bend_limit % bend
@@ -252,6 +252,7 @@ class Follower:
         speed = self._approach(min(limit, square), distance)
         return min(speed, (self._set.max_spin_mm_s << 13) // bend)
 
+    @micropython.native
     def _track(self, begin: int) -> None:
         if self._queue.data[self._queue.at(begin) + 15] and self._remaining <= SHORT:
             self.phase = SETTLE
@@ -274,6 +275,7 @@ class Follower:
 
     # stopping
 
+    @micropython.native
     def _has_settled(self, ahead_um: int, at: int, tolerance: int) -> bool:
         """Whether the robot has stood long enough and stands near enough; otherwise it docks."""
         self._move(0, 0)
@@ -296,6 +298,7 @@ class Follower:
         self._attempts += 1
         return False
 
+    @micropython.native
     def _dock(self, at: int) -> None:
         """Drive straight to the target, forwards or backwards, turning towards it first."""
         data = self._queue.data
@@ -320,6 +323,7 @@ class Follower:
         speed = max(DOCK_SPEED if ahead > DOCK_SPEED // 2 else ahead * 2, CRAWL)
         self._move(-speed if back else speed, 0)
 
+    @micropython.native
     def _is_stuck(self) -> bool:
         pose, progress = self._pose, self._progress
         if (
@@ -334,6 +338,7 @@ class Follower:
         self._progress_us += self.dt_us
         return self._progress_us > STUCK_US
 
+    @micropython.native
     def halt(self) -> int:
         """One cycle of a stop under control; how many waypoints were executed."""
         executed = 0
@@ -346,6 +351,7 @@ class Follower:
             self._drive_along(0)
         return executed
 
+    @micropython.native
     def step(self, ahead_um: int) -> int:
         """One cycle of driving; how many waypoints were executed. Sets ``trouble``."""
         executed = self._pass_waypoints()
@@ -380,6 +386,7 @@ class Follower:
         return executed
 
 
+@micropython.native
 def smooth(speed: int, travel_um: int, share: int) -> int:
     """Towards what the wheels did in this cycle, 30 ms smooth; 17/64 is 8 over 30."""
     return clip(speed + (travel_um * 17 >> 6) - scale(speed, share), 0x7FFF)

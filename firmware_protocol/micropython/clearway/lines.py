@@ -21,13 +21,13 @@ class UsbLine:
         """What has arrived, into the buffer; how many bytes."""
         count = 0
         while count < len(buffer) and self._has_more():
-            self._in.readinto(self._one)
+            self._in.readinto(self._one)  # type: ignore[union-attr]
             buffer[count] = self._one[0]
             count += 1
         return count
 
     def _has_more(self) -> bool:
-        for _ in self._poll.ipoll(0):
+        for _ in self._poll.ipoll(0):  # type: ignore[attr-defined]
             return True
         return False
 

@@ -7,43 +7,36 @@ The twin of ``link.c``. Any byte stream is safe. ``receive`` acts on whole frame
 from array import array
 
 from .estimate import TIME, heading_of
-from .fixed import scale, short
-from .follower import QUEUE_SIZE
+from .frames import Frames
+from .native import micropython
 from .robot import ESTOP_HOST, Robot
 from .wire import (
     HALF_TURN,
     HEADING_FREE,
     MAX_DECODED,
     MAX_ENCODED,
-    MAX_PAYLOAD,
-    MINOR_VERSION,
-    SCHEMA_HASH,
     VERSION,
     WAYPOINT_BYTES,
     check_byte,
     check_bytes,
     get_i16,
     get_u16,
-    put_halves,
     put_place,
-    put_u16,
     same_halves,
 )
 
 HELLO, CONFIRM, WAYPOINTS, START, PAUSE, CLEAR, RESET_ESTOP = 1, 2, 16, 17, 18, 19, 20
 LEASE, POSE, TIMESYNC, ESTOP_TYPE = 32, 33, 34, 46
-HELLO_ACK, CHALLENGE, ACK, STATUS, TIMESYNC_REPLY = 129, 130, 144, 145, 162
+HELLO_ACK = 129
 LENGTHS = b"\x0a\x02\x06\x02"
 """Of START to RESET_ESTOP."""
 ORDERS = b"\x09\x0e\x04"
 """Of LEASE to TIMESYNC."""
 RELIABLE, NAK = 1, 2
-RX_WINDOW = 248
 STATUS_INTERVAL_US, STATUS_SPACING_US, NAK_INTERVAL_US = 50000, 10000, 3000
 ESTOP_FRAME = b"\x00\x03\x10\x2e\x01\x01\x01\x01\x01\x05\xa2\x48\xb2\x50\x00"
 # the CRC, inverted, as low and high half: of the byte that is not sent, and over a sound frame
 OF_HOST = (0xE9DD, 0x6620)
-OF_ROBOT = (0x068A, 0x1D9C)
 OF_SOUND = (0xB438, 0xB798)
 # counters of STATUS, in its order
 FRAMES, CRC_ERRORS, FORMAT_ERRORS, OVERRUNS, SESSION_ERRORS, GAPS, DUPLICATES, REJECTED = range(8)
@@ -58,17 +51,13 @@ class Link:
         boot_id: int,
         reset_cause: int = 0,
         firmware: int = 1,
-        schema: bytes = SCHEMA_HASH,
     ) -> None:
         self.robot = robot
-        self.frame = bytearray(MAX_ENCODED + 2)
+        self.frames = Frames(robot, boot_id, reset_cause, firmware)
+        self.frame = self.frames.frame
         self.count = array("H", bytes(16))
         self.session = 0
-        self._boot = array("H", (boot_id & 0xFFFF, boot_id >> 16 & 0xFFFF))
-        self._cause = reset_cause
-        self._firmware = firmware
-        self._schema = schema
-        self._nonce = array("H", self._boot)
+        self._nonce = array("H", (boot_id & 0xFFFF, boot_id >> 16 & 0xFFFF))
         self._buffer = bytearray(MAX_DECODED)
         self._crc = array("H", (0, 0))
         self._encoded = 0
@@ -87,15 +76,16 @@ class Link:
 
     def _forget_session(self) -> None:
         self._asked = 0
-        self._command = 0
-        self._result = 0
-        self._expected = 0
+        self.frames.command = 0
+        self.frames.result = 0
+        self.frames.expected = 0
         self._challenge_due = False
         self._ack_due = False
         self._nak_due = False
         self._sync_due = False
         self._status_sent = False
 
+    @micropython.native
     def _tick(self, now_us: int) -> None:
         """Time is modulo 2^30; on the line it has 32 bits."""
         if now_us < self.robot.now_us and self.robot.now_us - now_us > TIME >> 1:
@@ -106,6 +96,7 @@ class Link:
 
     # receiving
 
+    @micropython.native
     def receive(self, data: bytearray, count: int, now_us: int) -> None:
         """Take so many bytes from the line."""
         self._tick(now_us)
@@ -130,6 +121,7 @@ class Link:
         """The board lost so many bytes before they were received."""
         self.count[OVERRUNS] = self.count[OVERRUNS] + count & 0xFFFF
 
+    @micropython.native
     def _take_byte(self, byte: int) -> None:
         if self._encoded == MAX_ENCODED:
             self._encoded += 1
@@ -148,6 +140,7 @@ class Link:
             self._keep(byte)
             self._block -= 1
 
+    @micropython.native
     def _keep(self, byte: int) -> None:
         self._buffer[self._filled] = byte
         self._filled += 1
@@ -192,7 +185,7 @@ class Link:
         if frame[8] != VERSION:
             return
         for i in range(4):
-            if frame[10 + i] != self._schema[i]:
+            if frame[10 + i] != self.frames.schema[i]:
                 return
         if self.session == session:
             return
@@ -216,12 +209,12 @@ class Link:
     def _take_message(self, length: int) -> None:
         frame = self._buffer
         reliable, kind = frame[0] & RELIABLE != 0, frame[1]
-        ahead = frame[4] - self._expected & 255
+        ahead = frame[4] - self.frames.expected & 255
         if not self._is_sound(kind, length):
             self._add(REJECTED)
             if reliable and ahead == 0:
                 # a whole frame of nonsense will not get better by being sent again
-                self._expected = self._expected + 1 & 255
+                self.frames.expected = self.frames.expected + 1 & 255
                 self._ack_due = True
             return
         if reliable != (WAYPOINTS <= kind <= RESET_ESTOP):
@@ -239,7 +232,7 @@ class Link:
         if not self._act(kind):
             self._add(REJECTED)
         elif reliable:
-            self._expected = self._expected + 1 & 255
+            self.frames.expected = self.frames.expected + 1 & 255
 
     def _is_sound(self, kind: int, length: int) -> bool:
         """Whether a host's message of this type has a content that makes sense."""
@@ -311,22 +304,23 @@ class Link:
         return high < 0x2000 or high >= 0xFFF0
 
     def _answer(self, result: int) -> None:
-        self._command = get_u16(self._buffer, 8)
-        self._result = result
+        self.frames.command = get_u16(self._buffer, 8)
+        self.frames.result = result
         self.robot.news = True
 
-    # sending: a frame is built behind two free bytes, then encoded in place
+    # sending
 
+    @micropython.native
     def next_frame(self, now_us: int) -> int:
         """The size of the most urgent frame that is due, 0 where none is; it is in ``frame``."""
         self._tick(now_us)
+        frames = self.frames
         if self._hello_due:
             self._hello_due = False
-            return self._send_hello_ack()
+            return frames.hello_ack(self._hello_session)
         if self._challenge_due:
             self._challenge_due = False
-            self._begin(CHALLENGE, self._asked, 0)
-            return self._end(put_halves(self.frame, 10, self._nonce, 0))
+            return frames.challenge(self._asked, self._nonce)
         if self.session == 0:
             return 0
         nak_waited = not self._nak_sent or now_us - self._nak_us & TIME >= NAK_INTERVAL_US
@@ -335,21 +329,22 @@ class Link:
             self._nak_us = now_us
             self._nak_due = False
             self._ack_due = False
-            return self._send_ack(NAK)
+            return frames.ack(self.session, NAK)
         if self._ack_due:
             self._ack_due = False
-            return self._send_ack(0)
+            return frames.ack(self.session, 0)
         if self._sync_due:
             self._sync_due = False
-            return self._send_time()
+            return frames.time(self.session, self._sync_host, self._sync_robot, self._clock)
         if self._status_is_due(now_us):
             self._status_sent = True
             self._status_us = now_us
             self.robot.news = False
             self.robot.alarm = False
-            return self._send_status()
+            return frames.status(self.session, self._clock, self.count)
         return 0
 
+    @micropython.native
     def _status_is_due(self, now_us: int) -> bool:
         waited_us = now_us - self._status_us & TIME
         return (
@@ -358,98 +353,6 @@ class Link:
             or waited_us >= STATUS_INTERVAL_US
             or (waited_us >= STATUS_SPACING_US and self.robot.news)
         )
-
-    def _begin(self, kind: int, session: int, flags: int) -> None:
-        frame = self.frame
-        frame[2] = VERSION << 4 | flags
-        frame[3] = kind
-        put_u16(frame, 4, session)
-        frame[6] = 0
-        frame[7] = self._expected
-        frame[8] = QUEUE_SIZE - self.robot.queue.count
-        frame[9] = 0
-
-    def _end(self, end: int) -> int:
-        """Length and check, then COBS in place; the frame's size with its zeros."""
-        frame, crc = self.frame, self._crc
-        frame[9] = end - 10
-        low, high = crc[0], crc[1]  # of a frame that is arriving
-        crc[0], crc[1] = OF_ROBOT[0], OF_ROBOT[1]
-        for i in range(2, end):
-            check_byte(crc, 0, frame[i])
-        end = put_u16(frame, end, crc[0] ^ 0xFFFF)
-        end = put_u16(frame, end, crc[1] ^ 0xFFFF)
-        crc[0], crc[1] = low, high
-        code = 1
-        for i in range(end - 1, 1, -1):
-            if frame[i]:
-                code += 1
-            else:
-                frame[i] = code
-                code = 1
-        frame[1] = code
-        frame[0] = 0
-        frame[end] = 0
-        return end + 1
-
-    def _put_bytes(self, at: int, data: bytearray) -> int:
-        for i in range(4):
-            self.frame[at + i] = data[i]
-        return at + 4
-
-    def _put_numbers(self, at: int) -> int:
-        while self.robot.sum():
-            pass
-        for i in range(10):
-            at = put_u16(self.frame, at, self.robot.numbers[i])
-        return at
-
-    def _send_hello_ack(self) -> int:
-        frame = self.frame
-        self._begin(HELLO_ACK, self._hello_session, 0)
-        frame[10] = VERSION
-        frame[11] = MINOR_VERSION
-        for i in range(4):
-            frame[12 + i] = self._schema[i]
-        put_place(frame, 16, self._firmware)
-        put_halves(frame, 20, self._boot, 0)
-        frame[24] = self._cause
-        frame[25] = MAX_PAYLOAD
-        put_u16(frame, 26, RX_WINDOW)
-        frame[28] = QUEUE_SIZE
-        frame[29] = self.robot.state
-        return self._end(self._put_numbers(30))
-
-    def _send_ack(self, flags: int) -> int:
-        self._begin(ACK, self.session, flags)
-        return self._end(put_halves(self.frame, 10, self.robot.numbers, 2))
-
-    def _send_time(self) -> int:
-        self._begin(TIMESYNC_REPLY, self.session, 0)
-        at = self._put_bytes(10, self._sync_host)
-        at = self._put_bytes(at, self._sync_robot)
-        return self._end(self._put_bytes(at, self._clock))
-
-    def _send_status(self) -> int:
-        frame, robot = self.frame, self.robot
-        self._begin(STATUS, self.session, 0)
-        at = self._put_bytes(10, self._clock)
-        at = self._put_numbers(put_halves(frame, at, self._boot, 0))
-        frame[at] = robot.state
-        frame[at + 1] = robot.flags()
-        frame[at + 2] = robot.reason
-        frame[at + 3] = self._result
-        at = put_u16(frame, at + 4, self._command)
-        pose = robot.estimate.pose
-        at = put_place(frame, put_place(frame, at, pose[0]), pose[1])
-        at = put_u16(frame, at, scale(short(pose[2]), 15708))
-        at = put_u16(frame, at, robot.speed_mm_s())
-        at = put_u16(frame, at, robot.turning_mrad_s())
-        at = put_u16(frame, at, robot.pose_age_ms())
-        at = put_u16(frame, at, robot.lease_left_ms())
-        for i in range(8):
-            at = put_u16(frame, at, self.count[i])
-        return self._end(at)
 
 
 def estop_match(matched: int, byte: int) -> int:

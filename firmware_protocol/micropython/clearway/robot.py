@@ -8,8 +8,10 @@ from array import array
 
 from .estimate import TIME, Estimate
 from .fixed import clip, part
-from .follower import CLEARLY, NO_TROUBLE, QUEUE_SIZE, STUCK, Follower, Queue, smooth
+from .follower import CLEARLY, NO_TROUBLE, STUCK, Follower, smooth
+from .native import micropython
 from .settings import Settings
+from .waypoints import QUEUE_SIZE, Queue
 from .wire import WAYPOINT_BYTES, check_bytes, get_time, get_u16
 
 BOOT, IDLE, RUN, HOLD, ESTOP = 0, 1, 2, 3, 4
@@ -136,6 +138,7 @@ class Robot:
             _count(index, 0)
         return True
 
+    @micropython.native
     def sum(self) -> bool:
         """Take one accepted waypoint into its CRC; False where all are."""
         if self._unsummed == 0:
@@ -145,17 +148,21 @@ class Robot:
         check_bytes(self.numbers, PREFIX_CRC, self.queue.data, at, WAYPOINT_BYTES)
         return True
 
+    @micropython.native
     def _since(self, stamp_us: int) -> int:
         """How long ago that was, and AHEAD_US more."""
         return self.now_us - stamp_us + AHEAD_US & TIME
 
+    @micropython.native
     def _lease_runs(self, issued_us: int, ttl_ms: int) -> bool:
         return self._since(issued_us) < min(ttl_ms, LEASE_MAX_MS) * 1000 + AHEAD_US
 
+    @micropython.native
     def _pose_age_us(self) -> int:
         estimate = self.estimate
         return self.now_us - estimate.fix_us & TIME if estimate.fix_recent else TIME
 
+    @micropython.native
     def _pose_is_stale(self) -> bool:
         return (
             self._lease_pose_age_ms > POSE_STALE_US // 1000 or self._pose_age_us() > POSE_STALE_US
@@ -243,6 +250,7 @@ class Robot:
         self.right = 0
         self.powered = False
 
+    @micropython.native
     def tick(self, now_us: int) -> None:
         """Watch lease and pose between two steps."""
         self.now_us = now_us
@@ -259,6 +267,7 @@ class Robot:
         if self.state == HOLD and self._since(self._lease_us) >= DISARM_US + AHEAD_US:
             self._change(IDLE, DISARMED)
 
+    @micropython.native
     def _execute(self, count: int) -> None:
         queue = self.queue
         while count > 0:
@@ -276,6 +285,7 @@ class Robot:
             queue.head = (queue.head + 1) % QUEUE_SIZE
             queue.count -= 1
 
+    @micropython.native
     def step(self, now_us: int, left_um: int, right_um: int) -> None:
         """One control cycle, 100 a second; the wheels have travelled so far since the last one."""
         follower = self.follower
@@ -347,6 +357,7 @@ class Robot:
         return NO_POSE_MS if age_us >= NEVER_US else (age_us + 500) // 1000
 
 
+@micropython.native
 def _count(halves: "array[int]", at: int) -> None:
     """One more, modulo 2^32."""
     low = halves[at] + 1
@@ -354,6 +365,7 @@ def _count(halves: "array[int]", at: int) -> None:
     halves[at + 1] = halves[at + 1] + (low >> 16) & 0xFFFF
 
 
+@micropython.native
 def _compare(a: "array[int]", at: int, b: "array[int]", begin: int) -> int:
     """The sign of a - b."""
     if a[at + 1] != b[begin + 1]:

@@ -6,6 +6,8 @@ by byte over a table of halves.
 
 from array import array
 
+from .native import micropython
+
 VERSION = 1
 MINOR_VERSION = 0
 SCHEMA_HASH = b"\x10\x98\xfb\x1f"
@@ -37,6 +39,7 @@ def _fill_tables() -> None:
 _fill_tables()
 
 
+@micropython.native
 def check_byte(halves: "array[int]", at: int, byte: int) -> None:
     """One byte more in the CRC that is kept, inverted, in ``halves[at]`` (low) and the next."""
     low, high = halves[at], halves[at + 1]
@@ -45,6 +48,7 @@ def check_byte(halves: "array[int]", at: int, byte: int) -> None:
     halves[at + 1] = high >> 8 ^ _HIGH[row]
 
 
+@micropython.native
 def check_bytes(halves: "array[int]", at: int, data: bytearray, begin: int, count: int) -> None:
     """A finished CRC in ``halves`` continued by some bytes, and finished again."""
     halves[at] ^= 0xFFFF
@@ -55,17 +59,20 @@ def check_bytes(halves: "array[int]", at: int, data: bytearray, begin: int, coun
     halves[at + 1] ^= 0xFFFF
 
 
+@micropython.native
 def get_u16(data: bytearray, at: int) -> int:
     """Two bytes without a sign."""
     return data[at] | data[at + 1] << 8
 
 
+@micropython.native
 def get_i16(data: bytearray, at: int) -> int:
     """Two bytes with a sign."""
     value = data[at] | data[at + 1] << 8
     return value - 0x10000 if value & 0x8000 else value
 
 
+@micropython.native
 def get_place(data: bytearray, at: int) -> int:
     """Four bytes with a sign: micrometres."""
     top = data[at + 3]
@@ -74,11 +81,13 @@ def get_place(data: bytearray, at: int) -> int:
     return data[at] | data[at + 1] << 8 | data[at + 2] << 16 | top << 24
 
 
+@micropython.native
 def get_time(data: bytearray, at: int) -> int:
     """The lower 30 of 32 bits: microseconds."""
     return data[at] | data[at + 1] << 8 | data[at + 2] << 16 | (data[at + 3] & 0x3F) << 24
 
 
+@micropython.native
 def put_u16(data: bytearray, at: int, value: int) -> int:
     """Two bytes; the place behind."""
     data[at] = value & 255
@@ -86,18 +95,21 @@ def put_u16(data: bytearray, at: int, value: int) -> int:
     return at + 2
 
 
+@micropython.native
 def put_place(data: bytearray, at: int, value: int) -> int:
     """Four bytes with a sign; the place behind."""
     put_u16(data, at, value)
     return put_u16(data, at + 2, value >> 16)
 
 
+@micropython.native
 def put_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> int:
     """A number that is kept in halves; the place behind."""
     put_u16(data, at, halves[begin])
     return put_u16(data, at + 2, halves[begin + 1])
 
 
+@micropython.native
 def same_halves(data: bytearray, at: int, halves: "array[int]", begin: int) -> bool:
     """Whether four bytes are that number."""
     return get_u16(data, at) == halves[begin] and get_u16(data, at + 2) == halves[begin + 1]

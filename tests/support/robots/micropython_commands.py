@@ -38,8 +38,8 @@ class Commands:
             link_of, robot_of, settings_of = self._modules
             boot_id, cause, schema, *numbers = struct.unpack(SETTINGS, data)
             self._robot = robot_of.Robot(settings_of.Settings(*numbers))
-            schema = struct.pack("<I", schema)
-            self._link = link_of.Link(self._robot, boot_id, cause, 0, schema)
+            self._link = link_of.Link(self._robot, boot_id, cause, 0)
+            self._link.frames.schema = struct.pack("<I", schema)
             self._first = True
             return b""
         link, robot, size = self._link, self._robot, 0
@@ -98,7 +98,7 @@ def view_of(link, robot):  # type: ignore[no-untyped-def]
         32 - robot.queue.count,
         robot.powered,
         robot.done,
-        link._expected,
+        link.frames.expected,
         robot.follower.phase,
     )
 
