@@ -57,7 +57,7 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float, float]:
 
 def least_gap(plan: FleetPlan, radius: float) -> float:
     """What is left between the two robots that come nearest."""
-    from planner.fleet.track_kernels import least_distance
+    from planner.fleet.motions.track_kernels import least_distance
 
     tracks = plan.tracks
     return min(

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner.fleet.fleet_plan import Dependency
-from planner.fleet.track_kernels import order_of_pair
+from planner.fleet.motions.track_kernels import order_of_pair
 from planner.scene import FloatArray, IntArray
 
 

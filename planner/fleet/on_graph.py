@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.fleet_search import ROUNDS, Effort, search, touching
-from planner.fleet.team import make_graph, make_robot
+from planner.fleet.search.fleet_search import ROUNDS, Effort, search, touching
+from planner.fleet.search.team import make_graph, make_robot
 from planner.scene import FloatArray
 
 
@@ -34,7 +34,7 @@ def plan_on_graph(
     along straight edges at speed 1 and may wait at nodes. ``starts`` and ``goals`` are node
     numbers. The sum of arrivals is shortened in ``improve`` rounds, the more the better, 0 for the
     first plan as it is. Equal input and ``seed`` give equal plans, unless the time limit cuts in.
-    ``ValueError`` on input that makes no sense. See :mod:`planner.fleet.solver` for the method.
+    ``ValueError`` on input that makes no sense. The method: :mod:`planner.fleet.search.solver`.
     """
     places = _numbers("nodes", nodes)
     rows = _edges(edges, len(places))

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.fleet_search import ROUNDS, search, touching
+from planner.fleet.ground.places import Places, lay_places
 from planner.fleet.on_graph import check_effort
-from planner.fleet.places import Places, lay_places
-from planner.fleet.team import Robot, make_graph, make_robot
+from planner.fleet.search.fleet_search import ROUNDS, search, touching
+from planner.fleet.search.team import Robot, make_graph, make_robot
 from planner.motion.trajectory import default_limits
 from planner.path import Limits, NoPath
 from planner.roadmap.roadmap import Roadmap, build_roadmap

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from planner.fleet.motion_kernels import do_steps_touch, forbidden_delays, near_times
-from planner.fleet.track_kernels import least_distance
+from planner.fleet.motions.motion_kernels import do_steps_touch, forbidden_delays, near_times
+from planner.fleet.motions.track_kernels import least_distance
 from tests.support.oracles.fleet_judge import closest_approach
 
 

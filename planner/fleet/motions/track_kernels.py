@@ -16,7 +16,7 @@ import math
 import numpy as np
 from numba import njit
 
-from planner.fleet.motion_kernels import forbidden_delays
+from planner.fleet.motions.motion_kernels import forbidden_delays
 from planner.scene.compile_options import LEAF, OWNING
 
 

@@ -17,11 +17,11 @@ import numpy as np
 
 from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
-from planner.fleet.joint_search import JointSearch
-from planner.fleet.pair_proof import can_never_pass
-from planner.fleet.solver import Solver
-from planner.fleet.team import Robot, Route, cut_off
-from planner.fleet.track_kernels import nearest_pair
+from planner.fleet.motions.track_kernels import nearest_pair
+from planner.fleet.search.joint_search import JointSearch
+from planner.fleet.search.pair_proof import can_never_pass
+from planner.fleet.search.solver import Solver
+from planner.fleet.search.team import Robot, Route, cut_off
 from planner.scene import FloatArray
 
 ROUNDS = 30

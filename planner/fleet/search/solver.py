@@ -19,8 +19,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from planner.fleet.interval_search_kernels import HORIZON, do_touch, find_way, moves_along
-from planner.fleet.team import Robot, Route
+from planner.fleet.motions.interval_search_kernels import HORIZON, do_touch, find_way, moves_along
+from planner.fleet.search.team import Robot, Route
 from planner.scene import FloatArray
 
 SIZES = (2, 8)

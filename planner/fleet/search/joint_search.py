@@ -21,9 +21,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from planner.fleet.interval_search_kernels import HORIZON, moves_along
-from planner.fleet.motion_kernels import do_steps_touch
-from planner.fleet.team import Robot, Route
+from planner.fleet.motions.interval_search_kernels import HORIZON, moves_along
+from planner.fleet.motions.motion_kernels import do_steps_touch
+from planner.fleet.search.team import Robot, Route
 
 ASKED_MOST = 400
 """Choices that are tried to fill in one step, ten a robot for 40; the constraints do the rest."""

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.fleet.clearance_kernels import edge_clearances, near_pairs
+from planner.fleet.ground.clearance_kernels import edge_clearances, near_pairs
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 

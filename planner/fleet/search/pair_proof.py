@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from planner.fleet.interval_search_kernels import HORIZON
-from planner.fleet.joint_search import JointSearch
-from planner.fleet.team import Robot
+from planner.fleet.motions.interval_search_kernels import HORIZON
+from planner.fleet.search.joint_search import JointSearch
+from planner.fleet.search.team import Robot
 
 PAIRS_MOST = 20_000
 """Pairs of places that are looked at from one side: some seconds, where steps are new."""

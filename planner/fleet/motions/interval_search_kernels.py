@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from planner.fleet.motion_kernels import forbidden_delays, near_times
+from planner.fleet.motions.motion_kernels import forbidden_delays, near_times
 from planner.scene.compile_options import LEAF, OWNING
 
 HORIZON = 1e9

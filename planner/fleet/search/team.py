@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.fleet.interval_search_kernels import HORIZON, Graph, times_to
+from planner.fleet.motions.interval_search_kernels import HORIZON, Graph, times_to
 from planner.scene import FloatArray
 
 

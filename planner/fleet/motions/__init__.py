@@ -1,0 +1,1 @@
+"""Discs on straight lines: when they touch, and the earliest arrival among those that move."""
