@@ -50,7 +50,8 @@ def plan_on_graph(
                 return refused
     graph = make_graph(places, rows)
     robots = [make_robot(graph, size, a, b) for a, b in zip(begin, end, strict=True)]
-    return search(robots, effort)
+    junctions = np.flatnonzero(np.diff(graph.starts) > 2).tolist()
+    return search(robots, junctions, effort)
 
 
 def check_effort(time_limit_s: float, improve: int, seed: int) -> Effort:

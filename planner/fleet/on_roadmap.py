@@ -66,7 +66,7 @@ def plan_fleet(
         # the path's own ends may be rounded: the robot stands where it stands
         paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
     shared = lay_places(roadmaps[min(sizes)], paths, sizes)
-    plan = search(_team(shared, sizes, speeds), effort)
+    plan = search(_team(shared, sizes, speeds), shared.junctions, effort)
     if isinstance(plan, FleetPlan):
         _check_walls(roadmap, plan, sizes)
     return plan

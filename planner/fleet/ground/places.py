@@ -43,7 +43,7 @@ SAME = 1e-6
 class Places:
     """Places (n, 2), edges (m, 2) in both directions, the clearance of each (m,).
 
-    ``starts`` and ``goals`` are node numbers.
+    ``starts``, ``goals`` and ``junctions``, where chains of the roadmap meet, are node numbers.
     """
 
     places: FloatArray
@@ -51,6 +51,7 @@ class Places:
     clearance: FloatArray
     starts: list[int]
     goals: list[int]
+    junctions: list[int]
 
 
 def lay_places(roadmap: Roadmap, paths: Sequence[FloatArray], radii: Sequence[float]) -> Places:
@@ -65,6 +66,8 @@ def lay_places(roadmap: Roadmap, paths: Sequence[FloatArray], radii: Sequence[fl
         gather.line(_cut(_straightened(roadmap, line, keep, smallest), STEP * smallest))
     spacing = LATTICE * largest
     gather.add_beside(_lattice(roadmap, fine, smallest, spacing), 0.5 * spacing)
+    ends_of_chains = [roadmap.graph.nodes[n]["pos"] for n, k in roadmap.graph.degree if k > 2]
+    junctions = sorted({gather.number(x, y) for x, y in ends_of_chains})
     places = np.array(gather.places)
     joined = near_pairs(places, REACH * spacing)
     pairs = np.unique(
@@ -78,7 +81,7 @@ def lay_places(roadmap: Roadmap, paths: Sequence[FloatArray], radii: Sequence[fl
     edges = np.concatenate([pairs, pairs[:, ::-1]])
     return Places(
         places, np.ascontiguousarray(edges), np.concatenate([clearance, clearance]),
-        [a for a, _ in ends], [b for _, b in ends],
+        [a for a, _ in ends], [b for _, b in ends], junctions,
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from planner.fleet.dependencies import find_dependencies, is_live
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.motions.track_kernels import nearest_pair
 from planner.fleet.search.joint_search import JointSearch
+from planner.fleet.search.one_by_one import plan_one_by_one
 from planner.fleet.search.pair_proof import can_never_pass
 from planner.fleet.search.solver import Solver
 from planner.fleet.search.team import Robot, Route, cut_off
@@ -32,6 +33,8 @@ JOINT_ROUNDS = 500
 """Constraints of the joint search between two such rows of searches; about as long."""
 SUSPECTS = 6
 """Robots that failed most often, whose pairs are asked for a proof."""
+PAIR_TRIES = 20
+"""Searches for a plan of two robots alone before a proof that there is none is tried."""
 ROUNDING = 1e-9
 """Distances are exact within this share of the coordinates' extent."""
 NOT_LIVE = (
@@ -52,8 +55,13 @@ class Effort:
     clock: Clock
 
 
-def search(robots: Sequence[Robot], effort: Effort) -> FleetPlan | NoFleetPlan:
-    """A checked plan for robots whose starts and goals do not touch, or why there is none."""
+def search(
+    robots: Sequence[Robot], junctions: Sequence[int], effort: Effort
+) -> FleetPlan | NoFleetPlan:
+    """A checked plan for robots whose starts and goals do not touch, or why there is none.
+
+    ``junctions`` are nodes where ways meet.
+    """
     if not robots:
         return FleetPlan((), (), 0.0, 0.0)
     lost = cut_off(robots)
@@ -66,14 +74,16 @@ def search(robots: Sequence[Robot], effort: Effort) -> FleetPlan | NoFleetPlan:
         return effort.clock() >= end_s
 
     solver = Solver(robots, np.random.default_rng(effort.seed))
-    refused = _solve(solver, effort, expired)
+    refused = _solve(solver, junctions, effort, expired)
     if refused is not None:
         return refused
     solver.improve(effort.rounds, expired)
     return checked_plan(robots, [solver.routes[i] for i in range(len(robots))])
 
 
-def _solve(solver: Solver, effort: Effort, expired: Callable[[], bool]) -> NoFleetPlan | None:
+def _solve(
+    solver: Solver, junctions: Sequence[int], effort: Effort, expired: Callable[[], bool]
+) -> NoFleetPlan | None:
     """Fill in the solver's routes, or say why there are none."""
     robots = solver.robots
     if solver.plan_all(expired, FIRST_TRIES):
@@ -91,13 +101,19 @@ def _solve(solver: Solver, effort: Effort, expired: Callable[[], bool]) -> NoFle
                 f"{_listed(who)}: no sequence of steps, in which all drive along one edge each or"
                 " stand, brings all robots to their goals (proved: all were looked at)", who,
             )  # fmt: skip
-        pair = _hopeless_pair(solver, effort, expired) if first else None
-        first = False
+        if first:
+            routes = plan_one_by_one(solver, junctions, expired)
+            if routes is not None:
+                solver.routes = routes
+                solver.shorten_each()
+                return None
+        pair = _hopeless_pair(solver, junctions, expired) if first else None
         if pair is not None:
             return NoFleetPlan(
                 f"{_listed(pair)}: they cannot both reach their goals, one is always in the"
                 " other's only way (proved)", pair,
             )  # fmt: skip
+        first = False
         if solver.plan_all(expired, FIRST_TRIES):
             return None
     who = _often(solver)
@@ -115,7 +131,7 @@ def _often(solver: Solver) -> tuple[int, ...]:
 
 
 def _hopeless_pair(
-    solver: Solver, effort: Effort, expired: Callable[[], bool]
+    solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]
 ) -> tuple[int, int] | None:
     """Two robots that are proved to have no plan, of those that failed most often."""
     by_failures = np.argsort(-solver.pushed, kind="stable").tolist()
@@ -128,7 +144,10 @@ def _hopeless_pair(
         one, other = solver.robots[i], solver.robots[j]
         if not _is_in_the_way(solver, i, j):
             continue
-        joint = JointSearch((one, other), np.random.default_rng(effort.seed))
+        both = Solver((one, other), solver.rng)
+        if both.plan_all(expired, PAIR_TRIES) or plan_one_by_one(both, junctions, expired):
+            continue
+        joint = JointSearch((one, other), solver.rng)
         if can_never_pass(one, other, joint, expired):
             return i, j
     return None

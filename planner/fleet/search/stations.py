@@ -1,0 +1,138 @@
+"""Places for robots to stand that leave each other in peace, and the ways between them.
+
+Rules
+- No two stations are nearer than two of the largest robots need, and a way from one to the next
+  comes so near to no third: a robot on it touches nobody who stands at another station.
+- They are packed as tightly as can be from a few seeds on, so that a queue holds as many as fit.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from heapq import heappop, heappush
+
+import numpy as np
+
+from planner.scene import FloatArray, IntArray
+
+STATIONS_MOST = 200
+"""Stations; in larger arenas those on the robots' own routes first, then those around them."""
+TOUCH = 1e-9
+"""Distances are enough within this share."""
+
+Pair = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Stations:
+    """Nodes of the shared graph (k,), the ways between two as nodes, and each one's neighbours."""
+
+    nodes: list[int]
+    ways: dict[Pair, list[int]]
+    near: list[list[int]]
+
+
+def choose_stations(
+    places: FloatArray, edges: IntArray, seeds: Iterable[int], routes: Sequence[int], gap: float
+) -> Stations:
+    """Stations on a graph (m, 2) of edges that lead both ways, the seeds among them where they can.
+
+    After the seeds come nodes of ``routes``, then any that have an edge.
+    """
+    chosen = _pack(places, edges, seeds, routes, gap * (1.0 - TOUCH))
+    ways = _ways(places, edges, chosen, gap * (1.0 - TOUCH))
+    near: list[list[int]] = [[] for _ in chosen]
+    for a, b in sorted(ways):
+        near[a].append(b)
+    return Stations(chosen, ways, near)
+
+
+def _pack(
+    places: FloatArray, edges: IntArray, seeds: Iterable[int], routes: Sequence[int], gap: float
+) -> list[int]:
+    nearest = np.full(len(places), np.inf)
+    chosen: list[int] = []
+
+    def take(node: int) -> None:
+        chosen.append(node)
+        away = places - places[node]
+        np.minimum(nearest, np.hypot(away[:, 0], away[:, 1]), out=nearest)
+
+    for node in seeds:
+        if nearest[node] >= gap:
+            take(node)
+    for group in (np.unique(np.asarray(routes, np.int64)), np.unique(edges)):
+        while len(chosen) < STATIONS_MOST and len(group):
+            group = group[nearest[group] >= gap]
+            if len(group):
+                # the one that leaves least room unused
+                take(int(group[np.argmin(nearest[group])]))
+    return chosen
+
+
+def _ways(
+    places: FloatArray, edges: IntArray, chosen: Sequence[int], gap: float
+) -> dict[Pair, list[int]]:
+    """The ways between stations, along edges that come near to no other station."""
+    alone: dict[int, list[Pair]] = defaultdict(list)
+    shared: dict[Pair, list[Pair]] = defaultdict(list)
+    touched: dict[int, set[int]] = defaultdict(set)
+    near = _stations_near(places, edges, places[list(chosen)], gap)
+    for (a, b), stations in zip(edges.tolist(), near, strict=True):
+        if len(stations) == 1:
+            alone[stations[0]].append((a, b))
+            touched[a].add(stations[0])
+            touched[b].add(stations[0])
+        elif len(stations) == 2:
+            shared[stations[0], stations[1]].append((a, b))
+    pairs = set(shared)
+    for owners in touched.values():
+        pairs |= {(s, t) for s in owners for t in owners if s < t}
+    ways = {}
+    for s, t in sorted(pairs):
+        way = _shortest(places, [*alone[s], *alone[t], *shared[s, t]], chosen[s], chosen[t])
+        if way:
+            ways[s, t], ways[t, s] = way, way[::-1]
+    return ways
+
+
+def _stations_near(
+    places: FloatArray, edges: IntArray, stations: FloatArray, gap: float
+) -> list[list[int]]:
+    """For each edge the stations nearer than the gap to any of it."""
+    begin = places[edges[:, 0]]
+    step = places[edges[:, 1]] - begin
+    length = np.maximum((step**2).sum(axis=1), np.finfo(float).tiny)
+    found: list[list[int]] = [[] for _ in edges]
+    for s, (x, y) in enumerate(stations.tolist()):
+        away = np.array([x, y]) - begin
+        share = np.clip((away * step).sum(axis=1) / length, 0.0, 1.0)
+        away -= share[:, None] * step
+        for e in np.flatnonzero(np.hypot(away[:, 0], away[:, 1]) < gap).tolist():
+            found[e].append(s)
+    return found
+
+
+def _shortest(places: FloatArray, edges: Sequence[Pair], begin: int, end: int) -> list[int]:
+    """The shortest way over a few edges that lead both ways; empty where there is none."""
+    after: dict[int, list[tuple[int, float]]] = defaultdict(list)
+    for a, b in edges:
+        after[a].append((b, float(np.hypot(*(places[b] - places[a])))))
+    heap = [(0.0, begin, -1)]
+    parent: dict[int, int] = {}
+    while heap:
+        far, node, before = heappop(heap)
+        if node in parent:
+            continue
+        parent[node] = before
+        if node == end:
+            way = [end]
+            while parent[way[-1]] >= 0:
+                way.append(parent[way[-1]])
+            return way[::-1]
+        for then, length in after[node]:
+            if then not in parent:
+                heappush(heap, (far + length, then, node))
+    return []
