@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,7 +46,7 @@ def plan_fleet(
     :func:`planner.fleet.on_graph.plan_on_graph`. Every track keeps its robot's radius from all
     borders. ``ValueError`` on input that makes no sense.
     """
-    effort = check_effort(time_limit_s, improve, seed)
+    effort = replace(check_effort(time_limit_s, improve, seed), live=True)
     begin, end = _places("starts", starts), _places("goals", goals)
     if len(begin) != len(end):
         raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")

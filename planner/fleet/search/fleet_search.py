@@ -16,6 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from planner.fleet.dependencies import find_dependencies, is_live
+from planner.fleet.execution import deadlocked
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.motions.track_kernels import nearest_pair
 from planner.fleet.search.joint_search import JointSearch
@@ -33,6 +34,10 @@ JOINT_ROUNDS = 500
 """Constraints of the joint search between two such rows of searches; about as long."""
 SUSPECTS = 6
 """Robots that failed most often, whose pairs are asked for a proof."""
+LIVE_TRIES = 24
+"""Robots that are planned again where a plan's waits form a circle, four of them six times."""
+TRAIL = 0.5
+"""By how much one of a circle comes later, as a share of its longest edge and wait."""
 PAIR_TRIES = 20
 """Searches for a plan of two robots alone before a proof that there is none is tried."""
 ROUNDING = 1e-9
@@ -47,12 +52,16 @@ Clock = Callable[[], float]
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How long and how hard to search; ``clock`` gives seconds."""
+    """How long and how hard to search; ``clock`` gives seconds.
+
+    With ``live`` a plan is changed where its waits form a circle, if it can be.
+    """
 
     time_limit_s: float
     rounds: int
     seed: int
     clock: Clock
+    live: bool = False
 
 
 def search(
@@ -78,7 +87,39 @@ def search(
     if refused is not None:
         return refused
     solver.improve(effort.rounds, expired)
-    return checked_plan(robots, [solver.routes[i] for i in range(len(robots))])
+    if effort.live:
+        return _live_plan(solver, junctions, expired)
+    return checked_plan(robots, _in_order(solver.routes))
+
+
+def _live_plan(solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]) -> FleetPlan:
+    """The plan of the solver's routes, changed where its robots would wait in a circle.
+
+    Of robots that turn in a ring all at once one is to follow the others later; where that is no
+    help, all move one at a time. What cannot be changed keeps its remark.
+    """
+    robots = solver.robots
+    plan = checked_plan(robots, _in_order(solver.routes))
+    for k in range(LIVE_TRIES):
+        circle = deadlocked(plan)
+        if not circle or expired():
+            return plan
+        i = circle[k % len(circle)]
+        robot = solver.routes[i]
+        trail_s = TRAIL * float(np.diff(robot.arrivals).max(initial=0.0)) * (1 + k // len(circle))
+        route = solver.plan_one(i, [j for j in solver.routes if j != i], trail_s=trail_s)
+        if route is not None:
+            solver.routes[i] = route
+            plan = checked_plan(robots, _in_order(solver.routes))
+    routes = plan_one_by_one(solver, junctions, expired) if deadlocked(plan) else None
+    if routes is None:
+        return plan
+    serial = checked_plan(robots, _in_order(routes))
+    return plan if deadlocked(serial) else serial
+
+
+def _in_order(routes: dict[int, Route]) -> list[Route]:
+    return [routes[i] for i in range(len(routes))]
 
 
 def _solve(

@@ -4,8 +4,8 @@ Rules
 - Costs (n, m) are finite or infinite, where a pair cannot be. As many rows are matched as can be;
   of those matchings the best is found, exactly but for the last bits of its sum.
 - Each row is matched along a shortest augmenting path over reduced costs, O(n^2 (n + m)) in all
-  (Jonker and Volgenant, Computing 38, 1987). A row may take a column of its own that costs more than
-  any matching, so that there always is such a path.
+  (Jonker and Volgenant, Computing 38, 1987). A row may take a column of its own that costs more
+  than any matching, so that there always is such a path.
 """
 
 from __future__ import annotations
@@ -61,8 +61,10 @@ def _augment(
 
 
 def match_for_last(costs: FloatArray) -> IntArray:
-    """The column of each row, -1 for none: of the largest matchings those whose largest cost is
-    least, of these the one of the least sum."""
+    """The column of each row, -1 for none: the least largest cost of the largest matchings.
+
+    Of the matchings with this largest cost it is the one of the least sum.
+    """
     most = int((match_for_sum(costs) >= 0).sum())
     levels = np.unique(costs[np.isfinite(costs)])
     low, high = 0, len(levels) - 1

@@ -1,9 +1,9 @@
-"""All robots where hardly any can move: one at a time between places that leave the others in peace.
+"""All robots where hardly any can move: one at a time, between places where nobody is in the way.
 
 Rules
 - Stations are chosen on the shared graph (``stations``), and the robots are rearranged on them as
-  pebbles (``pebbles``), which needs no luck in narrow places. Robots that start or end elsewhere are
-  brought to stations before, and from there to their goals after, by the usual searches.
+  pebbles (``pebbles``), which needs no luck in narrow places. Robots that start or end elsewhere
+  are brought to stations before, and from there to their goals after, by the usual searches.
 - The moves become a plan with times: each begins when all earlier ones that come near to it have
   ended, so that robots that are apart drive at once.
 """

@@ -47,12 +47,21 @@ class Solver:
         """The sum of the arrivals of all that are planned."""
         return sum(route.arrival_s for route in self.routes.values())
 
-    def plan_one(self, i: int, others: Sequence[int], latest_s: float = HORIZON) -> Route | None:
-        """The best route of one robot among the others' routes; None where there is none."""
+    def plan_one(
+        self, i: int, others: Sequence[int], latest_s: float = HORIZON, trail_s: float = 0.0
+    ) -> Route | None:
+        """The best route of one robot among the others' routes; None where there is none.
+
+        With a trail the others are also where they were so long before.
+        """
         robot = self.robots[i]
         if others:
             moves = np.concatenate([self.routes[j].moves for j in others])
             moves[:, 6] += robot.radius
+            if trail_s > 0.0:
+                later = moves.copy()
+                later[:, 4] += trail_s
+                moves = np.concatenate([moves, later])
         else:
             moves = NO_MOVES
         way, arrivals, departures = find_way(
