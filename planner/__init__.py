@@ -15,6 +15,7 @@ from planner.shared.kernel_cache import choose_kernel_cache
 if TYPE_CHECKING:
     from planner.delaunay.half_edges import HalfEdges
     from planner.delaunay.voronoi_diagram import voronoi
+    from planner.fleet.assignment import Assignment, assign_tasks
     from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
     from planner.fleet.on_graph import plan_on_graph
     from planner.fleet.on_roadmap import plan_fleet
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from planner.scene import Scene, SceneError
 
 __all__ = [
+    "Assignment",
     "Bottleneck",
     "FleetPlan",
     "HalfEdges",
@@ -37,6 +39,7 @@ __all__ = [
     "SceneError",
     "Trajectory",
     "Waypoint",
+    "assign_tasks",
     "build_roadmap",
     "load_scene",
     "plan_fleet",
@@ -50,6 +53,7 @@ __all__ = [
 choose_kernel_cache(_FilePath(__file__).parent)
 
 _HOME = {
+    "Assignment": "planner.fleet.assignment",
     "Bottleneck": "planner.path",
     "FleetPlan": "planner.fleet.fleet_plan",
     "HalfEdges": "planner.delaunay.half_edges",
@@ -62,6 +66,7 @@ _HOME = {
     "SceneError": "planner.scene",
     "Trajectory": "planner.path",
     "Waypoint": "planner.path",
+    "assign_tasks": "planner.fleet.assignment",
     "build_roadmap": "planner.roadmap.roadmap",
     "load_scene": "planner.formats.scene_io",
     "plan_fleet": "planner.fleet.on_roadmap",

@@ -47,18 +47,18 @@ def plan_fleet(
     borders. ``ValueError`` on input that makes no sense.
     """
     effort = replace(check_effort(time_limit_s, improve, seed), live=True)
-    begin, end = _places("starts", starts), _places("goals", goals)
+    begin, end = check_places("starts", starts), check_places("goals", goals)
     if len(begin) != len(end):
         raise ValueError(f"{len(begin)} starts and {len(end)} goals: must be as many")
-    sizes = _radii(radii, roadmap.radius, len(begin))
-    speeds = _speeds(limits, sizes)
+    sizes = check_radii(radii, roadmap.radius, len(begin))
+    speeds = check_speeds(limits, sizes)
     if not len(begin):
         return FleetPlan((), (), 0.0, 0.0)
     for what, chosen in (("starts", begin), ("goals", end)):
         refused = touching(what, chosen, sizes)
         if refused is not None:
             return refused
-    roadmaps = {size: _roadmap_for(roadmap, size) for size in sorted(set(sizes))}
+    roadmaps = {size: roadmap_for(roadmap, size) for size in sorted(set(sizes))}
     paths = []
     for i, size in enumerate(sizes):
         path = roadmaps[size].plan(tuple(begin[i]), tuple(end[i]))
@@ -99,14 +99,15 @@ def _check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: list[float]) -> None:
             )
 
 
-def _roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
+def roadmap_for(roadmap: Roadmap, radius: float) -> Roadmap:
+    """The roadmap of the same scene for a robot of this radius."""
     if radius == roadmap.radius:
         return roadmap
     return build_roadmap(roadmap.scene, radius, mode=roadmap.mode)
 
 
-def _places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
-    """The places without their headings, (n, 2)."""
+def check_places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
+    """The places without their headings, (n, 2); ``ValueError`` where one makes no sense."""
     found = np.empty((len(rows), 2))
     for i, row in enumerate(rows):
         numbers = np.asarray(row, dtype=np.float64)
@@ -116,7 +117,8 @@ def _places(name: str, rows: Sequence[Sequence[float]]) -> FloatArray:
     return found
 
 
-def _radii(radii: float | Sequence[float] | None, default: float, count: int) -> list[float]:
+def check_radii(radii: float | Sequence[float] | None, default: float, count: int) -> list[float]:
+    """A radius for each robot; ``ValueError`` where one makes no sense."""
     values: ArrayLike = default if radii is None else radii
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0:
@@ -129,7 +131,8 @@ def _radii(radii: float | Sequence[float] | None, default: float, count: int) ->
     return [float(radius) for radius in array.tolist()]
 
 
-def _speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -> list[float]:
+def check_speeds(limits: Limits | Sequence[Limits] | None, sizes: list[float]) -> list[float]:
+    """A speed for each robot; ``ValueError`` where one makes no sense."""
     if limits is None:
         return [default_limits(size).speed for size in sizes]
     each = [limits] * len(sizes) if isinstance(limits, Limits) else list(limits)

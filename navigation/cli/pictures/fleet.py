@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
+
+if TYPE_CHECKING:
+    from navigation.cli.pictures.fleet_robots import FleetRobot
+    from planner.roadmap.roadmap import Roadmap
 
 NO_PLAN = 3
 """As the entry point's exit code for no path."""
@@ -37,6 +42,11 @@ class FleetError(ValueError):
     show_default=True,
     help="Seconds of search at most.",
 )
+@click.option(
+    "--assign",
+    type=click.Choice(("sum", "last")),
+    help="Give each goal to the robot that suits: least sum of driving times, or last arrival.",
+)
 @polarity_option()
 @format_option()
 @click.option("--render", type=OutputType(".svg"), help="Draw the plan, animated: FILE.svg.")
@@ -45,6 +55,7 @@ def command(
     source: Path,
     robots_file: Path,
     time_limit_s: float,
+    assign: Literal["sum", "last"] | None,
     polarity: Literal["dark", "light", "auto"],
     form: str,
     render: Path | None,
@@ -53,7 +64,9 @@ def command(
     """Plan several robots through SOURCE: a picture, a scene text, a ROS map's YAML or a .map.
 
     Every robot drives a diameter a second or stands, as clearway plan does where nothing else is
-    said. Exits 3 where there is no plan, and says why and which robots it hangs on.
+    said. With --assign each goal is for whichever robot suits: the sum of the driving times, or the
+    longest of them, is least. Exits 3 where there is no plan, and says why and which robots it
+    hangs on.
     """
     from navigation.cli.pictures.fleet_answer import FleetAnswer
     from navigation.cli.pictures.fleet_picture import draw_fleet
@@ -77,8 +90,10 @@ def command(
         roadmap, timings_ms = timed_roadmap(scene, min(radii), None)
         begin("planning")
         planned_s = time.perf_counter()
-        starts, goals = [r.start for r in robots], [r.goal for r in robots]
         try:
+            if assign is not None:
+                robots = _assigned(roadmap, robots, assign)
+            starts, goals = [r.start for r in robots], [r.goal for r in robots]
             plan = plan_fleet(roadmap, starts, goals, radii, time_limit_s=time_limit_s)
         except ValueError as error:
             raise FleetError(f"{robots_file}: {error}") from error
@@ -99,3 +114,18 @@ def command(
     if render is not None:
         write_text(render, draw_fleet(scene, robots, plan))
     return 0
+
+
+def _assigned(
+    roadmap: Roadmap, robots: list[FleetRobot], objective: Literal["sum", "last"]
+) -> list[FleetRobot]:
+    """The robots with the goals exchanged; one that can reach none gets one of the rest."""
+    from planner.fleet.assignment import assign_tasks
+
+    starts, goals = [r.start for r in robots], [r.goal for r in robots]
+    found = assign_tasks(roadmap, starts, goals, [r.radius for r in robots], objective=objective)
+    left = iter(found.left_over)
+    return [
+        replace(robot, goal=goals[next(left) if task is None else task])
+        for robot, task in zip(robots, found.tasks, strict=True)
+    ]

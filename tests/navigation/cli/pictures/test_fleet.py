@@ -164,3 +164,20 @@ def test_files_that_are_read_are_not_written_over(
     assert robots.read_text() == ROBOTS
     assert asked(capsys, arena, "--robots", tmp_path / "none.csv")[0] == 2
     assert asked(capsys, arena, "--robots", robots, "--render", tmp_path / "f.png")[0] == 2
+
+
+@pytest.mark.parametrize("objective", ["sum", "last"])
+def test_goals_go_to_the_robots_that_suit(
+    objective: str, arena: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    robots = robots_file(tmp_path, ROBOTS)
+    code, out, _ = asked(
+        capsys, arena, "--robots", robots, "--assign", objective, "--format", "json"
+    )
+    assert code == 0
+    answer = json.loads(out)
+    ends = [tuple(robot["track"][-1][1:]) for robot in answer["robots"]]
+    assert sorted(ends) == sorted([(1.5, 0.5), (-1.5, -0.5), (1.5, -0.5)])
+    # ada and bob need not change sides
+    assert ends[1] in ((1.5, 0.5), (1.5, -0.5))
+    assert answer["makespan_s"] < 30.0

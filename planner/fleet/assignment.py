@@ -1,0 +1,76 @@
+"""Which robot takes which task: optimal for the sum of driving times, or for the last arrival.
+
+Rules and units
+- What a pair costs is the time that the robot drives alone on its own path over the roadmap, at its
+  speed: others in its way, which are planned for later, are not part of it.
+- As many tasks are given out as can be; a pair without a path is never chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from planner.fleet.on_roadmap import check_places, check_radii, check_speeds, roadmap_for
+from planner.fleet.search.matching import match_for_last, match_for_sum
+from planner.path import Limits, NoPath
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """The task of each robot, by its place in the list, None for a robot that has none.
+
+    ``durations_s`` (robots, tasks) is the read-only table it was chosen from, infinite where a
+    robot has no path to a task. ``left_over`` are the tasks that no robot has. ``total_s`` is the
+    sum of the durations, ``last_s`` the longest of them.
+    """
+
+    tasks: tuple[int | None, ...]
+    left_over: tuple[int, ...]
+    total_s: float
+    last_s: float
+    durations_s: FloatArray
+
+
+def assign_tasks(
+    roadmap: Roadmap,
+    robots: Sequence[Sequence[float]],
+    tasks: Sequence[Sequence[float]],
+    radii: float | Sequence[float] | None = None,
+    limits: Limits | Sequence[Limits] | None = None,
+    *,
+    objective: Literal["sum", "last"] = "sum",
+) -> Assignment:
+    """Give each robot at most one task and each task at most one robot, at least cost.
+
+    ``robots`` and ``tasks`` are places (x, y) or (x, y, heading_rad) in free space, of either as
+    many as there are. ``radii`` and ``limits`` are as in :func:`planner.plan_fleet`. ``objective``
+    "sum" is the least sum of durations, "last" the least longest one and, of equal ones, the least
+    sum. Paths are planned for every pair, then matched exactly in O(n^2 (n + m)).
+    ``ValueError`` on input that makes no sense.
+    """
+    if objective not in ("sum", "last"):
+        raise ValueError(f"objective = {objective!r}: must be 'sum' or 'last'")
+    begin, end = check_places("robots", robots), check_places("tasks", tasks)
+    sizes = check_radii(radii, roadmap.radius, len(begin))
+    speeds = check_speeds(limits, sizes)
+    durations_s = np.full((len(begin), len(end)), np.inf)
+    roadmaps = {size: roadmap_for(roadmap, size) for size in sorted(set(sizes))}
+    for i, (size, speed) in enumerate(zip(sizes, speeds, strict=True)):
+        for j, task in enumerate(end):
+            path = roadmaps[size].plan(tuple(begin[i]), tuple(task))
+            if not isinstance(path, NoPath):
+                durations_s[i, j] = path.length / speed
+    chosen = (match_for_sum if objective == "sum" else match_for_last)(durations_s).tolist()
+    taken = [float(durations_s[i, j]) for i, j in enumerate(chosen) if j >= 0]
+    durations_s.setflags(write=False)
+    return Assignment(
+        tuple(j if j >= 0 else None for j in chosen),
+        tuple(j for j in range(len(end)) if j not in chosen),
+        sum(taken), max(taken, default=0.0), durations_s,
+    )  # fmt: skip
