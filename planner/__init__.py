@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
     from planner.fleet.on_graph import plan_on_graph
     from planner.fleet.on_roadmap import plan_fleet
+    from planner.fleet.schedule import FleetSchedule
     from planner.formats.scene_io import load_scene, read_scene_text, write_scene_text
     from planner.motion.trajectory import time_path
     from planner.path import Bottleneck, Limits, NoPath, Path, Trajectory, Waypoint
@@ -29,6 +30,7 @@ __all__ = [
     "Assignment",
     "Bottleneck",
     "FleetPlan",
+    "FleetSchedule",
     "HalfEdges",
     "Limits",
     "NoFleetPlan",
@@ -56,6 +58,7 @@ _HOME = {
     "Assignment": "planner.fleet.assignment",
     "Bottleneck": "planner.path",
     "FleetPlan": "planner.fleet.fleet_plan",
+    "FleetSchedule": "planner.fleet.schedule",
     "HalfEdges": "planner.delaunay.half_edges",
     "Limits": "planner.path",
     "NoFleetPlan": "planner.fleet.fleet_plan",

@@ -67,13 +67,13 @@ def plan_fleet(
         # the path's own ends may be rounded: the robot stands where it stands
         paths.append(np.concatenate([begin[i : i + 1], path.points[1:-1], end[i : i + 1]]))
     shared = lay_places(roadmaps[min(sizes)], paths, sizes)
-    plan = search(_team(shared, sizes, speeds), shared.junctions, effort)
+    plan = search(team_on(shared, sizes, speeds), shared.junctions, effort)
     if isinstance(plan, FleetPlan):
-        _check_walls(roadmap, plan, sizes)
+        check_walls(roadmap, plan, sizes)
     return plan
 
 
-def _team(shared: Places, sizes: list[float], speeds: list[float]) -> list[Robot]:
+def team_on(shared: Places, sizes: Sequence[float], speeds: Sequence[float]) -> list[Robot]:
     """The robots, those of equal radius and speed on one graph."""
     graphs = {}
     for size, speed in sorted(set(zip(sizes, speeds, strict=True))):
@@ -85,7 +85,7 @@ def _team(shared: Places, sizes: list[float], speeds: list[float]) -> list[Robot
     ]
 
 
-def _check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: list[float]) -> None:
+def check_walls(roadmap: Roadmap, plan: FleetPlan, sizes: Sequence[float]) -> None:
     """``AssertionError`` where a track comes too near to a border: our bug."""
     for i, track in enumerate(plan.tracks):
         places = np.ascontiguousarray(track[:, 1:])

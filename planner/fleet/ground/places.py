@@ -73,16 +73,49 @@ def lay_places(roadmap: Roadmap, paths: Sequence[FloatArray], radii: Sequence[fl
     pairs = np.unique(
         np.concatenate([np.array(gather.pairs, np.int64).reshape(-1, 2), joined]), axis=0
     )
-    clearance = edge_clearances(roadmap.borders.tree, places, pairs)
-    inside = roadmap.clearance(places)
-    clearance = np.minimum(clearance, inside[pairs].min(axis=1))
-    wide = clearance >= smallest - SAME * smallest
-    pairs, clearance = pairs[wide], clearance[wide]
+    pairs, clearance = _wide(roadmap, places, pairs, smallest)
     edges = np.concatenate([pairs, pairs[:, ::-1]])
     return Places(
         places, np.ascontiguousarray(edges), np.concatenate([clearance, clearance]),
         [a for a, _ in ends], [b for _, b in ends], junctions,
     )  # fmt: skip
+
+
+def with_paths(
+    roadmap: Roadmap, base: Places, paths: Sequence[FloatArray], radii: Sequence[float]
+) -> Places:
+    """The shared graph with a few more polylines, cut and joined to what is near, far sooner.
+
+    ``starts`` and ``goals`` are the ends of these polylines. ``base`` does not change.
+    """
+    smallest, spacing = min(radii), LATTICE * max(radii)
+    gather = _Gather(SAME * smallest)
+    ends = [gather.line(_cut(path, STEP * smallest)) for path in paths]
+    own, first = np.array(gather.places), len(base.places)
+    places = np.concatenate([base.places, own])
+    pairs = [np.array(gather.pairs, np.int64).reshape(-1, 2) + first]
+    for i, (x, y) in enumerate(own.tolist()):
+        away = np.hypot(places[: first + i, 0] - x, places[: first + i, 1] - y)
+        near = np.flatnonzero(away <= REACH * spacing)
+        pairs.append(np.column_stack([near, np.full(len(near), first + i)]))
+    joined, clearance = _wide(roadmap, places, np.unique(np.concatenate(pairs), axis=0), smallest)
+    return Places(
+        places, np.concatenate([base.edges, joined, joined[:, ::-1]]),
+        np.concatenate([base.clearance, clearance, clearance]),
+        [first + a for a, _ in ends], [first + b for _, b in ends], base.junctions,
+    )  # fmt: skip
+
+
+def _wide(
+    roadmap: Roadmap, places: FloatArray, pairs: NDArray[np.int64], radius: float
+) -> tuple[NDArray[np.int64], FloatArray]:
+    """The pairs of places whose straight edges are as wide as the radius, and their clearance."""
+    clearance = edge_clearances(roadmap.borders.tree, places, pairs)
+    used, where = np.unique(pairs, return_inverse=True)
+    inside = roadmap.clearance(places[used])[where.reshape(pairs.shape)]
+    clearance = np.minimum(clearance, inside.min(axis=1, initial=np.inf))
+    wide = clearance >= radius - SAME * radius
+    return pairs[wide], clearance[wide]
 
 
 class _Gather:

@@ -213,7 +213,12 @@ def _listed(who: Sequence[int]) -> str:
 def checked_plan(robots: Sequence[Robot], routes: Sequence[Route]) -> FleetPlan:
     """The plan of the routes; ``AssertionError`` where two of its tracks touch: our bug."""
     tracks = [track_of(robot, route) for robot, route in zip(robots, routes, strict=True)]
-    radii = np.array([robot.radius for robot in robots])
+    return checked_tracks(tracks, [robot.radius for robot in robots])
+
+
+def checked_tracks(tracks: Sequence[FloatArray], sizes: Sequence[float]) -> FleetPlan:
+    """The plan of read-only tracks; ``AssertionError`` where two of them touch: our bug."""
+    radii = np.array(sizes)
     first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])]).astype(np.int64)
     flat = np.concatenate(tracks)
     margin, i, j, when = nearest_pair(flat, first, radii)

@@ -1,0 +1,278 @@
+"""Goals that come at any time while others drive: each is planned against what is promised.
+
+Rules and units
+- A schedule holds the tracks that are promised to all robots, from time zero, when it was made.
+  It never changes; a new goal gives a new one. What was sent to a robot is not taken back.
+- First the new goal is planned with everything else as promised: if no parked robot cuts the arena
+  apart, there always is such a path (COBRA; Cap et al., ICRA 2015). A robot with a new goal passes
+  behind all that was sent to others.
+- Where that finds nothing, all keep their promises to the end, and then the fleet is planned as a
+  whole: who is parked in the way steps aside and comes back, or there is a reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from planner.fleet.execution import deadlocked, releases
+from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
+from planner.fleet.ground.places import Places, lay_places, with_paths
+from planner.fleet.motions.interval_search_kernels import HORIZON, find_way
+from planner.fleet.on_graph import check_effort
+from planner.fleet.on_roadmap import (
+    check_places,
+    check_radii,
+    check_speeds,
+    check_walls,
+    plan_fleet,
+    roadmap_for,
+    team_on,
+)
+from planner.fleet.retiming import moves_of, retimed
+from planner.fleet.search.fleet_search import checked_tracks, touching, track_of
+from planner.fleet.search.team import Route
+from planner.motion.trajectory import default_limits
+from planner.path import Limits, NoPath
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
+
+ZONE = 8.0
+"""Discs that keep a piece free that was sent, in the gap's length: 0.2 % wider than the piece."""
+BEFORE_S = 1e6
+"""What was sent is kept free from this long ago."""
+WAITS_IN_A_CIRCLE = (
+    "the robots pass shared places all at once: no goal can be added until they have"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class FleetSchedule:
+    """The promised tracks of a fleet on one roadmap.
+
+    ``plan`` holds tracks and dependencies from now on; ``sent`` is the row of each new track up to
+    which its waypoints were sent already. ``changed`` are the robots whose path is another.
+    """
+
+    plan: FleetPlan
+    sent: tuple[int, ...]
+    changed: tuple[int, ...]
+    roadmap: Roadmap
+    radii: tuple[float, ...]
+    speeds: tuple[float, ...]
+    _base: Places
+
+    @staticmethod
+    def parked(
+        roadmap: Roadmap,
+        places: Sequence[Sequence[float]],
+        radii: float | Sequence[float] | None = None,
+        limits: Limits | Sequence[Limits] | None = None,
+    ) -> FleetSchedule:
+        """The schedule of robots that all stand; options as in :func:`planner.plan_fleet`.
+
+        ``ValueError`` on input that makes no sense, robots that touch each other or a border.
+        """
+        at = check_places("places", places)
+        if not len(at):
+            raise ValueError("places: must hold a robot at least")
+        sizes = check_radii(radii, roadmap.radius, len(at))
+        speeds = check_speeds(limits, sizes)
+        refused = touching("places", at, sizes)
+        if refused is not None:
+            raise ValueError(refused.reason)
+        for i, clearance in enumerate(roadmap.clearance(at).tolist()):
+            if clearance < sizes[i] * (1.0 - 1e-9):
+                raise ValueError(
+                    f"places[{i}]: its clearance is {clearance:g}, must be {sizes[i]:g} (radius)"
+                )
+        tracks = [np.array([[0.0, x, y]]) for x, y in at.tolist()]
+        smallest = roadmap_for(roadmap, min(sizes))
+        base = lay_places(smallest, [at[i : i + 1] for i in range(len(at))], sizes)
+        return FleetSchedule(
+            _plan(tracks, sizes), (0,) * len(at), (), roadmap, tuple(sizes), tuple(speeds), base
+        )
+
+    @staticmethod
+    def of(
+        roadmap: Roadmap,
+        plan: FleetPlan,
+        radii: float | Sequence[float] | None = None,
+        limits: Limits | Sequence[Limits] | None = None,
+    ) -> FleetSchedule:
+        """The schedule of a plan of :func:`planner.plan_fleet`, of which nothing was sent yet."""
+        starts = [track[0, 1:] for track in plan.tracks]
+        return replace(FleetSchedule.parked(roadmap, starts, radii, limits), plan=plan)
+
+    def with_goal(
+        self,
+        robot: int,
+        goal: Sequence[float],
+        passed: Sequence[int] | None = None,
+        sent: Sequence[int] | None = None,
+        *,
+        time_limit_s: float = 30.0,
+    ) -> FleetSchedule | NoFleetPlan:
+        """The schedule from now on with a new goal for one robot, or why there is none.
+
+        ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; the
+        new tracks begin at ``passed`` and are the same up to ``sent``. None means all are
+        at their starts, and nothing was sent beyond ``passed``. ``ValueError`` where
+        :func:`planner.fleet.execution.releases` did not allow what was sent.
+        """
+        check_effort(time_limit_s, 0, 0)
+        place = check_places("goal", [goal])
+        if not 0 <= robot < len(self.radii):
+            raise ValueError(f"robot = {robot}: must be 0 to {len(self.radii) - 1}")
+        begun = [0] * len(self.radii) if passed is None else list(passed)
+        given = list(begun) if sent is None else list(sent)
+        self._check_sent(begun, given)
+        now = retimed(self.plan, begun)
+        if now is None:
+            return NoFleetPlan(WAITS_IN_A_CIRCLE, deadlocked(self.plan), proved=False)
+        tracks = [track for track, _ in now]
+        kept = tuple(number[row] for (_, number), row in zip(now, given, strict=True))
+        ends = np.array([track[-1, 1:] for track in tracks])
+        ends[robot] = place[0]
+        refused = touching("goals", ends, self.radii)
+        if refused is not None:
+            return refused
+        alone = self._alone(robot, tracks[robot], kept[robot], place)
+        if isinstance(alone, NoFleetPlan):
+            return alone
+        new = self._among_promises(robot, tracks, kept, alone)
+        return new or self._after_promises(robot, tracks, kept, ends, time_limit_s)
+
+    def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
+        """The parked robots that cut a robot off from a goal: none where it is well-formed.
+
+        Every other robot is put into the scene as a disc where its track ends, and the roadmap
+        is asked for a path: where there is one, others need not move for this goal.
+        """
+        blocking: list[int] = []
+        scene = self.roadmap.scene
+        if not isinstance(scene, Scene):
+            raise ValueError("the roadmap's scene must be a Scene: discs are added to it")
+        base = roadmap_for(self.roadmap, self.radii[robot])
+        start, end = self.plan.tracks[robot][-1, 1:], check_places("goal", [goal])[0]
+        objects = scene.objects
+        for i, track in enumerate(self.plan.tracks):
+            if i == robot:
+                continue
+            x, y = track[-1, 1:].tolist()
+            disc = SceneObject(len(objects), (CircleRecord((x, y), self.radii[i]),))
+            more = replace(scene, objects=(*objects, disc))
+            path = base.updated(more).plan(tuple(start), tuple(end))
+            if isinstance(path, NoPath):
+                blocking.append(i)
+            else:
+                objects = more.objects
+        return tuple(blocking)
+
+    def _check_sent(self, passed: Sequence[int], sent: Sequence[int]) -> None:
+        allowed = releases(self.plan, passed)
+        if len(sent) != len(allowed):
+            raise ValueError(f"{len(sent)} rows sent for {len(allowed)} robots: must be one each")
+        for i, (row, begun, release) in enumerate(zip(sent, passed, allowed, strict=True)):
+            most = max(release.row, begun)
+            if not begun <= row <= most:
+                raise ValueError(f"sent[{i}] = {row}: must be a row that was allowed, to {most}")
+
+    def _alone(
+        self, robot: int, track: FloatArray, kept: int, goal: FloatArray
+    ) -> FloatArray | NoFleetPlan:
+        """The path of one robot from what it was given last to its goal, with nobody there."""
+        begin = track[kept, 1:]
+        roadmap = roadmap_for(self.roadmap, self.radii[robot])
+        path = roadmap.plan(tuple(begin), tuple(goal[0]))
+        if isinstance(path, NoPath):
+            return NoFleetPlan(
+                f"robot {robot}: there is no way even alone: {path.reason}", (robot,)
+            )
+        return np.concatenate([begin[None], path.points[1:-1], goal])
+
+    def _among_promises(
+        self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], path: FloatArray
+    ) -> FleetSchedule | None:
+        """One new track, all others as promised; None where there is none."""
+        size, speed = self.radii[robot], self.speeds[robot]
+        smallest = roadmap_for(self.roadmap, min(self.radii))
+        shared = with_paths(smallest, self._base, [path], self.radii)
+        one = team_on(shared, [size], [speed])[0]
+        prefix = tracks[robot][: kept[robot] + 1]
+        ready_s = float(prefix[-1, 0])
+        others = [j for j in range(len(tracks)) if j != robot]
+        moves = [moves_of(tracks[j], self.radii[j] + size) for j in others]
+        zones = [_zone(tracks[j][: kept[j] + 1], self.radii[j] + size) for j in others]
+        for rows in ([*moves, *zones], moves):
+            among = np.concatenate([*rows, np.empty((0, 7))])
+            among[:, 4] -= ready_s
+            among = among[among[:, 4] + among[:, 5] > 0.0]
+            way, arrivals, departures = find_way(
+                one.graph, one.to_goal, one.start, one.goal, among, HORIZON
+            )
+            if not len(way):
+                continue
+            new = track_of(one, Route(way, arrivals, departures, np.empty((0, 7)))).copy()
+            new[:, 0] += ready_s
+            joined = [*tracks]
+            joined[robot] = np.concatenate([prefix, new[1:] if _same(prefix, new) else new])
+            plan = _plan(joined, self.radii)
+            if not _takes_back(plan, kept) and not deadlocked(plan):
+                check_walls(self.roadmap, plan, self.radii)
+                return replace(self, plan=plan, sent=kept, changed=(robot,))
+        return None
+
+    def _after_promises(
+        self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], ends: FloatArray,
+        time_limit_s: float,
+    ) -> FleetSchedule | NoFleetPlan:  # fmt: skip
+        """All promises kept to their ends, then the whole fleet planned from there."""
+        parked = [track[-1, 1:] for track in tracks]
+        limits = [
+            replace(default_limits(size), speed=speed)
+            for size, speed in zip(self.radii, self.speeds, strict=True)
+        ]
+        later = plan_fleet(
+            self.roadmap, parked, ends.tolist(), self.radii, limits, time_limit_s=time_limit_s
+        )
+        if isinstance(later, NoFleetPlan):
+            return later
+        end_s = max(float(track[-1, 0]) for track in tracks)
+        joined = []
+        for track, after in zip(tracks, later.tracks, strict=True):
+            rest = np.add(after, (end_s, 0.0, 0.0))
+            joined.append(np.concatenate([track, rest]) if len(after) > 1 else track)
+        changed = tuple(i for i, after in enumerate(later.tracks) if len(after) > 1)
+        plan = _plan(joined, self.radii)
+        plan = replace(plan, remarks=tuple(dict.fromkeys((*plan.remarks, *later.remarks))))
+        return replace(self, plan=plan, sent=kept, changed=changed)
+
+
+def _same(prefix: FloatArray, new: FloatArray) -> bool:
+    return bool((prefix[-1] == new[0]).all())
+
+
+def _plan(tracks: Sequence[FloatArray], radii: Sequence[float]) -> FleetPlan:
+    for track in tracks:
+        track.setflags(write=False)
+    return checked_tracks(tracks, radii)
+
+
+def _zone(track: FloatArray, gap: float) -> FloatArray:
+    """Standing discs over what was sent, until its robot has passed it."""
+    rows = []
+    for (_, x, y), (until, u, v) in zip(track[:-1].tolist(), track[1:].tolist(), strict=True):
+        parts = int(np.ceil(ZONE * np.hypot(u - x, v - y) / gap))
+        wide = gap * float(np.hypot(1.0, 0.5 / ZONE))
+        for share in np.linspace(0.0, 1.0, parts + 1).tolist() if parts else ():
+            at = (x + share * (u - x), y + share * (v - y))
+            rows.append((*at, 0.0, 0.0, -BEFORE_S, BEFORE_S + until, wide))
+    return np.array(rows).reshape(-1, 7)
+
+
+def _takes_back(plan: FleetPlan, sent: Sequence[int]) -> bool:
+    """Whether anybody would have to wait before a waypoint that it was given already."""
+    return any(row < sent[waiting] for _, _, waiting, row in plan.dependencies)
