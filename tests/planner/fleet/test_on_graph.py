@@ -106,6 +106,16 @@ def test_a_full_ring_cannot_exchange_two() -> None:
     assert plan.proved
 
 
+def test_queues_in_four_arms_are_exchanged() -> None:
+    arms = [(1, 0), (0, 1), (-1, 0), (0, -1)]
+    nodes = [(0.0, 0.0), *((float(a * k), float(b * k)) for a, b in arms for k in range(1, 5))]
+    edges = both(
+        *((0 if k == 1 else 4 * a + k - 1, 4 * a + k) for a in range(4) for k in (1, 2, 3, 4))
+    )
+    queued = [4 * a + k for a in range(4) for k in (4, 3)]
+    solved(nodes, edges, 0.49, queued, [queued[(k + 4) % 8] for k in range(8)])
+
+
 def test_the_same_goal_is_refused() -> None:
     plan = refused(LINE, LINE_EDGES, 0.3, [0, 3, 1], [2, 2, 0])
     assert plan.blocking == (0, 1)

@@ -103,6 +103,28 @@ def test_two_cannot_pass_in_a_corridor_without_one() -> None:
     assert plan.blocking == (0, 1)
 
 
+CROSSING = scene_of(
+    box(-1.2, -1.2, -0.12, -0.12), box(0.12, -1.2, 1.2, -0.12), box(-1.2, 0.12, -0.12, 1.2),
+    box(0.12, 0.12, 1.2, 1.2), bounds=Bounds(-1.2, -1.2, 1.2, 1.2),
+)  # fmt: skip
+QUEUED = [(a * d, b * d) for a, b in ((1, 0), (0, 1), (-1, 0), (0, -1)) for d in (1.08, 0.86)]
+
+
+@pytest.mark.parametrize("order", ["straight on", "turned around", "any", "another"])
+def test_eight_robots_pass_a_crossing_as_wide_as_one(order: str) -> None:
+    goals = {
+        "straight on": [QUEUED[(k + 4) % 8] for k in range(8)],
+        "turned around": [QUEUED[((k + 4) % 8) ^ 1] for k in range(8)],
+        "any": [QUEUED[k] for k in np.random.default_rng(1).permutation(8)],
+        "another": [QUEUED[k] for k in np.random.default_rng(2).permutation(8)],
+    }[order]
+    plan = plan_fleet(build_roadmap(CROSSING, radius=0.1), QUEUED, goals, time_limit_s=120.0)
+    judge(plan, CROSSING, QUEUED, goals, [0.1] * 8, [0.2] * 8)
+    assert plan.remarks == ()
+    driven = delayed(plan.tracks, plan.dependencies, np.random.default_rng(0), 5.0)
+    assert least_gap(driven, [0.1] * 8) >= -1e-7
+
+
 def test_a_goal_in_a_wall_names_its_robot_and_why() -> None:
     plan = plan_fleet(build_roadmap(CORRIDOR, radius=0.1), ENDS, [(0.6, 0.5), (2.0, 0.1)])
     assert isinstance(plan, NoFleetPlan)
