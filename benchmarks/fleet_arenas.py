@@ -19,6 +19,7 @@ import random
 import statistics
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -116,7 +117,7 @@ def arenas_row(count: int) -> str:
         task = random_arena(seed)
         if task is None:
             continue
-        plan, ms = timed(lambda t=task: planner.plan_fleet(*t))
+        plan, ms = timed(partial(planner.plan_fleet, *task))
         times.append(ms)
         if isinstance(plan, planner.NoFleetPlan):
             proved += plan.proved
@@ -164,7 +165,7 @@ def crossing_row() -> str:
             *(random.Random(seed).sample(starts, 8) for seed in range(3)),
         ]
         for goals in orders:
-            plan, ms = timed(lambda r=roadmap, s=starts, g=goals: planner.plan_fleet(r, s, g))
+            plan, ms = timed(partial(planner.plan_fleet, roadmap, starts, goals))
             times.append(ms)
             if isinstance(plan, planner.NoFleetPlan):
                 print(f"crossing of {half_m}: {plan.reason}", flush=True)
@@ -209,8 +210,7 @@ def goals_row(count: int) -> str:
             for row, r in zip(passed, releases(plan, passed), strict=True)
         ]
         asked += 1
-        goal = places[1][8]
-        new, ms = timed(lambda s=schedule, g=goal, p=passed, w=sent: s.with_goal(8, g, p, w))
+        new, ms = timed(partial(schedule.with_goal, 8, places[1][8], passed, sent))
         times.append(ms)
         if isinstance(new, planner.FleetSchedule):
             answered += 1
@@ -236,7 +236,7 @@ def loss_row(count: int) -> str:
             continue
         # each drives to where another stands
         goals = [*starts[1:], starts[0]]
-        plan, ms = timed(lambda r=roadmap, s=starts, g=goals: planner.plan_fleet(r, s, g))
+        plan, ms = timed(partial(planner.plan_fleet, roadmap, starts, goals))
         if isinstance(plan, planner.NoFleetPlan):
             print(f"laboratory {seed}: {plan.reason}", flush=True)
             continue

@@ -103,7 +103,7 @@ class FleetSchedule:
         limits: Limits | Sequence[Limits] | None = None,
     ) -> FleetSchedule:
         """The schedule of a plan of :func:`planner.plan_fleet`, of which nothing was sent yet."""
-        starts = [track[0, 1:] for track in plan.tracks]
+        starts = [track[0, 1:].tolist() for track in plan.tracks]
         return replace(FleetSchedule.parked(roadmap, starts, radii, limits), plan=plan)
 
     def with_goal(
@@ -230,7 +230,7 @@ class FleetSchedule:
         time_limit_s: float,
     ) -> FleetSchedule | NoFleetPlan:  # fmt: skip
         """All promises kept to their ends, then the whole fleet planned from there."""
-        parked = [track[-1, 1:] for track in tracks]
+        parked = [track[-1, 1:].tolist() for track in tracks]
         limits = [
             replace(default_limits(size), speed=speed)
             for size, speed in zip(self.radii, self.speeds, strict=True)

@@ -11,11 +11,12 @@ Rules
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from planner.scene import FloatArray, IntArray
+from planner.scene import FloatArray
 
 
-def match_for_sum(costs: FloatArray) -> IntArray:
+def match_for_sum(costs: FloatArray) -> NDArray[np.int64]:
     """The column of each row, -1 for none: the least sum of the largest matchings."""
     rows, columns = costs.shape
     possible = np.isfinite(costs)
@@ -33,7 +34,11 @@ def match_for_sum(costs: FloatArray) -> IntArray:
 
 
 def _augment(
-    row: int, costs: FloatArray, price: FloatArray, owner: IntArray, chosen: IntArray
+    row: int,
+    costs: FloatArray,
+    price: FloatArray,
+    owner: NDArray[np.int64],
+    chosen: NDArray[np.int64],
 ) -> None:
     """Match one more row along the shortest augmenting path; prices keep reduced costs >= 0."""
     columns = len(price)
@@ -60,7 +65,7 @@ def _augment(
             return
 
 
-def match_for_last(costs: FloatArray) -> IntArray:
+def match_for_last(costs: FloatArray) -> NDArray[np.int64]:
     """The column of each row, -1 for none: the least largest cost of the largest matchings.
 
     Of the matchings with this largest cost it is the one of the least sum.

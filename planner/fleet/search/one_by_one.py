@@ -11,8 +11,10 @@ Rules
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import reduce
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.fleet.motions.interval_search_kernels import HORIZON, moves_along
 from planner.fleet.search.joint_search import JointSearch
@@ -21,7 +23,7 @@ from planner.fleet.search.pebbles import Move, rearrange
 from planner.fleet.search.solver import Solver
 from planner.fleet.search.stations import Stations, choose_stations
 from planner.fleet.search.team import Robot, Route, make_robot
-from planner.scene import FloatArray, IntArray
+from planner.scene import FloatArray
 
 CHANCES = 4
 """Choices of stations by chance, after those of reason."""
@@ -47,28 +49,31 @@ def plan_one_by_one(
     for seeds in _seeds(robots, busy, on_way, rng):
         if expired():
             return None
-        stations = choose_stations(places, edges, seeds, on_way, gap)
+        stations = choose_stations(places, edges, seeds, on_way.tolist(), gap)
         found = _by_stations(robots, stations, rng, expired)
         if found is not None:
             return found
     return None
 
 
-def _shared_edges(robots: Sequence[Robot]) -> IntArray:
+def _shared_edges(robots: Sequence[Robot]) -> NDArray[np.int64]:
     """The edges that every robot can use, both ways."""
     count = len(robots[0].graph.places)
     graphs = {id(robot.graph.to): robot.graph for robot in robots}
-    codes = None
+    codes = []
     for graph in graphs.values():
         row = np.repeat(np.arange(count), np.diff(graph.starts))
-        own = np.intersect1d(row * count + graph.to, graph.to * count + row)
-        codes = own if codes is None else np.intersect1d(codes, own)
-    pairs = np.column_stack(np.divmod(codes, count)).astype(np.int64)
-    return pairs[pairs[:, 0] != pairs[:, 1]]
+        codes.append(np.intersect1d(row * count + graph.to, graph.to * count + row))
+    shared = reduce(np.intersect1d, codes)
+    pairs: NDArray[np.int64] = np.column_stack([shared // count, shared % count])
+    return np.ascontiguousarray(pairs[pairs[:, 0] != pairs[:, 1]])
 
 
 def _seeds(
-    robots: Sequence[Robot], junctions: list[int], on_way: IntArray, rng: np.random.Generator
+    robots: Sequence[Robot],
+    junctions: list[int],
+    on_way: NDArray[np.int64],
+    rng: np.random.Generator,
 ) -> Iterator[list[int]]:
     """What the stations are packed around, first to last."""
     starts, goals = [r.start for r in robots], [r.goal for r in robots]
@@ -81,7 +86,7 @@ def _seeds(
 
 
 def _by_traffic(
-    junctions: Sequence[int], routes: Sequence[IntArray], places: FloatArray, gap: float
+    junctions: Sequence[int], routes: Sequence[NDArray[np.int64]], places: FloatArray, gap: float
 ) -> list[int]:
     """The junctions, those first that most routes pass; those that none passes are left out."""
     passed = {}

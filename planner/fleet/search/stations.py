@@ -14,8 +14,9 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 
 import numpy as np
+from numpy.typing import NDArray
 
-from planner.scene import FloatArray, IntArray
+from planner.scene import FloatArray
 
 STATIONS_MOST = 200
 """Stations; in larger arenas those on the robots' own routes first, then those around them."""
@@ -35,7 +36,11 @@ class Stations:
 
 
 def choose_stations(
-    places: FloatArray, edges: IntArray, seeds: Iterable[int], routes: Sequence[int], gap: float
+    places: FloatArray,
+    edges: NDArray[np.int64],
+    seeds: Iterable[int],
+    routes: Sequence[int],
+    gap: float,
 ) -> Stations:
     """Stations on a graph (m, 2) of edges that lead both ways, the seeds among them where they can.
 
@@ -50,7 +55,11 @@ def choose_stations(
 
 
 def _pack(
-    places: FloatArray, edges: IntArray, seeds: Iterable[int], routes: Sequence[int], gap: float
+    places: FloatArray,
+    edges: NDArray[np.int64],
+    seeds: Iterable[int],
+    routes: Sequence[int],
+    gap: float,
 ) -> list[int]:
     nearest = np.full(len(places), np.inf)
     chosen: list[int] = []
@@ -73,7 +82,7 @@ def _pack(
 
 
 def _ways(
-    places: FloatArray, edges: IntArray, chosen: Sequence[int], gap: float
+    places: FloatArray, edges: NDArray[np.int64], chosen: Sequence[int], gap: float
 ) -> dict[Pair, list[int]]:
     """The ways between stations, along edges that come near to no other station."""
     alone: dict[int, list[Pair]] = defaultdict(list)
@@ -99,7 +108,7 @@ def _ways(
 
 
 def _stations_near(
-    places: FloatArray, edges: IntArray, stations: FloatArray, gap: float
+    places: FloatArray, edges: NDArray[np.int64], stations: FloatArray, gap: float
 ) -> list[list[int]]:
     """For each edge the stations nearer than the gap to any of it."""
     begin = places[edges[:, 0]]
