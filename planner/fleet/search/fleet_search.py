@@ -21,7 +21,7 @@ from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.motions.track_kernels import nearest_pair
 from planner.fleet.search.joint_search import JointSearch
 from planner.fleet.search.one_by_one import plan_one_by_one
-from planner.fleet.search.pair_proof import can_never_pass
+from planner.fleet.search.pair_proof import PAIRS_FEW, PAIRS_MOST, can_never_pass
 from planner.fleet.search.solver import Solver
 from planner.fleet.search.team import Robot, Route, cut_off
 from planner.scene import FloatArray
@@ -143,17 +143,18 @@ def _solve(
                 " stand, brings all robots to their goals (proved: all were looked at)", who,
             )  # fmt: skip
         if first:
-            routes = plan_one_by_one(solver, junctions, expired)
+            pair = _hopeless_pair(solver, PAIRS_FEW, expired)
+            routes = None if pair else plan_one_by_one(solver, junctions, expired)
             if routes is not None:
                 solver.routes = routes
                 solver.shorten_each()
                 return None
-        pair = _hopeless_pair(solver, junctions, expired) if first else None
-        if pair is not None:
-            return NoFleetPlan(
-                f"{_listed(pair)}: they cannot both reach their goals, one is always in the"
-                " other's only way (proved)", pair,
-            )  # fmt: skip
+            pair = pair or _hopeless_pair(solver, PAIRS_MOST, expired)
+            if pair is not None:
+                return NoFleetPlan(
+                    f"{_listed(pair)}: they cannot both reach their goals, one is always in the"
+                    " other's only way (proved)", pair,
+                )  # fmt: skip
         first = False
         if solver.plan_all(expired, FIRST_TRIES):
             return None
@@ -172,7 +173,7 @@ def _often(solver: Solver) -> tuple[int, ...]:
 
 
 def _hopeless_pair(
-    solver: Solver, junctions: Sequence[int], expired: Callable[[], bool]
+    solver: Solver, most: int, expired: Callable[[], bool]
 ) -> tuple[int, int] | None:
     """Two robots that are proved to have no plan, of those that failed most often."""
     by_failures = np.argsort(-solver.pushed, kind="stable").tolist()
@@ -185,11 +186,11 @@ def _hopeless_pair(
         one, other = solver.robots[i], solver.robots[j]
         if not _is_in_the_way(solver, i, j):
             continue
-        both = Solver((one, other), solver.rng)
-        if both.plan_all(expired, PAIR_TRIES) or plan_one_by_one(both, junctions, expired):
+        # who has a plan for two needs no proof; few pairs of places are sooner looked at
+        if most > PAIRS_FEW and Solver((one, other), solver.rng).plan_all(expired, PAIR_TRIES):
             continue
         joint = JointSearch((one, other), solver.rng)
-        if can_never_pass(one, other, joint, expired):
+        if can_never_pass(one, other, joint, expired, most):
             return i, j
     return None
 

@@ -17,19 +17,28 @@ from planner.fleet.search.team import Robot
 
 PAIRS_MOST = 20_000
 """Pairs of places that are looked at from one side: some seconds, where steps are new."""
+PAIRS_FEW = 500
+"""The same where most proofs end, in milliseconds: the end of a lane is soon looked at."""
 
 Pair = tuple[int, int]
 
 
 def can_never_pass(
-    one: Robot, other: Robot, search: JointSearch, expired: Callable[[], bool]
+    one: Robot,
+    other: Robot,
+    search: JointSearch,
+    expired: Callable[[], bool],
+    most: int = PAIRS_MOST,
 ) -> bool:
-    """Whether it is proved that the two have no plan; ``search`` is of these two."""
+    """Whether it is proved that the two have no plan; ``search`` is of these two.
+
+    From either side ``most`` pairs of places are looked at.
+    """
     start, goal = (one.start, other.start), (one.goal, other.goal)
     before = _into(one), _into(other)
     return _is_enclosed(
-        goal, start, lambda pair: _back(pair, before, search), expired
-    ) or _is_enclosed(start, goal, lambda pair: _on(pair, search), expired)
+        goal, start, lambda pair: _back(pair, before, search), expired, most
+    ) or _is_enclosed(start, goal, lambda pair: _on(pair, search), expired, most)
 
 
 def _is_enclosed(
@@ -37,6 +46,7 @@ def _is_enclosed(
     end: Pair,
     neighbours: Callable[[Pair], Iterator[Pair]],
     expired: Callable[[], bool],
+    most: int,
 ) -> bool:
     """Whether all pairs that can be reached are few, and the end is none of them."""
     seen = {begin}
@@ -45,7 +55,7 @@ def _is_enclosed(
         if expired():
             return False
         for pair in neighbours(open_pairs.pop()):
-            if pair == end or len(seen) > PAIRS_MOST:
+            if pair == end or len(seen) > most:
                 return False
             if pair not in seen:
                 seen.add(pair)
