@@ -14,7 +14,9 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import tempfile
 from collections.abc import Callable
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,7 @@ from typing import Any
 import numba
 from numba.core import caching
 
+from planner.shared.kernel_loader import load_lightly
 from planner.shared.processor import choose_processor
 from planner.shared.source_stamp import stamp_of
 
@@ -46,15 +49,9 @@ class KernelLocator(caching._CacheLocator):
     @classmethod
     def from_function(cls, py_func: Callable[..., Any], py_file: str) -> KernelLocator | None:
         """The locator of a function of ours whose cache can be written; None for all others."""
-        own = any(Path(py_file).is_relative_to(ROOT / package) for package in PACKAGES)
-        if not own or not os.path.exists(py_file):
+        if not _is_kept(py_file, CONFIG.CACHE_DIR):
             return None
-        locator = cls(py_func, py_file)
-        try:
-            locator.ensure_cache_path()  # type: ignore[no-untyped-call]
-        except OSError:  # numba's own locators have more places
-            return None
-        return locator
+        return cls(py_func, py_file)
 
     def get_cache_path(self) -> str:
         """The folder that this kernel is kept in."""
@@ -69,6 +66,22 @@ class KernelLocator(caching._CacheLocator):
         return str(self._line)
 
 
+@cache
+def _is_kept(py_file: str, _cache_folder: str) -> bool:
+    """Whether a file is ours and its kernels can be kept; looked up once for all of its kernels."""
+    own = any(Path(py_file).is_relative_to(ROOT / package) for package in PACKAGES)
+    if not own or not os.path.exists(py_file):
+        return False
+    folder = cache_folder(Path(py_file).parent)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:  # numba's own locators have more places
+        return False
+    return True
+
+
+@cache
 def kernel_stamp(source: Path) -> str:
     """What a source file's kernels are compiled from; this folder computes nothing."""
     return stamp_of(source, PACKAGES, VERSIONS, apart=Path(__file__).parent)
@@ -87,6 +100,7 @@ def prepare_kernels() -> None:
     """Called once, before the first kernel is defined."""
     processor = choose_processor(os.environ)
     caching.CacheImpl._locator_classes.insert(0, KernelLocator)
+    load_lightly(KernelLocator)
     if processor is not None:
         with contextlib.suppress(OSError):  # nothing can be written there: numba has more places
             unpack_shipped(SHIPPED / processor)

@@ -1,0 +1,95 @@
+"""Load a compiled kernel without making numba ready to compile.
+
+Before numba looks for a kept kernel it imports all that compiling may need; and with the machine
+code it parses the bitcode, which only a kernel compiled later wants. Together that was a third of
+the time of a command whose kernels are all compiled. Here both wait until something is compiled.
+
+Extends the cache that numba gives every function, for our kernels only, and leaves it as it is
+where a version of numba lacks what is used here.
+"""
+
+# mypy: allow-untyped-calls
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from numba.core import caching, codegen
+from numba.core.runtime.nrt import rtsys
+
+NEEDED = (
+    (caching.FunctionCache, ("_index_key", "_load_overload")),
+    (codegen.CPUCodeLibrary, ("_unserialize", "_set_compiled_object", "_finalize_final_module")),
+    (codegen.CPUCodegen, ("create_library", "unserialize_library")),
+    (codegen.JitEngine, ("_load_defined_symbols", "is_symbol_defined")),
+    (type(rtsys), ("initialize",)),
+)
+"""Numba's own that is used here; each has been there since version 0.60 at least."""
+
+
+class LoadedLibrary(codegen.JITCodeLibrary):
+    """Kept machine code, whose bitcode is parsed when a kernel that calls it is compiled."""
+
+    _bitcode = b""
+    _parsed: Any = None
+
+    @classmethod
+    def _unserialize(cls, own_codegen: Any, state: Any) -> Any:
+        """As numba does, but the bitcode stays as it is."""
+        name, kind, data = state
+        if kind != "object":
+            return super()._unserialize(own_codegen, state)
+        machine_code, bitcode = data
+        library = cls(own_codegen, name)
+        library.enable_object_caching()
+        library._set_compiled_object(machine_code)
+        library._bitcode = bitcode
+        library._finalize_final_module()
+        return library
+
+    @property
+    def _shared_module(self) -> Any:
+        """What numba links into a kernel that calls this one."""
+        if self._parsed is None and self._bitcode:
+            self._parsed = codegen.ll.parse_bitcode(self._bitcode)  # type: ignore[attr-defined]
+            self._bitcode = b""
+            self._codegen._engine._load_defined_symbols(self._parsed)
+        return self._parsed
+
+    @_shared_module.setter
+    def _shared_module(self, module: Any) -> None:
+        self._parsed = module
+
+
+def load_lightly(locator: type) -> None:
+    """From now on, kernels that a locator of this class finds are loaded as this module says."""
+    if not all(hasattr(owner, name) for owner, names in NEEDED for name in names):
+        return
+    numbas = caching.FunctionCache.load_overload
+
+    def load_overload(self: Any, signature: Any, target: Any) -> Any:
+        found = None
+        if self._enabled and isinstance(self._impl.locator, locator):
+            rtsys.initialize(target)
+            found = self._cache_file.load(self._index_key(signature, target.codegen()))
+        if found is None:  # numba looks for it once more, ready to compile
+            return numbas(self, signature, target)
+        function = found[1]
+        target.codegen()._engine._defined_symbols.add(function.llvm_cpython_wrapper_name)
+        with _light_libraries(target.codegen()):
+            return self._impl.rebuild(target, found)
+
+    setattr(caching.FunctionCache, "load_overload", load_overload)  # noqa: B010 - for mypy it is a method
+
+
+@contextmanager
+def _light_libraries(own_codegen: Any) -> Iterator[None]:
+    """Numba holds its compiler's lock meanwhile."""
+    usual = own_codegen._library_class
+    own_codegen._library_class = LoadedLibrary
+    try:
+        yield
+    finally:
+        own_codegen._library_class = usual
