@@ -12,11 +12,15 @@ where a version of numba lacks what is used here.
 
 from __future__ import annotations
 
+import pickle
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
 from typing import Any
 
-from numba.core import caching, codegen
+from numba.core import caching, codegen, environment
 from numba.core.runtime.nrt import rtsys
 
 NEEDED = (
@@ -24,6 +28,8 @@ NEEDED = (
     (codegen.CPUCodeLibrary, ("_unserialize", "_set_compiled_object", "_finalize_final_module")),
     (codegen.CPUCodegen, ("create_library", "unserialize_library")),
     (codegen.JitEngine, ("_load_defined_symbols", "is_symbol_defined")),
+    (caching.IndexDataCacheFile, ("_load_index", "_data_path")),
+    (environment, ("Environment", "_rebuild_env", "lookup_environment")),
     (type(rtsys), ("initialize",)),
 )
 """Numba's own that is used here; each has been there since version 0.60 at least."""
@@ -73,7 +79,7 @@ def load_lightly(locator: type) -> None:
         found = None
         if self._enabled and isinstance(self._impl.locator, locator):
             rtsys.initialize(target)
-            found = self._cache_file.load(self._index_key(signature, target.codegen()))
+            found = _read(self._cache_file, self._index_key(signature, target.codegen()))
         if found is None:  # numba looks for it once more, ready to compile
             return numbas(self, signature, target)
         function = found[1]
@@ -82,6 +88,44 @@ def load_lightly(locator: type) -> None:
             return self._impl.rebuild(target, found)
 
     setattr(caching.FunctionCache, "load_overload", load_overload)  # noqa: B010 - for mypy it is a method
+
+
+def _read(file: Any, key: Any) -> Any:
+    """What is kept of a kernel for these types, or None; as numba's own ``load`` does."""
+    name = file._load_index().get(key)
+    if name is None:
+        return None
+    try:
+        kept = Path(file._data_path(name)).read_bytes()
+    except OSError:  # removed, while the index still names it
+        return None
+    return _Unpickler(BytesIO(kept)).load()
+
+
+class _Unpickler(pickle.Unpickler):
+    """Reads a kept kernel without importing the modules of numba that its code was made from."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """As ever, but for the environments."""
+        if (module, name) == ("numba.core.environment", "_rebuild_env"):
+            return _environment
+        return super().find_class(module, name)
+
+
+def _environment(module: str, constants: Any, name: str) -> Any:
+    """What compiled code refers to at run time: its constants.
+
+    The globals are for code that runs Python's objects, of which no kernel has any: those of a
+    module of numba that is not loaded are left out.
+    """
+    known = environment.lookup_environment(name)
+    if known is not None or not module.startswith("numba.") or module in sys.modules:
+        return known or environment._rebuild_env(module, constants, name)
+    made = environment.Environment({"__name__": module})
+    made.consts[:] = constants
+    made.env_name = name
+    environment.Environment._memo[name] = made
+    return made
 
 
 @contextmanager
