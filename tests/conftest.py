@@ -1,7 +1,14 @@
-"""What every test may use: the folder of real pictures and maps, and the rule on skips."""
+"""What every test may use: the folder of real pictures and maps, and the rule on skips.
+
+Every process that runs tests has a folder of its own for sockets and journals, so that several of
+them, and a daemon that happens to run on this machine, keep out of each other's way.
+"""
 
 import os
+import shutil
 import signal
+import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,6 +22,10 @@ settings.register_profile(
 )
 settings.load_profile("default")
 
+# hundreds of tests start our programs: their byte code is kept, whatever the shell says
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 FAIL_ON_SKIP = bool(os.environ.get("CLEARWAY_FAIL_ON_SKIP"))
 
 
@@ -24,6 +35,20 @@ def _secrets_stay_in_their_test() -> Iterator[None]:
     before = secrets.known()
     yield
     secrets._known = before
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _folders_of_its_own() -> Iterator[None]:
+    """For the control socket, whose path must be short, and for journals."""
+    folder = tempfile.mkdtemp(prefix="cw-")
+    own = pytest.MonkeyPatch()
+    for name in ("XDG_RUNTIME_DIR", "XDG_STATE_HOME"):
+        own.setenv(name, folder)
+    for name in ("RUNTIME_DIRECTORY", "STATE_DIRECTORY"):
+        own.delenv(name, raising=False)
+    yield
+    own.undo()
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -46,7 +71,8 @@ def real_data() -> Path:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Where skips fail and no real data is at hand, its tests are left out, and that is said."""
+    """Slow files first, so that workers end together; tests that lack real data are left out."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
     if not FAIL_ON_SKIP or os.environ.get("CLEARWAY_REAL_DATA"):
         return
     with_data = [item for item in items if "real_data" in getattr(item, "fixturenames", ())]

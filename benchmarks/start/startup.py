@@ -26,6 +26,7 @@ from pathlib import Path
 TOP = Path(__file__).parents[2]
 SCENE = TOP / "tests" / "golden" / "square.txt"
 PLAN = ("plan", SCENE.name, "--start", "10,10", "--goal", "90,90", "--radius", "3")
+MANUAL = Path("share/man/man1/clearway.1")
 REPEATS = 5
 COMPILED_S = 20.0
 """A first start that takes longer has compiled kernels, on whatever machine."""
@@ -66,6 +67,8 @@ def install(wheel: Path, folder: Path) -> Path:
         "--disable-pip-version-check",
     ]
     subprocess.run([*pip, "install", "--quiet", wheel.resolve()], check=True)
+    if not (folder / "venv" / MANUAL).exists():
+        raise SystemExit(f"{wheel}: must install {MANUAL}")
     return folder / "venv" / "bin" / "clearway"
 
 
