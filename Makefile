@@ -34,12 +34,10 @@ install-dev: $(VENV)/.installed-dev ## the same with the tools for developers
 run: $(VENV)/.installed ## the whole loop on a simulated arena
 	$(BIN)/clearway run $(CONFIG) --once
 
-# Tests that only compute run on every core; those of running programs, where time counts, alone.
-COMPUTING := tests/planner/ tests/vision/
-ALONE := $(filter-out $(COMPUTING) tests/golden/ tests/support/ tests/__pycache__/,$(wildcard tests/*/))
+# A file of tests after the other on each core, the slow ones first; then, alone, those of time.
 test: $(VENV)/.installed-dev ## every test
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --ignore tests/vision/camera $(COMPUTING)
-	$(BIN)/python -m pytest tests/vision/camera $(ALONE)
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -m "not timed"
+	$(BIN)/python -m pytest -m timed
 
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
 	$(BIN)/python -m pytest --cov --cov-report=term-missing

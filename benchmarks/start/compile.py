@@ -11,6 +11,7 @@ is what it takes alone, and the wall time on two processors is the longer one's.
 from __future__ import annotations
 
 import argparse
+import gc
 import json
 import os
 import subprocess
@@ -56,8 +57,10 @@ def _compile(part: str) -> dict[str, Any]:
     from numba.core import event
 
     from navigation.config import load_config
+    from navigation.run.kernels.compiling import RARELY
     from navigation.run.kernels.warm_up import compile_eye, compile_planner
 
+    gc.set_threshold(*RARELY)  # as in the processes that compile
     begin_s, begin_processor_s = time.perf_counter(), time.process_time()
     with event.install_recorder("numba:compile") as recorder:
         if part == "eye":

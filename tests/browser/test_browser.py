@@ -14,6 +14,8 @@ from tests.browser.live import Live, live_config
 from tests.browser.pages import HERE, THERE, Keep, OpenPage
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_page_shows_the_arena_and_the_picture_moves(
     open_page: OpenPage, live: Live, keep: Keep

@@ -13,6 +13,8 @@ from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.live import Live
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.slow
+
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
 HERE, THERE = (0.25, 0.75), (0.30, 1.50)

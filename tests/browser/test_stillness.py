@@ -12,6 +12,8 @@ from playwright.sync_api import Page
 from tests.browser.acting import wait_for_picture
 from tests.browser.live import Live
 
+pytestmark = pytest.mark.slow
+
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
 Places = dict[str, dict[str, Any]]

@@ -11,6 +11,8 @@ from tests.browser.live import Live
 from tests.browser.pages import HERE, Keep, OpenPage, drive
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("by", ["click", "key", "key on a focused button", "finger"])
 def test_stop_stops_the_wheels_at_once_and_is_latched(

@@ -14,6 +14,8 @@ from nbclient import NotebookClient
 
 from tests.support.oracles.nav2_graph import load_graph
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 PICTURES = dict(

@@ -38,9 +38,12 @@ from tests.support.robots.robot_pair import Pair
 from tests.support.waiting import wait_until
 from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 
-pytestmark = pytest.mark.skipif(
-    missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        missing_tool() is not None, reason=f"needs {missing_tool()} to build the firmware"
+    ),
+]
 
 MISSION = Mission(9, [Waypoint(0.02 * i, 0.001 * i, 0.3) for i in range(60)])
 

@@ -24,7 +24,10 @@ from tests.support.robots.avr_robot import AvrRobot, missing_tools
 from tests.support.robots.emulated_run import assert_run_reaches_its_goal, short_configuration
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
+pytestmark = [
+    pytest.mark.timed,  # the emulated processor has to keep up with the clock
+    pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}"),
+]
 
 
 def speed_of_emulation(avr: AvrRobot) -> float:

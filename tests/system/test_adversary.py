@@ -26,6 +26,8 @@ from benchmarks.adversary.run import prepare, run_attack
 from navigation.simulator.arena import SimulatedArena
 from planner.formats.scene_io import read_scene_text
 
+pytestmark = pytest.mark.slow
+
 SPEED_M_S, BRAKING_M_S2 = 0.3, 0.5
 PERMITS_S = [0.1 * n for n in range(51)]
 """Ten a second, the last at 5 s."""

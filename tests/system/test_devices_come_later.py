@@ -26,6 +26,8 @@ from navigation.simulator.shared_pose import PoseReader
 from tests.support.pictures import call
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = Path(sys.executable).with_name("clearway")
 CONFIG = "configs/hardware_in_the_loop.yaml"

@@ -31,6 +31,8 @@ from navigation.run.world import World
 from planner.scene import Scene
 from tests.support.pictures import call
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 MISSION = """mission:
   stations:

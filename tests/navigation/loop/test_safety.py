@@ -21,6 +21,8 @@ from navigation.run.virtual_world import VirtualWorld
 from planner.scene import Scene
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
+pytestmark = pytest.mark.slow
+
 FAR = [{"x_m": 0.20, "y_m": 1.60}]
 FRAME_S = 1 / 30
 CYCLE_S = 0.05

@@ -23,6 +23,8 @@ from navigation.shared.track import driven_pieces
 from planner.borders.polyline import arc_lengths
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
 
+pytestmark = pytest.mark.slow
+
 GOAL = (0.20, 1.60)
 FAR = [{"x_m": GOAL[0], "y_m": GOAL[1]}]
 HIGH_CAMERA = {

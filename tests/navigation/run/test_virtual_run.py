@@ -18,6 +18,8 @@ from navigation.run.virtual_world import VirtualWorld
 from tests.support.oracles.bends import bends_of
 from tests.support.runs.virtual import CONFIGS, cycle_until, is_driving, short_config
 
+pytestmark = pytest.mark.slow
+
 NEAR = [{"x_m": 0.20, "y_m": 0.60}, {"x_m": 0.20, "y_m": 1.00, "heading_deg": 90.0}]
 
 

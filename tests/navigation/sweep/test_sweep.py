@@ -30,6 +30,8 @@ from navigation.sweep.workers import local_executor
 from tests.support.pictures import call
 from tests.support.runs import sweeps
 
+pytestmark = pytest.mark.slow
+
 CONFIGS = Path(__file__).parents[3] / "configs"
 
 SMALL = f"""

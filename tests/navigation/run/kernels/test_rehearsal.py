@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 RUN = """
 import navigation.run.kernels.rehearsal as rehearsal
 rehearsal.see_an_arena = rehearsal.compile_planner = lambda: None  # the warm-up has its own tests

@@ -12,6 +12,8 @@ from navigation.config import load_config
 from navigation.run.kernels import warm_up
 from navigation.run.kernels.compiling import compile_parts
 
+pytestmark = pytest.mark.slow
+
 CONFIG = load_config(Path(__file__).parents[4] / "configs" / "simulation.yaml", environment={})
 
 
