@@ -34,10 +34,11 @@ install-dev: $(VENV)/.installed-dev ## the same with the tools for developers
 run: $(VENV)/.installed ## the whole loop on a simulated arena
 	$(BIN)/clearway run $(CONFIG) --once
 
-# A file of tests after the other on each core, the slow ones first; then, alone, those of time.
+# Each core takes one file of tests after the other, slow ones first; tests of time run alone.
+TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.installed-dev ## every test
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -m "not timed"
-	$(BIN)/python -m pytest -m timed
+	$(BIN)/python -m pytest -m timed $(TIMED)
 
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
 	$(BIN)/python -m pytest --cov --cov-report=term-missing

@@ -25,6 +25,8 @@ from navigation.control import send_order
 from tests.support.processes.floods import flood
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.timed
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 DESCRIPTORS = 1024
 HALF_OPEN, DRIPPING = 1100, 200

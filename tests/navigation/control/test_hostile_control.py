@@ -32,6 +32,8 @@ from navigation.mission.mission import Station
 from tests.support.processes.floods import flood
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.timed
+
 STOPPED_WITHIN_S = 0.3
 A_PLACE = {"x_m": 1.0, "y_m": 1.0}
 

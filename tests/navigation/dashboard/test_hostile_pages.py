@@ -29,6 +29,8 @@ from tests.support.processes.floods import flood
 from tests.support.runs.shown import FakeDaemon, laboratory
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.timed
+
 OWN = "the-programs-own-token-32-letters"
 BEARER = f"Bearer {OWN}"
 STOPPED_WITHIN_S = 0.3

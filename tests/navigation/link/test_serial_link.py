@@ -26,6 +26,8 @@ from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import SimulatedRobot
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.timed
+
 
 @contextmanager
 def controlled(link: SerialLink, robot: SimulatedRobot) -> Iterator[threading.Event]:

@@ -9,11 +9,14 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from navigation.simulator.drive_model import DriveModel
 from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.own_time import BEHIND_MAX_S, OwnTime
 from navigation.simulator.robot import SimulatedRobot
+
+pytestmark = pytest.mark.timed
 
 STALLING = """
 import struct, sys, time

@@ -17,6 +17,8 @@ from vision.camera.capture import StreamCamera
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
 from vision.camera.sources import camera_for
 
+pytestmark = pytest.mark.timed
+
 QUICK = WatchLimits(stalled_s=0.4, frozen_s=0.4, hung_s=2.0, first_pause_s=0.1, longest_pause_s=0.4)
 
 

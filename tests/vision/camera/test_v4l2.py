@@ -16,7 +16,10 @@ from vision.camera.latest_frame import WatchLimits
 
 SOURCE = Path(__file__).parents[2] / "support" / "processes" / "v4l2_camera.c"
 
-pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc")
+pytestmark = [
+    pytest.mark.timed,
+    pytest.mark.skipif(shutil.which("gcc") is None, reason="needs gcc"),
+]
 
 READ = """
 import json, sys, time
