@@ -62,7 +62,7 @@ class Path:
 
 @dataclass(frozen=True, slots=True)
 class Bottleneck:
-    """The narrowest place on the widest way: ``width`` is twice the clearance there."""
+    """The narrowest place on the widest path: ``width`` is twice the clearance there."""
 
     x: float
     y: float
@@ -124,7 +124,7 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """Timed waypoints along a path; the robot stands at the first and at the last."""
+    """Timed waypoints along a path; the robot is at rest at the first and at the last."""
 
     waypoints: tuple[Waypoint, ...]
     duration_s: float

@@ -41,7 +41,7 @@ class HalfEdges:
 
     sites (n, 2); vertices (m, 2), the finite ones, in the sites' unit; vertex_sites (m, 3), the
     rows of the sites that define each vertex, counter-clockwise; origin, next, prev, cell (2 k,),
-    see the file's head; zero_length (k,); representative (n,), the row that stands for a site
+    see the file's head; zero_length (k,); representative (n,), the row that represents a site
     where several coincide. Only representatives have cells.
     """
 

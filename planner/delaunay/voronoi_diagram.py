@@ -75,7 +75,7 @@ def voronoi_arrays(sites: ArrayLike) -> DiagramArrays:
     vertices (m, 2): the finite vertices, in the sites' unit. vertex_sites (m, 3): the rows of
     the three sites that define each, counter-clockwise. edges (k, 4): site on the left, site on
     the right, vertex it comes from, vertex it goes to; -1 is at infinity. zero_length (k,): the
-    edges between vertices that coincide exactly. representative (n,): the row that stands for
+    edges between vertices that coincide exactly. representative (n,): the row that represents
     each site. Input, errors and method as in `voronoi`.
     """
     return DiagramArrays(*_compute(_checked(sites), linked=False)[:5])
@@ -90,7 +90,7 @@ def _checked(sites: ArrayLike) -> NDArray[np.float64]:
     if len(points) > MOST_SITES:
         raise ValueError(f"sites: {len(points)} rows: at most {MOST_SITES}")
     if not points.flags.writeable:
-        # numba compiles for read-only arrays anew; a copy is cheaper
+        # numba compiles once more for read-only arrays; a copy is cheaper
         points = points.copy()
     bad = first_bad_row(points, LARGEST)
     if bad >= 0:

@@ -60,7 +60,7 @@ class Mesh:
     ``state`` as in :mod:`planner.diagram.vertex_kernels`; ``side``, whether it is free, and
     ``mask``, its valid edges. ``vacant`` are sites that were taken out again. ``traced`` are the
     chains as they were last, and ``bent`` where they run: those through triangles that are
-    ``stale`` have to be traced and bent anew.
+    ``stale`` have to be traced and bent again.
     """
 
     xy: FloatArray

@@ -4,9 +4,9 @@ Rules and units
 - Objects that are the same in both scenes, wherever they stand in the list, keep their
   generators and whatever of the diagram nothing new comes near. The others' generators are
   taken out or put in, and the diagram is solved there only.
-- The answer is the one that building anew gives, up to the order of nodes and edges and to
+- The answer is the one that building from scratch gives, up to the order of nodes and edges and to
   where the polylines of the edges have their points. Where the bounds change, or most of the
-  objects, it is built anew.
+  objects, it is built from scratch.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from planner.scene import (
 )
 
 MOST = 0.34
-"""More changed objects than this share are a scene to be built anew."""
+"""More changed objects than this share are a scene to be built from scratch."""
 
 
 def update_diagram(agvd: Agvd, old: Scene, scene: Scene) -> Agvd | None:
-    """The diagram of ``scene`` from that of ``old``; None where it is to be built anew.
+    """The diagram of ``scene`` from that of ``old``; None where it is to be built from scratch.
 
     Finds by itself which objects came, went or moved; ``agvd`` itself does not change.
     O(n) copies and scans for n generators, and the work of building for what changed.

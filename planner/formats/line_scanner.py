@@ -59,7 +59,7 @@ class Scanner:
         return repr(word.group()[:24] if word else rest[0])
 
     def word(self, what: str) -> str:
-        """A word; ``what`` stands for it in the error."""
+        """A word; ``what`` names it in the error."""
         match = _WORD.match(self.line, self.at)
         if match is None:
             raise self.error(f"expected {what}, found {self.found()}")

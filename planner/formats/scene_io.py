@@ -1,6 +1,6 @@
 """Scene and map files in and out: the planner's only door to the disk.
 
-``load_scene`` tells by the content what a file is: the scene text of ``scene_text.py``, the
+``load_scene`` finds out from the content what a file is: the scene text of ``scene_text.py``, the
 YAML of a ROS map, or a MovingAI ``.map`` (``map_files.py``). A picture is not a scene: it has
 to be looked at first, which is the work of ``vision.extract``.
 """

@@ -38,7 +38,7 @@ __all__ = ["HEADER", "read_scene_text", "write_scene_text"]
 
 
 def read_scene_text(text: str, name: str = "<text>") -> Scene:
-    """The scene that ``text`` holds; ``name`` stands for the file in errors.
+    """The scene that ``text`` holds; ``name`` is the file's name in errors.
 
     Raises :class:`SceneError` ("name:line:column: what") for anything that is not the format of
     this module: unknown records, wrong counts, numbers that are not finite or beyond

@@ -1,6 +1,6 @@
 """Reads the scene's text, line by line, into records, objects and the scene's own fields.
 
-The format stands in :mod:`planner.formats.scene_text`.
+The format is described in :mod:`planner.formats.scene_text`.
 """
 
 from __future__ import annotations

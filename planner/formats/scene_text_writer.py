@@ -1,6 +1,6 @@
 """Writes a scene as lines of text, so that reading them gives an equal scene.
 
-The format stands in :mod:`planner.formats.scene_text`.
+The format is described in :mod:`planner.formats.scene_text`.
 """
 
 from __future__ import annotations

@@ -50,7 +50,7 @@ class SmoothError(ValueError):
 
 
 class LeastClearance(Protocol):
-    """The least clearance of a polyline and where it is, as ``Roadmap.path_clearance`` tells."""
+    """The least clearance of a polyline and where it is, as ``Roadmap.path_clearance`` reports."""
 
     @property
     def distance(self) -> float:

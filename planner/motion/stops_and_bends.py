@@ -1,4 +1,4 @@
-"""A path cut at the places where the robot stands, and what it may do between them.
+"""A path cut at the places where the robot is at rest, and what it may do between them.
 
 - A corner of the path is taken as a bend that leaves the corner by ``chord_tolerance``: the
   heading turns evenly from t before to t after it, ``EVEN`` of t = tolerance / tan(turn / 4) (at
@@ -90,7 +90,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A place where the robot stands: a station, a sharp corner or both ends."""
+    """A place where the robot is at rest: a station, a sharp corner or both ends."""
 
     vertex: int
     station: int | None

@@ -5,7 +5,7 @@
   radius: the line through the waypoints is as free of collisions as the path.
 - Corners slow the robot, or stop it and turn it on the spot (``legs.py``).
 - Between two stops the speed keeps its limits with bounded jerk (``speed_profile.py``).
-- The robot stands and turns where a station asks for a heading, and stands where it dwells.
+- The robot stops and turns where a station asks for a heading, and stops where it dwells.
 
 Units are the scene's, seconds and radians; headings are in (-pi, pi] and in the coordinates'
 own sense (``planner.path``).
@@ -118,7 +118,7 @@ def _check(path: Path, limits: Limits, dwell_s: Sequence[float]) -> None:
 
 
 class _Clock:
-    """Writes the waypoints down while time goes on."""
+    """Writes the waypoints down while time passes."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits

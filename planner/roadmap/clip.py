@@ -21,7 +21,7 @@ from planner.roadmap import clip_kernels
 from planner.search.chain_search import ROUNDING
 
 EQUAL = 4.0
-"""A way narrower than the robot by so many times what is equal, or less, is as wide."""
+"""A path narrower than the robot by so many times what is equal, or less, is as wide."""
 ASTRAY = 16.0
 """A dead end farther off its bisector than so many times what is equal is none."""
 

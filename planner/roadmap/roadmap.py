@@ -53,9 +53,9 @@ if TYPE_CHECKING:
 
 
 FINER = 4.0
-"""How much denser the generators are when the widest way is narrower than their spacing."""
+"""How much denser the generators are when the widest path is narrower than their spacing."""
 FINER_MOST = 200_000
-"""No denser than so many generators, which take about 0.2 s: a refusal is an answer, too."""
+"""At most this number of generators, which take about 0.2 s: a refusal is an answer, too."""
 NOT_FINER = "ways narrower than the generators' spacing were not looked for: the limit was reached"
 
 
@@ -153,7 +153,7 @@ class Roadmap:
         return to_svg(title, self.layers(), self.scene.view, self.scene.y_down)
 
     def updated(self, scene: Scene) -> Roadmap:
-        """The roadmap of a scene that differs by a few objects, several times faster than anew.
+        """The roadmap of a scene that differs by a few objects, much faster than from scratch.
 
         Finds by itself which objects came, went or moved, see :mod:`planner.diagram.update`. This
         roadmap does not change.
@@ -199,14 +199,14 @@ class Roadmap:
         """A path from start to goal for this roadmap's robot, or why there is none.
 
         Stations are (x, y) or (x, y, heading_rad), anywhere in free space. ``prefer`` is
-        "clearance" (the widest way, along the middle; of ways as wide within 1e-9 the cheapest),
+        "clearance" (the widest path, along the middle; of paths as wide within 1e-9 the cheapest),
         "length" (the shortest that keeps the radius), "balanced", or a number from 0 (length) to 1
         (clearance). ``order`` "best" visits the stations so that the whole path is shortest, of
         legs planned as preferred; the goal stays the last. A leg is the same there and back.
         ``margin`` is kept on top of the radius. No path ever comes nearer to a border than the
         radius and the margin; with ``relaxed``, a station that lies within the margin is left
         and come to on a short straight line out of it, which a remark says, and which keeps the
-        radius. ``alternatives`` are so many other paths, where there are, none a
+        radius. ``alternatives`` is the number of other paths, where there are, none a
         shift of another: the best, once taut, of the cheapest routes without a loop, at least twice
         as many. ``near`` is the last path, on which the robot is: while it is clear, and within
         2 % as good as the best, the answer is that path from here on, so that noise does not make
@@ -233,7 +233,7 @@ class Roadmap:
     def _finer(self) -> Roadmap:
         """The same roadmap from denser generators, made when a refusal hangs on narrow places.
 
-        With generators every delta, ways narrower than delta are not told from walls.
+        With generators every delta, paths narrower than delta are not distinguished from walls.
         """
         if "finer" not in self._made:
             spacing = self.spacing / FINER
@@ -243,7 +243,7 @@ class Roadmap:
         return self._made["finer"]  # type: ignore[no-any-return]
 
     def _explain(self, blocked: Blocked, units: str) -> NoPath:
-        """Where the widest way is too narrow, or that there is none for any robot."""
+        """Where the widest path is too narrow, or that there is none for any robot."""
         told = explain(self.borders, self.chains, blocked, self.radius, units)
         if told and told.bottleneck and told.bottleneck.width >= self.spacing:
             return told

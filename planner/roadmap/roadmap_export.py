@@ -3,9 +3,9 @@
 - GraphML and node-link JSON carry the graph as it is: nodes with x, y, clearance and owners,
   edges with length, clearance, owners and their polyline.
 - Nav2's route server (nav2_route, GeoJsonGraphFileLoader) drives straight from node to node
-  and reads an edge as one way. So every edge is cut where it bends, each straight piece keeps
-  the robot's radius, and both ways are written. Node and edge numbers are unsigned and never
-  the same; ``cost`` is the length; a piece's clearance stands in its ``metadata``, which may
+  and reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps
+  the robot's radius, and both directions are written. Node and edge numbers are unsigned and never
+  the same; ``cost`` is the length; a piece's clearance is in its ``metadata``, which may
   hold numbers but no nested lists. A route server's frame is in metres, y up.
 
 Coordinates and lengths are in the scene's units; no text holds NaN or infinity.

@@ -1,11 +1,11 @@
 """Staying with the way that is driven: a plan that is asked for again with the last one at hand.
 
 Rules and units
-- Two ways may cost the same but for noise, and a scene seen again differs by noise: without
+- Two paths may cost the same but for noise, and a scene seen again differs by noise: without
   memory the plan would jump from one to the other.
-- The last way is continued from where the robot stands now. It stays the answer while it keeps
+- The last path is continued from where the robot is now. It stays the answer while it keeps
   what is needed and no other way is cheaper by more than ``STAY``; where it is blocked, so does
-  the cheapest way on the same sides of the obstacles. Lengths are in the scene's units.
+  the cheapest path on the same sides of the obstacles. Lengths are in the scene's units.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from planner.scene import FloatArray, Vec
 from planner.search.homotopy import anchors, word
 
 STAY = 0.02
-"""A new way must be cheaper by this share to be taken."""
+"""A new path must be cheaper by this share to be taken."""
 MERGE = 4.0
-"""Beside its last way the robot comes back to it within so many times its distance from it."""
+"""Beside its last path the robot comes back to it within so many times its distance from it."""
 
 
 def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]:
@@ -43,7 +43,7 @@ def last_legs(path: Path | NoPath | None, count: int) -> list[FloatArray | None]
 
 
 def continued(borders: Borders, last: FloatArray, start: Vec, goal: Vec, need: float) -> FloatArray:
-    """The last way (n, 2) from its place nearest to the start on, to its place nearest to the goal.
+    """The last path (n, 2) from its place nearest to the start to its place nearest to the goal.
 
     Both ends are joined to it with little of a turn, where ``need`` is kept on the way there, and
     straight across where it is not. It need not keep ``need``.
@@ -91,16 +91,16 @@ def _joined(
 
 
 def is_kept(borders: Borders, way: FloatArray, need: float) -> bool:
-    """Whether the way is nowhere nearer to a border than is needed."""
+    """Whether the path is nowhere nearer to a border than is needed."""
     return bool(clear_kernels.keeps(borders.tree, way, need - borders.equal))
 
 
 def preferred(
     borders: Borders, last: FloatArray, ways: Sequence[FloatArray], need: float, preference: float
 ) -> FloatArray:
-    """The last way, one of the ``ways`` on the same sides of the obstacles, or else the first.
+    """The last path, one of the ``ways`` on the same sides of the obstacles, or else the first.
 
-    ``ways`` are the ways found, the best first, and ``last`` the last way continued.
+    ``ways`` are the paths found, the best first, and ``last`` the last path continued.
     """
     most = _cost(borders, ways[0], need, preference) * (1.0 + STAY)
     if is_kept(borders, last, need):
@@ -118,7 +118,7 @@ def preferred(
 
 
 def _cost(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
-    """What a way costs; for the widest way how narrow it is."""
+    """What a path costs; for the widest path how narrow it is."""
     if preference < 1.0:
         return judge(borders, way, need, preference)
     gap = float(box_tree_kernels.polyline_clearance(borders.tree, way)[0])

@@ -42,7 +42,7 @@ class WayOut:
 def way_out(
     borders: Borders, name: str, place: Vec, radius: float, margin: float, units: str = ""
 ) -> WayOut | None:
-    """The shortest straight way out of the margin, None where none is short enough."""
+    """The shortest straight path out of the margin, None where none is short enough."""
     need, reach = radius + margin, REACH * (radius + margin)
     standing, which = box_tree_kernels.nearest(borders.tree, *place, np.inf)
     fx, fy = primitive_kernels.foot(borders.kind, borders.data, which, *place)

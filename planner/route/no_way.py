@@ -1,8 +1,8 @@
 """Why there is no path: who stands where it cannot, where it is too narrow, what would fit.
 
 Rules and units
-- The widest robot is that of the widest way over the chains, exact where the way is wider than
-  the generators' spacing: narrower ones are not told from walls.
+- The widest robot is that of the widest path over the chains, exact where the path is wider than
+  the generators' spacing: narrower ones are not distinguished from walls.
 - A reason is a sentence with the scene's units in it.
 """
 
@@ -25,10 +25,10 @@ from planner.search.chain_search import ROUNDING, Network, attach, cheapest_rout
 
 @dataclass(frozen=True, slots=True)
 class Blocked:
-    """No way for a disc of radius ``need`` leads from ``start`` to ``goal``.
+    """No path for a disc of radius ``need`` leads from ``start`` to ``goal``.
 
     ``stations`` are all that were asked for, in order. ``reason`` is what keeps it from standing
-    at one of them, None where the way is at fault. ``names`` are those of the two ends, and
+    at one of them, None where the path is at fault. ``names`` are those of the two ends, and
     ``remarks`` what the search could not make certain.
     """
 
@@ -44,7 +44,7 @@ class Blocked:
 def explain(
     borders: Borders, chains: Chains, blocked: Blocked, radius: float, units: str = ""
 ) -> NoPath | None:
-    """Where the widest way is too narrow; None where the chains have no way for any robot."""
+    """Where the widest path is too narrow; None where the chains have no path for any robot."""
     found = widest_way(borders, chains, blocked.stations)
     if found is None:
         return None

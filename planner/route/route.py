@@ -1,7 +1,7 @@
 """From a request to a path: attach the stations, search the chains, prove the answer.
 
 Rules and units
-- Routes over the roadmap's chains are made taut (``finish.py``). The shortest way that keeps
+- Routes over the roadmap's chains are made taut (``finish.py``). The shortest path that keeps
   the radius need not follow a chain: it is searched for over tangents (``shortest.py``).
 - Every answer is proved at the end: the exact distance of the whole polyline to every border
   is at least the radius and the margin, or it is no answer.
@@ -38,17 +38,17 @@ DEAREST = 1.25
 """A route more times as dear as the cheapest is not compared. Of 560 plans among up to 1,000
 obstacles none was better for 1.5, eleven were worse for 1.1."""
 SPARE_ROUTES = 2
-"""Routes made taut for every alternative wanted, so that the best of them are told."""
+"""Routes made taut for every alternative wanted, so that the best of them are found."""
 MOST_ROUTES = 512
-"""No more routes are compared than so many, or what the alternatives wanted take."""
+"""At most this number of routes is compared, or what the alternatives wanted take."""
 TAUT_POINTS = 200_000
 """Points of routes that are made taut for them at most: about 0.2 s."""
 AS_WIDE = 1e-9
 """Routes whose clearances differ by so small a part of them are equally wide."""
 OTHERS = 3
-"""Ways looked at besides the best for one on the sides of the last one."""
+"""Paths looked at besides the best for one on the sides of the last one."""
 SECOND_OPINION = 4_000_000
-"""Tangents tried before it is believed that there is no way: about 0.2 s."""
+"""Tangents tried before it is believed that there is no path: about 0.2 s."""
 GAVE_UP = "the search for the shortest path reached its limit: there may be a shorter one"
 FEWER = "the search for other paths reached its limit: there may be more, or better ones"
 UNSURE = "the search for a path by tangents reached its limit: there may be one"
@@ -81,7 +81,7 @@ class Leg:
     def of(
         cls, borders: Borders, network: Network, ends: tuple[Vec, Vec], need: float, prefer: float
     ) -> Leg:
-        """It keeps what is needed, or less where a station stands nearer by rounding."""
+        """It keeps what is needed, or less where a station is nearer by rounding."""
         one, other = borders.distances(np.array(ends))[0].tolist()
         return cls(borders, network, *ends, min(need, one, other), prefer, (one, other))
 
@@ -98,7 +98,7 @@ def plan_request(
 ) -> Path | NoPath | Blocked:
     """Answer a request on measured chains, for a disc of ``radius``.
 
-    ``chains_only`` believes the chains where they have no way, as the paper does. ``near`` is the
+    ``chains_only`` believes the chains where they have no path, as the paper does. ``near`` is the
     last answer, which is stayed with as ``hysteresis.py`` says.
     """
     need = radius + request.margin
@@ -185,7 +185,7 @@ def _from_stations(
 
 
 def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
-    """Ways that differ from the best in one leg, the next best of each leg first."""
+    """Paths that differ from the best in one leg, the next best of each leg first."""
     for rank in range(1, max(len(leg.lines) for leg in legs)):
         for i, leg in enumerate(legs):
             if rank < len(leg.lines):
@@ -197,7 +197,7 @@ def _others(legs: list[Ways]) -> Iterator[list[FloatArray]]:
 def _best_order(
     borders: Borders, network: Network, request: Request, need: float, *, chains_only: bool
 ) -> tuple[int, ...]:
-    """The order of the vias that makes the way shortest: of legs planned as they will be.
+    """The order of the vias that makes the path shortest: of legs planned as they will be.
 
     Where no order leads to all of them, the order they were asked for in.
     """
@@ -231,7 +231,7 @@ def plan_leg(leg: Leg, alternatives: int = 0, *, chains_only: bool = False) -> W
 
 
 def _certified(leg: Leg, found: Ways) -> Ways:
-    """Those of the ways whose exact clearance, as a whole, is what is needed."""
+    """Those of the paths whose exact clearance, as a whole, is what is needed."""
     least = leg.need - ROUNDING * leg.borders.extent
     proved = tuple(
         line
@@ -247,7 +247,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     Every further one passes some obstacle on another side than those before it. With the
     preference 0 the first is the shortest there is; up to 1, a corridor's shortest that keeps
     ``1 + ROOM * preference`` radii off the borders where there is room; with 1 the widest
-    route itself, of those as wide within ``AS_WIDE`` the cheapest. None where there is no way.
+    route itself, of those as wide within ``AS_WIDE`` the cheapest. None where there is no path.
     """
     borders, start, goal, need = leg.borders, leg.start, leg.goal, leg.need
     if start == goal:
@@ -262,7 +262,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
     if not found and chains_only:
         return Ways(())
     if not found:
-        # the chains tell ways of this width: a second opinion of another method, and its bound
+        # the chains may lack paths of this width: a second opinion of another method, and its bound
         exact = shortest_way(borders, start, goal, need, budget=SECOND_OPINION)
         if exact.way is None:
             return Ways((), () if exact.certain else (UNSURE,))
@@ -277,7 +277,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
 
 
 def _routes(leg: Leg, alternatives: int) -> Ways:
-    """Ways over different chains, the preferred one first; some may be the same but for a shift.
+    """Paths over different chains, the preferred one first; some may be the same but for a shift.
 
     The first may be cut short across to another side of an obstacle. For alternatives the
     cheapest routes of all are made taut, and come the best first.
@@ -341,7 +341,7 @@ def _others_than(
 
 
 def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways:
-    """The ways found, behind the last way continued where that is as good."""
+    """The paths found, behind the last path continued where that is as good."""
     borders, need = leg.borders, leg.need
     way = continued(borders, last, leg.start, leg.goal, need)
     lines = found.lines
@@ -354,7 +354,7 @@ def _staying(leg: Leg, last: FloatArray, found: Ways, alternatives: int) -> Ways
 def _distinct(
     borders: Borders, ways: Sequence[FloatArray], alternatives: int
 ) -> tuple[FloatArray, ...]:
-    """The first way, and up to ``alternatives`` that no way before them can be shifted into."""
+    """The first path, and up to ``alternatives`` that no path before them can be shifted into."""
     if not alternatives:
         return tuple(ways[:1])
     places = anchors(borders)

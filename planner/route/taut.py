@@ -21,7 +21,7 @@ ROOM = 2.0
 TIGHT = 1e-9
 """A bend exactly as wide as needed is followed in chords that take so much of the radius."""
 WIDE = 1e-6
-"""The widest way's polyline may be narrower than the way itself by so much of its clearance."""
+"""The widest path's polyline may be narrower than the path itself by so much of its clearance."""
 FLATNESS = 0.02
 """How far a path may leave the bisector it follows, in radii, where there is room."""
 
@@ -32,7 +32,7 @@ def is_clear(
     """Whether the straight line is as far off the borders as the preference asks.
 
     That is ``1 + ROOM * preference`` radii, or what its ``ends`` (2, 2) have, ``standing``, where
-    that is less. The widest way (preference 1) is never cut short.
+    that is less. The widest path (preference 1) is never cut short.
     """
     if preference >= 1.0:
         return False
@@ -46,8 +46,8 @@ def finish(
 ) -> tuple[FloatArray, IntArray]:
     """The routes as proved polylines: taut, or as they are where that cannot be proved.
 
-    Those that cannot even be proved as they are are left out. The widest way (preference 1) is
-    not pulled taut. Returns all points (n, 2), and where each way begins (m + 1,).
+    Those that cannot even be proved as they are are left out. The widest path (preference 1) is
+    not pulled taut. Returns all points (n, 2), and where each path begins (m + 1,).
     """
     wish = math.inf if preference >= 1.0 else need * (1.0 + ROOM * preference)
     return _proved(borders, lines, need, wish, FLATNESS * need)
@@ -76,7 +76,7 @@ def _proved(
 def best_cut(
     borders: Borders, ways: FloatArray, first: IntArray, need: float, preference: float
 ) -> FloatArray:
-    """The cheapest of the ways with straight lines put in where they keep their distance.
+    """The cheapest of the paths with straight lines put in where they keep their distance.
 
     They may change to another side of an obstacle. Never longer.
     """
@@ -88,7 +88,7 @@ def best_cut(
 
 
 def judge(borders: Borders, way: FloatArray, need: float, preference: float) -> float:
-    """What a way costs: its length, and more where it is narrow."""
+    """What a path costs: its length, and more where it is narrow."""
     return float(taut_kernels.judge(borders.tree, way, need, DETOUR * preference, math.inf))
 
 

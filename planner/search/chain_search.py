@@ -3,7 +3,7 @@
 Rules and units
 - Stations attach inside a chain, by retraction: straight away from the nearest border until a
   second one is as near, and then onto the chain.
-- A way costs its length, and more where it is narrow; clearances are exact.
+- A path costs its length, and more where it is narrow; clearances are exact.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def attach(
 
 
 def widest_gap(network: Network, start: Gates, goal: Gates) -> float:
-    """The largest clearance a way from any entry to any exit can keep, -inf where none leads."""
+    """The largest clearance a path from any entry to any exit can keep, -inf where none leads."""
     return float(route_kernels.widest_way(network.graph, start, goal))
 
 

@@ -1,8 +1,8 @@
-"""Which side of every obstacle a way passes: ways are distinct where one is no shift of another.
+"""Which side of every obstacle a path passes: paths are distinct where one is no shift of another.
 
 Method: a ray leads from one place of each obstacle to infinity, all of them parallel. The rays
-that a way crosses, in order and with their directions, with neighbours that undo each other
-struck out, are a word of the free group over the obstacles. Two ways with the same ends can be
+that a path crosses, in order and with their directions, with neighbours that undo each other
+struck out, are a word of the free group over the obstacles. Two paths with the same ends can be
 shifted into each other without crossing an obstacle exactly where their words are equal.
 """
 
@@ -24,7 +24,7 @@ def anchors(borders: Borders) -> FloatArray:
 
 
 def word(places: FloatArray, way: FloatArray) -> Word:
-    """The reduced word of a way (m, 2) among obstacles as from :func:`anchors`.
+    """The reduced word of a path (m, 2) among obstacles as from :func:`anchors`.
 
     Rays lead towards growing y. Those of obstacles at the same x count as shifted to the right
     by less than anything, the later the further. O(m log n), and what sorting the crossings takes.

@@ -1,10 +1,10 @@
-"""The shortest way that keeps a clearance, exact: straight lines and arcs around corners.
+"""The shortest path that keeps a clearance, exact: straight lines and arcs around corners.
 
 Rules and units
 - The borders moved outwards by the clearance leave arcs around corners and round borders; the
-  shortest way is made of their common tangents and of the arcs between them.
+  shortest path is made of their common tangents and of the arcs between them.
 - The answer is a polyline whose chords lie outside the arcs, so that it keeps the clearance,
-  which is proved against all borders. It is longer than the way itself by less than
+  which is proved against all borders. It is longer than the path itself by less than
   ``CHORD_RAD ** 2 / 12`` of its arcs.
 """
 
@@ -34,7 +34,7 @@ obstacles it took 2,200,000 at most."""
 
 @dataclass(frozen=True, slots=True)
 class Shortest:
-    """The way (n, 2), or None where none is shorter than asked.
+    """The path (n, 2), or None where none is shorter than asked.
 
     ``certain`` is False where the search gave up, so that there may be a shorter one.
     """
@@ -51,9 +51,9 @@ def shortest_way(
     longest: float = math.inf,
     budget: int | None = None,
 ) -> Shortest:
-    """The shortest way from start to goal that keeps ``keep``, if shorter than ``longest``.
+    """The shortest path from start to goal that keeps ``keep``, if shorter than ``longest``.
 
-    Where a station stands nearer to a border by rounding, so may the way. The work is bounded:
+    Where a station is nearer to a border by rounding, so may the path. The work is bounded:
     ``budget`` tangents tried, ``BUDGET`` where None.
     """
     ends = np.array([start, goal])

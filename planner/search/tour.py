@@ -42,10 +42,10 @@ class Tour:
 
 
 def best_tour(distances: ArrayLike, *, closed: bool = False) -> Tour:
-    """The order that makes the way shortest.
+    """The order that makes the path shortest.
 
-    ``distances`` (m, m): from each station to each other, >= 0, infinity where there is no way;
-    it need not be symmetric. The way begins at station 0; it ends at station m - 1, or, where
+    ``distances`` (m, m): from each station to each other, >= 0, infinity where there is no path;
+    it need not be symmetric. The path begins at station 0; it ends at station m - 1, or, where
     ``closed``, at station 0 again. ``cost`` is infinite where no order is possible. Raises
     :class:`TourError` on anything else. O(n^2 2^n) to 15 inner stations, then O(n^3) or so.
     """

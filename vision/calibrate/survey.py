@@ -35,7 +35,7 @@ from vision.camera.camera import Image
 
 MIN_POINTS = 4
 CHECKED_POINTS = 6
-"""From so many points on, one wrong point can be told from the others."""
+"""From so many points on, one wrong point can be distinguished from the others."""
 
 _OUTLIER_SPREADS = 4.5
 _LEAST_SPREAD_PX = 0.5

@@ -127,7 +127,7 @@ class Calibration:
         )
 
     def arena_from_image(self, points_px: ArrayLike, height_m: float = 0.0) -> FloatArray:
-        """Raw pixels (n, 2) to metres (n, 2) of what stands ``height_m`` above the floor."""
+        """Raw pixels (n, 2) to metres (n, 2) of what is ``height_m`` above the floor."""
         floor = _apply(self.arena_from_pixel, self.undistort_points(points_px))
         if height_m == 0.0:
             return floor

@@ -82,7 +82,7 @@ def read_text(path: str | Path) -> str:
 
 
 def parse_calibration(text: str, name: str = "calibration") -> Calibration:
-    """A calibration from its YAML text; ``name`` stands in messages for the file."""
+    """A calibration from its YAML text; ``name`` is the file's name in messages."""
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:

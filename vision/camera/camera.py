@@ -102,7 +102,7 @@ class Camera(Protocol):
     def may_repeat(self) -> bool:
         """Whether identical pictures in a row are normal, not a sign of a frozen sensor.
 
-        So they are for a file, and for any source whose pictures have no noise to tell them apart.
+        So they are for a file, and for any source whose pictures have no noise to distinguish them.
         """
 
     def open(self) -> None:

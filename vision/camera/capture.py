@@ -217,8 +217,8 @@ class StreamCamera(Capture):
     """An RTSP or HTTP stream, through FFmpeg, with bounded waits.
 
     Its rate is known a second after it was opened. The pictures of an RTSP stream carry the
-    sender's times (RTP): what the network holds up is dated by them. What every picture takes, by
-    the shortest way too, no stream tells.
+    sender's times (RTP): what the network holds up is dated by them. No stream reports what
+    every picture takes at least.
     """
 
     def __init__(self, url: str, clock: Clock) -> None:

@@ -5,7 +5,7 @@ Rules
   meanwhile and are named after the last.
 - A picture that cannot be read may still be being written: it is tried again for ``PATIENCE_S``,
   then left out and named in ``reason``. A folder of which no picture can be read is an error.
-- A single picture is decoded anew where its file has changed. While the new one cannot be read,
+- A single picture is decoded again where its file has changed. While the new one cannot be read,
   or is gone, the last good one is shown, and ``reason`` says so.
 """
 
@@ -124,7 +124,7 @@ class FolderCamera:
 
 
 class PictureCamera(FolderCamera):
-    """One picture, shown for ever; decoded anew only where its file has changed."""
+    """One picture, shown for ever; decoded again only where its file has changed."""
 
     def __init__(self, path: Path, pace: Pace, rate_hz: float | None) -> None:
         super().__init__(path, pace, rate_hz, loop=True)

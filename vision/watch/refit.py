@@ -3,7 +3,7 @@
 Rules and units
 - Rectangles are (x, y, width, height) in raw pixels, as ``vision.watch.change`` reports them; the
   scene is in metres.
-- Each changed rectangle grows until it cuts no known object; what lies in it is extracted anew
+- Each changed rectangle grows until it cuts no known object; what lies in it is extracted again
   at the scene's own level, everything else keeps its very records, to the bit, and its id.
 - Where that cannot be trusted (uneven light, half of the picture changed, an object that runs
   out of its part), there is no answer, and the caller extracts the whole picture.
@@ -80,7 +80,7 @@ class KnownScene:
         """The scene of ``image``, where that differs in ``rectangles`` only.
 
         ``border_pixels``, ``timings_ms`` and ``remarks`` of its scene are those of the parts
-        fitted anew: what was said before would pile up over a long run.
+        fitted again: what was said before would pile up over a long run.
         None where the whole picture has to be extracted. O(pixels and border pixels of the
         parts).
         """
