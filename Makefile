@@ -34,10 +34,12 @@ install-dev: $(VENV)/.installed-dev ## the same with the tools for developers
 run: $(VENV)/.installed ## the whole loop on a simulated arena
 	$(BIN)/clearway run $(CONFIG) --once
 
-# Each core takes one file of tests after the other, slow ones first; tests of time run alone.
+# A worker takes one file of tests after the other, slow ones first; there is one worker more than
+# cores, as many tests wait for a robot that drives. Tests of time run alone.
+WORKERS ?= $(shell expr $$(nproc) + 1)
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.installed-dev ## every test
-	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -m "not timed"
+	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder -m "not timed"
 	$(BIN)/python -m pytest -m timed $(TIMED)
 
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
