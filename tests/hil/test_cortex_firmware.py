@@ -19,7 +19,10 @@ from firmware_protocol.wire.mission import Mission
 from tests.support.robots.avr_bench import AvrBench
 from tests.support.robots.cortex_robot import CortexBoard, CortexBuild, missing_tools
 
-pytestmark = pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}")
+pytestmark = [
+    pytest.mark.timed,  # the emulated processor has to keep up with the clock
+    pytest.mark.skipif(missing_tools() is not None, reason=f"needs {missing_tools()}"),
+]
 LATE_S = 0.1
 """What this machine may be late by."""
 

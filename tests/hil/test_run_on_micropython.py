@@ -13,7 +13,10 @@ from tests.support.robots.emulated_run import assert_run_reaches_its_goal
 from tests.support.robots.micropython_interpreter import interpreter
 
 BRIDGE = Path(__file__).with_name("micropython_bridge.py")
-pytestmark = pytest.mark.skipif(interpreter() is None, reason="needs MicroPython: .ci/micropython")
+pytestmark = [
+    pytest.mark.timed,  # the emulated processor has to keep up with the clock
+    pytest.mark.skipif(interpreter() is None, reason="needs MicroPython: .ci/micropython"),
+]
 
 
 def command() -> list[str]:
