@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BeforeValidator, Field, StrictBool
 
 from navigation.config.dashboard import DashboardSection
+from navigation.config.known_robots import DriverName
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
     MOST_ROBOTS,
@@ -138,6 +139,10 @@ class MarkerSection(Section):
 class RobotSection(MarkerSection):
     """The robot that is driven: its marker, its body, what it can do, its wheels."""
 
+    driver: DriverName = Field(
+        default="clearway",
+        description="what it speaks: 'clearway' is our firmware, the others their makers' protocols",
+    )
     dictionary: Dictionary = Field(
         default="DICT_4X4_50", description="OpenCV's name of the marker family"
     )
@@ -207,7 +212,8 @@ class SerialSection(Section):
 
     port: Text = Field(
         default=SIMULATED,
-        description="'simulated', or a device; a name under /dev/serial/by-id survives replugging",
+        description="'simulated', or a device; a name under /dev/serial/by-id survives replugging; "
+        "with another robot.driver than 'clearway' also an address as socket://host:port",
     )
     baud: Annotated[int, Field(strict=True, ge=1200, le=4_000_000)] = Field(
         default=115_200, description="bits a second, as the robot's firmware has it"

@@ -33,7 +33,8 @@ class LinkSnapshot:
     ``leaving_estop``: the robot was told to leave its emergency stop and has not answered; what
     it reports is the old stop. ``clock_offset_s`` is the robot's clock minus the host's, wrong by
     no more than ``clock_error_s``; by it ``status_taken_s`` is when the robot took ``status``, in
-    host seconds. All three are None before the clock is known.
+    host seconds. All three are None before the clock is known. ``fault`` says why a robot behind a
+    driver has stopped itself, and ``remark`` what people should know of it although it drives.
     """
 
     state: LinkState
@@ -56,6 +57,8 @@ class LinkSnapshot:
     rtt_s: float | None = None
     clock_offset_s: float | None = None
     clock_error_s: float | None = None
+    fault: str | None = None
+    remark: str = ""
     status_taken_s: float | None = None
     sent: HostCounters = field(default_factory=HostCounters)
     received: ParserCounters = field(default_factory=ParserCounters)

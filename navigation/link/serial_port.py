@@ -32,18 +32,26 @@ NEVER: Final = frozenset(
 def open_port(path: str, baud: int) -> serial.Serial:
     """Open ``path`` for this process alone, without waiting in reads and writes.
 
+    ``path`` may also be an address that pyserial knows, as ``socket://host:port``.
     Raises PortNotReadyError where the port is missing, busy or forbidden, and PortError where it
     is no serial port.
     """
     look_for_port(path)
     try:
-        return serial.Serial(path, baud, timeout=0, write_timeout=0, exclusive=True)
+        return serial.serial_for_url(path, baud, timeout=0, write_timeout=0, exclusive=True)
     except (serial.SerialException, OSError, ValueError, termios.error) as error:
         raise _refusal(path, error) from error
 
 
+def is_address(path: str) -> bool:
+    """Whether ``path`` is one of pyserial's addresses and no device."""
+    return "://" in path
+
+
 def look_for_port(path: str) -> None:
     """Errors as of `open_port`, as far as they show without opening: that resets some robots."""
+    if is_address(path):
+        return  # only opening it shows whether anybody is there
     try:
         mode = os.stat(path).st_mode
     except FileNotFoundError as error:
@@ -83,6 +91,8 @@ def _reason(number: int | None) -> str | None:
             return "is in use by another program"
         case errno.EACCES | errno.EPERM:
             return "no permission; on Debian the user has to be in the group dialout"
+        case errno.ECONNREFUSED | errno.EHOSTUNREACH | errno.ENETUNREACH | errno.ETIMEDOUT:
+            return f"{os.strerror(number)}; is the robot switched on and in this network?"
         case errno.EIO:
             return "does not answer (input/output error); is there a device behind it?"
         case errno.ENOTTY | errno.EINVAL:

@@ -391,7 +391,7 @@ class Daemon:
             times=StageTimes(self._vision.look_s, self._news.roadmap_s, self._news.plan_s),
             evidence=self._evidence,
             trust=self.pilot.trust.level,
-            troubles=tuple(filter(None, self.troubles.values())),
+            troubles=tuple(filter(None, (*self.troubles.values(), snapshot.remark))),
         )
 
     @property

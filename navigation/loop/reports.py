@@ -29,6 +29,7 @@ def robot_report(snapshot: LinkSnapshot) -> RobotReport:
         mission_id=snapshot.mission_id,
         executed=snapshot.executed,
         standing_reason=snapshot.standing_reason,
+        fault=snapshot.fault,
         place_m=None if snapshot.status is None else (snapshot.status.x_m, snapshot.status.y_m),
     )
 

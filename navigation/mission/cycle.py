@@ -86,6 +86,8 @@ class RobotReport:
     """Why the robot does not run its mission; None while it does."""
     place_m: tuple[float, float] | None = None
     """Where the robot believes to be."""
+    fault: str | None = None
+    """What the robot feels that made it stop itself."""
 
 
 @dataclass(frozen=True, slots=True)

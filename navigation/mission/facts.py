@@ -55,6 +55,7 @@ class FactFinder:
             link_age_s=robot.age_s,
             link_down_reason=robot.down_reason,
             robot_estopped=robot.estopped and not (rearms or robot.leaving_estop),
+            robot_fault=robot.fault,
             robot_disarmed=robot.disarmed and running,
             robot_idle_reason=self._idle_reason(now_s, robot, situation),
             position_m=position,

@@ -55,6 +55,8 @@ class Facts:
     clearance_m: float | None
     deviation_m: float | None
     paused: bool
+    robot_fault: str | None = None
+    """What the robot feels that made it stop itself: a bumper, a cliff."""
     near_robot: str | None = None
     """The sentence that says which other robot is too near."""
     failed: str | None = None
@@ -127,7 +129,8 @@ def _identity(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
 
 def _link(facts: Facts, limits: SafetyLimits) -> list[tuple[Action, str]]:
     if facts.robot_estopped:
-        return [(Action.STOP, "the robot reports an emergency stop")]
+        why = f": {facts.robot_fault}" if facts.robot_fault is not None else ""
+        return [(Action.STOP, f"the robot reports an emergency stop{why}")]
     if facts.link_down_reason is not None:
         return [(Action.HOLD, f"the link to the robot is down: {facts.link_down_reason}")]
     if facts.link_age_s > limits.link_stale_s:

@@ -14,8 +14,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from navigation.config import Config
+from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED
 from navigation.link.serial_link import SerialLink
+from navigation.run.driven import driver_of, link_of, twin_of
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer
 from navigation.simulator.arena import SimulatedArena, load_arena
@@ -32,6 +34,7 @@ from navigation.simulator.settings import (
 )
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from navigation.simulator.truth import Truth
+from navigation.simulator.twins.twin_robot import TwinRobot
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import Camera, CameraError
@@ -56,7 +59,7 @@ class World:
         self.truth: Truth | None = None
         simulated_port = config.serial.port == SIMULATED
         simulated_camera = config.camera.source == SIMULATED
-        self._robot: SimulatedRobot | EmulatedRobot | None = None
+        self._robot: SimulatedRobot | EmulatedRobot | TwinRobot | None = None
         self._arenas: list[tuple[float, SimulatedArena]] = []
         self._tracks = tracks_of(config)
         if simulated_port or simulated_camera:
@@ -67,9 +70,10 @@ class World:
         self._shared = _shared_pose(config) if self._robot is None and simulated_camera else None
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
+        self._driver = driver_of(config, self.port)
         self.calibration = calibration_of(config)
 
-    def _make_robot(self) -> SimulatedRobot | EmulatedRobot:
+    def _make_robot(self) -> SimulatedRobot | EmulatedRobot | TwinRobot:
         simulation = self.config.simulation
         seed = 0 if simulation is None else simulation.seed
         if simulation is not None and simulation.robot.emulator:
@@ -81,6 +85,8 @@ class World:
                 faults=faults_of(self.config),
                 clock=self._clock,
             )
+        if self.config.robot.driver != CLEARWAY:
+            return twin_of(self.config, self._clock)
         return SimulatedRobot(
             true_start_of(self.config),
             rng=np.random.default_rng(seed),
@@ -106,6 +112,8 @@ class World:
 
     def make_link(self) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
+        if self._driver is not None:
+            return link_of(self._driver, self._clock, wait_for_port=self._wait_for_port)
         baud = self.config.serial.baud
         return SerialLink(self.port, baud, clock=self._clock, wait_for_port=self._wait_for_port)
 
@@ -144,15 +152,19 @@ class World:
         return true_start_of(self.config)
 
     def start(self) -> None:
-        """Switch the simulated robot on; what happens in the arena counts from here."""
+        """Switch the simulated robot on, then its driver; what happens in the arena counts from here."""
         self._began_s = self._clock()
         if self.truth is not None:
             self.truth.began_s = self._began_s
         if self._robot is not None:
             self._robot.start()
+        if self._driver is not None:
+            self._driver.start()
 
     def stop(self) -> None:
         """Switch it off."""
+        if self._driver is not None:
+            self._driver.stop()
         if self._robot is not None:
             self._robot.stop()
 

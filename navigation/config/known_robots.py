@@ -1,0 +1,66 @@
+"""The robots that people own and what each of them is and can do, as their vendors state it.
+
+`robot.driver` chooses one. `clearway init --robot` writes these numbers, `clearway check` compares
+a configuration with them, and the drivers convert by them. Metres, seconds, radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+DriverName: TypeAlias = Literal["clearway", "create2", "turtlebot3", "epuck2", "waveshare"]
+
+
+CLEARWAY: Final = "clearway"
+"""The driver of robots with our own firmware, which need none."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownRobot:
+    """One robot.
+
+    ``wheel_m_s`` is the fastest that a wheel turns and ``speed_m_s`` the fastest that the robot
+    drives; ``radius_m`` the smallest disc around the middle of its axle that holds its body.
+    ``metres_per_count`` is a wheel's travel for a count of its encoder, None where the robot
+    reports speeds. ``watchdog_s``: its own motors stop so long after the last order, None where
+    they never do. ``help`` is what to look at when it does not answer.
+    """
+
+    title: str
+    baud: int
+    track_m: float
+    radius_m: float
+    height_m: float
+    marker_m: float
+    """Side of a marker that its top has room for."""
+    wheel_m_s: float
+    speed_m_s: float
+    turn_rad_s: float
+    acceleration_m_s2: float
+    turn_acceleration_rad_s2: float
+    metres_per_count: float | None
+    watchdog_s: float | None
+    help: str
+
+
+KNOWN_ROBOTS: Final[Mapping[str, KnownRobot]] = {
+    "create2": KnownRobot(
+        title="iRobot Create 2",
+        baud=115_200,
+        track_m=0.235,
+        radius_m=0.175,
+        height_m=0.092,
+        marker_m=0.18,
+        wheel_m_s=0.5,
+        speed_m_s=0.5,
+        turn_rad_s=4.25,
+        acceleration_m_s2=0.8,
+        turn_acceleration_rad_s2=4.0,
+        metres_per_count=3.14159265 * 0.072 / 508.8,
+        watchdog_s=None,
+        help="press CLEAN to wake it, and look at the cable",
+    ),
+}
+"""By the name in `robot.driver`."""

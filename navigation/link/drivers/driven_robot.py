@@ -1,0 +1,174 @@
+"""The robot's end of our wire on one side, a robot's own protocol on the other; sans-IO.
+
+- Waypoints, lease and camera fixes come over the wire and are followed here, from the robot's own
+  odometry, by the same code as the firmware's: one step for each report of the wheels.
+- A robot that does not report is out of reach: its wheels are ordered to stand, and the wire is
+  silent as if its cable were pulled. The host waits, keeps the mission, and starts it again.
+- A bumper, a cliff, a wheel in the air is an emergency stop on the robot: only a person ends it.
+
+Metres, seconds of this process's clock.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final
+
+from firmware_protocol.robot.connection import Identity, RobotConnection
+from firmware_protocol.robot.controller import RobotController
+from firmware_protocol.wire.drive_settings import DriveSettings
+from firmware_protocol.wire.messages import RobotState, StopReason
+from navigation.link.drivers.robot_driver import RobotDriver
+from navigation.link.drivers.word_of_robot import Word, remark_of, silence_of
+
+FRESH_S: Final = 0.25
+"""Wheels that have not reported for longer are driven no further: at 0.3 m/s 75 mm."""
+LOOK_BACK_S: Final = 3.0
+"""Damaged messages are counted over so long."""
+
+
+class DrivenRobot:
+    """One driver behind the wire. ``port`` and ``baud`` are for its sentences only."""
+
+    def __init__(
+        self,
+        driver: RobotDriver,
+        settings: DriveSettings,
+        identity: Identity,
+        port: str,
+        baud: int,
+    ) -> None:
+        self.driver = driver
+        self.controller = RobotController(settings)
+        self._wire = RobotConnection(identity, self.controller)
+        self._port, self._baud = port, baud
+        self._port_fault: str | None = "the robot's port is not open yet"
+        self._opened_s = 0.0
+        self._stepped_s: float | None = None
+        self._messages = 0
+        self._fresh_bytes = 0
+        self._counts: deque[tuple[float, int, int]] = deque()
+        self._answers = False
+        self._leaving = False
+
+    # The robot's port.
+
+    def port_opened(self, now_s: float) -> None:
+        """Greet the robot, which stops it."""
+        self._port_fault = None
+        self._opened_s = now_s
+        self._fresh_bytes = 0
+        self.driver.open(now_s)
+
+    def port_closed(self, reason: str) -> None:
+        """``reason``: why there is no port, in one sentence."""
+        self._port_fault = reason
+
+    def receive_from_robot(self, data: bytes, now_s: float) -> None:
+        """Its words; the wheels are driven on at the next :meth:`tick`."""
+        self._fresh_bytes += len(data)
+        self.driver.receive(data, now_s)
+        if self.driver.heard.messages != self._messages:
+            self._messages, self._fresh_bytes = self.driver.heard.messages, 0
+
+    def bytes_to_robot(self, now_s: float) -> bytes:
+        """Call when the port has taken what came before."""
+        return b"" if self._port_fault is not None else self.driver.bytes_to_send(now_s)
+
+    # The wire.
+
+    def receive_from_host(self, data: bytes, now_s: float) -> None:
+        """Lost where the robot is out of reach: its wheels are ordered to stand anyway."""
+        if self._answers:
+            self._wire.receive_bytes(data, now_s)
+
+    def bytes_to_host(self, now_s: float) -> bytes:
+        """Every frame that is due."""
+        frames = []
+        while self._answers and (frame := self._wire.next_frame(now_s)):
+            frames.append(frame)
+        return b"".join(frames)
+
+    # Both.
+
+    def tick(self, now_s: float) -> None:
+        """A hundred times a second or more: one step of the controller for each report."""
+        heard, control = self.driver.heard, self.controller
+        self._answers = self._is_within_reach(now_s)
+        if not self._answers or self._leaving:
+            self._stand()
+            control.tick(now_s)
+            return
+        if heard.fault is not None:
+            self._meet_fault()
+        if heard.odometry_s != self._stepped_s:
+            self._stepped_s = heard.odometry_s
+            control.step(now_s, heard.left_m, heard.right_m)
+        control.tick(now_s)
+        wheels = control.wheels
+        if wheels.powered:
+            self.driver.drive(*self._bent_alike(wheels.left_m_s, wheels.right_m_s))
+        else:
+            self.driver.drive(0.0, 0.0)
+
+    def leave(self) -> None:
+        """The process ends: the wheels stand from now on, whatever the host wants."""
+        self._leaving = True
+        self._stand()
+
+    def word(self, now_s: float) -> Word:
+        """What people are told of the robot."""
+        heard, robot = self.driver.heard, self.driver.robot
+        if self._port_fault is not None:
+            return Word(silence=self._port_fault)
+        if not self._answers:
+            waited_s = now_s - self._opened_s
+            return Word(
+                silence_of(robot, self._port, self._baud, heard, self._fresh_bytes, waited_s)
+            )
+        fault = None if heard.fault is None else f"{robot.title}: {heard.fault}"
+        remark = remark_of(robot, self._port, heard, *self._of_late(now_s))
+        return Word(None, fault, remark, heard.identity, heard.battery)
+
+    # Inside.
+
+    def _is_within_reach(self, now_s: float) -> bool:
+        odometry_s = self.driver.heard.odometry_s
+        if self._port_fault is not None or odometry_s is None:
+            return False
+        return now_s - odometry_s <= FRESH_S and odometry_s >= self._opened_s
+
+    def _stand(self) -> None:
+        """No ramp: what the wheels do is not known."""
+        control = self.controller
+        if control.state is RobotState.RUN:
+            control.pause()
+        control.follower.freeze()
+        control.wheels = control.wheels._replace(left_m_s=0.0, right_m_s=0.0, powered=False)
+        self.driver.drive(0.0, 0.0)
+
+    def _meet_fault(self) -> None:
+        """An emergency stop for as long as nobody resets it; then the fault has to be gone."""
+        if self.controller.state is not RobotState.ESTOP:
+            if self._stopped_for_fault:
+                self._stopped_for_fault = False
+                self.driver.clear_fault()  # a person has reset the stop
+                return
+            self.controller.emergency_stop(StopReason.ESTOP_LOCAL)
+            self._stopped_for_fault = True
+
+    _stopped_for_fault = False
+
+    def _bent_alike(self, left_m_s: float, right_m_s: float) -> tuple[float, float]:
+        """Both wheels slower where one is asked to turn faster than it can: the bend stays."""
+        share = max(abs(left_m_s), abs(right_m_s)) / self.driver.robot.wheel_m_s
+        return (left_m_s, right_m_s) if share <= 1.0 else (left_m_s / share, right_m_s / share)
+
+    def _of_late(self, now_s: float) -> tuple[int, int]:
+        """How many messages came damaged and whole in the last seconds."""
+        heard, counts = self.driver.heard, self._counts
+        if not counts or now_s - counts[-1][0] >= 0.1:
+            counts.append((now_s, heard.damaged, heard.messages))
+        while now_s - counts[0][0] > LOOK_BACK_S:
+            counts.popleft()
+        return heard.damaged - counts[0][1], heard.messages - counts[0][2]

@@ -1,0 +1,38 @@
+"""The serial link to a robot behind a driver: what the driver says of it goes with the link."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final
+
+from navigation.link.drivers.word_of_robot import Word
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.link.serial_link import SerialLink
+
+LINE_BAUD: Final = 1_000_000
+"""The wire to the driver's process is a pseudo-terminal, which is no slower than that."""
+
+
+class DriverLink(SerialLink):
+    """`SerialLink` whose snapshots say why the robot itself is out of reach, stopped, or weak."""
+
+    def __init__(
+        self,
+        port: str,
+        word: Callable[[], Word],
+        *,
+        clock: Callable[[], float] = time.monotonic,
+        wait_for_port: bool = False,
+    ) -> None:
+        super().__init__(port, LINE_BAUD, clock=clock, wait_for_port=wait_for_port)
+        self._word_now = word
+
+    def snapshot(self) -> LinkSnapshot:
+        """The present state; the driver's sentences before those about its pseudo-terminal."""
+        snapshot, word = super().snapshot(), self._word_now()
+        down = snapshot.down_reason
+        if word.silence is not None:
+            down = word.silence
+        return replace(snapshot, down_reason=down, fault=word.fault, remark=word.remark)

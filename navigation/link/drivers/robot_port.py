@@ -1,0 +1,97 @@
+"""The robot's own port in the driver's process: opened, read and written, and opened again.
+
+A device or an address that pyserial's ``serial_for_url`` knows, as ``socket://host:port``.
+Nothing here waits, but for an address that takes its time to be reached.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import select
+from typing import Final
+
+import serial
+
+from navigation.link.serial_link import PORT_FAULTS
+from navigation.link.serial_port import PortError, open_port
+
+REOPEN_FIRST_S: Final = 0.1
+REOPEN_LAST_S: Final = 1.0
+READ_BYTES: Final = 4096
+
+
+class RobotPort:
+    """``fault`` is why it is closed, None while it is open."""
+
+    def __init__(self, path: str, baud: int) -> None:
+        self._path, self._baud = path, baud
+        self._port: serial.SerialBase | None = None
+        self._unsent = b""
+        self._again_s = 0.0
+        self._pause_s = REOPEN_FIRST_S
+        self.fault: str | None = "the robot's port is not open yet"
+
+    def open(self, now_s: float) -> bool:
+        """Try it where it is time; whether it has just been opened."""
+        if self._port is not None or now_s < self._again_s:
+            return False
+        try:
+            self._port = open_port(self._path, self._baud)
+        except PortError as error:
+            self.fault = str(error)
+            self._again_s = now_s + self._pause_s
+            self._pause_s = min(REOPEN_LAST_S, 2.0 * self._pause_s)
+            return False
+        self.fault, self._pause_s, self._unsent = None, REOPEN_FIRST_S, b""
+        return True
+
+    def close(self) -> None:
+        """Let go of it."""
+        port, self._port = self._port, None
+        if port is not None:
+            # a port that has hung up cannot be closed in order either
+            with contextlib.suppress(*PORT_FAULTS):
+                port.close()
+
+    def fileno(self) -> int | None:
+        """What `select` waits for; None where there is no such thing."""
+        if self._port is None:
+            return None
+        try:
+            number: int = self._port.fileno()
+        except (AttributeError, OSError):
+            return None
+        return number
+
+    def read(self, now_s: float) -> bytes:
+        """What has come; a port that breaks is closed."""
+        if self._port is None:
+            return b""
+        try:
+            return bytes(self._port.read(READ_BYTES))
+        except PORT_FAULTS as error:
+            self._break(error, now_s)
+            return b""
+
+    @property
+    def is_free(self) -> bool:
+        """Whether everything was taken that was written."""
+        return not self._unsent
+
+    def write(self, data: bytes, now_s: float) -> None:
+        """Write what the line takes now, and keep the rest; a port that breaks is closed."""
+        self._unsent += data
+        if self._port is None or not self._unsent:
+            return
+        number = self.fileno()
+        if number is not None and not select.select([], [number], [], 0)[1]:
+            return  # the line takes nothing now
+        try:
+            self._unsent = self._unsent[self._port.write(self._unsent) or 0 :]
+        except PORT_FAULTS as error:
+            self._break(error, now_s)
+
+    def _break(self, error: BaseException, now_s: float) -> None:
+        self.close()
+        self.fault = f"serial port {self._path} broke: {error}; is the cable plugged in?"
+        self._again_s = now_s + self._pause_s

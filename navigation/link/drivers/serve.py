@@ -1,0 +1,164 @@
+"""The driver's process from inside: one loop around `DrivenRobot`, with its two ports.
+
+It makes a pseudo-terminal for our wire and puts a link with a lasting name to it. It ends when it
+is told to, and when the program that started it has ended, however: the robot is stopped first.
+Ctrl-C and Ctrl-Z in a terminal do not reach it; a daemon that hangs is met by its lease.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import random
+import select
+import signal
+import time
+import tty
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Final
+
+from firmware_protocol.robot.connection import Identity
+from firmware_protocol.wire.drive_settings import DriveSettings
+from navigation.link.drivers.driven_robot import DrivenRobot
+from navigation.link.drivers.drivers import DRIVERS
+from navigation.link.drivers.robot_port import RobotPort
+from navigation.link.drivers.word_of_robot import Word
+
+LONGEST_WAIT_S: Final = 0.005
+WORD_S: Final = 0.1
+FAREWELL_S: Final = 0.4
+"""The robot is ordered to stand for so long before its port is closed: a lost order is repeated."""
+READ_BYTES: Final = 4096
+
+
+@dataclass(frozen=True, slots=True)
+class DriverOrder:
+    """What a driver's process is to do: which robot, on which port, for which settings."""
+
+    name: str
+    port: str
+    baud: int
+    settings: DriveSettings
+    link: Path
+    """Where the link to our wire's pseudo-terminal is put."""
+
+
+def serve(order: DriverOrder, words: Connection) -> None:
+    """The process's work, until it has to end; ``words`` takes each new `Word`."""
+    ended = _hear_the_end()
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    robot = DrivenRobot(
+        DRIVERS[order.name](),
+        order.settings,
+        Identity(random.SystemRandom().randrange(1, 1 << 32)),
+        order.port,
+        order.baud,
+    )
+    loop = _Loop(robot, RobotPort(order.port, order.baud), order.link, words)
+    try:
+        while not ended and not loop.has_ended(parent.sentinel):
+            loop.turn()
+        loop.say_farewell()
+    finally:
+        loop.close()
+
+
+def _hear_the_end() -> list[int]:
+    """The numbers of the signals that asked for the end; the terminal's reach nobody here."""
+    came: list[int] = []
+    with contextlib.suppress(PermissionError):
+        os.setsid()
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda number, _frame: came.append(number))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return came
+
+
+class _Loop:
+    """The robot, its port, the wire's pseudo-terminal, and the words for people."""
+
+    def __init__(
+        self, robot: DrivenRobot, port: RobotPort, link: Path, words: Connection
+    ) -> None:
+        self._robot, self._port, self._words = robot, port, words
+        self._wire, self._other_end = os.openpty()
+        tty.setraw(self._other_end)
+        os.set_blocking(self._wire, False)
+        self._link = link
+        self._unsent = b""
+        self._word: Word | None = None
+        self._word_s = 0.0
+        new = link.with_name(f"{link.name}.new")
+        new.unlink(missing_ok=True)
+        new.symlink_to(os.ttyname(self._other_end))
+        new.replace(link)  # at once: whoever opens it gets the old one or the new one
+
+    def has_ended(self, sentinel: int) -> bool:
+        """Wait for news, not for long; whether the program that started this one has ended."""
+        watched: list[int] = [self._wire, sentinel]
+        number = self._port.fileno()
+        if number is not None:
+            watched.append(number)
+        try:
+            return sentinel in select.select(watched, [], [], LONGEST_WAIT_S)[0]
+        except OSError:
+            return False  # the robot's port has just gone: the next turn closes it
+
+    def turn(self) -> None:
+        """Everything that has come, one decision, everything that is due."""
+        now_s = time.monotonic()
+        if self._port.open(now_s):
+            self._robot.port_opened(now_s)
+        data = self._port.read(now_s)
+        if data:
+            self._robot.receive_from_robot(data, now_s)
+        if self._port.fault is not None:
+            self._robot.port_closed(self._port.fault)
+        with contextlib.suppress(OSError):
+            self._robot.receive_from_host(os.read(self._wire, READ_BYTES), now_s)
+        self._robot.tick(now_s)
+        if self._port.is_free:
+            self._port.write(self._robot.bytes_to_robot(now_s), now_s)
+        else:
+            self._port.write(b"", now_s)
+        self._send_to_host(now_s)
+        self._tell(now_s)
+
+    def say_farewell(self) -> None:
+        """Stop the robot, and see that the order has gone out."""
+        self._robot.leave()
+        until_s = time.monotonic() + FAREWELL_S
+        while time.monotonic() < until_s:
+            self.turn()
+            time.sleep(LONGEST_WAIT_S)
+
+    def close(self) -> None:
+        """Both ports; the link is taken away where it is still ours."""
+        self._port.close()
+        with contextlib.suppress(OSError):
+            if str(self._link.readlink()) == os.ttyname(self._other_end):
+                self._link.unlink()
+        os.close(self._wire)
+        os.close(self._other_end)
+
+    def _send_to_host(self, now_s: float) -> None:
+        self._unsent = (self._unsent + self._robot.bytes_to_host(now_s))[-READ_BYTES:]
+        if self._unsent:
+            try:
+                self._unsent = self._unsent[os.write(self._wire, self._unsent) :]
+            except OSError:
+                self._unsent = b""  # nobody reads: a UART does not wait either
+
+    def _tell(self, now_s: float) -> None:
+        if now_s - self._word_s < WORD_S:
+            return
+        self._word_s = now_s
+        word = self._robot.word(now_s)
+        if word != self._word:
+            self._word = word
+            with contextlib.suppress(OSError):
+                self._words.send(word)

@@ -1,0 +1,56 @@
+"""From the counts of two encoders to the travel of two wheels, through wraps, resets and damage.
+
+Counts of a line without a strong check are believed only where the wheels could have turned so far.
+What cannot be is left out; when the counts stay there, they are taken as a new beginning: the robot
+was switched off and on.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+SLACK: Final = 1.5
+"""How much faster than its fastest a wheel may seem: late reports come in twos."""
+SLACK_M: Final = 0.01
+DOUBTS: Final = 3
+"""Counts that are far off so many times in a row are a new beginning."""
+
+
+class WheelOdometry:
+    """Two wheels. ``modulus`` is where the counts wrap, None where they do not."""
+
+    def __init__(self, metres_per_count: float, wheel_m_s: float, modulus: int | None) -> None:
+        self._metres_per_count = metres_per_count
+        self._wheel_m_s = wheel_m_s
+        self._modulus = modulus
+        self._counts: tuple[int, int] | None = None
+        self._counted_s = 0.0
+        self._doubts = 0
+        self.left_m = 0.0
+        self.right_m = 0.0
+
+    def forget(self) -> None:
+        """The next counts are a new beginning: nothing is known of the time in between."""
+        self._counts = None
+
+    def count(self, left: int, right: int, now_s: float) -> bool:
+        """The newest counts; False where they cannot be and were left out."""
+        before = self._counts
+        if before is not None:
+            moved = [self._since(new, old) for new, old in zip((left, right), before, strict=True)]
+            most_m = SLACK * self._wheel_m_s * (now_s - self._counted_s) + SLACK_M
+            if max(map(abs, moved)) * self._metres_per_count > most_m:
+                self._doubts += 1
+                if self._doubts < DOUBTS:
+                    return False
+                moved = [0, 0]
+            self.left_m += moved[0] * self._metres_per_count
+            self.right_m += moved[1] * self._metres_per_count
+        self._counts, self._counted_s, self._doubts = (left, right), now_s, 0
+        return True
+
+    def _since(self, new: int, old: int) -> int:
+        if self._modulus is None:
+            return new - old
+        half = self._modulus // 2
+        return (new - old + half) % self._modulus - half

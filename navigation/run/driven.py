@@ -1,0 +1,49 @@
+"""Robots that speak another protocol, as a run opens them: their driver's process, and their twin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from navigation.config import Config
+from navigation.config.known_robots import CLEARWAY
+from navigation.link.drivers.driver_link import DriverLink
+from navigation.link.drivers.driver_process import DriverProcess
+from navigation.simulator.settings import (
+    drive_model_of,
+    drive_settings_of,
+    faults_of,
+    true_start_of,
+)
+from navigation.simulator.twins.twin_robot import TwinRobot
+
+
+def driver_of(config: Config, robot_port: str) -> DriverProcess | None:
+    """The driver that the configuration names, not started; None for our own firmware."""
+    if config.robot.driver == CLEARWAY:
+        return None
+    return DriverProcess(
+        config.robot.driver, robot_port, config.serial.baud, drive_settings_of(config)
+    )
+
+
+def link_of(
+    driver: DriverProcess, clock: Callable[[], float], *, wait_for_port: bool
+) -> DriverLink:
+    """The link to a driver's process."""
+    return DriverLink(driver.port, driver.word, clock=clock, wait_for_port=wait_for_port)
+
+
+def twin_of(config: Config, clock: Callable[[], float]) -> TwinRobot:
+    """The simulated robot that speaks as the configured one does."""
+    simulation = config.simulation
+    return TwinRobot(
+        config.robot.driver,
+        true_start_of(config),
+        rng=np.random.default_rng(0 if simulation is None else simulation.seed),
+        model=drive_model_of(config),
+        faults=faults_of(config),
+        baud=config.serial.baud,
+        clock=clock,
+    )

@@ -1,0 +1,225 @@
+"""The twin of an iRobot Create 2, from its Open Interface specification.
+
+- Modes off, passive, safe and full. Off it hears nothing but Start; only safe and full drive. In
+  safe mode a wheel drop or a cliff stops the wheels and falls back to passive.
+- No watchdog: the wheels keep the last order. In passive mode it sleeps after five minutes, and
+  then no byte wakes it, only its CLEAN button (`press_clean`).
+- Orders are opcodes with a fixed number of data bytes and without a check: after a lost byte the
+  next opcode is eaten as data. Streamed sensor frames, one every 15 ms, end with a sum.
+- Encoder counts wrap at 16 bits. The sensors feel no direction: counts go up or down by the
+  direction that was ordered.
+
+Bytes are big-endian; speeds in mm/s; metres and seconds elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from enum import IntEnum
+from typing import Final
+
+from firmware_protocol.robot.controller import WheelSpeeds
+from navigation.simulator.twins.twin import Body
+
+WHEEL_M: Final = 0.072
+TICKS_A_TURN: Final = 508.8
+STREAM_S: Final = 0.015
+SLEEP_S: Final = 300.0
+LIMIT_MM_S: Final = 500
+BOOT_TEXT: Final = b"bl-start\r\n2007-05-14-1715-L   \r\nRDK by iRobot!\r\n"
+"""What a processor that starts writes on the line, in a protocol of its own."""
+BATTERY_MAH: Final = (2_050, 2_696)
+LONGEST_STREAM: Final = 80
+
+DATA_BYTES: Final = {
+    128: 0, 129: 1, 131: 0, 132: 0, 133: 0, 134: 0, 135: 0, 136: 0, 137: 4, 138: 1, 139: 3,
+    141: 1, 142: 1, 143: 0, 144: 3, 145: 4, 146: 4, 147: 1, 150: 1, 162: 2, 163: 4, 164: 4,
+    165: 1, 168: 3, 173: 0, 7: 0,
+}  # fmt: skip
+"""By opcode; those whose length is in their first byte are `COUNTED`."""
+COUNTED: Final = {140: 2, 148: 1, 149: 1}
+"""By opcode: how many bytes there are up to the count, the count with them."""
+
+
+class Mode(IntEnum):
+    """The Open Interface's modes, as packet 35 gives them."""
+
+    OFF = 0
+    PASSIVE = 1
+    SAFE = 2
+    FULL = 3
+
+
+class Create2Twin:
+    """Its serial port, its modes and its wheels' orders."""
+
+    body = Body(0.235, TICKS_A_TURN / (math.pi * WHEEL_M), LIMIT_MM_S / 1000)
+    baud = 115_200
+
+    def __init__(self, sleep_s: float = SLEEP_S) -> None:
+        self._sleep_s = sleep_s
+        self._bumped = self._lifted = False
+        self.boot(0.0)
+
+    def boot(self, now_s: float) -> None:
+        """A reset: off, nothing streamed, the counts at zero."""
+        self.mode = Mode.OFF
+        self.asleep = False
+        self._heard_s = now_s
+        self._order = bytearray()
+        self._wanted = [0, 0]
+        self._counts = [0, 0]
+        self._ticks: tuple[int, int] | None = None
+        self._direction = [1, 1]
+        self._stream: tuple[int, ...] = ()
+        self._streaming = False
+        self._streamed_s = now_s
+        self._out = bytearray()
+
+    def press_clean(self, now_s: float) -> None:
+        """The button on top wakes it."""
+        self.asleep = False
+        self._heard_s = now_s
+
+    def bump(self, pressed: bool) -> None:
+        """Both halves of the bumper."""
+        self._bumped = pressed
+
+    def lift(self, lifted: bool) -> None:
+        """Both wheels drop out of the body."""
+        self._lifted = lifted
+
+    # Bytes in.
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Orders, byte by byte."""
+        if self.asleep:
+            return
+        for value in data:
+            self._take(value, now_s)
+
+    def _take(self, value: int, now_s: float) -> None:
+        order = self._order
+        if not order and value not in DATA_BYTES and value not in COUNTED:
+            return  # no order begins like this
+        order.append(value)
+        length = self._length()
+        if length is None or len(order) < length:
+            return
+        opcode, data = order[0], bytes(order[1:])
+        order.clear()
+        if self.mode is not Mode.OFF or opcode in (7, 128):
+            self._heard_s = now_s
+            self._obey(opcode, data, now_s)
+
+    def _length(self) -> int | None:
+        """Of the order that has begun; None while that is not yet known."""
+        order = self._order
+        if order[0] in DATA_BYTES:
+            return 1 + DATA_BYTES[order[0]]
+        head = COUNTED[order[0]]
+        if len(order) <= head:
+            return None
+        return 1 + head + order[head] * (2 if order[0] == 140 else 1)
+
+    def _obey(self, opcode: int, data: bytes, now_s: float) -> None:
+        match opcode:
+            case 7:
+                self.boot(now_s)
+                self._out += BOOT_TEXT
+            case 128:
+                self._enter(Mode.PASSIVE)
+            case 173:
+                self._enter(Mode.OFF)
+                self._streaming = False
+            case 131:
+                self._enter(Mode.SAFE)
+            case 132:
+                self._enter(Mode.FULL)
+            case 145 if self.mode >= Mode.SAFE:
+                right, left = struct.unpack(">hh", data)
+                self._turn(left, right)
+            case 137 if self.mode >= Mode.SAFE:
+                self._drive(*struct.unpack(">hh", data))
+            case 142:
+                self._out += self._packet(data[0])
+            case 149:
+                self._out += b"".join(self._packet(number) for number in data[1:])
+            case 148:
+                self._stream = tuple(data[1 : 1 + LONGEST_STREAM])
+                self._streaming = bool(self._stream)
+            case 150:
+                self._streaming = bool(data[0]) and bool(self._stream)
+            case 134 | 135 | 136 | 143:
+                self._enter(Mode.PASSIVE)
+
+    def _enter(self, mode: Mode) -> None:
+        """Every change of mode stops the wheels."""
+        self.mode = mode
+        self._wanted = [0, 0]
+
+    def _turn(self, left: int, right: int) -> None:
+        for side, speed in enumerate((left, right)):
+            self._wanted[side] = max(-LIMIT_MM_S, min(LIMIT_MM_S, speed))
+            if self._wanted[side]:
+                self._direction[side] = 1 if self._wanted[side] > 0 else -1
+
+    def _drive(self, speed: int, radius: int) -> None:
+        if radius in (-32768, 32767):
+            self._turn(speed, speed)
+        elif radius in (-1, 1):
+            self._turn(-speed * radius, speed * radius)
+        else:
+            half = self.body.track_m * 500
+            self._turn(round(speed * (1 - half / radius)), round(speed * (1 + half / radius)))
+
+    # Wheels.
+
+    def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
+        """Count, feel, and fall asleep."""
+        before = self._ticks or (left_ticks, right_ticks)
+        self._ticks = (left_ticks, right_ticks)
+        for side, moved in enumerate((left_ticks - before[0], right_ticks - before[1])):
+            self._counts[side] += self._direction[side] * abs(moved)
+        if self.mode is Mode.SAFE and self._lifted:
+            self._enter(Mode.PASSIVE)
+        if self.mode <= Mode.PASSIVE and now_s - self._heard_s >= self._sleep_s:
+            self.asleep, self.mode, self._streaming = True, Mode.OFF, False
+        left, right = self._wanted
+        return WheelSpeeds(left / 1000, right / 1000, powered=self.mode >= Mode.SAFE)
+
+    # Bytes out.
+
+    def bytes_to_send(self, now_s: float) -> bytes:
+        """Answers first, then a frame of the stream when it is due."""
+        if self._out:
+            answer = bytes(self._out)
+            self._out.clear()
+            return answer
+        if not self._streaming or self.asleep or now_s - self._streamed_s < STREAM_S:
+            return b""
+        late = now_s - self._streamed_s >= 2 * STREAM_S
+        self._streamed_s = now_s if late else self._streamed_s + STREAM_S
+        body = b"".join(bytes([number]) + self._packet(number) for number in self._stream)
+        frame = bytes([19, len(body)]) + body
+        return frame + bytes([-sum(frame) & 0xFF])
+
+    def _packet(self, number: int) -> bytes:
+        """A sensor packet's data."""
+        match number:
+            case 7:
+                return bytes([(0b0011 if self._bumped else 0) | (0b1100 if self._lifted else 0)])
+            case 9 | 10 | 11 | 12:
+                return bytes([int(self._lifted)])
+            case 22:
+                return (15_800).to_bytes(2, "big")
+            case 25 | 26:
+                return BATTERY_MAH[number - 25].to_bytes(2, "big")
+            case 35:
+                return bytes([self.mode])
+            case 43 | 44:
+                return (self._counts[number - 43] & 0xFFFF).to_bytes(2, "big")
+            case 19 | 20 | 23 | 27 | 28 | 29 | 30 | 31 | 39 | 40 | 41 | 42:
+                return bytes(2)
+        return bytes(1)
