@@ -6,8 +6,14 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from navigation.link.drivers.create2 import Create2Driver
+from navigation.link.drivers.epuck2 import Epuck2Driver
 from navigation.link.drivers.robot_driver import RobotDriver
+from navigation.link.drivers.turtlebot3 import Turtlebot3Driver
+from navigation.link.drivers.waveshare import WaveshareDriver
 
 DRIVERS: Final[Mapping[str, Callable[[], RobotDriver]]] = {
     "create2": Create2Driver,
+    "turtlebot3": Turtlebot3Driver,
+    "epuck2": Epuck2Driver,
+    "waveshare": WaveshareDriver,
 }

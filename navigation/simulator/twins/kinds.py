@@ -9,10 +9,16 @@ from typing import Final
 from navigation.simulator.drive_model import DriveModel
 from navigation.simulator.line_faults import FaultSpec, FaultSpecError
 from navigation.simulator.twins.create2 import Create2Twin
+from navigation.simulator.twins.epuck2 import Epuck2Twin
+from navigation.simulator.twins.turtlebot3 import Turtlebot3Twin
 from navigation.simulator.twins.twin import Twin
+from navigation.simulator.twins.waveshare import WaveshareTwin
 
 TWINS: Final[Mapping[str, Callable[[], Twin]]] = {
     "create2": Create2Twin,
+    "turtlebot3": Turtlebot3Twin,
+    "epuck2": Epuck2Twin,
+    "waveshare": WaveshareTwin,
 }
 
 

@@ -1,0 +1,197 @@
+"""The driver of the TurtleBot3 (Burger or Waffle) with ROBOTIS's firmware for ROS 2 on its OpenCR.
+
+- Dynamixel protocol 2.0 over USB: the board is a slave with id 200 whose control table is read and
+  written. An answer is known by its length, so a lost one puts nothing out of order.
+- The heartbeat is counted up ten times a second; without it the board stops the wheels after half a
+  second.
+- Speeds go in steps of 1 cm/s and 0.01 rad/s. What a step leaves over goes into the next order, so
+  that on average the robot drives as fast as it should.
+
+Little-endian; metres and seconds elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator
+from typing import Final
+
+from navigation.config.known_robots import KNOWN_ROBOTS
+from navigation.link.drivers.robot_driver import Heard
+from navigation.link.drivers.wheel_odometry import WheelOdometry
+
+BOARD: Final = 200
+READ, WRITE, STATUS = 2, 3, 0x55
+HEADER: Final = bytes((0xFF, 0xFF, 0xFD, 0x00))
+LONGEST: Final = 64
+"""Of an answer's part after its length: nothing longer is ever asked for."""
+WHO, STATE, BEAT, CHARGE, TRAVEL, SPEEDS = (0, 7), (18, 1), 19, (46, 4), (136, 8), 150
+"""What is read or written: address and length; the lengths differ."""
+MODEL: Final = 0x5000
+TRACKS_M: Final = {1: ("Burger", 0.160), 2: ("Waffle", 0.287)}
+"""By the table's model information: its firmware divides an angular speed by these."""
+CYCLE_S: Final = 0.02
+"""The board renews its table so often."""
+BEAT_S: Final = 0.1
+ASK_S: Final = 1.0
+"""Who it is, whether its motors answer, and its battery."""
+STEP: Final = 100
+"""Steps of 1 cm/s and of 0.01 rad/s."""
+
+
+class Turtlebot3Driver:
+    """See `RobotDriver`."""
+
+    robot = KNOWN_ROBOTS["turtlebot3"]
+
+    def __init__(self) -> None:
+        self.heard = Heard()
+        assert self.robot.metres_per_count is not None
+        self._odometry = WheelOdometry(
+            self.robot.metres_per_count, self.robot.wheel_m_s, modulus=1 << 32
+        )
+        self._buffer = bytearray()
+        self._track_m = self.robot.track_m
+        self._cycle_s = self._beat_s = self._asked_s = -math.inf
+        self._beat = 0
+        self._wanted = (0.0, 0.0)
+        self._left_over = [0.0, 0.0]
+
+    def open(self, now_s: float) -> None:
+        """The first order that goes out is a stop."""
+        self._buffer.clear()
+        self._odometry.forget()
+        self._cycle_s = self._beat_s = self._asked_s = -math.inf
+        self._wanted = (0.0, 0.0)
+
+    def drive(self, left_m_s: float, right_m_s: float) -> None:
+        """As linear and angular speed of the robot's own track."""
+        self._wanted = ((left_m_s + right_m_s) / 2, (right_m_s - left_m_s) / self._track_m)
+
+    def clear_fault(self) -> None:
+        """What still holds comes back with the next answer."""
+        self.heard.fault = None
+
+    # Bytes out.
+
+    def bytes_to_send(self, now_s: float) -> bytes:
+        """Every 20 ms the speeds and the question for the travel; the rest in its turn."""
+        if now_s - self._cycle_s < CYCLE_S:
+            return b""
+        self._cycle_s = now_s
+        linear, angular = self._steps(0), self._steps(1)
+        packets = [_write(SPEEDS, struct.pack("<iiiiii", linear, 0, 0, 0, 0, angular))]
+        if now_s - self._beat_s >= BEAT_S:
+            self._beat_s, self._beat = now_s, (self._beat + 1) & 0xFF
+            packets.append(_write(BEAT, bytes([self._beat])))
+        if now_s - self._asked_s >= ASK_S:
+            self._asked_s = now_s
+            packets += [_read(*WHO), _read(*STATE), _read(*CHARGE)]
+        packets.append(_read(*TRAVEL))
+        return b"".join(packets)
+
+    def _steps(self, which: int) -> int:
+        """The next order's whole steps; a stop is one at once."""
+        wanted = self._wanted[which] * STEP
+        if wanted == 0.0:
+            self._left_over[which] = 0.0
+            return 0
+        wanted += self._left_over[which]
+        steps = round(wanted)
+        self._left_over[which] = wanted - steps
+        return steps
+
+    # Bytes in.
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Answers; what is none, or was damaged, is skipped to the next header."""
+        self._buffer += data
+        for error, answer in self._answers():
+            self.heard.messages += 1
+            if error & 0x7F == 0:
+                self._take(answer, now_s)
+
+    def _answers(self) -> Iterator[tuple[int, bytes]]:
+        """Error and data of each status packet that is whole."""
+        buffer = self._buffer
+        while (at := buffer.find(HEADER)) >= 0:
+            del buffer[:at]
+            if len(buffer) < 7:
+                return
+            size = buffer[5] | buffer[6] << 8
+            if not 4 <= size <= LONGEST:
+                self.heard.damaged += 1
+                del buffer[0]
+                continue
+            if len(buffer) < 7 + size:
+                return
+            packet = bytes(buffer[: 7 + size])
+            if packet[-2] | packet[-1] << 8 != crc16(packet[:-2]):
+                self.heard.damaged += 1
+                del buffer[0]
+                continue
+            del buffer[: len(packet)]
+            if packet[4] == BOARD and packet[7] == STATUS:
+                yield packet[8], _unstuffed(packet[9:-2])
+        del buffer[: -(len(HEADER) - 1)]
+
+    def _take(self, answer: bytes, now_s: float) -> None:
+        heard = self.heard
+        match len(answer):
+            case 8:
+                left, right = struct.unpack("<ii", answer)
+                if not self._odometry.count(left, right, now_s):
+                    heard.damaged += 1
+                elif heard.identity is not None:
+                    heard.left_m, heard.right_m = self._odometry.left_m, self._odometry.right_m
+                    heard.odometry_s = now_s
+            case 7:
+                model, kind = struct.unpack("<HI", answer[:6])
+                if model == MODEL and kind in TRACKS_M:
+                    name, self._track_m = TRACKS_M[kind]
+                    heard.identity = f"{self.robot.title} {name}, firmware {answer[6]}"
+            case 4:
+                heard.battery = min(1.0, int.from_bytes(answer, "little") / 10_000)
+            case 1 if answer == b"\xff":
+                heard.fault = "its motors do not answer the board: look at their power and cables"
+
+
+def _packet(instruction: int, data: bytes) -> bytes:
+    body = bytes([instruction]) + data.replace(HEADER[:3], HEADER[:3] + HEADER[2:3])
+    head = HEADER + bytes([BOARD]) + (len(body) + 2).to_bytes(2, "little") + body
+    return head + crc16(head).to_bytes(2, "little")
+
+
+def _read(address: int, length: int) -> bytes:
+    return _packet(READ, struct.pack("<HH", address, length))
+
+
+def _write(address: int, data: bytes) -> bytes:
+    return _packet(WRITE, struct.pack("<H", address) + data)
+
+
+def _unstuffed(data: bytes) -> bytes:
+    """Without the byte that keeps data from looking like a header."""
+    return data.replace(HEADER[:3] + HEADER[2:3], HEADER[:3])
+
+
+def _table() -> tuple[int, ...]:
+    rows = []
+    for value in range(256):
+        row = value << 8
+        for _ in range(8):
+            row = row << 1 ^ (0x8005 if row & 0x8000 else 0)
+        rows.append(row & 0xFFFF)
+    return tuple(rows)
+
+
+_CRC: Final = _table()
+
+
+def crc16(data: bytes) -> int:
+    """Of protocol 2.0: polynomial 0x8005, begun with 0, nothing reflected."""
+    value = 0
+    for byte in data:
+        value = (value << 8 & 0xFFFF) ^ _CRC[value >> 8 ^ byte]
+    return value

@@ -1,0 +1,139 @@
+"""The driver of Waveshare's UGVs with encoders, over their JSON commands.
+
+- One JSON object a line. The greeting switches the echo off and the stream of reports on, and sets
+  the robot's own watchdog to half a second; a robot whose reports stop is greeted again, since it
+  may have started anew.
+- The reports hold speeds, not counts. The travel is what they come to over the time between them;
+  reports that arrive together share it.
+- Wheel speeds in m/s; a robot without encoders would take them for a share of its power, and is not
+  for this driver.
+
+Metres and seconds.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, Final
+
+from navigation.config.known_robots import KNOWN_ROBOTS
+from navigation.link.drivers.robot_driver import Heard
+
+WATCHDOG_MS: Final = 500
+GREET_S: Final = 1.0
+SILENT_S: Final = 0.3
+REPEAT_S: Final = 0.1
+SPACING_S: Final = 0.02
+LONGEST: Final = 1024
+REPORT: Final = 1001
+EMPTY_V, FULL_V = 9.0, 12.6
+"""Three lithium cells in a row."""
+GREETING: Final = (
+    {"T": 1, "L": 0, "R": 0},
+    {"T": 143, "cmd": 0},
+    {"T": 142, "cmd": 0},
+    {"T": 136, "cmd": WATCHDOG_MS},
+    {"T": 131, "cmd": 1},
+)
+
+
+class WaveshareDriver:
+    """See `RobotDriver`."""
+
+    robot = KNOWN_ROBOTS["waveshare"]
+
+    def __init__(self) -> None:
+        self.heard = Heard()
+        self._buffer = bytearray()
+        self._wanted = (0.0, 0.0)
+        self._forget_the_line()
+
+    def _forget_the_line(self) -> None:
+        self._sent = (0.0, 0.0)
+        self._sent_s = self._greeted_s = self._heard_s = -math.inf
+
+    def open(self, now_s: float) -> None:
+        """Greet it at once, which stops it."""
+        self._buffer.clear()
+        self._wanted = (0.0, 0.0)
+        self._forget_the_line()
+
+    def drive(self, left_m_s: float, right_m_s: float) -> None:
+        """To a tenth of a millimetre a second."""
+        self._wanted = (round(left_m_s, 4), round(right_m_s, 4))
+
+    def clear_fault(self) -> None:
+        """It reports none."""
+
+    # Bytes out.
+
+    def bytes_to_send(self, now_s: float) -> bytes:
+        """The greeting, or the wheels' speeds when they change and now and then."""
+        if now_s - self._heard_s > SILENT_S and now_s - self._greeted_s >= GREET_S:
+            self._greeted_s = now_s
+            self._sent, self._sent_s = (0.0, 0.0), now_s
+            return b"\n" + b"".join(map(_line, GREETING))
+        age_s = now_s - self._sent_s
+        stops = self._wanted == (0.0, 0.0) != self._sent
+        if stops or age_s >= REPEAT_S or (self._wanted != self._sent and age_s >= SPACING_S):
+            self._sent, self._sent_s = self._wanted, now_s
+            return _line({"T": 1, "L": self._wanted[0], "R": self._wanted[1]})
+        return b""
+
+    # Bytes in.
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Lines; the reports among them share the time since the last one."""
+        self._buffer += data
+        *lines, rest = self._buffer.split(b"\n")
+        self._buffer = bytearray(rest[-LONGEST:])
+        reports = [report for line in lines if (report := self._read(bytes(line))) is not None]
+        if not reports:
+            return
+        heard, gone_s = self.heard, now_s - self._heard_s
+        self._heard_s = now_s
+        if gone_s <= SILENT_S:
+            heard.left_m += sum(left for left, _ in reports) * gone_s / len(reports)
+            heard.right_m += sum(right for _, right in reports) * gone_s / len(reports)
+        heard.odometry_s = now_s
+
+    def _read(self, line: bytes) -> tuple[float, float] | None:
+        """The wheels' speeds in a report; None for what is none."""
+        line = line.strip()
+        if not line:
+            return None
+        if line.startswith((b"q,", b"v,Version")):
+            self.heard.stranger = "epuck2"
+        try:
+            told = json.loads(line)
+        except ValueError:
+            self.heard.damaged += 1
+            return None
+        if not isinstance(told, dict) or told.get("T") != REPORT:
+            return None  # an echo, or the answer to somebody else
+        speeds = _number(told, "L"), _number(told, "R")
+        most = 2.0 * self.robot.wheel_m_s
+        if any(speed is None or abs(speed) > most for speed in speeds):
+            self.heard.damaged += 1
+            return None
+        self.heard.messages += 1
+        self.heard.identity = self.robot.title
+        volts = _number(told, "v")
+        if volts is not None:
+            self.heard.battery = max(0.0, min(1.0, (volts - EMPTY_V) / (FULL_V - EMPTY_V)))
+        left, right = speeds
+        assert left is not None
+        assert right is not None
+        return left, right
+
+
+def _line(order: dict[str, Any]) -> bytes:
+    return json.dumps(order, separators=(",", ":")).encode() + b"\n"
+
+
+def _number(told: dict[str, Any], key: str) -> float | None:
+    value = told.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return None
+    return float(value)

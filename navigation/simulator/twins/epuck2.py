@@ -1,0 +1,123 @@
+"""The twin of an e-puck2, from the handler of its text commands (its selector at 3 or 8).
+
+- A command is a line that ends with CR or LF; its first letter counts, the answer begins with the
+  same letter in lower case and ends with CR LF. An unknown one is answered "z,Command not found".
+- Stepper motors: what is ordered is what they do, in whole steps a second; the counts are those of
+  the steps ordered, 1,000 a turn, of 32 bits. `D` is limited by the motors only.
+- A character with the highest bit at a line's beginning starts the binary mode, which eats all up to
+  the next zero. A zero in text is nothing.
+- No watchdog: the wheels keep the last order.
+- A number that does not read leaves the one before, as C's sscanf does.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Final
+
+from firmware_protocol.robot.controller import WheelSpeeds
+from navigation.simulator.twins.twin import Body
+
+STEPS_A_TURN: Final = 1_000
+WHEEL_M: Final = 0.041
+STEP_M: Final = math.pi * WHEEL_M / STEPS_A_TURN
+MOST_STEPS_S: Final = 1_100
+WELCOME: Final = (
+    b'\x0c\x07WELCOME to the SerCom protocol on e-Puck\r\nthe EPFL education robot type "H" for '
+    b"help\r\n"
+)
+VERSION: Final = b"v,Version 2.0 January 2018 GCtronic\r\nHW version: FFFF\r\n"
+LONGEST: Final = 80
+
+
+class Epuck2Twin:
+    """Its serial port and its two steppers."""
+
+    body = Body(0.053, 1 / STEP_M, MOST_STEPS_S * STEP_M)
+    baud = 115_200
+
+    def __init__(self) -> None:
+        self.boot(0.0)
+
+    def boot(self, now_s: float) -> None:
+        """It greets whoever listens."""
+        self._line = bytearray()
+        self._out = bytearray(WELCOME)
+        self._wanted = [0, 0]
+        self._steps = [0, 0]
+        self._near = self._is_binary = False
+
+    def bump(self, pressed: bool) -> None:
+        """Its distance sensors in front see something."""
+        self._near = pressed
+
+    def lift(self, lifted: bool) -> None:
+        """It does not feel that."""
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Characters, or what the binary mode eats."""
+        for value in data:
+            if self._is_binary or (value >= 0x80 and not self._line):
+                self._is_binary = value != 0
+            elif value in b"\r\n":
+                if self._line:
+                    self._obey(self._line.decode("latin-1"))
+                self._line.clear()
+            elif value != 0 and len(self._line) < LONGEST:
+                self._line.append(value)
+
+    def _obey(self, line: str) -> None:
+        letter = line[0] if line[0] in "bg" else line[0].upper()
+        match letter:
+            case "D":
+                for side, value in enumerate(_numbers(line)):
+                    self._wanted[side] = value
+                self._say("d")
+            case "E":
+                self._say(f"e,{self._wanted[0]},{self._wanted[1]}")
+            case "Q":
+                self._say(f"q,{self._steps[0]},{self._steps[1]}")
+            case "S":
+                self._wanted = [0, 0]
+                self._say("s")
+            case "V":
+                self._out += VERSION
+            case "N":
+                near = 3_000 if self._near else 20
+                self._say(f"n,{near},30,10,0,0,12,25,{near}")
+            case "b":
+                self._say("b,1810 (71%)")
+            case "C":
+                self._say("c,8")
+            case "L" | "F" | "B" | "P" | "T" | "J":
+                self._say(letter.lower())
+            case "R":
+                pass
+            case _:
+                self._say("z,Command not found")
+
+    def _say(self, words: str) -> None:
+        self._out += words.encode() + b"\r\n"
+
+    def step(self, now_s: float, left_ticks: int, right_ticks: int) -> WheelSpeeds:
+        """The steppers turn as ordered."""
+        self._steps = [left_ticks, right_ticks]
+        left, right = (max(-MOST_STEPS_S, min(MOST_STEPS_S, w)) * STEP_M for w in self._wanted)
+        return WheelSpeeds(left, right, powered=True)
+
+    def bytes_to_send(self, now_s: float) -> bytes:
+        """The answers, in the order of the commands."""
+        answer = bytes(self._out)
+        self._out.clear()
+        return answer
+
+
+def _numbers(line: str) -> list[int]:
+    """Up to two, from the second character on, as far as they read."""
+    found: list[int] = []
+    rest = line[1:]
+    while len(found) < 2 and (match := re.match(r",\s*([+-]?\d+)", rest)):
+        found.append(int(match[1]))
+        rest = rest[match.end() :]
+    return found
