@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.marks import Location
 from navigation.config.sections import SIMULATED, MarkerSection
 from navigation.config.values import Place
@@ -47,6 +48,30 @@ def _robot_fits_together(robot: Any) -> _Found:
     if robot.track_m > 2 * robot.radius_m:
         limit = 2 * robot.radius_m
         yield ("robot", "track_m"), f"must be <= {limit:g}, the body's width, not {robot.track_m:g}"
+
+
+def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
+    """What its maker says of the robot, compared with what is asked of it."""
+    if robot.driver == CLEARWAY:
+        if "://" in serial.port:
+            yield ("serial", "port"), "an address needs a robot.driver other than 'clearway'"
+        return
+    known = KNOWN_ROBOTS[robot.driver]
+    if robot.speed_m_s > known.speed_m_s:
+        yield _beyond(("robot", "speed_m_s"), robot.speed_m_s, known.speed_m_s, f"the {known.title}'s")
+    turn = 2 * known.wheel_m_s / robot.track_m
+    if robot.angular_rate_rad_s > turn:
+        why = f"the {known.title}'s wheels at {known.wheel_m_s:g} m/s"
+        yield _beyond(("robot", "angular_rate_rad_s"), robot.angular_rate_rad_s, turn, why)
+    if robot.radius_m < known.radius_m:
+        yield (
+            ("robot", "radius_m"),
+            f"must be >= {known.radius_m:g}, the {known.title}'s body, not {robot.radius_m:g}",
+        )
+
+
+def _beyond(where: Location, value: float, limit: float, why: str) -> tuple[Location, str]:
+    return where, f"must be <= {limit:.4g}, {why}, not {value:g}"
 
 
 def _marker_lies_on_the_body(robot: MarkerSection, where: Location) -> _Found:
@@ -232,6 +257,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("camera",), _camera_has_a_scale),
     (("vision",), _fixed_has_a_threshold),
     (("robot",), _robot_fits_together),
+    (("robot", "serial"), _driver_can_drive_it),
     (("robot", "other_robots"), _robots_differ),
     (("robot", "other_robots"), _dictionary_holds_the_markers),
     (("robot", "planning"), _speeds_agree),

@@ -17,10 +17,14 @@ import click
 import numpy as np
 
 from firmware_protocol.wire.messages import STOP_SENTENCES, RobotState
+from navigation.config.known_robots import CLEARWAY
 from navigation.simulator.line_faults import FaultSpec
 from navigation.simulator.robot import RobotView, SimulatedRobot
 from navigation.simulator.shared_pose import PoseWriter
+from navigation.simulator.twins.kinds import TWINS
+from navigation.simulator.twins.twin_robot import TwinRobot
 
+OWN_BAUD = 115_200
 LOOK_S = 0.05
 TELL_S = 0.002
 ENDED_BY = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -87,6 +91,13 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
 
 @click.command(help="A simulated robot on a serial port, or on a new pseudo-terminal.")
 @click.option(
+    "--kind",
+    type=click.Choice([CLEARWAY, *TWINS]),
+    default=CLEARWAY,
+    show_default=True,
+    help="What it speaks: Clearway's own line, or another maker's protocol, byte for byte.",
+)
+@click.option(
     "--port", metavar="PATH", help="Serial port to use; without it a new pseudo-terminal is made."
 )
 @click.option(
@@ -115,9 +126,7 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
 @click.option(
     "--baud",
     type=click.IntRange(1200, 4_000_000),
-    default=115_200,
-    show_default=True,
-    help="Bits a second; a pseudo-terminal is paced to it.",
+    help="Bits a second; a pseudo-terminal is paced to it. Without it as the robot has it.",
 )
 @click.option(
     "--link",
@@ -130,11 +139,12 @@ def _read_faults(_ctx: click.Context, _param: click.Parameter, text: str) -> Fau
     help="Write the pose to this file, for simulation.robot.poses of a run.",
 )
 def command(
+    kind: str,
     port: str | None,
     faults: FaultSpec,
     seed: int,
     start: tuple[float, float, float],
-    baud: int,
+    baud: int | None,
     link: Path | None,
     poses: Path | None,
 ) -> int:
@@ -144,28 +154,41 @@ def command(
         ended = until.enter_context(_signals())
         told_in = None if poses is None else until.enter_context(closing(PoseWriter(poses)))
         robot = until.enter_context(
-            SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud)
+            SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud or OWN_BAUD)
+            if kind == CLEARWAY
+            else TwinRobot(kind, start, rng=rng, faults=faults, port=port, baud=baud)
         )
         click.echo(robot.port)
         if link is not None:
             until.enter_context(_linked(link, robot.port))
         told: tuple[object, ...] = ()
         while not ended:
-            view = robot.view()
-            news = (view.state, view.reason, view.mission)
+            news, words = news_of(robot)
             if news != told:
                 told = news
-                click.echo(describe(view))
+                click.echo(words)
             if told_in is not None:
-                told_in.write(*view.pose)
+                told_in.write(*robot.pose())
             # the robot lives in its own thread: this one only looks on
             time.sleep(LOOK_S if told_in is None else TELL_S)  # the pace at which it reports
     return BY_SIGNAL + ended[0]
 
 
+def news_of(robot: SimulatedRobot | TwinRobot) -> tuple[tuple[object, ...], str]:
+    """What is worth a line when it changes, and the line."""
+    if isinstance(robot, TwinRobot):
+        words = "its wheels turn" if robot.moving else "its wheels are at rest"
+        return (robot.moving,), f"{words}, at {_place(*robot.pose())}"
+    view = robot.view()
+    return (view.state, view.reason, view.mission), describe(view)
+
+
 def describe(view: RobotView) -> str:
     """One line on the robot: state, why, progress, place."""
-    x, y, heading = view.pose
     why = "" if view.state is RobotState.RUN else f": {STOP_SENTENCES[view.reason]}"
-    at = f"({x:.3f}, {y:.3f}) m, {math.degrees(heading):.1f} deg"
+    at = _place(*view.pose)
     return f"{view.state.name}{why}; mission {view.mission:#x}, {view.executed} executed, at {at}"
+
+
+def _place(x_m: float, y_m: float, heading_rad: float) -> str:
+    return f"({x_m:.3f}, {y_m:.3f}) m, {math.degrees(heading_rad):.1f} deg"

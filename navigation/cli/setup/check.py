@@ -10,6 +10,7 @@ import click
 
 from navigation.config import Config, load_config
 from navigation.config.errors import ConfigError, Problem, in_order, mark_of
+from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS, KnownRobot
 from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
 from navigation.config.secrets import hide
@@ -177,10 +178,18 @@ def summary(config: Config) -> Iterator[tuple[str, str]]:
         "robot",
         f"marker {robot.marker_id}, radius {robot.radius_m:g} m, up to {robot.speed_m_s:g} m/s",
     )
+    if robot.driver != CLEARWAY:
+        yield "driver", f"{robot.driver}: {_who_stops_it(KNOWN_ROBOTS[robot.driver])}"
     yield "serial", f"{config.serial.port}, {config.serial.baud} baud"
     count = len(mission.stations)
     stations = "1 station" if count == 1 else f"{count or 'no'} stations, {mission.order} order"
     yield "mission", stations if count else "none: waits for orders"
+
+
+def _who_stops_it(known: KnownRobot) -> str:
+    if known.watchdog_s is None:
+        return f"the {known.title} has no watchdog; nothing stops it when this computer dies"
+    return f"the {known.title} stops by itself {known.watchdog_s:g} s after the last order"
 
 
 def _unreadable(file: Path | None, error: OSError) -> str:
