@@ -58,7 +58,9 @@ def _driver_can_drive_it(robot: Any, serial: Any) -> _Found:
         return
     known = KNOWN_ROBOTS[robot.driver]
     if robot.speed_m_s > known.speed_m_s:
-        yield _beyond(("robot", "speed_m_s"), robot.speed_m_s, known.speed_m_s, f"the {known.title}'s")
+        yield _beyond(
+            ("robot", "speed_m_s"), robot.speed_m_s, known.speed_m_s, f"the {known.title}'s"
+        )
     turn = 2 * known.wheel_m_s / robot.track_m
     if robot.angular_rate_rad_s > turn:
         why = f"the {known.title}'s wheels at {known.wheel_m_s:g} m/s"

@@ -34,7 +34,7 @@ def command(once: bool, no_browser: bool, port: int) -> int:
     the real ones. Nothing is kept. Click in the arena to send the robot elsewhere; Ctrl-C ends it.
     """
     from navigation.cli.running.run import show, signals_heard
-    from navigation.cli.setup.init_config import DEMO
+    from navigation.cli.setup.starter_values import demo_values
     from navigation.config.load import parse_config
     from navigation.config.reference import starter_yaml
     from navigation.machine.descriptors import set_descriptor_limit
@@ -44,7 +44,7 @@ def command(once: bool, no_browser: bool, port: int) -> int:
     voice = Voice()
     with tempfile.TemporaryDirectory(prefix="clearway-demo-") as folder:
         kept = {"recording": {"runs_dir": folder}, "dashboard": {"port": port}}
-        config = parse_config(starter_yaml({**DEMO, **kept}, "demo"), "demo", Path(folder))
+        config = parse_config(starter_yaml({**demo_values(), **kept}, "demo"), "demo", Path(folder))
         browser = None if no_browser else browser_here(os.environ)
         runner = Runner(
             config,

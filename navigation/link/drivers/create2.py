@@ -6,7 +6,8 @@
   underway, and a driver that was killed, are made harmless.
 - The orders have no check: they are repeated, end in zeros, and no byte of a speed is an order of
   its own that could do harm. A wheel's speed is a whole number of mm/s.
-- Out of SAFE mode by itself: a cliff, a wheel that hangs, or the charger. A bumper stops it here.
+- A cliff or a wheel that hangs takes it out of SAFE mode, and so does the charger, or a byte that
+  the line made up; then it is asked back. A bumper stops it here, not there.
 
 Open Interface, big-endian. Metres and seconds elsewhere.
 """
@@ -31,9 +32,11 @@ HEADER: Final = bytes([19, BODY])
 MODE_SAFE: Final = 2
 FILL: Final = bytes(4)
 """Zeros are no order, and end one that lost a byte before the next begins."""
-NEVER: Final = frozenset((7, *range(129, 131), *range(132, 139), 143, 144, 146, 150, 173))
-"""Low bytes of a speed that would be an order (reset, power off, clean, dock, another baud) if the
-byte before them were lost. Such a speed is changed by as few mm/s as helps."""
+NEVER: Final = frozenset(
+    (7, *range(128, 131), *range(132, 139), 140, 143, 144, 146, *range(148, 151), 173)
+)
+"""Low bytes of a speed that would be an order if the byte before them were lost: reset, power off,
+clean, dock, another baud, or one that takes the next orders for its data. Such a speed is changed by as few mm/s as helps."""
 REPEAT_S: Final = 0.05
 SILENT_S: Final = 0.3
 """Frames come every 15 ms: twenty missing ones, and it is greeted again."""
@@ -81,7 +84,7 @@ class Create2Driver:
     def bytes_to_send(self, now_s: float) -> bytes:
         """The greeting, or the wheels' speeds when they change and now and then."""
         silent = now_s - self._heard_s > SILENT_S or self._greeted_s == -math.inf
-        if silent and now_s - self._greeted_s >= GREET_S:
+        if (silent or self.heard.held is not None) and now_s - self._greeted_s >= GREET_S:
             self._greeted_s = now_s
             self._sent, self._sent_s = (0, 0), now_s
             stream = bytes([STREAM, len(SIZES), *SIZES])
@@ -117,27 +120,31 @@ class Create2Driver:
         self._heard_s = now_s
         if packets[CAPACITY]:
             heard.battery = min(1.0, packets[CHARGE] / packets[CAPACITY])
-        fault = self._fault(packets, now_s)
+        heard.held = None
+        fault = _fault(packets)
         if fault is not None:
             heard.fault = fault
+        elif packets[MODE] < MODE_SAFE and now_s - self._greeted_s > LOST_MODE_S:
+            heard.held = "has left its safe mode (a charger, or a bad cable?) and is asked back"
+            return  # no odometry: it does not drive, and what it does is its own idea
         if not self._odometry.count(packets[LEFT], packets[RIGHT], now_s):
             heard.damaged += 1
             return
         heard.left_m, heard.right_m = self._odometry.left_m, self._odometry.right_m
         heard.odometry_s = now_s
 
-    def _fault(self, packets: dict[int, int], now_s: float) -> str | None:
-        bumps = packets[BUMPS]
-        if bumps & 0b1100:
-            return "a wheel hangs in the air: put the robot back on the floor"
-        if any(packets[cliff] & 1 for cliff in CLIFFS):
-            return "is at a cliff: its sensors see no floor"
-        if bumps & 0b0011:
-            side = ("", "right ", "left ", "")[bumps & 0b0011]
-            return f"its {side}bumper is pressed"
-        if packets[MODE] < MODE_SAFE and now_s - self._greeted_s > LOST_MODE_S:
-            return "has left its safe mode by itself: the charger, a cliff or a wheel that hung"
-        return None
+
+def _fault(packets: dict[int, int]) -> str | None:
+    """What its sensors feel that must stop it."""
+    bumps = packets[BUMPS]
+    if bumps & 0b1100:
+        return "a wheel hangs in the air: put the robot back on the floor"
+    if any(packets[cliff] & 1 for cliff in CLIFFS):
+        return "it is at a cliff: its sensors see no floor"
+    if bumps & 0b0011:
+        side = ("", "right ", "left ", "")[bumps & 0b0011]
+        return f"its {side}bumper is pressed"
+    return None
 
 
 def _wheels(left_mm_s: int, right_mm_s: int) -> bytes:

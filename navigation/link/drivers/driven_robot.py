@@ -23,6 +23,11 @@ from navigation.link.drivers.word_of_robot import Word, remark_of, silence_of
 
 FRESH_S: Final = 0.25
 """Wheels that have not reported for longer are driven no further: at 0.3 m/s 75 mm."""
+CYCLE_S: Final = 0.01
+DEALT_OUT_S: Final = 1.0
+"""Travel that came later than that is dealt out over the last second."""
+DEALING: Final = 1.2
+"""How much faster than its fastest a wheel is believed to be."""
 LOOK_BACK_S: Final = 3.0
 """Damaged messages are counted over so long."""
 
@@ -45,6 +50,10 @@ class DrivenRobot:
         self._port_fault: str | None = "the robot's port is not open yet"
         self._opened_s = 0.0
         self._stepped_s: float | None = None
+        self._report_s: float | None = None
+        """When the report came that the last step knew of."""
+        self._given = (0.0, 0.0)
+        """The travel that the controller knows of."""
         self._messages = 0
         self._fresh_bytes = 0
         self._counts: deque[tuple[float, int, int]] = deque()
@@ -58,6 +67,7 @@ class DrivenRobot:
         self._port_fault = None
         self._opened_s = now_s
         self._fresh_bytes = 0
+        self.driver.heard.stranger = self.driver.heard.held = None
         self.driver.open(now_s)
 
     def port_closed(self, reason: str) -> None:
@@ -101,9 +111,8 @@ class DrivenRobot:
             return
         if heard.fault is not None:
             self._meet_fault()
-        if heard.odometry_s != self._stepped_s:
-            self._stepped_s = heard.odometry_s
-            control.step(now_s, heard.left_m, heard.right_m)
+        if self._is_time_for_a_step(now_s):
+            self._step(now_s)
         control.tick(now_s)
         wheels = control.wheels
         if wheels.powered:
@@ -137,6 +146,29 @@ class DrivenRobot:
         if self._port_fault is not None or odometry_s is None:
             return False
         return now_s - odometry_s <= FRESH_S and odometry_s >= self._opened_s
+
+    def _step(self, now_s: float) -> None:
+        """The controller's cycle is 10 ms: a report's travel is dealt out over as many as it took.
+
+        No wheel turns faster than it can: what comes in a burst is dealt out over what follows.
+        """
+        heard, stepped_s = self.driver.heard, self._stepped_s
+        since_s = CYCLE_S if stepped_s is None else min(DEALT_OUT_S, now_s - stepped_s)
+        count = max(1, round(since_s / CYCLE_S))
+        most_m = DEALING * self.driver.robot.wheel_m_s * since_s / count
+        for left in range(count, 0, -1):
+            moves = (heard.left_m - self._given[0], heard.right_m - self._given[1])
+            parts = max(left, *(abs(move) / most_m for move in moves))
+            self._given = (self._given[0] + moves[0] / parts, self._given[1] + moves[1] / parts)
+            self.controller.step(now_s - (left - 1) * since_s / count, *self._given)
+        self._stepped_s, self._report_s = now_s, heard.odometry_s
+
+    def _is_time_for_a_step(self, now_s: float) -> bool:
+        """At each report, and while travel of the last ones is still being dealt out."""
+        heard = self.driver.heard
+        if heard.odometry_s != self._report_s or self._stepped_s is None:
+            return True
+        return self._given != (heard.left_m, heard.right_m) and now_s - self._stepped_s >= CYCLE_S
 
     def _stand(self) -> None:
         """No ramp: what the wheels do is not known."""

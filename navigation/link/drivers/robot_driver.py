@@ -7,7 +7,7 @@ metres a second; forwards is positive on both sides.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from navigation.config.known_robots import KnownRobot
@@ -26,13 +26,15 @@ class Heard:
     """When the newest travel came; None before the first."""
     fault: str | None = None
     """Why the robot must not drive, to be read after its name; None while it may."""
+    held: str | None = None
+    """Why it cannot be driven now although it answers, which may pass; None while it can."""
     battery: float | None = None
     """How full, from 0 to 1."""
     messages: int = 0
     """Whole, undamaged ones."""
     damaged: int = 0
     """Messages that were lost in part, or did not fit."""
-    stranger: str | None = field(default=None)
+    stranger: str | None = None
     """A name of `KNOWN_ROBOTS` whose words these seem to be."""
 
 

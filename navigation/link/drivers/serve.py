@@ -81,9 +81,7 @@ def _hear_the_end() -> list[int]:
 class _Loop:
     """The robot, its port, the wire's pseudo-terminal, and the words for people."""
 
-    def __init__(
-        self, robot: DrivenRobot, port: RobotPort, link: Path, words: Connection
-    ) -> None:
+    def __init__(self, robot: DrivenRobot, port: RobotPort, link: Path, words: Connection) -> None:
         self._robot, self._port, self._words = robot, port, words
         self._wire, self._other_end = os.openpty()
         tty.setraw(self._other_end)

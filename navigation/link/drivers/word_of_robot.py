@@ -48,6 +48,8 @@ def silence_of(
             f"{port} has {_an(other)} on it, not {_an(robot.title)}: set robot.driver to "
             f"{heard.stranger}, or plug in the other robot"
         )
+    if heard.held is not None:
+        return f"the {robot.title} on {port} {heard.held}"
     if fresh_bytes >= GARBAGE:
         hint = "" if baud == robot.baud else f" (serial.baud is {baud}, its own is {robot.baud})"
         return (
