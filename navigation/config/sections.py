@@ -141,7 +141,7 @@ class RobotSection(MarkerSection):
 
     driver: DriverName = Field(
         default="clearway",
-        description="what it speaks: 'clearway' is our firmware, the others their makers' protocols",
+        description="what it speaks: 'clearway' is our firmware, the others are named by robot",
     )
     dictionary: Dictionary = Field(
         default="DICT_4X4_50", description="OpenCV's name of the marker family"

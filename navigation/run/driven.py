@@ -1,4 +1,4 @@
-"""Robots that speak another protocol, as a run opens them: their driver's process, and their twin."""
+"""Robots that speak another protocol, as a run opens them: their driver, and their twin."""
 
 from __future__ import annotations
 

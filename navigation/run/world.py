@@ -17,9 +17,9 @@ from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED
 from navigation.link.serial_link import SerialLink
-from navigation.run.driven import driver_of, link_of, twin_of
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer
+from navigation.run.driven import driver_of, link_of, twin_of
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
@@ -152,7 +152,7 @@ class World:
         return true_start_of(self.config)
 
     def start(self) -> None:
-        """Switch the simulated robot on, then its driver; what happens in the arena counts from here."""
+        """Switch the simulated robot on, and a driver; what happens in the arena counts from here."""
         self._began_s = self._clock()
         if self.truth is not None:
             self.truth.began_s = self._began_s

@@ -179,18 +179,46 @@ def _first_picture(config: Config) -> Finding:
 
 
 def _port(config: Config) -> Iterator[Finding]:
-    """Its device; it is not opened, since that resets some robots."""
+    """Its device; with our own firmware it is not opened, since that resets some robots."""
+    from navigation.config.known_robots import CLEARWAY
     from navigation.config.sections import SIMULATED
+    from navigation.link.serial_port import is_address
     from navigation.machine import doctor
 
     port = config.serial.port
     if port == SIMULATED:
         yield doctor.Finding("ok", "serial port", "simulated")
         return
+    if config.robot.driver != CLEARWAY:
+        yield _robot(config)
+    if is_address(port):
+        return
     yield doctor.check_device("serial port", Path(port), "dialout", doctor.own_groups())
     modem = doctor.check_modem_manager(doctor.running_programs())
     if modem is not None:
         yield modem
+
+
+def _robot(config: Config) -> Finding:
+    """Who answers on the port; it is greeted, which stops it, and not driven."""
+    from navigation.link.drivers.recognise import recognise
+    from navigation.link.serial_port import PortError
+    from navigation.machine.doctor import Finding
+
+    wanted, cure = config.robot.driver, "docs/robots.md has the wiring and the signs of each robot"
+    try:
+        found = recognise(config.serial.port, config.serial.baud, wanted)
+    except PortError as error:
+        return Finding("fail", "robot", str(error), "choose a name from `clearway devices`")
+    if found.name is None:
+        return Finding("fail", "robot", found.sentence, cure)
+    if found.name != wanted:
+        sentence = f"{found.sentence} answers, robot.driver asks for {wanted}"
+        return Finding("fail", "robot", sentence, f"set robot.driver to {found.name}")
+    if found.fault is not None:
+        return Finding("warn", "robot", f"{found.sentence} answers; {found.fault}", cure)
+    battery = "" if found.battery is None else f", its battery at {found.battery:.0%}"
+    return Finding("ok", "robot", f"{found.sentence} answers{battery}")
 
 
 def _free_bytes(folder: Path) -> int:

@@ -1,6 +1,6 @@
 """The values of a first configuration: an arena, a robot, a mission, as large as the robot needs.
 
-The demo's arena fits our own small robot; for another one everything grows or shrinks with its body.
+The demo's arena fits our own small robot; for another one it grows or shrinks with the body.
 Metres, degrees.
 """
 

@@ -36,7 +36,8 @@ NEVER: Final = frozenset(
     (7, *range(128, 131), *range(132, 139), 140, 143, 144, 146, *range(148, 151), 173)
 )
 """Low bytes of a speed that would be an order if the byte before them were lost: reset, power off,
-clean, dock, another baud, or one that takes the next orders for its data. Such a speed is changed by as few mm/s as helps."""
+clean, dock, another baud, or one that takes the next orders for its data. Such a speed is changed
+by as few mm/s as helps."""
 REPEAT_S: Final = 0.05
 SILENT_S: Final = 0.3
 """Frames come every 15 ms: twenty missing ones, and it is greeted again."""

@@ -46,6 +46,8 @@ class DriverProcess:
         self._ending = threading.Event()
         self._watcher: threading.Thread | None = None
         self.restarts = 0
+        self.start_again = True
+        """Whether a driver that was killed is started again."""
 
     def start(self) -> None:
         """Start it, and wait until its port is there; PortNotReadyError where it never is."""
@@ -111,5 +113,7 @@ class DriverProcess:
             )
             words.close()
             self._ending.wait(AGAIN_S)
+            if not self.start_again:
+                return
             if not self._ending.is_set():
                 self._start_process()

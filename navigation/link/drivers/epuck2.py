@@ -1,7 +1,7 @@
 """The driver of the e-puck2 over its text commands, by USB or Bluetooth.
 
-- Lines of text: `D,left,right` orders steps a second, `Q` asks for the steps made. The next question
-  waits for the last one's answer, or for its time.
+- Lines of text: `D,left,right` orders steps a second, `Q` asks for the steps made. The next
+  question waits for the last one's answer, or for its time.
 - Each command begins with a zero, which means nothing in text and ends the robot's binary mode, in
   which a damaged character puts it and from which text alone would not bring it back.
 - Nothing in the text is checked: a count that the wheels cannot have made is left out. The robot

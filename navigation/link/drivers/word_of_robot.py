@@ -14,8 +14,8 @@ from navigation.link.drivers.robot_driver import Heard
 
 PATIENCE_S: Final = 1.5
 """A robot that was greeted has so long until its silence is called one."""
-GARBAGE: Final = 40
-"""So many bytes without one message are no robot of this kind."""
+GARBAGE: Final = 160
+"""So many bytes without one message, which is longer than any, are no robot of this kind."""
 DAMAGED_SHARE: Final = 0.1
 LOW_BATTERY: Final = 0.15
 

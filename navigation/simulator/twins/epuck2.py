@@ -4,8 +4,8 @@
   same letter in lower case and ends with CR LF. An unknown one is answered "z,Command not found".
 - Stepper motors: what is ordered is what they do, in whole steps a second; the counts are those of
   the steps ordered, 1,000 a turn, of 32 bits. `D` is limited by the motors only.
-- A character with the highest bit at a line's beginning starts the binary mode, which eats all up to
-  the next zero. A zero in text is nothing.
+- A character with the highest bit at a line's beginning starts the binary mode, which eats all up
+  to the next zero. A zero in text is nothing.
 - No watchdog: the wheels keep the last order.
 - A number that does not read leaves the one before, as C's sscanf does.
 """

@@ -122,9 +122,9 @@ class Turtlebot3Twin:
             self._answer(ERR_ACCESS)
             return
         self._table[address:end] = data
-        if address <= LINEAR and LINEAR + 4 <= end:
+        if address <= LINEAR and end >= LINEAR + 4:
             self._linear = self._speed(LINEAR, FASTEST_M_S)
-        if address <= ANGULAR and ANGULAR + 4 <= end:
+        if address <= ANGULAR and end >= ANGULAR + 4:
             self._angular = self._speed(ANGULAR, FASTEST_M_S / 0.080)
         self._answer(0)
 

@@ -1,4 +1,4 @@
-"""A robot behind its driver in virtual time: host, wire, driver, vendor's line, twin, wheels, camera.
+"""A robot behind its driver in virtual time: host, wire, driver, vendor's line, twin, wheels.
 
 Everything of a run but its processes and its pictures. A second takes about a tenth of one.
 """

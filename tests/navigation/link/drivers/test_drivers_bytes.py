@@ -1,4 +1,4 @@
-"""What single drivers do with single bytes: wraps, damage, quantised speeds, other robots' words."""
+"""What single drivers do with single bytes: wraps, damage, whole steps, other robots' words."""
 
 from __future__ import annotations
 
