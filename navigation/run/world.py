@@ -152,7 +152,7 @@ class World:
         return true_start_of(self.config)
 
     def start(self) -> None:
-        """Switch the simulated robot on, and a driver; what happens in the arena counts from here."""
+        """Switch the simulated robot and its driver on; what happens counts from here."""
         self._began_s = self._clock()
         if self.truth is not None:
             self.truth.began_s = self._began_s

@@ -113,6 +113,8 @@ def _arena(grown: float) -> dict[str, Any]:
 
 def _scaled(text: str, grown: float) -> str:
     """Every length with a decimal point in a scene's text, larger."""
+    if grown == 1.0:
+        return text
     return re.sub(r"\d+\.\d+", lambda number: f"{float(number[0]) * grown:.4f}", text)
 
 
