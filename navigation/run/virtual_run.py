@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from navigation.config import Config
+from navigation.config.known_robots import CLEARWAY
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
@@ -17,10 +18,12 @@ def run_virtually(config: Config, times: VirtualTimes | None = None) -> Report:
     """Drive the configured mission until it is over or its time limit; the report of the run.
 
     Everything random comes from ``simulation.seed``. Raises ValueError without a section
-    ``simulation``.
+    ``simulation``, and for a robot behind a driver, which is a process in real time.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
+    if config.robot.driver != CLEARWAY:
+        raise ValueError(f"robot.driver {config.robot.driver} drives in real time only")
     world = VirtualWorld(config, times)
     with Daemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
         stations = stations_of(config)

@@ -87,7 +87,7 @@ def test_a_robot_that_is_unplugged_in_mid_run_comes_back_and_the_mission_goes_on
     tmp_path: Path,
 ) -> None:
     """The twin is another process; its link is a name as under /dev/serial/by-id."""
-    simulated = ("port: simulated", "port: robot")
+    simulated = ("port: simulated", "port: ./robot")
     poses = ("  camera:\n", "  robot: {poses: robot.pose}\n  camera:\n")
     far = ("{x_m: 0.40, y_m: 1.50, heading_deg: 90}", "{x_m: 0.40, y_m: 3.0}")
     file = shortened("create2", tmp_path, simulated, far)
@@ -98,10 +98,12 @@ def test_a_robot_that_is_unplugged_in_mid_run_comes_back_and_the_mission_goes_on
     (tmp_path / "robot.pose").touch()
     with contextlib.ExitStack() as until:
         said = tmp_path / "said"
+        out = until.enter_context(said.open("w"))
         program = subprocess.Popen(
             [PROGRAM, "run", file, "--no-dashboard", "--socket", tmp_path / "s"],
-            cwd=tmp_path, stdout=said.open("w"), stderr=subprocess.STDOUT,
+            cwd=tmp_path, stdout=out, stderr=subprocess.STDOUT,
         )  # fmt: skip
+        until.callback(program.wait)
         until.callback(program.kill)
 
         def says(pattern: str) -> None:
@@ -109,12 +111,12 @@ def test_a_robot_that_is_unplugged_in_mid_run_comes_back_and_the_mission_goes_on
                 said.read_text()
             )
 
-        says(r"serial port robot: there is no such device")
+        says(r"serial port \./robot: there is no such device")
         first = Twin(tmp_path, "create2", "0.4,0.4,90")
         until.callback(first.end)
         says(r"driving +at .* 0\.[89]\d\d\) m")
         first.end()
-        says(r"holding .*the link to the robot is down: serial port robot")
+        says(r"holding .*the link to the robot is down: serial port \./robot")
         where = re.findall(r"at \((\d\.\d+), (\d\.\d+)\) m", said.read_text())[-1]
         time.sleep(1.0)  # a robot that is off for a while
         second = Twin(tmp_path, "create2", f"{where[0]},{where[1]},90")

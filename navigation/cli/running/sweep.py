@@ -72,11 +72,17 @@ def command(
     from rich.progress import track
 
     from navigation.cli.setup.check import load_checked
+    from navigation.config.known_robots import CLEARWAY
     from navigation.sweep.runs import Sweep
     from navigation.sweep.table import SweepFile, summarise_rows
     from navigation.sweep.variations import variation
 
     loaded = load_checked(config.absolute())
+    if loaded.robot.driver != CLEARWAY:
+        raise click.UsageError(
+            f"{config}: robot.driver {loaded.robot.driver} drives in real time only; "
+            f"a sweep needs {CLEARWAY}"
+        )
     chosen = [variation(loaded, seed, run, spread) for run in range(runs)]
     open_executor, count = _executors(loaded, scheduler, workers)
     sweep = Sweep(loaded, chosen, open_executor, count)

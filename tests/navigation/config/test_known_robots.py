@@ -69,14 +69,14 @@ def test_an_address_is_for_robots_behind_a_driver() -> None:
     assert loaded(values).serial.port.startswith("socket:")
     ours = real_values()
     ours["serial"]["port"] = "socket://192.168.4.1:3333"
-    with pytest.raises(ConfigError, match="an address needs a robot.driver"):
+    with pytest.raises(ConfigError, match=r"an address needs a robot\.driver"):
         loaded(ours)
 
 
 def test_an_unknown_driver_is_refused_with_those_that_there_are(tmp_path: Path) -> None:
     file = tmp_path / "x.yaml"
     file.write_text(starter_yaml(demo_values("create2"), "x").replace("create2", "roomba"))
-    with pytest.raises(ConfigError, match="robot.driver"):
+    with pytest.raises(ConfigError, match=r"robot\.driver"):
         load_config(file, {})
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -201,6 +202,35 @@ def test_a_port_with_nobody_behind_it_is_called_silent() -> None:
     assert "does not answer" in found.sentence
     with pytest.raises(PortError, match="no such device"):
         recognise("/dev/no-such-robot", 115_200, "create2")
+
+
+def test_a_robot_behind_an_address_is_driven_too() -> None:
+    """As through a Wi-Fi bridge: a server that passes bytes between a socket and the port."""
+    with twin_of("waveshare") as twin, socket.create_server(("127.0.0.1", 0)) as server:
+        over = threading.Event()
+
+        def bridge() -> None:
+            client, _ = server.accept()
+            with client, open_port(twin.port, 115_200) as port:
+                client.settimeout(0.005)
+                while not over.is_set():
+                    with suppress(OSError):  # nothing came, or the driver has gone
+                        port.write(client.recv(4096))
+                    with suppress(OSError):
+                        client.sendall(port.read(4096))
+
+        thread = threading.Thread(target=bridge, daemon=True)
+        thread.start()
+        address = f"socket://127.0.0.1:{server.getsockname()[1]}"
+        driver = DriverProcess("waveshare", address, 115_200, settings_of("waveshare"))
+        driver.start()
+        try:
+            assert wait_until(lambda: driver.word().identity == "Waveshare UGV", PATIENCE_S)
+            assert driver.word().silence is None
+        finally:
+            driver.stop()
+            over.set()
+            thread.join()
 
 
 def test_an_address_that_nobody_listens_at_is_named() -> None:
