@@ -153,11 +153,13 @@ def command(
     with ExitStack() as until:
         ended = until.enter_context(_signals())
         told_in = None if poses is None else until.enter_context(closing(PoseWriter(poses)))
-        robot = until.enter_context(
-            SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=baud or OWN_BAUD)
-            if kind == CLEARWAY
-            else TwinRobot(kind, start, rng=rng, faults=faults, port=port, baud=baud)
-        )
+        robot: SimulatedRobot | TwinRobot
+        if kind == CLEARWAY:
+            own = baud or OWN_BAUD
+            robot = SimulatedRobot(start, rng=rng, faults=faults, port=port, baud=own)
+        else:
+            robot = TwinRobot(kind, start, rng=rng, faults=faults, port=port, baud=baud)
+        until.enter_context(robot)
         click.echo(robot.port)
         if link is not None:
             until.enter_context(_linked(link, robot.port))

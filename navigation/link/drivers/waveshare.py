@@ -103,7 +103,7 @@ class WaveshareDriver:
         line = line.strip()
         if not line:
             return None
-        if line.startswith((b"q,", b"v,Version")):
+        if line.startswith((b"q,", b"v,Version", b"z,Command not found")):
             self.heard.stranger = "epuck2"
         try:
             told = json.loads(line)

@@ -129,7 +129,7 @@ class Turtlebot3Twin:
         self._answer(0)
 
     def _speed(self, address: int, most: float) -> float:
-        (hundredths,) = struct.unpack_from("<i", self._table, address)
+        hundredths: int = struct.unpack_from("<i", self._table, address)[0]
         return max(-most, min(most, hundredths / 100))
 
     def _answer(self, error: int, data: bytes = b"") -> None:
