@@ -98,3 +98,12 @@ def test_going_needs_every_number_within_its_limit(
     fine = frame <= 0.2 and pose <= 0.2 and link <= 0.3 and clearance >= 0.09 and off <= 0.05
     # the radius less the slack is not exactly 0.09 in binary
     assert abs(clearance - 0.09) < 1e-12 or (judge(facts, LIMITS).action is Action.GO) == fine
+
+
+def test_a_robot_that_stopped_itself_says_what_it_feels() -> None:
+    felt = replace(GOOD, robot_estopped=True, robot_fault="iRobot Create 2: its bumper is pressed")
+    verdict = judge(felt, LIMITS)
+    assert verdict.action is Action.STOP
+    assert verdict.sentence == (
+        "the robot reports an emergency stop: iRobot Create 2: its bumper is pressed"
+    )
