@@ -101,7 +101,7 @@ def test_going_needs_every_number_within_its_limit(
 
 
 def test_a_robot_that_stopped_itself_says_what_it_feels() -> None:
-    felt = replace(GOOD, robot_estopped=True, robot_fault="iRobot Create 2: its bumper is pressed")
+    felt = replace(WELL, robot_estopped=True, robot_fault="iRobot Create 2: its bumper is pressed")
     verdict = judge(felt, LIMITS)
     assert verdict.action is Action.STOP
     assert verdict.sentence == (
