@@ -30,7 +30,7 @@ WHO_S: Final = 1.0
 LONGEST: Final = 256
 STEPS: Final = re.compile(rb"q,(-?\d+),(-?\d+)")
 BATTERY: Final = re.compile(rb"b,\d+ \((\d+)%\)")
-OTHERS: Final = re.compile(rb"[a-z](,.*)?|HW version.*|.*WELCOME.*|.*the EPFL.*|z,.*|g .*")
+OTHERS: Final = re.compile(rb"[a-pr-z](,.*)?|HW version.*|.*WELCOME.*|.*the EPFL.*|z,.*|g .*")
 """Lines that are the robot's, too."""
 
 

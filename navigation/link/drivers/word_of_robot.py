@@ -16,7 +16,7 @@ PATIENCE_S: Final = 1.5
 """A robot that was greeted has so long until its silence is called one."""
 GARBAGE: Final = 160
 """So many bytes without one message, which is longer than any, are no robot of this kind."""
-DAMAGED_SHARE: Final = 0.1
+DAMAGED_SHARE: Final = 0.05
 LOW_BATTERY: Final = 0.15
 
 

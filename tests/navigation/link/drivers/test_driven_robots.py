@@ -294,3 +294,24 @@ def test_a_driver_that_is_gone_is_noticed_by_robots_with_a_watchdog_only(name: s
     has_watchdog = KNOWN_ROBOTS[name].watchdog_s is not None
     assert bench.drive.moving is not has_watchdog
     assert HEARTBEAT_MS == 3000, "the driver has set a shorter one"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_second_program_that_takes_part_of_the_bytes_is_suspected(name: str) -> None:
+    """One that does not lock the port: every fiftieth byte goes to it."""
+    bench = DrivenBench(name, faults=FaultSpec.parse("drop=0.02"))
+    bench.run(1.0)
+    said = set()
+    for _ in range(60):
+        bench.run(0.05)
+        word = bench.robot.word(bench.now_s)
+        said.add(word.remark or word.silence)
+    assert any("a second program" in str(sentence) for sentence in said), said
+
+
+def test_a_battery_that_is_nearly_empty_is_said() -> None:
+    bench = DrivenBench("create2")
+    bench.get_ready()
+    bench.robot.driver.heard.battery = 0.1
+    remark = bench.robot.word(bench.now_s).remark
+    assert remark == "the iRobot Create 2's battery is nearly empty: charge it"
