@@ -74,6 +74,9 @@ def show_runs(names: list[str]) -> None:
     print("|---|---|---|---|---|---|")
     for name in names:
         report = run(name)
+        if report["state"] != "done":
+            print(f"| {name} | **{report['state']}**: {report['reason']} | | | | **missed** |")
+            continue
         goal_mm, goal_deg = report["goal_error_m"] * 1e3, report["goal_error_deg"]
         rms, most = (report["tracking_error_m"][key] * 1e3 for key in ("rms", "max"))
         kept = (
