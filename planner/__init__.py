@@ -24,11 +24,27 @@ if TYPE_CHECKING:
     from planner.motion.trajectory import time_path
     from planner.path import Bottleneck, Limits, NoPath, Path, Trajectory, Waypoint
     from planner.roadmap.roadmap import Roadmap, build_roadmap
-    from planner.scene import Scene, SceneError
+    from planner.scene import (
+        Arc,
+        ArcRecord,
+        Bounds,
+        CircleRecord,
+        PointRecord,
+        PolygonRecord,
+        Scene,
+        SceneError,
+        SceneObject,
+        Segment,
+        SegmentRecord,
+    )
 
 __all__ = [
+    "Arc",
+    "ArcRecord",
     "Assignment",
     "Bottleneck",
+    "Bounds",
+    "CircleRecord",
     "FleetPlan",
     "FleetSchedule",
     "HalfEdges",
@@ -36,9 +52,14 @@ __all__ = [
     "NoFleetPlan",
     "NoPath",
     "Path",
+    "PointRecord",
+    "PolygonRecord",
     "Roadmap",
     "Scene",
     "SceneError",
+    "SceneObject",
+    "Segment",
+    "SegmentRecord",
     "Trajectory",
     "Waypoint",
     "assign_tasks",
@@ -55,8 +76,12 @@ __all__ = [
 choose_kernel_cache(_FilePath(__file__).parent)
 
 _HOME = {
+    "Arc": "planner.scene",
+    "ArcRecord": "planner.scene",
     "Assignment": "planner.fleet.assignment",
     "Bottleneck": "planner.path",
+    "Bounds": "planner.scene",
+    "CircleRecord": "planner.scene",
     "FleetPlan": "planner.fleet.fleet_plan",
     "FleetSchedule": "planner.fleet.schedule",
     "HalfEdges": "planner.delaunay.half_edges",
@@ -64,9 +89,14 @@ _HOME = {
     "NoFleetPlan": "planner.fleet.fleet_plan",
     "NoPath": "planner.path",
     "Path": "planner.path",
+    "PointRecord": "planner.scene",
+    "PolygonRecord": "planner.scene",
     "Roadmap": "planner.roadmap.roadmap",
     "Scene": "planner.scene",
     "SceneError": "planner.scene",
+    "SceneObject": "planner.scene",
+    "Segment": "planner.scene",
+    "SegmentRecord": "planner.scene",
     "Trajectory": "planner.path",
     "Waypoint": "planner.path",
     "assign_tasks": "planner.fleet.assignment",

@@ -25,8 +25,9 @@ class Path:
     ``min_clearance_at``. ``stations`` are indices into ``points``: start, every via, goal.
     ``order`` is the order in which the vias are visited, as indices into the request.
     ``headings_rad`` has one entry a station, None where any heading will do. ``remarks`` are
-    plain sentences on what the search could not make certain. ``scene`` is what it was planned
-    in, for pictures; two paths are equal whatever it is.
+    plain sentences on what the search could not make certain. ``cost`` is what the planner chose
+    it by: its length, and more where it is narrow, before any corner was rounded. ``scene`` is what
+    it was planned in, for pictures; two paths are equal whatever it is.
     """
 
     points: FloatArray
@@ -40,7 +41,14 @@ class Path:
     order: tuple[int, ...] = ()
     alternatives: tuple[Path, ...] = ()
     remarks: tuple[str, ...] = ()
+    cost: float | None = None
     scene: Scene | None = field(default=None, repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        """One line; ``points`` has the rest."""
+        units = self.scene.units if self.scene is not None else ""
+        length, least = (f"{v:.6g} {units}".rstrip() for v in (self.length, self.min_clearance))
+        return f"<Path of {len(self.points)} points, length {length}, least clearance {least}>"
 
     def layers(self) -> list[Layer]:
         """What is drawn of the path: its scene, where it has one, the alternatives, and itself."""
@@ -82,6 +90,9 @@ class NoPath:
     bottleneck: Bottleneck | None = None
     widest_radius: float | None = None
     remarks: tuple[str, ...] = ()
+
+    def __bool__(self) -> bool:
+        return False
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,6 +26,7 @@ from planner.scene import (
     SceneError,
     SceneObject,
     Segment,
+    UnknownCells,
     Vec,
 )
 
@@ -75,8 +76,15 @@ def grid_scene(obstacle: NDArray[np.bool_], remarks: tuple[str, ...] = ()) -> Sc
     )
 
 
-def map_scene(obstacle: NDArray[np.bool_], pose: GridPose, remarks: tuple[str, ...] = ()) -> Scene:
+def map_scene(
+    obstacle: NDArray[np.bool_],
+    pose: GridPose,
+    remarks: tuple[str, ...] = (),
+    unknown: NDArray[np.bool_] | None = None,
+) -> Scene:
     """The scene of an (h, w) grid in metres, y up, as a ROS map: row 0 is the top.
+
+    ``unknown`` (h, w) are the obstacles among the cells of which nobody knows what they are.
 
     A turned map lies in an upright rectangle; what the map does not cover is an obstacle, with
     a rim one cell wide. Raises :class:`SceneError` on an empty grid.
@@ -104,7 +112,12 @@ def map_scene(obstacle: NDArray[np.bool_], pose: GridPose, remarks: tuple[str, .
         size=(width, height),
         border_pixels=_border_cells(obstacle),
         remarks=remarks,
+        unknown=_placed(obstacle & False if unknown is None else unknown, pose),
     )
+
+
+def _placed(unknown: NDArray[np.bool_], pose: GridPose) -> UnknownCells:
+    return UnknownCells(unknown, pose.resolution, pose.x, pose.y, pose.yaw_rad)
 
 
 def _checked_shape(obstacle: NDArray[np.bool_]) -> tuple[int, int]:

@@ -70,8 +70,8 @@ def read_ros_map(path: Path, read_picture: ReadPicture | None = None) -> Scene:
         shade, transparent = read_picture(picture)
     else:
         raise SceneError(f"{picture}: the picture of a map must be PGM (P2 or P5)")
-    free, remarks = classify(shade, transparent, header)
-    return map_scene(~free, header.pose, remarks)
+    free, unknown, remarks = classify(shade, transparent, header)
+    return map_scene(~free, header.pose, remarks, unknown)
 
 
 def parse_map_header(text: str, name: str) -> MapHeader:
@@ -81,8 +81,8 @@ def parse_map_header(text: str, name: str) -> MapHeader:
 
 def classify(
     shade: NDArray[np.float64], transparent: NDArray[np.bool_], header: MapHeader
-) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
-    """Which cells are certainly free, and what was done with those that are unknown."""
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], tuple[str, ...]]:
+    """Which cells are certainly free, which unknown, and what was done with the latter."""
     byte = np.rint(shade * 255.0)
     unknown = transparent.copy()
     if header.mode == "raw":
@@ -103,10 +103,11 @@ def classify(
                 f"{kept} cells of the value {MAP_SAVER_UNKNOWN}, which map_saver writes for"
                 f" unknown, stay unknown though free_thresh {header.free_thresh:g} calls them free"
             )
-    count = int(np.count_nonzero(~free & ~occupied))
+    unknown = ~free & ~occupied
+    count = int(np.count_nonzero(unknown))
     if count:
         remarks.append(f"{count} unknown cells are obstacles")
-    return free, tuple(remarks)
+    return free, unknown, tuple(remarks)
 
 
 def parse_pgm(data: bytes, name: str) -> NDArray[np.float64]:

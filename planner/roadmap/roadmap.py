@@ -84,6 +84,12 @@ class Roadmap:
     chains: Chains
     _made: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        """One line; ``graph`` and ``counts`` have the rest."""
+        units = str(getattr(self.scene, "units", ""))
+        radius = f"{self.radius:.6g} {units}".rstrip()
+        return f"<Roadmap for radius {radius}, {len(self.chains)} chains of {self.scene!r}>"
+
     @property
     def borders(self) -> Borders:
         """The scene's borders, indexed for distance queries."""
@@ -223,6 +229,7 @@ class Roadmap:
             units,
             chains_only=self.mode == "paper",
             near=near,
+            unknown=self.scene.unknown if isinstance(self.scene, Scene) else None,
         )
         if isinstance(answer, Blocked):
             return self._explain(answer, units)
@@ -245,14 +252,15 @@ class Roadmap:
     def _explain(self, blocked: Blocked, units: str) -> NoPath:
         """Where the widest path is too narrow, or that there is none for any robot."""
         told = explain(self.borders, self.chains, blocked, self.radius, units)
-        if told and told.bottleneck and told.bottleneck.width >= self.spacing:
+        if told is not None and told.bottleneck and told.bottleneck.width >= self.spacing:
             return told
         if count_generators(self.borders, self.spacing / FINER) > FINER_MOST:
-            told = told or walled_in(blocked, self.spacing, units)
+            if told is None:  # a refusal counts as False, too
+                told = walled_in(blocked, self.spacing, units)
             return replace(told, remarks=(*told.remarks, NOT_FINER))
         finer = self._finer()
         told = explain(finer.borders, finer.chains, blocked, self.radius, units)
-        return told or walled_in(blocked, finer.spacing, units)
+        return walled_in(blocked, finer.spacing, units) if told is None else told
 
 
 def _places(name: str, points: ArrayLike) -> FloatArray:

@@ -19,8 +19,9 @@ from planner.borders.generators import Borders
 from planner.diagram.agvd import Chains
 from planner.path import Bottleneck, NoPath
 from planner.route.taut import certain
-from planner.scene import Vec
+from planner.scene import UnknownCells, Vec
 from planner.search.chain_search import ROUNDING, Network, attach, cheapest_routes, widest_gap
+from planner.shared.figures import placed, sized
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +53,8 @@ def explain(
     fits = max(wide - (blocked.need - radius), 0.0)
     reason = blocked.reason
     if reason is None:
-        reason = f"{_no_way(blocked, units)}: the widest is {_sized(2.0 * wide, units)} wide at "
-        reason += f"({x:.6g}, {y:.6g})"
+        width = sized(2.0 * wide, units, beside=2.0 * blocked.need)
+        reason = f"{_no_way(blocked, units)}: the widest is {width} wide at {placed(x, y)}"
     return NoPath(reason, Bottleneck(x, y, 2.0 * wide), fits, blocked.remarks)
 
 
@@ -61,12 +62,12 @@ def walled_in(blocked: Blocked, spacing: float, units: str = "") -> NoPath:
     """No robot fits between generators ``spacing`` apart: borders lie between the stations."""
     if blocked.reason is not None:
         return NoPath(blocked.reason, remarks=blocked.remarks)
-    gaps = f"borders lie between them, with no gap wider than {_sized(spacing, units)}"
+    gaps = f"borders lie between them, with no gap wider than {sized(spacing, units)}"
     return NoPath(f"{_no_way(blocked, units)}: {gaps}", remarks=blocked.remarks)
 
 
 def _no_way(blocked: Blocked, units: str) -> str:
-    width = _sized(2.0 * blocked.need, units)
+    width = sized(2.0 * blocked.need, units)
     start, goal = _at(blocked.start), _at(blocked.goal)
     if len(blocked.stations) > 2:
         start, goal = f"{blocked.names[0]} {start}", f"{blocked.names[1]} {goal}"
@@ -121,11 +122,16 @@ class Place:
 
 
 def why_not(
-    borders: Borders, place: Place, need: float, units: str = "", what: str = "the radius"
+    borders: Borders,
+    place: Place,
+    need: float,
+    units: str = "",
+    what: str = "the radius",
+    unknown: UnknownCells | None = None,
 ) -> str | None:
     """Why a disc of radius ``need`` cannot stand there, or None where it can.
 
-    ``what`` says what is needed.
+    ``what`` says what is needed; ``unknown`` are the obstacles that are none for certain.
     """
     (x, y), distance = place.at, place.distance
     told = f"{place.name} {_at(place.at)}"
@@ -134,21 +140,19 @@ def why_not(
         return f"{told} lies outside the bounds"
     if place.is_solid:
         inside = np.flatnonzero(borders.owners_around(x, y, distance))
+        if len(inside) and unknown is not None and unknown.holds(x, y):
+            return f"{told} lies in an unknown part of the map"
         if len(inside):
             return f"{told} lies inside obstacle {inside[0]}"
     if distance < need - ROUNDING * borders.extent:
         owner = borders.owner[place.nearest]
         border = "the bounds" if owner < 0 else f"obstacle {owner}"
         return (
-            f"{told} is {_sized(distance, units)} from {border}, "
-            f"nearer than {what} of {_sized(need, units)}"
+            f"{told} is {sized(distance, units, beside=need)} from {border}, "
+            f"nearer than {what} of {sized(need, units, beside=distance)}"
         )
     return None
 
 
 def _at(place: Vec) -> str:
     return f"({place[0]:g}, {place[1]:g})"
-
-
-def _sized(length: float, units: str) -> str:
-    return f"{length:.6g} {units}".rstrip()

@@ -25,7 +25,8 @@ from planner.route.margin import REACH, way_out
 from planner.route.no_way import Blocked, Place, why_not
 from planner.route.plan_request import Request
 from planner.route.taut import as_wide, best_cut, finish, is_clear, judge
-from planner.scene import FloatArray, Vec
+from planner.route.whole_path import as_path, length_of
+from planner.scene import FloatArray, UnknownCells, Vec
 from planner.search.chain_search import ROUNDING, WORK, Network, attach, cheapest_routes, widest_gap
 from planner.search.homotopy import Word, anchors, word
 from planner.search.search_kernels import Gates
@@ -95,17 +96,19 @@ def plan_request(
     *,
     chains_only: bool = False,
     near: Path | NoPath | None = None,
+    unknown: UnknownCells | None = None,
 ) -> Path | NoPath | Blocked:
     """Answer a request on measured chains, for a disc of ``radius``.
 
     ``chains_only`` believes the chains where they have no path, as the paper does. ``near`` is the
-    last answer, which is stayed with as ``hysteresis.py`` says.
+    last answer, which is stayed with as ``hysteresis.py`` says. ``unknown`` are the obstacles that
+    are none for certain; a refusal names them.
     """
     need = radius + request.margin
     asked = request
     vias = (f"station {i}" for i in range(1, len(request.stations) - 1))
     names = ["the start", *vias, "the goal"]
-    request, ways_out, refused = _stand(borders, radius, request, names, units)
+    request, ways_out, refused = _stand(borders, radius, request, names, units, unknown)
     if refused is not None:
         return refused
     network = Network.of(chains, need, request.preference)
@@ -126,17 +129,22 @@ def plan_request(
             found = _staying(leg, last, found, request.alternatives)
         legs.append(found)
     legs = [replace(leg, lines=_from_stations(asked, k, leg.lines)) for k, leg in enumerate(legs)]
-    best = _as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
+    best = as_path(borders, [leg.lines[0] for leg in legs], radius, request, order)
     said = [*ways_out, *(r for leg in legs for r in leg.remarks)]
     best = replace(best, remarks=tuple(dict.fromkeys(said)))
     if not request.alternatives:
         return best
-    others = (_as_path(borders, choice, radius, request, order) for choice in _others(legs))
+    others = (as_path(borders, choice, radius, request, order) for choice in _others(legs))
     return replace(best, alternatives=tuple(islice(others, request.alternatives)))
 
 
 def _stand(
-    borders: Borders, radius: float, request: Request, names: list[str], units: str
+    borders: Borders,
+    radius: float,
+    request: Request,
+    names: list[str],
+    units: str,
+    unknown: UnknownCells | None,
 ) -> tuple[Request, list[str], NoPath | Blocked | None]:
     """The request from places that keep the margin, what is said of that, or why there is none.
 
@@ -150,7 +158,7 @@ def _stand(
     places = [Place.of(borders, *named) for named in zip(names, request.stations, strict=True)]
     for keep, of_what in least:
         for place in places:
-            if reason := why_not(borders, place, keep, units, of_what):
+            if reason := why_not(borders, place, keep, units, of_what, unknown):
                 if keep == 0.0:
                     return request, [], NoPath(reason)
                 return request, [], Blocked(*ends, keep, request.stations, reason)
@@ -208,7 +216,7 @@ def _best_order(
             ends = stations[i], stations[j]
             leg = Leg.of(borders, network, ends, need, request.preference)
             lines = plan_leg(leg, chains_only=chains_only).lines
-            matrix[i, j] = matrix[j, i] = _length(lines[0]) if lines else math.inf
+            matrix[i, j] = matrix[j, i] = length_of(lines[0]) if lines else math.inf
     tour = best_tour(matrix)
     if not math.isfinite(tour.cost):
         return tuple(range(len(stations) - 2))
@@ -269,7 +277,7 @@ def _plan_leg(leg: Leg, alternatives: int, *, chains_only: bool) -> Ways:
         return Ways((exact.way,))
     if leg.preference > 0.0 or clear:
         return Ways(_distinct(borders, found, alternatives), routed.remarks)
-    exact = shortest_way(borders, start, goal, need, _length(found[0]))
+    exact = shortest_way(borders, start, goal, need, length_of(found[0]))
     if exact.way is not None:
         found.insert(0, exact.way)
     unsure = () if exact.certain else (GAVE_UP,)
@@ -306,7 +314,10 @@ def _routes(leg: Leg, alternatives: int) -> Ways:
         if not alternatives:
             return Ways((best,))
         others = _others_than(leg, best, entries, exits, alternatives)
-        return replace(others, lines=(best, *others.lines))
+        lines = [best, *others.lines]
+        if preference < 1.0:  # among more routes there may be a cheaper one
+            lines.sort(key=lambda way: judge(borders, way, need, preference))
+        return replace(others, lines=tuple(lines))
     return Ways(())
 
 
@@ -362,38 +373,3 @@ def _distinct(
     for way in ways:
         kept.setdefault(word(places, way), way)
     return tuple(islice(kept.values(), alternatives + 1))
-
-
-def _length(way: FloatArray) -> float:
-    return float(np.hypot(*np.diff(way, axis=0).T).sum())
-
-
-def _as_path(
-    borders: Borders,
-    legs: list[FloatArray],
-    radius: float,
-    request: Request,
-    order: tuple[int, ...],
-) -> Path:
-    """The legs as one proved path."""
-    points = [legs[0][:1]]
-    stations = [0]
-    for leg in legs:
-        points.append(leg[1:])
-        stations.append(stations[-1] + len(leg) - 1)
-    polyline = np.concatenate(points)
-    gap, x, y, _, _ = box_tree_kernels.polyline_clearance(borders.tree, polyline)
-    rho, _ = borders.distances(polyline)
-    for array in (polyline, rho):
-        array.setflags(write=False)
-    return Path(
-        points=polyline,
-        clearances=rho,
-        length=_length(polyline),
-        min_clearance=gap,
-        min_clearance_at=(x, y),
-        robot_radius=radius,
-        stations=tuple(stations),
-        headings_rad=request.headings_rad,
-        order=order,
-    )

@@ -36,6 +36,7 @@ from planner.scene.scene import (
     Scene,
     Units,
 )
+from planner.scene.unknown_cells import UnknownCells
 
 __all__ = [
     "ARC",
@@ -61,6 +62,7 @@ __all__ = [
     "Segment",
     "SegmentRecord",
     "Units",
+    "UnknownCells",
     "Vec",
     "object_records",
     "printable",

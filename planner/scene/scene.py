@@ -34,6 +34,7 @@ from planner.scene.records import (
     Vec,
     object_records,
 )
+from planner.scene.unknown_cells import UnknownCells
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -91,7 +92,8 @@ class Scene:
     ``bounds_given`` is False where the source had none and a generous rectangle was derived.
     ``size`` is the picture's (width, height) in pixels, or the grid's in cells.
     ``border_pixels`` is n of the paper; ``timings_ms`` holds the stages' wall times.
-    ``remarks`` are plain sentences on what was degraded, dropped or found touching.
+    ``remarks`` are plain sentences on what was degraded, dropped or found touching. ``unknown``
+    are the cells of a map that nobody has seen; two scenes are equal whatever they are.
     """
 
     units: Units
@@ -103,6 +105,7 @@ class Scene:
     binarisation: Binarisation | None = None
     timings_ms: Mapping[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    unknown: UnknownCells | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         b = self.bounds
@@ -110,6 +113,12 @@ class Scene:
             raise SceneError(f"bounds {b}: must be finite")
         if not (b.x_min < b.x_max and b.y_min < b.y_max):
             raise SceneError(f"bounds {b}: must have a positive width and height")
+
+    def __repr__(self) -> str:
+        """One line; ``objects`` has the rest."""
+        b, count = self.bounds, len(self.objects)
+        objects = "1 object" if count == 1 else f"{count} objects"
+        return f"<Scene of {objects}, {b.width:.6g} x {b.height:.6g} {self.units}>"
 
     @property
     def y_down(self) -> bool:
@@ -124,6 +133,17 @@ class Scene:
     def with_bounds(self, bounds: Bounds) -> Scene:
         """The same objects inside other bounds."""
         return replace(self, bounds=bounds, bounds_given=True)
+
+    def replace_object(self, number: int, *others: SceneObject) -> Scene:
+        """The same scene with ``others`` where ``objects[number]`` was: none takes it out.
+
+        ``IndexError`` where there is no such object. The others keep their order and ids.
+        """
+        count = len(self.objects)
+        if not 0 <= number < count:
+            raise IndexError(f"object {number}: the scene has {count}, numbered from 0")
+        objects = (*self.objects[:number], *others, *self.objects[number + 1 :])
+        return replace(self, objects=objects)
 
     def layers(self) -> list[Layer]:
         """What is drawn of the scene: each object's solid, open lines, and the bounds."""

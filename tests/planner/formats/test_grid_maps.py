@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy import ndimage
 
+import planner
 from planner.formats.grid_maps import GridPose, grid_scene, map_scene
 from planner.formats.map_files import parse_movingai, parse_pgm
 from planner.formats.scene_io import load_scene
@@ -269,6 +270,27 @@ def test_any_other_yaml_is_refused(tmp_path, text):
     (tmp_path / "map.yaml").write_text(text)
     with pytest.raises(SceneError, match=r"map\.yaml"):
         load_scene(tmp_path / "map.yaml")
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+def test_a_start_in_an_unknown_cell_is_said_to_be_unknown_and_in_a_wall_to_be_in_an_obstacle(yaw):
+    obstacle, unknown = np.zeros((40, 60), np.bool_), np.zeros((40, 60), np.bool_)
+    obstacle[:, :10] = unknown[:, :10] = True
+    obstacle[:, 10:14] = True
+    pose = GridPose(0.1, -1.0, 2.0, yaw)
+    roadmap = planner.build_roadmap(map_scene(obstacle, pose, unknown=unknown), 0.2)
+
+    def place(column: float, row: float) -> tuple[float, float]:
+        x, y = (column + 0.5) * 0.1, (39.5 - row) * 0.1
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        return -1.0 + cos * x - sin * y, 2.0 + sin * x + cos * y
+
+    goal = place(40, 20)
+    for column, words in ((5, "lies in an unknown part of the map"), (12, "inside obstacle 0")):
+        for stations in ((place(column, 20), goal), (goal, place(column, 20))):
+            refused = roadmap.plan(*stations)
+            assert isinstance(refused, planner.NoPath)
+            assert refused.reason.endswith(words)
 
 
 # PGM

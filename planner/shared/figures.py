@@ -1,0 +1,57 @@
+"""Figures in sentences: three significant digits, and more where two would look the same."""
+
+from __future__ import annotations
+
+import math
+
+DIGITS = 3
+"""Significant digits; every digit before the point is written all the same."""
+MOST_DIGITS = 17
+LARGE = 1e7
+"""From here on, a figure is written with an exponent."""
+
+
+def sized(length: float, units: str = "", beside: float | None = None) -> str:
+    """A length with its units.
+
+    ``beside`` is the length that it is compared with: both have the digits that tell them apart.
+    """
+    digits = DIGITS
+    if beside is not None and beside != length:
+        while digits < MOST_DIGITS and _rounded(length, digits) == _rounded(beside, digits):
+            digits += 1
+    return f"{_rounded(length, digits)} {units}".rstrip()
+
+
+def at_most(length: float, units: str = "") -> str:
+    """A length that may not look longer than it is: rounded towards zero."""
+    if abs(length) >= LARGE:
+        return f"{length:.6g} {units}".rstrip()
+    scale = 10.0 ** _decimals(length, DIGITS)
+    return sized(math.trunc(length * scale * (1.0 + 1e-12)) / scale, units)
+
+
+def placed(x: float, y: float) -> str:
+    """A place as (x, y), both to the same decimal: three significant digits of the larger."""
+    if max(abs(x), abs(y)) >= LARGE:
+        return f"({x:g}, {y:g})"
+    decimals = _decimals(max(abs(x), abs(y)), DIGITS)
+    return f"({_fixed(x, decimals)}, {_fixed(y, decimals)})"
+
+
+def _rounded(value: float, digits: int) -> str:
+    if abs(value) >= LARGE:
+        return f"{value:.{digits}g}"
+    return _fixed(value, _decimals(value, digits))
+
+
+def _decimals(value: float, digits: int) -> int:
+    if value == 0.0 or not math.isfinite(value):
+        return 0
+    return max(0, digits - 1 - math.floor(math.log10(abs(value))))
+
+
+def _fixed(value: float, decimals: int) -> str:
+    text = f"{value:.{decimals}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return "0" if text == "-0" else text
