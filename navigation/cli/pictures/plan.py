@@ -116,7 +116,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         begin("planning")
         planned_s = time.perf_counter()
         try:
-            path = roadmap.plan(
+            planned = roadmap.plan(
                 start.as_tuple(),
                 goal.as_tuple(),
                 prefer=prefer,
@@ -128,16 +128,16 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         except ValueError as error:
             raise PlanError(str(error)) from error
         begin("smoothing")
-        path = _smoothed(path, roadmap, radius + margin, prefer)
+        path = _smoothed(planned, roadmap, radius + margin, prefer)
         timings_ms["path"] = 1e3 * (time.perf_counter() - planned_s)
-    answer = _answer(scene, roadmap, path, timings_ms, begin_s)
-    text = answer.as_json() + "\n" if form == "json" else answer.as_text()
-    if output is None:
-        click.echo(text, nl=False)
-    else:
-        write_text(output, text)
-    if render is not None:
-        _render(render, answer, roadmap, stations)
+    answer = _answer(scene, roadmap, planned, path, timings_ms)
+    try:
+        if render is not None:
+            with long_work("drawing"):
+                timings_ms["render"] = _render(render, answer, roadmap, stations)
+    finally:  # the answer is there, whatever becomes of its picture
+        timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
+        _tell(answer, form, output)
     if answer.trajectory is not None:
         return 0
     click.echo(f"clearway: {answer.no_path_sentence()}", err=True)
@@ -187,33 +187,55 @@ def _smoothed(
 def _answer(
     scene: Scene,
     roadmap: Roadmap,
+    planned: PlannedPath | NoPath,
     path: PlannedPath | NoPath,
     timings_ms: dict[str, float],
-    begin_s: float,
 ) -> PlanAnswer:
+    """The answer; ``timings_ms`` may still grow."""
     from navigation.cli.pictures.plan_answer import PlanAnswer
     from planner.motion.trajectory import default_limits, time_path
     from planner.path import NoPath
 
     trajectory = None
+    limits = default_limits(roadmap.radius)
     if not isinstance(path, NoPath):
         timed_s = time.perf_counter()
-        limits = default_limits(roadmap.radius)
         trajectory = time_path(path, limits, clearance=roadmap.clearance)
         timings_ms["trajectory"] = 1e3 * (time.perf_counter() - timed_s)
-    counts = {
-        "border_pixels": scene.border_pixels,
-        "vertices": scene.vertex_count,
-        **roadmap.counts,
-    }
-    timings_ms["total"] = 1e3 * (time.perf_counter() - begin_s)
-    remarks = (*scene.remarks, *roadmap.remarks, *path.remarks)
-    return PlanAnswer(scene, roadmap.radius, path, trajectory, counts, timings_ms, remarks)
+    return PlanAnswer(
+        scene,
+        roadmap.radius,
+        path,
+        planned,
+        trajectory,
+        limits,
+        counts={
+            "border_pixels": scene.border_pixels,
+            "vertices": scene.vertex_count,
+            **roadmap.counts,
+        },
+        timings_ms=timings_ms,
+        remarks=(*scene.remarks, *roadmap.remarks, *path.remarks),
+    )
 
 
-def _render(file: Path, answer: PlanAnswer, roadmap: Roadmap, stations: list[Station]) -> None:
+def _tell(answer: PlanAnswer, form: str, output: Path | None) -> None:
+    """The answer on standard output or in a file; why there is no path is on standard error."""
+    if form == "json":
+        text = answer.as_json() + "\n"
+    else:
+        text = answer.as_text(with_reason=output is not None)
+    if output is None:
+        click.echo(text, nl=False)
+    else:
+        write_text(output, text)
+
+
+def _render(file: Path, answer: PlanAnswer, roadmap: Roadmap, stations: list[Station]) -> float:
+    """Draw the plan; the milliseconds that it took."""
     from navigation.draw import save_picture
 
+    begin_s = time.perf_counter()
     places = [s.as_tuple() for s in stations]
     save_picture(
         file,
@@ -223,3 +245,4 @@ def _render(file: Path, answer: PlanAnswer, roadmap: Roadmap, stations: list[Sta
         trajectory=answer.trajectory,
         stations=places,
     )
+    return 1e3 * (time.perf_counter() - begin_s)

@@ -1,19 +1,24 @@
 """The answer of ``clearway plan``: as one JSON object (``clearway.plan/1``) and as text.
 
 Every field is always there, null where it does not apply. Lengths are in the scene's units,
-headings in radians in the scene's own sense, times in seconds, timings in milliseconds.
+headings in radians in the scene's own sense, times in seconds, timings in milliseconds; the text
+has three significant digits in sentences, and headings in degrees as they are given.
 ``bottleneck`` is the narrowest place: of the path where there is one, else of the widest way.
+``cost`` is what the planner chose a path by, its length and what narrow places add, before the
+corners were rounded; ``unrounded`` is the path's length and clearance then.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from planner.path import NoPath, Path, Trajectory
+from planner.path import Limits, NoPath, Path, Trajectory
 from planner.scene import Scene
+from planner.shared.figures import at_most, placed, sized
 
 SCHEMA = "clearway.plan/1"
 COUNTS = (
@@ -33,18 +38,26 @@ STAGES = (
     "roadmap",
     "path",
     "trajectory",
+    "render",
     "total",
 )
+NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 
 
 @dataclass(frozen=True, slots=True)
 class PlanAnswer:
-    """All that a plan has to say, ready to be written in either form."""
+    """All that a plan has to say, ready to be written in either form.
+
+    ``path`` has its corners rounded; ``planned`` is the same as the planner gave it. ``limits``
+    are those that the trajectory keeps.
+    """
 
     scene: Scene
     robot_radius: float
     path: Path | NoPath
+    planned: Path | NoPath
     trajectory: Trajectory | None = None
+    limits: Limits | None = None
     counts: Mapping[str, int] = field(default_factory=dict)
     timings_ms: Mapping[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
@@ -74,8 +87,10 @@ class PlanAnswer:
             width = 2.0 * self.path.min_clearance
             return {
                 **_path_fields(self.path),
+                "unrounded": _measures(self.planned) if isinstance(self.planned, Path) else None,
                 "waypoints": _waypoints(self.trajectory),
                 "duration": self.trajectory.duration_s if self.trajectory else None,
+                "speed_limit": self.limits.speed if self.limits else None,
                 "alternatives": [_path_fields(p) for p in self.path.alternatives],
                 "order": list(self.path.order),
                 "reason": None,
@@ -89,8 +104,11 @@ class PlanAnswer:
             "path": None,
             "length": None,
             "min_clearance": None,
+            "cost": None,
+            "unrounded": None,
             "waypoints": None,
             "duration": None,
+            "speed_limit": None,
             "alternatives": None,
             "order": None,
             "reason": self.path.reason,
@@ -102,23 +120,26 @@ class PlanAnswer:
         """Why there is no path, for people; ``ValueError`` where there is one."""
         if isinstance(self.path, Path):
             raise ValueError("there is a path")
-        units = self.scene.units
-        return f"no path for a robot of radius {self.robot_radius:g} {units}: {self.path.reason}"
+        radius = sized(self.robot_radius, self.scene.units)
+        return f"no path for a robot of radius {radius}: {self.path.reason}"
 
-    def as_text(self) -> str:
-        """For people: the result first, then the waypoints, then how it came about."""
-        return "\n".join(self._lines()) + "\n"
+    def as_text(self, with_reason: bool = True) -> str:
+        """For people: the result first, then the waypoints, then how it came about.
 
-    def _lines(self) -> Iterator[str]:
+        ``with_reason`` False leaves out why there is no path, for whom reads that elsewhere.
+        """
+        return "\n".join(self._lines(with_reason)) + "\n"
+
+    def _lines(self, with_reason: bool) -> Iterator[str]:
         units = self.scene.units
         if isinstance(self.path, NoPath):
-            yield self.no_path_sentence()
-            gap = self.path.bottleneck
-            if gap:
-                place = f"({gap.x:.6g}, {gap.y:.6g})"
-                yield f"the widest way is {gap.width:.6g} {units} wide at {place}"
+            if with_reason:
+                yield self.no_path_sentence()
             if self.path.widest_radius is not None:
-                yield f"the widest robot that fits has radius {self.path.widest_radius:.6g} {units}"
+                widest = at_most(self.path.widest_radius, units)
+                gap = self.path.bottleneck
+                tight = f", tight at {placed(gap.x, gap.y)}" if gap else ""
+                yield f"the widest robot that fits has radius {widest}{tight}"
         else:
             yield from self._path_lines(self.path, units)
         for remark in self.remarks:
@@ -131,32 +152,60 @@ class PlanAnswer:
         yield f"ms: {', '.join(stages)}"
 
     def _path_lines(self, path: Path, units: str) -> Iterator[str]:
-        x, y = path.min_clearance_at
-        yield f"path of length {path.length:.6g} {units}"
-        yield f"least clearance {path.min_clearance:.6g} {units} at ({x:.6g}, {y:.6g})"
+        yield f"path of length {sized(path.length, units)}"
+        least = sized(path.min_clearance, units)
+        yield f"least clearance {least} at {placed(*path.min_clearance_at)}"
+        planned = self.planned
+        if isinstance(planned, Path):
+            yield from _cost_lines(planned, path, units)
         if len(path.stations) > 2:
             yield f"stations in the order {', '.join(str(k + 1) for k in path.order)}"
         for number, other in enumerate(path.alternatives, start=1):
+            cost = "" if other.cost is None else f"cost {sized(other.cost, units)}, "
             yield (
-                f"alternative {number}: length {other.length:.6g} {units},"
-                f" least clearance {other.min_clearance:.6g} {units}"
+                f"alternative {number}: {cost}length {sized(other.length, units)},"
+                f" least clearance {sized(other.min_clearance, units)}"
             )
         if self.trajectory:
-            waypoints = self.trajectory.waypoints
-            yield f"{len(waypoints)} waypoints, {self.trajectory.duration_s:.6g} s"
-            yield f"{'x':>12}{'y':>12}{'heading':>10}{'speed':>10}{'time':>10}"
-            for w in waypoints:
-                yield (
-                    f"{w.x:12.5g}{w.y:12.5g}{w.heading_rad:10.4f}{w.speed:10.4g}{w.time_s:10.3f}"
-                )
+            yield from self._waypoint_lines(self.trajectory, units)
+
+    def _waypoint_lines(self, trajectory: Trajectory, units: str) -> Iterator[str]:
+        waypoints = trajectory.waypoints
+        yield f"{len(waypoints)} waypoints, {sized(trajectory.duration_s, 's')}"
+        if self.limits:
+            speed = sized(self.limits.speed, f"{units}/s")
+            yield f"at {speed} at most, two radii a second: {NO_LIMITS}"
+        names = (f"x {units}", f"y {units}", "heading deg", f"speed {units}/s", "time s")
+        yield "".join(f"{name:>13}" for name in names)
+        for w in waypoints:
+            heading = round(math.degrees(w.heading_rad), 2) + 0.0
+            yield f"{w.x:13.5g}{w.y:13.5g}{heading:13.2f}{w.speed:13.4g}{w.time_s:13.3f}"
+
+
+def _cost_lines(planned: Path, path: Path, units: str) -> Iterator[str]:
+    """What the path was chosen by, and what rounding its corners has changed."""
+    if planned.cost is not None:
+        extra = sized(max(planned.cost - planned.length, 0.0), units)
+        length = sized(planned.length, units)
+        yield f"cost {sized(planned.cost, units)}: length {length}, narrow places {extra}"
+    if path.length != planned.length or path.min_clearance != planned.min_clearance:
+        yield (
+            f"corners rounded: before, as Roadmap.plan returns it, length"
+            f" {sized(planned.length, units, beside=path.length)}, least clearance"
+            f" {sized(planned.min_clearance, units, beside=path.min_clearance)}"
+        )
 
 
 def _path_fields(path: Path) -> dict[str, Any]:
     return {
         "path": path.points.tolist(),
-        "length": float(path.length),
-        "min_clearance": float(path.min_clearance),
+        **_measures(path),
+        "cost": None if path.cost is None else float(path.cost),
     }
+
+
+def _measures(path: Path) -> dict[str, float]:
+    return {"length": float(path.length), "min_clearance": float(path.min_clearance)}
 
 
 def _waypoints(trajectory: Trajectory | None) -> list[dict[str, float]] | None:

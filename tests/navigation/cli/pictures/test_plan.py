@@ -15,6 +15,9 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
+from planner.formats.scene_io import load_scene
+from planner.roadmap.roadmap import build_roadmap
+from planner.shared.figures import sized
 
 ARENA = """\
 #@ clearway.scene/1
@@ -32,8 +35,11 @@ FIELDS = [
     "path",
     "length",
     "min_clearance",
+    "cost",
+    "unrounded",
     "waypoints",
     "duration",
+    "speed_limit",
     "alternatives",
     "order",
     "reason",
@@ -59,6 +65,7 @@ STAGES = [
     "roadmap",
     "path",
     "trajectory",
+    "render",
     "total",
 ]
 
@@ -146,13 +153,52 @@ def test_no_path_is_exit_code_3_with_the_answer_on_stdout(arena, capsys):
     assert [k for k in FIELDS if k not in answer] == []
     assert plan(*base) == 3
     captured = capsys.readouterr()
-    assert captured.out.startswith("no path for a robot of radius 0.45 m: ")
-    assert captured.err == f"clearway: {captured.out.splitlines()[0]}\n"
+    assert captured.err.startswith("clearway: no path for a robot of radius 0.45 m: ")
+    assert "no path" not in captured.out
 
 
-def test_a_start_inside_an_obstacle_has_no_path(arena, capsys):
-    assert plan(arena, "--start", "-0.3,0", "--goal", "1.5,0.5", "--radius", 0.1) == 3
-    assert "no path" in capsys.readouterr().out
+def test_no_path_is_said_once_and_stays_in_a_file(arena, tmp_path, capsys):
+    base = (arena, "--start", "-0.3,0", "--goal", "1.5,0.5", "--radius", 0.1)
+    assert plan(*base) == 3
+    captured = capsys.readouterr()
+    assert (captured.out + captured.err).count("no path") == 1
+    assert plan(*base, "-o", tmp_path / "plan.txt") == 3
+    assert (tmp_path / "plan.txt").read_text().startswith("no path for a robot of radius 0.1 m: ")
+
+
+def test_the_answer_says_what_the_path_was_chosen_by_and_what_rounding_changed(arena, capsys):
+    request = (arena, "--start", "-1.5,-0.5", "--goal", "1.5,-0.5", "--radius", 0.1)
+    assert plan(*request, "--alternatives", 2, "--format", "json") == 0
+    answer = strict_json(capsys.readouterr().out)
+    planned = build_roadmap(load_scene(arena), 0.1).plan((-1.5, -0.5), (1.5, -0.5), alternatives=2)
+    assert answer["unrounded"]["length"] == pytest.approx(planned.length)
+    assert answer["unrounded"]["min_clearance"] == pytest.approx(planned.min_clearance)
+    assert answer["length"] != answer["unrounded"]["length"]
+    assert answer["cost"] == pytest.approx(planned.cost)
+    costs = [other["cost"] for other in answer["alternatives"]]
+    assert costs == pytest.approx([other.cost for other in planned.alternatives])
+    assert plan(*request, "--alternatives", 2) == 0
+    text = capsys.readouterr().out
+    assert f"cost {sized(planned.cost, 'm')}: length {sized(planned.length, 'm')}, narrow" in text
+    assert "corners rounded: before, as Roadmap.plan returns it, length 3" in text
+    assert f"alternative 1: cost {sized(costs[0], 'm')}, length " in text
+
+
+def test_headings_are_printed_as_they_are_given_with_every_unit(arena, capsys):
+    request = (arena, "--start", "-1.5,-0.5,90", "--goal", "1.5,0.5", "--radius", 0.1)
+    assert plan(*request) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (head,) = (k for k, line in enumerate(lines) if "heading" in line)
+    assert " ".join(lines[head].split()) == "x m y m heading deg speed m/s time s"
+    assert lines[head + 1].split() == ["-1.5", "-0.5", "90.00", "0", "0.000"]
+    assert lines[head - 1].startswith("at 0.2 m/s at most, two radii a second: ")
+
+
+def test_a_picture_that_cannot_be_drawn_leaves_the_answer(arena, tmp_path, capsys):
+    request = (*GOOD, "--render", tmp_path / "missing" / "plan.svg")
+    assert plan(arena, *request) == 2
+    captured = capsys.readouterr()
+    assert "missing" in captured.err
 
 
 def test_stations_are_visited_and_numbered(arena, capsys):
@@ -171,7 +217,11 @@ def test_the_answer_goes_to_a_file_and_the_picture_beside_it(arena, tmp_path, ca
     base = (arena, "--start", "-1.5,0", "--goal", "1.5,0.5", "--radius", 0.1, "--format", "json")
     assert plan(*base, "-o", out, "--render", svg) == 0
     assert capsys.readouterr().out == ""
-    assert strict_json(out.read_text())["status"] == "ok"
+    answer = strict_json(out.read_text())
+    assert answer["status"] == "ok"
+    times = answer["timings_ms"]
+    assert times["total"] >= sum(ms for stage, ms in times.items() if ms and stage != "total") - 1
+    assert times["render"] > 0
     assert svg.read_text().startswith("<svg")
     assert plan(*base, "--render", png) == 0
     assert cv2.imread(str(png)) is not None
@@ -200,7 +250,8 @@ def test_a_picture_is_planned_in_its_pixels(tmp_path, capsys):
     answer = strict_json(capsys.readouterr().out)
     assert answer["units"] == "px"
     assert min(y for _, y in answer["path"]) < 60 - 9
-    assert all(answer["timings_ms"][stage] is not None for stage in STAGES)
+    missing = [stage for stage in STAGES if answer["timings_ms"][stage] is None]
+    assert missing == ["render"]  # nothing was drawn
     assert answer["counts"]["border_pixels"] > 400
     assert plan(*base, "--polarity", "light") == 3
 
