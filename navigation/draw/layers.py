@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from navigation.draw.numbers import costs, obstacle_numbers
+from navigation.draw.places import distance_to_line
 from navigation.draw.shapes import (
     BOTTLENECK,
     FLOOR,
@@ -36,7 +38,6 @@ from navigation.draw.shapes import (
     Strokes,
     ramp_colour,
 )
-from planner.borders.polyline import arc_lengths, points_at
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import (
     Arc,
@@ -47,10 +48,12 @@ from planner.scene import (
     PolygonRecord,
     Record,
     Scene,
+    object_records,
     record_edges,
 )
 
 if TYPE_CHECKING:
+    from planner.roadmap.curves import Curves
     from planner.roadmap.roadmap import Roadmap
 
 ARC_STEP_RAD = math.radians(3.0)
@@ -81,6 +84,7 @@ class Content:
 
     scene: Scene
     roadmap: Roadmap | None
+    curves: Curves | None
     path: Path | NoPath | None
     trajectory: Trajectory | None
     track: FloatArray | None
@@ -103,22 +107,19 @@ class Content:
 
     def clearance_span(self) -> tuple[float, float] | None:
         """Least and largest clearance on the roadmap: the ends of the colour ramp."""
-        if self.roadmap is None or self.roadmap.graph.number_of_edges() == 0:
+        if self.curves is None:
             return None
-        graph = self.roadmap.graph
-        low = min(float(data["clearance"]) for _, _, data in graph.edges(data=True))
-        high = max(float(data["clearance"]) for _, data in graph.nodes(data=True))
-        return low, max(high, low)
+        low = self.curves.narrowest
+        return low, max(float(self.curves.clearances.max()), low)
 
     def window(self) -> Bounds:
         """The part of the scene that is shown: all of it, or, where the robot can only be in
         less than half of it, as on a map with much unknown ground, that part with a rim."""
         whole = self.scene.bounds
-        if self.roadmap is None or self.roadmap.graph.number_of_edges() == 0:
+        if self.roadmap is None or self.curves is None:
             return whole
-        clouds = [np.asarray(d["polyline"]) for _, _, d in self.roadmap.graph.edges(data=True)]
-        clouds.append(np.array([s[:2] for s in self.stations if whole.contains((s[0], s[1]))]))
-        points = np.concatenate([c.reshape(-1, 2) for c in clouds])
+        places = np.array([s[:2] for s in self.stations if whole.contains((s[0], s[1]))])
+        points = np.concatenate([self.curves.points, places.reshape(-1, 2)])
         low, high = points.min(axis=0), points.max(axis=0)
         rim = 2.0 * self.roadmap.radius + 0.08 * float((high - low).max())
         part = Bounds(
@@ -155,6 +156,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("driven track", tuple(_track(content, screen))),
         Layer("waypoints", tuple(_waypoints(content, screen))),
         Layer("bottleneck", tuple(_bottleneck(content, screen))),
+        Layer("numbers", tuple(_numbers(content, screen))),
         Layer("stations", tuple(_stations(content, screen))),
     )
 
@@ -201,6 +203,18 @@ def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
                 yield Strokes((line,), OBSTACLE, 2.0)
 
 
+def _numbers(content: Content, screen: Screen) -> Iterator[Shape]:
+    scene = content.scene
+    borders = []
+    for obj in scene.objects:
+        lines = [chain_points(record, scene.y_down) for record in object_records(obj)]
+        lines += [np.array([r.at]) for r in obj.records if isinstance(r, PointRecord)]
+        borders.append([screen.points(line) for line in lines if len(line)])
+    yield from obstacle_numbers(borders, screen)
+    if content.found:
+        yield from costs(content.found, scene.units, screen)
+
+
 def _frame(screen: Screen) -> Strokes:
     return Strokes((np.vstack([screen.frame, screen.frame[:1]]),), FRAME, 1.5)
 
@@ -214,42 +228,42 @@ def _corridor(content: Content, screen: Screen) -> Iterator[Shape]:
 
 def _roadmap(content: Content, screen: Screen) -> Iterator[Shape]:
     span = content.clearance_span()
-    if content.roadmap is None or span is None:
+    if content.roadmap is None or content.curves is None or span is None:
         return
-    from planner.diagram.bisectors import edge_curve
+    from planner.roadmap.curves import followed
 
-    borders = content.roadmap.borders
-    curves = [
-        edge_curve(borders, data["geometry"], FLATNESS_PX / screen.scale)
-        for _, _, data in content.roadmap.graph.edges(data=True)
-    ]
-    pieces = [_densely(curve, COLOUR_STEP_PX / screen.scale) for curve in curves]
-    clearances = content.roadmap.clearance(np.concatenate(pieces))
+    curves = followed(content.roadmap, content.curves, FLATNESS_PX / screen.scale)
+    points, clearances, last = _densely(curves, COLOUR_STEP_PX / screen.scale)
+    places = screen.points(points)
     width = span[1] - span[0]
     part = (clearances - span[0]) / width if width > 0.0 else np.ones(len(clearances))
     steps = np.clip(np.rint(part * (RAMP_STEPS - 1)), 0, RAMP_STEPS - 1).astype(int)
+    # a link has the colour of its first point; each stretch of one colour is one line
+    changes = (steps[1:] != steps[:-1]) | last[:-1]
+    cuts = [0, *(np.flatnonzero(changes) + 1).tolist(), len(points)]
     by_step: dict[int, list[FloatArray]] = {}
-    first = 0
-    for piece in pieces:
-        for step, run in _runs(piece, steps[first : first + len(piece)]):
-            by_step.setdefault(step, []).append(screen.points(run))
-        first += len(piece)
+    for a, b in pairwise(cuts):
+        end = b if last[b - 1] else b + 1
+        if end - a > 1:
+            by_step.setdefault(int(steps[a]), []).append(places[a:end])
     for step in sorted(by_step, reverse=True):
         yield Strokes(tuple(by_step[step]), ramp_colour(step), 1.8)
 
 
-def _densely(polyline: FloatArray, step: float) -> FloatArray:
-    lengths = arc_lengths(polyline)
-    count = math.ceil(lengths[-1] / step) + 1
-    at = np.union1d(lengths, np.linspace(0.0, lengths[-1], count))
-    return points_at(polyline, lengths, at)
-
-
-def _runs(points: FloatArray, steps: NDArray[np.int_]) -> Iterator[tuple[int, FloatArray]]:
-    """Stretches of one colour; each begins where the one before ended."""
-    cuts = [0, *(np.flatnonzero(np.diff(steps[:-1])) + 1).tolist(), len(points) - 1]
-    for a, b in pairwise(cuts):
-        yield int(steps[a]), points[a : b + 1]
+def _densely(curves: Curves, step: float) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Points at most ``step`` apart with clearances, straight between those of the curves, and
+    which of them are the last of a line."""
+    last = np.zeros(len(curves.points), dtype=np.bool_)
+    last[curves.first[1:] - 1] = True
+    ahead = np.minimum(np.arange(len(last)) + 1, len(last) - 1)
+    along = curves.points[ahead] - curves.points
+    count = np.maximum(np.ceil(np.hypot(*along.T) / step).astype(int), 1)
+    count[last] = 1
+    row = np.repeat(np.arange(len(last)), count)
+    share = (np.arange(len(row)) - np.repeat(np.cumsum(count) - count, count)) / count[row]
+    points = curves.points[row] + share[:, None] * along[row]
+    rho = curves.clearances
+    return points, rho[row] + share * (rho[ahead] - rho)[row], last[row]
 
 
 def _alternatives(content: Content, screen: Screen) -> Iterator[Shape]:
@@ -365,13 +379,6 @@ def _name_beside(
         if min(off, 0.5 * width + 8.0) > room:
             best, room = place, min(off, 0.5 * width + 8.0)
     return Label(best[0], best[1], name, 14.0, colour, best[2], bold=True, halo=True)
-
-
-def distance_to_line(place: FloatArray, line: FloatArray) -> float:
-    """From a place to a polyline (n, 2)."""
-    a, d = line[:-1], np.diff(line, axis=0)
-    t = np.clip(((place - a) * d).sum(axis=1) / np.maximum((d * d).sum(axis=1), 1e-12), 0.0, 1.0)
-    return float(np.hypot(*(a + t[:, None] * d - place).T).min())
 
 
 def _station_name(number: int, last: int) -> tuple[str, Colour]:

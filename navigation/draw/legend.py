@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from navigation.draw.layers import Content, lines_of
+from navigation.draw.numbers import MOST_BESIDE
 from navigation.draw.shapes import (
     BOTTLENECK,
     FAINT_INK,
@@ -29,8 +30,9 @@ from navigation.draw.shapes import (
     ramp_colour,
 )
 from planner.borders.polyline import arc_lengths
-from planner.path import NoPath
+from planner.path import NoPath, Path
 from planner.scene import FloatArray
+from planner.shared.figures import at_most, sized
 
 LEGEND_WIDTH = 236
 _ROW = 26.0
@@ -58,11 +60,11 @@ def legend(content: Content, screen: Screen, left: float, top: float, bottom: fl
 def _subtitle(content: Content) -> Iterator[str]:
     radius, units = content.robot_radius, content.scene.units
     if radius is not None:
-        yield f"robot radius {radius:.4g} {units}"
+        yield f"robot radius {sized(radius, units)}"
     if isinstance(content.path, NoPath):
         yield from _wrapped(f"no path: {content.path.reason}", 36)
         if content.path.widest_radius is not None:
-            yield f"widest robot: radius {content.path.widest_radius:.4g} {units}"
+            yield f"widest robot: radius {at_most(content.path.widest_radius, units)}"
 
 
 def _wrapped(text: str, width: int) -> Iterator[str]:
@@ -88,7 +90,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
     count = len(content.scene.objects)
     yield (
         [Area((_box(left + 2.0, y - 7.0, left + 30.0, y + 7.0),), OBSTACLE)],
-        f"obstacles ({count})",
+        f"obstacles ({count})" + (", numbered from 0" if 1 < count <= MOST_BESIDE else ""),
     )
     y += _ROW
     if found:
@@ -97,7 +99,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
                 Strokes((bar(y),), PATH, 13.0, opacity=0.14),
                 Strokes((bar(y),), PATH, 3.5),
             ],
-            f"path, {found.length:.4g} {units}",
+            f"path, {sized(found.length, units)}" + _cost(found, units),
         )
         y += _ROW
         if found.alternatives:
@@ -108,7 +110,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
     if before:
         length = sum(arc_lengths(line)[-1] for line in before)
         older: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 3.5)]
-        yield older, f"replaced plans ({len(before)}), {length:.4g} {units}"
+        yield older, f"replaced plans ({len(before)}), {sized(length, units)}"
         y += _ROW
     if content.trajectory:
         waypoints = content.trajectory.waypoints
@@ -119,7 +121,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
         y += _ROW
     if driven_lines := lines_of(content.track):
         driven = sum(arc_lengths(line)[-1] for line in driven_lines)
-        yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {driven:.4g} {units}"
+        yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {sized(driven, units)}"
         y += _ROW
     seen = [other for other in content.others if len(other.track)]
     if seen:
@@ -136,7 +138,11 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
             Disc(left + 16.0, y, 8.0, stroke=BOTTLENECK, width=2.0),
             Disc(left + 16.0, y, 2.4, fill=BOTTLENECK),
         ]
-        yield ring, f"bottleneck, {gap[2]:.4g} {units} wide"
+        yield ring, f"bottleneck, {sized(gap[2], units)} wide"
+
+
+def _cost(path: Path, units: str) -> str:
+    return "" if path.cost is None else f", cost {sized(path.cost, units)}"
 
 
 def _ramp(content: Content, left: float, top: float) -> Iterator[Shape]:

@@ -114,9 +114,15 @@ def _drawing(
     scene: Scene, roadmap: Roadmap | None, path: Path | NoPath | None, shown: Shown
 ) -> Drawing:
     track = shown.get("track")
+    curves = None
+    if roadmap is not None:
+        from planner.roadmap.curves import curves_of
+
+        curves = curves_of(roadmap)
     content = Content(
         scene,
         roadmap,
+        curves,
         path,
         shown.get("trajectory"),
         None if track is None else _line(track),

@@ -65,7 +65,10 @@ def _draw(canvas: Canvas, shape: Shape) -> None:
 
 def _polylines(canvas: Canvas, lines: list[FloatArray], colour: Colour, width: float) -> None:
     thickness = max(1, round(width * SUPERSAMPLING))
-    fixed = [_fixed(line) for line in lines]
+    if not lines:
+        return
+    cuts = np.cumsum([len(line) for line in lines])[:-1]
+    fixed = np.split(_fixed(np.concatenate(lines)), cuts)
     cv2.polylines(canvas, fixed, False, _bgr(colour), min(thickness, 32767), cv2.LINE_AA, _SHIFT)
 
 

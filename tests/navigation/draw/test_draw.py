@@ -28,8 +28,10 @@ from planner.formats.scene_io import read_scene_text
 from planner.motion.trajectory import default_limits, time_path
 from planner.path import Bottleneck, NoPath
 from planner.path import Path as PlannedPath
+from planner.roadmap.curves import curves_of, followed
 from planner.roadmap.roadmap import Roadmap, build_roadmap
 from planner.scene import Scene
+from planner.shared.figures import sized
 
 PIXELS = """\
 #@ clearway.scene/1
@@ -168,6 +170,7 @@ def test_the_svg_has_a_layer_for_everything_and_nothing_from_outside(arena):
         "driven-track",
         "waypoints",
         "bottleneck",
+        "numbers",
         "stations",
         "legend",
     ]
@@ -267,3 +270,55 @@ def test_another_robot_is_drawn_where_it_was_last_with_its_track_and_name(
     assert "other robots (1), as seen last" in svg
     never_seen = OtherRobot("robot 9", 0.15, np.empty((0, 3)))
     assert draw_svg(scene, others=[never_seen]) == draw_svg(scene)
+
+
+def words_of(svg: str, layer: str) -> list[tuple[str, float, float]]:
+    """The words of a layer and where they are."""
+    root = ET.fromstring(svg)
+    (group,) = (g for g in root.iter(f"{SVG}g") if g.get("id") == layer)
+    return [
+        (text.text or "", float(text.get("x", "nan")), float(text.get("y", "nan")))
+        for text in group.iter(f"{SVG}text")
+    ]
+
+
+def test_every_obstacle_bears_the_number_that_messages_name_it_by():
+    scene = read_scene_text(PIXELS)
+    numbers = words_of(draw_svg(scene), "numbers")
+    assert [text for text, _, _ in numbers] == ["0", "1", "2", "3", "4"]
+    scale = min(1000 / scene.bounds.width, 760 / scene.bounds.height)
+    x, y = ((v - MARGIN) / scale for v in numbers[0][1:])
+    assert 20 < x < 80, "obstacle 0 has room for its number"
+    assert 20 < y < 80
+    assert not (40 < x < 60 and 40 < y < 60), "in the solid, not in its hole"
+
+
+def test_of_thousands_of_obstacles_only_those_with_room_bear_their_number():
+    circles = "".join(f"C ({5 * i},{5 * k}) 1\n" for i in range(1, 30) for k in range(1, 30))
+    text = f"#@ clearway.scene/1\n#@ bounds given 0 0 400 200\n{circles}C (300,100) 60\n"
+    numbers = words_of(draw_svg(read_scene_text(text)), "numbers")
+    assert [number for number, _, _ in numbers] == ["841"]
+
+
+def test_alternatives_bear_their_cost(arena):
+    scene, roadmap, _ = arena
+    path = roadmap.plan((0.5, 0.5), (3.5, 0.5), alternatives=1)
+    svg = draw_svg(scene, roadmap, path)
+    (other,) = path.alternatives
+    assert f"1: cost {sized(other.cost, 'm')}" in [text for text, _, _ in words_of(svg, "numbers")]
+    assert f"path, {sized(path.length, 'm')}, cost {sized(path.cost, 'm')}" in svg
+
+
+def test_the_roadmap_of_a_picture_is_that_of_the_graph(arena):
+    _, roadmap, _ = arena
+    curves = curves_of(roadmap)
+    assert curves is not None
+    drawn = followed(roadmap, curves, 1e-4)
+    assert len(curves.first) - 1 >= roadmap.graph.number_of_edges()
+    lengths = np.hypot(*np.diff(drawn.points, axis=0).T)
+    lengths[drawn.first[1:-1] - 1] = 0.0  # from line to line
+    wanted = sum(data["length"] for _, _, data in roadmap.graph.edges(data=True))
+    assert lengths.sum() == pytest.approx(wanted, rel=1e-2)
+    np.testing.assert_allclose(drawn.clearances, roadmap.clearance(drawn.points), atol=1e-9)
+    least = min(data["clearance"] for _, _, data in roadmap.graph.edges(data=True))
+    assert curves.narrowest == pytest.approx(least)

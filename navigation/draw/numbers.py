@@ -1,0 +1,107 @@
+"""The obstacles' numbers, which messages name them by, and the costs of the alternatives.
+
+Rules and units
+- A number is inside its obstacle where it fits, else beside it; of very many obstacles only those
+  are numbered where it fits inside.
+- Widths of text are estimates, in screen pixels: SVG and PNG have different fonts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navigation.draw.places import distance_to_line
+from navigation.draw.shapes import INK, OTHER_PATH_INK, PAGE, Label, Screen, Shape
+from planner.borders.polyline import arc_lengths, points_at
+from planner.path import Path
+from planner.scene import FloatArray
+from planner.shared.figures import sized
+
+SIZE = 12.0
+DIGIT_WIDTH = 8.0
+MOST_BESIDE = 150
+"""So many obstacles have their numbers beside them, too, where these do not fit inside."""
+ROWS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
+"""Heights at which an obstacle's widest place is looked for, as shares of its own."""
+LOOKED_AT = 64
+"""Places along an alternative, of which the one farthest from all others bears its cost."""
+
+
+def obstacle_numbers(borders: list[list[FloatArray]], screen: Screen) -> Iterator[Shape]:
+    """A number for each obstacle: its closed borders (n, 2) in screen pixels, or its points."""
+    low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
+    for number, rings in enumerate(borders):
+        if not rings:
+            continue
+        ring = max(rings, key=len)
+        crowded = len(borders) > MOST_BESIDE
+        if crowded and (np.ptp(ring, axis=0) < (DIGIT_WIDTH, SIZE)).any():
+            continue
+        sides = np.concatenate([np.stack([r, np.roll(r, -1, axis=0)], axis=1) for r in rings])
+        text = str(number)
+        width = DIGIT_WIDTH * len(text)
+        x, y = _widest_row(sides)
+        reach = np.array([(i, j) for i in (-0.5, 0.0, 0.5) for j in (-0.5, 0.5)])
+        if _holds(sides, (x, y) + reach * (width + 4.0, SIZE)).all():
+            yield Label(x, y + 0.36 * SIZE, text, SIZE, PAGE, "middle", bold=True)
+        elif not crowded:
+            at = ring[np.argmax(ring @ (1.0, -1.0))]  # its upper right
+            right = np.clip(at[0] + 4.0, low[0] + 2.0, high[0] - width - 2.0)
+            above = np.clip(at[1] - 4.0, low[1] + SIZE, high[1] - 2.0)
+            yield Label(float(right), float(above), text, SIZE, INK, halo=True)
+
+
+def _holds(sides: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
+    """Which of the places (m, 2) lie inside borders of the sides (n, 2, 2), by even-odd."""
+    (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
+    x, y = places[:, 0, None], places[:, 1, None]
+    cut = (y0 <= y) != (y1 <= y)
+    right = x < x0 + (y - y0) / np.where(y0 == y1, 1.0, y1 - y0) * (x1 - x0)
+    return np.asarray((cut & right).sum(axis=1) % 2 == 1)
+
+
+def _widest_row(sides: FloatArray) -> tuple[float, float]:
+    """The middle of the widest horizontal stretch inside borders of the sides (n, 2, 2).
+
+    The one nearest to the middle wins where several are about as wide.
+    """
+    (x0, y0), (x1, y1) = sides[:, 0].T, sides[:, 1].T
+    top, bottom = float(y0.min()), float(y0.max())
+    best, most = (float(x0.mean()), float(y0.mean())), 0.0
+    for share in ROWS:
+        y = top + share * (bottom - top)
+        cut = (y0 <= y) != (y1 <= y)
+        xs = np.sort((x0 + (y - y0) / np.where(cut, y1 - y0, 1.0) * (x1 - x0))[cut]).tolist()
+        for left, right in zip(xs[0::2], xs[1::2], strict=False):
+            if right - left > 1.2 * most:
+                most, best = right - left, (0.5 * (left + right), y)
+    return best
+
+
+def costs(path: Path, units: str, screen: Screen) -> Iterator[Shape]:
+    """What each alternative costs, where it is farthest from the path and from the others."""
+    lines = [screen.points(path.points), *(screen.points(p.points) for p in path.alternatives)]
+    taken: list[FloatArray] = []
+    for number, other in enumerate(path.alternatives, start=1):
+        line = lines[number]
+        if other.cost is None or len(line) < 2:
+            continue
+        lengths = arc_lengths(line)
+        places = points_at(line, lengths, np.linspace(0.0, lengths[-1], LOOKED_AT)[1:-1])
+        beside = [way for k, way in enumerate(lines) if k != number and len(way) > 1]
+        text = f"{number}: cost {sized(other.cost, units)}"
+        half = np.array((0.5 * 7.5 * len(text), 0.0))
+        room = [
+            min(
+                *(distance_to_line(place + k * half, way) for way in beside for k in (-1, 0, 1)),
+                *(2.0 * abs(float(place[1] - label[1])) for label in taken),
+                60.0,
+            )
+            for place in places
+        ]
+        x, y = places[int(np.argmax(room))].tolist()
+        taken.append(np.array((x, y)))
+        yield Label(x, y + 4.5, text, SIZE, OTHER_PATH_INK, "middle", bold=True, halo=True)
