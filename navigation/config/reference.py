@@ -159,7 +159,10 @@ def _commented(line: str, field: FieldInfo) -> Iterator[str]:
     if len(beside) <= LINE_WIDTH:
         yield beside
         return
-    indent = " " * (len(line) - len(line.lstrip()))
+    indent = line[: len(line) - len(line.lstrip())]
+    if line.startswith("# "):  # a key that is commented out, with its own indentation behind that
+        key = line[2:]
+        indent = "# " + key[: len(key) - len(key.lstrip())]
     yield from textwrap.wrap(
         field.description or "", LINE_WIDTH, initial_indent=f"{indent}# ",
         subsequent_indent=f"{indent}# ", break_on_hyphens=False,

@@ -17,6 +17,8 @@ from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.mission.mission import MissionError, Station
 from navigation.shared.outside import finite_number, in_short, printable
 
+SCHEMA: Final = "clearway.status/1"
+"""Of the answer to any order that was taken."""
 LONGEST_DWELLS_S: Final = 86_400.0
 """All stays together: a day. They are planned in parts of 25 s, which must stay countable."""
 REASON_CHARACTERS: Final = 500
@@ -74,7 +76,7 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
                 )
     except (ControlError, MissionError) as error:
         return {"ok": False, "error": str(error)}
-    return {"ok": True, **daemon.describe()}
+    return {"schema": SCHEMA, "ok": True, **daemon.describe()}
 
 
 def _reason(request: Mapping[str, Any]) -> str:

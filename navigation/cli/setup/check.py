@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -17,6 +18,10 @@ from navigation.config.secrets import hide
 
 if TYPE_CHECKING:
     from vision.calibration.calibration import Calibration
+
+
+FILES: Final = (("camera", "calibration"), ("simulation", "arena"))
+"""Keys that name a file to be read."""
 
 
 @click.command(short_help="Check a configuration; report every error.")
@@ -42,6 +47,8 @@ def load_checked(file: Path) -> Config:
         loaded = load_config(file)
     except ConfigError as error:
         found = _located(error.sound, error.text)
+        told = {problem.where for problem in (*error.problems, *found)}
+        found += [p for p in _missing_files(error.text, file.parent) if p.where not in told]
         if not found:
             raise
         raise ConfigError(error.file, in_order([*error.problems, *found]), error.text) from None
@@ -61,6 +68,25 @@ def file_problems(config: Config) -> Iterator[tuple[Location, str]]:
 def _located(sections: Mapping[str, Any], text: str) -> list[Problem]:
     document = read_document(text)
     return [Problem(where, what, mark_of(document, where)) for where, what in _problems(sections)]
+
+
+def _missing_files(text: str, folder: Path) -> Iterator[Problem]:
+    """Files that are named and not there, whatever else of their sections is wrong."""
+    document = read_document(text)
+    for where in FILES:
+        value = document.data
+        for key in where:
+            value = value.get(key) if isinstance(value, dict) else None
+        overridden = "CLEARWAY_" + "__".join(where).upper() in os.environ
+        if overridden or not isinstance(value, str) or not value:
+            continue
+        named = folder / value
+        try:
+            named.stat()
+        except (OSError, ValueError) as error:
+            why = error.strerror if isinstance(error, OSError) else None
+            mark = mark_of(document, where)
+            yield Problem(where, f"{named}: {why or error}", mark)
 
 
 def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:

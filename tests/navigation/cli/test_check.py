@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +66,24 @@ def test_a_first_configuration_names_every_key(tmp_path: Path) -> None:
 def test_a_first_configuration_is_at_most_as_wide_as_the_code(tmp_path: Path, real: bool) -> None:
     lines = _init(tmp_path, *(["--real"] if real else [])).read_text().splitlines()
     assert max(map(len, lines)) <= 100 + len(str(tmp_path))
+
+
+@pytest.mark.parametrize("real", [False, True])
+def test_comments_of_keys_that_are_commented_out_are_indented_as_their_keys(
+    tmp_path: Path, real: bool
+) -> None:
+    """Taking '# ' away from a block gives its keys, with their comments right above them."""
+    lines = _init(tmp_path, *(["--real"] if real else [])).read_text().splitlines()
+    seen = 0
+    for above, key in pairwise(lines):
+        if not re.match(r"# +(- )?\w+:( |$)", key) or not re.match(r"# +[^-]", above):
+            continue
+        if re.match(r"# +(- )?\w+:( |$)", above) or "clearway" in above:
+            continue
+        seen += 1
+        depth = len(key) - len(key[2:].lstrip(" "))
+        assert above.startswith(f"{key[:depth]}# "), (above, key)
+    assert seen >= 1
 
 
 def test_init_overwrites_only_when_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -253,3 +273,20 @@ def test_the_schema_goes_into_a_file(tmp_path: Path) -> None:
     file = tmp_path / "schema.json"
     assert run(["schema", "-o", str(file)]) == 0
     assert json.loads(file.read_text()) == json_schema()
+
+
+def test_check_tells_of_files_that_are_missing_whatever_else_is_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "run.yaml"
+    simulation = "simulation: {arena: nowhere.txt, start: {x_m: 0.2, y_m: 0.2}, sede: 3}"
+    camera = "camera: {source: simulated, calibration: no.yaml}"
+    file.write_text(f"arena:\n  bounds: 3\n{camera}\nrobot: {{}}\n{simulation}\n")
+    assert run(["check", str(file)]) == 78
+    err = capsys.readouterr().err
+    for told in (
+        f"{file}:3:42: camera.calibration: {tmp_path / 'no.yaml'}: No such file or directory",
+        f"{file}:5:21: simulation.arena: {tmp_path / 'nowhere.txt'}: No such file or directory",
+        f"{file}:4:1: robot.marker_id: is missing",
+    ):
+        assert told in err

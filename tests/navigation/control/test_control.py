@@ -133,6 +133,7 @@ def test_garbage_on_the_socket_is_refused_and_the_server_lives(
     assert not answer or json.loads(answer)["ok"] is False
     assert server.refused == 1
     assert send_order(server.path, {"order": "status"})["ok"]
+    assert send_order(server.path, {"order": "status"})["schema"] == "clearway.status/1"
 
 
 def test_a_second_daemon_on_one_socket_is_refused(server: ControlServer) -> None:
