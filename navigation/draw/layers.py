@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.numbers import costs, obstacle_numbers
+from navigation.draw.numbers import costs, obstacle_labels
 from navigation.draw.places import distance_to_line
 from navigation.draw.shapes import (
     BOTTLENECK,
@@ -203,16 +203,21 @@ def _obstacles(scene: Scene, screen: Screen) -> Iterator[Shape]:
                 yield Strokes((line,), OBSTACLE, 2.0)
 
 
-def _numbers(content: Content, screen: Screen) -> Iterator[Shape]:
-    scene = content.scene
+def screen_borders(scene: Scene, screen: Screen) -> list[list[FloatArray]]:
+    """For each object its borders (n, 2), or its points, in screen pixels."""
     borders = []
     for obj in scene.objects:
         lines = [chain_points(record, scene.y_down) for record in object_records(obj)]
         lines += [np.array([r.at]) for r in obj.records if isinstance(r, PointRecord)]
         borders.append([screen.points(line) for line in lines if len(line)])
-    yield from obstacle_numbers(borders, screen)
+    return borders
+
+
+def _numbers(content: Content, screen: Screen) -> Iterator[Shape]:
+    borders = screen_borders(content.scene, screen)
+    yield from obstacle_labels(borders, [str(k) for k in range(len(borders))], screen, PAGE)
     if content.found:
-        yield from costs(content.found, scene.units, screen)
+        yield from costs(content.found, content.scene.units, screen)
 
 
 def _frame(screen: Screen) -> Strokes:

@@ -53,7 +53,7 @@ def legend(content: Content, screen: Screen, left: float, top: float, bottom: fl
         shapes.append(Label(left + _TEXT, y + 4.5, words, 13.0))
         y += _ROW
     shapes += _ramp(content, left, y)
-    shapes += _scale(screen, content.scene.units, left, bottom)
+    shapes += scale_bar(screen, content.scene.units, left, bottom)
     return Layer("legend", tuple(shapes), clipped=False)
 
 
@@ -169,7 +169,7 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
     return np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
 
 
-def _scale(screen: Screen, units: str, left: float, bottom: float) -> Iterator[Shape]:
+def scale_bar(screen: Screen, units: str, left: float, bottom: float) -> Iterator[Shape]:
     """A bar of a round length, about 120 pixels long."""
     wanted = 120.0 / screen.scale
     power = 10.0 ** math.floor(math.log10(wanted))

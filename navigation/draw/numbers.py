@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.draw.places import distance_to_line
-from navigation.draw.shapes import INK, OTHER_PATH_INK, PAGE, Label, Screen, Shape
+from navigation.draw.shapes import INK, OTHER_PATH_INK, PAGE, Colour, Label, Screen
 from planner.borders.polyline import arc_lengths, points_at
 from planner.path import Path
 from planner.scene import FloatArray
@@ -30,23 +30,28 @@ LOOKED_AT = 64
 """Places along an alternative, of which the one farthest from all others bears its cost."""
 
 
-def obstacle_numbers(borders: list[list[FloatArray]], screen: Screen) -> Iterator[Shape]:
-    """A number for each obstacle: its closed borders (n, 2) in screen pixels, or its points."""
+def obstacle_labels(
+    borders: list[list[FloatArray]], texts: list[str], screen: Screen, inside: Colour
+) -> Iterator[Label]:
+    """A label for each obstacle: its closed borders (n, 2) in screen pixels, or its points.
+
+    ``inside`` is the colour of labels that are in their obstacles.
+    """
     low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
-    for number, rings in enumerate(borders):
+    crowded = len(borders) > MOST_BESIDE
+    for rings, text in zip(borders, texts, strict=True):
         if not rings:
             continue
         ring = max(rings, key=len)
-        crowded = len(borders) > MOST_BESIDE
-        if crowded and (np.ptp(ring, axis=0) < (DIGIT_WIDTH, SIZE)).any():
+        width = DIGIT_WIDTH * len(text)
+        if crowded and (np.ptp(ring, axis=0) < (width, SIZE)).any():
             continue
         sides = np.concatenate([np.stack([r, np.roll(r, -1, axis=0)], axis=1) for r in rings])
-        text = str(number)
-        width = DIGIT_WIDTH * len(text)
         x, y = _widest_row(sides)
         reach = np.array([(i, j) for i in (-0.5, 0.0, 0.5) for j in (-0.5, 0.5)])
         if _holds(sides, (x, y) + reach * (width + 4.0, SIZE)).all():
-            yield Label(x, y + 0.36 * SIZE, text, SIZE, PAGE, "middle", bold=True)
+            halo = inside != PAGE
+            yield Label(x, y + 0.36 * SIZE, text, SIZE, inside, "middle", bold=True, halo=halo)
         elif not crowded:
             at = ring[np.argmax(ring @ (1.0, -1.0))]  # its upper right
             right = np.clip(at[0] + 4.0, low[0] + 2.0, high[0] - width - 2.0)
@@ -81,7 +86,7 @@ def _widest_row(sides: FloatArray) -> tuple[float, float]:
     return best
 
 
-def costs(path: Path, units: str, screen: Screen) -> Iterator[Shape]:
+def costs(path: Path, units: str, screen: Screen) -> Iterator[Label]:
     """What each alternative costs, where it is farthest from the path and from the others."""
     lines = [screen.points(path.points), *(screen.points(p.points) for p in path.alternatives)]
     taken: list[FloatArray] = []

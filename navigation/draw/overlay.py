@@ -4,89 +4,167 @@ Rules and units
 - The scene is in pixels. The picture is enlarged so that half a pixel can be seen, and its
   contrast is lowered so that the lines stand out.
 - Colours are those of the other pictures (``shapes.py``): segments crimson, arcs violet,
-  circles green, corners dots of ink.
+  circles green, corners dots of ink. Every obstacle bears its number and the letters of its
+  outline's records.
 """
 
 from __future__ import annotations
 
-import math
+from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw import shapes
+from navigation.draw.layers import chain_points, screen_borders
+from navigation.draw.legend import LEGEND_WIDTH, scale_bar
+from navigation.draw.numbers import obstacle_labels
+from navigation.draw.shapes import (
+    BOTTLENECK,
+    FAINT_INK,
+    FRAME,
+    INK,
+    PAGE,
+    PATH,
+    TRACK,
+    Colour,
+    Disc,
+    Drawing,
+    Label,
+    Layer,
+    Photo,
+    Screen,
+    Shape,
+    Strokes,
+)
 from planner.scene import (
     Arc,
+    ArcRecord,
     CircleRecord,
-    Edge,
+    FloatArray,
     PointRecord,
+    PolygonRecord,
     Record,
     Scene,
-    SceneObject,
-    Vec,
+    SegmentRecord,
     object_records,
     record_edges,
 )
 
-SEGMENT_BGR, ARC_BGR, CIRCLE_BGR, CORNER_BGR = (
-    colour[::-1] for colour in (shapes.BOTTLENECK, shapes.TRACK, shapes.PATH, shapes.INK)
-)
-LARGEST_PX = 4000
-"""Width or height that an enlarged picture stays below."""
-SHIFT_BITS = 4
-"""OpenCV draws lines between points of 1/16 pixel."""
+SEGMENT, ARC, CIRCLE, CORNER = BOTTLENECK, TRACK, PATH, INK
+LARGEST_PX, MOST_SCALE = 1920, 4
+"""Width or height that an enlarged picture stays below, and how much it is enlarged at most."""
+MARGIN, LEAST_HEIGHT = 24, 380
+LETTERS: dict[type[Record], tuple[str, str, str]] = {
+    PointRecord: ("P", "point", "points"),
+    SegmentRecord: ("S", "segment", "segments"),
+    CircleRecord: ("C", "circle", "circles"),
+    ArcRecord: ("A", "open chain", "open chains"),
+    PolygonRecord: ("L", "polygon", "polygons"),
+}
 
 
-def draw_overlay(image: NDArray[Any], scene: Scene) -> NDArray[np.uint8]:
-    """The picture, enlarged, in pale colours, with every record drawn: (h', w', 3) BGR."""
-    scale = max(1, min(4, LARGEST_PX // max(image.shape[:2])))
+def overlay_drawing(image: NDArray[Any], scene: Scene, title: str = "Clearway") -> Drawing:
+    """The picture, enlarged, in pale colours, with every record drawn, labels and a legend."""
+    rows, columns = image.shape[:2]
+    scale = max(1, min(MOST_SCALE, LARGEST_PX // max(rows, columns)))
+    screen = Screen(scene.bounds, True, float(scale), MARGIN, MARGIN)
+    width, height = float(columns * scale), float(rows * scale)
+    page_height = round(max(height, LEAST_HEIGHT) + 2 * MARGIN)
+    left = 2 * MARGIN + width
+    lines = tuple(_records(scene, screen))
+    outline = np.vstack([screen.frame, screen.frame[:1]])
+    letters = ["".join(LETTERS[type(r)][0] for r in obj.records) for obj in scene.objects]
+    texts = [f"{number} {kinds}" for number, kinds in enumerate(letters)]
+    labels = obstacle_labels(screen_borders(scene, screen), texts, screen, INK)
+    return Drawing(
+        width=round(left + LEGEND_WIDTH + MARGIN),
+        height=page_height,
+        view=(MARGIN, MARGIN, MARGIN + width, MARGIN + height),
+        layers=(
+            Layer("picture", (Photo(_pale(image), MARGIN, MARGIN, width, height),)),
+            Layer("bounds", (Strokes((outline,), FRAME, 1.5),)),
+            Layer("records", lines),
+            Layer("labels", tuple(labels)),
+            Layer("legend", tuple(_legend(scene, screen, title, page_height - MARGIN)), False),
+        ),
+        title=title,
+    )
+
+
+def _pale(image: NDArray[Any]) -> NDArray[np.uint8]:
     top = max(int(image.max()), 1) if image.dtype == np.uint16 else 255
     eight = np.asarray(image * (255.0 / top), dtype=np.uint8)
     if eight.ndim == 2 or eight.shape[2] == 1:
         eight = np.repeat(eight.reshape(*eight.shape[:2], 1), 3, axis=2)
-    pale = 128 + eight[:, :, :3] // 2
-    canvas: NDArray[np.uint8] = pale.repeat(scale, axis=0).repeat(scale, axis=1)
+    return np.asarray(128 + eight[:, :, :3] // 2, dtype=np.uint8)
+
+
+def _records(scene: Scene, screen: Screen) -> Iterator[Shape]:
+    by_colour: dict[Colour, list[FloatArray]] = {SEGMENT: [], ARC: [], CIRCLE: []}
+    corners: list[tuple[float, float]] = []
     for obj in scene.objects:
-        _draw_object(canvas, obj, scale)
-    return canvas
+        for record in object_records(obj):
+            if isinstance(record, CircleRecord):
+                line = chain_points(record, scene.y_down)
+                by_colour[CIRCLE].append(screen.points(line))
+                continue
+            for edge in record_edges(record):
+                one = chain_points(ArcRecord((edge,)), scene.y_down)
+                by_colour[ARC if isinstance(edge, Arc) else SEGMENT].append(screen.points(one))
+                corners += [edge.start, edge.end]
+            if isinstance(record, PointRecord):
+                corners.append(record.at)
+    for lines in by_colour.values():
+        if lines:
+            yield Strokes(tuple(lines), PAGE, 4.2)
+    for colour, lines in by_colour.items():
+        if lines:
+            yield Strokes(tuple(lines), colour, 2.2)
+    places = np.unique(np.array(corners).reshape(-1, 2), axis=0)
+    for x, y in screen.points(places).tolist():
+        yield Disc(x, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
 
 
-def _draw_object(canvas: NDArray[np.uint8], obj: SceneObject, scale: int) -> None:
-    for record in object_records(obj):
-        colour = CIRCLE_BGR if isinstance(record, CircleRecord) else SEGMENT_BGR
-        for edge in record_edges(record):
-            own = ARC_BGR if isinstance(edge, Arc) and colour == SEGMENT_BGR else colour
-            line = _fixed(edge_points(edge), scale)
-            cv2.polylines(canvas, [line], False, own, 1, cv2.LINE_AA, SHIFT_BITS)
-        for corner in _corners(record):
-            center = _fixed([corner], scale)[0]
-            radius = 2 << SHIFT_BITS
-            cv2.circle(canvas, center.tolist(), radius, CORNER_BGR, -1, cv2.LINE_AA, SHIFT_BITS)
-
-
-def edge_points(edge: Edge) -> list[Vec]:
-    """A polyline along an edge of a scene in pixels, within 0.02 pixel of it."""
-    if not isinstance(edge, Arc):
-        return [edge.start, edge.end]
-    begin, sweep = edge.sweep(y_down=True)
-    step = 2.0 * math.acos(1.0 - min(0.02 / edge.radius, 0.5))
-    count = max(2, math.ceil(abs(sweep) / step))
-    (x, y), r = edge.center, edge.radius
-    angles = [begin + sweep * i / count for i in range(count + 1)]
-    return [(x + r * math.cos(a), y + r * math.sin(a)) for a in angles]
-
-
-def _corners(record: Record) -> list[Vec]:
-    if isinstance(record, PointRecord):
-        return [record.at]
-    if isinstance(record, CircleRecord):
-        return []
-    return [p for edge in record_edges(record) for p in (edge.start, edge.end)]
-
-
-def _fixed(points: list[Vec], scale: int) -> NDArray[np.int32]:
-    """Scene points as OpenCV's fixed-point pixels of the enlarged picture."""
-    enlarged = (np.array(points) + 0.5) * scale - 0.5
-    return np.rint(enlarged * (1 << SHIFT_BITS)).astype(np.int32)
+def _legend(scene: Scene, screen: Screen, title: str, bottom: float) -> Iterator[Shape]:
+    left = float(screen.frame[:, 0].max()) + MARGIN
+    y = MARGIN + 16.0
+    yield Label(left, y, title, 18.0, INK, bold=True)
+    y += 22.0
+    count = len(scene.objects)
+    yield Label(left, y, f"{count} obstacle{'' if count == 1 else 's'}", 12.0, FAINT_INK)
+    y += 28.0
+    records = [r for obj in scene.objects for r in object_records(obj)]
+    edges = [e for r in records if not isinstance(r, CircleRecord) for e in record_edges(r)]
+    arcs = sum(isinstance(edge, Arc) for edge in edges)
+    circles = sum(isinstance(r, CircleRecord) for r in records)
+    points = sum(isinstance(r, PointRecord) for r in records)
+    for words, colour, number in (
+        ("segments", SEGMENT, len(edges) - arcs),
+        ("arcs", ARC, arcs),
+        ("circles", CIRCLE, circles),
+    ):
+        if number:
+            bar = np.array([(left + 2.0, y), (left + 30.0, y)])
+            yield Strokes((bar,), colour, 2.2)
+            yield Label(left + 40.0, y + 4.5, f"{words} ({number})", 13.0)
+            y += 24.0
+    if edges or points:
+        yield Disc(left + 16.0, y, 3.4, fill=CORNER, stroke=PAGE, width=1.0)
+        yield Label(left + 40.0, y + 4.5, "corners, ends and points", 13.0)
+        y += 24.0
+    y += 8.0
+    found = Counter(type(r) for r in records)
+    for kind, (letter, one, many) in LETTERS.items():
+        if found[kind]:
+            yield Label(left + 16.0, y + 4.5, letter, 13.0, INK, "middle", bold=True)
+            words = f"{found[kind]} {one if found[kind] == 1 else many}"
+            yield Label(left + 40.0, y + 4.5, words, 13.0)
+            y += 20.0
+    residuals = [r.residual_px for r in records]
+    if residuals:
+        y += 10.0
+        worst = f"largest residual {max(residuals):.2f} px"
+        yield Label(left, y + 4.5, worst, 12.0, FAINT_INK)
+    yield from scale_bar(screen, scene.units, left, bottom)

@@ -33,6 +33,7 @@ PLOT_WIDTH, PLOT_HEIGHT = 1000, 760
 LEAST_HEIGHT = 420
 """So that the legend has room."""
 MARGIN = 24
+PIXEL_SUFFIXES = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
 
 
 class DrawError(ValueError):
@@ -85,22 +86,26 @@ def save_picture(
     **shown: Unpack[Shown],
 ) -> None:
     """Write the picture as ``.svg`` or ``.png``; :class:`DrawError` where that cannot be done."""
+    save_drawing(file, _drawing(scene, roadmap, path, shown))
+
+
+def save_drawing(file: str | os.PathLike[str], drawing: Drawing) -> None:
+    """Write a drawing as ``.svg``, or as pixels; :class:`DrawError` where that cannot be done."""
     target = FilePath(file)
-    drawing = _drawing(scene, roadmap, path, shown)
-    match target.suffix.lower():
-        case ".svg":
-            from navigation.draw.svg import to_svg
+    suffix = target.suffix.lower()
+    if suffix == ".svg":
+        from navigation.draw.svg import to_svg
 
-            data = to_svg(drawing).encode("utf-8")
-        case ".png":
-            import cv2
+        data = to_svg(drawing).encode("utf-8")
+    elif suffix in PIXEL_SUFFIXES:
+        import cv2
 
-            from navigation.draw.png import to_pixels
+        from navigation.draw.png import to_pixels
 
-            _, encoded = cv2.imencode(".png", to_pixels(drawing))
-            data = encoded.tobytes()
-        case suffix:
-            raise DrawError(f"{target}: cannot draw {suffix or 'without a suffix'}: .svg or .png")
+        _, encoded = cv2.imencode(suffix, to_pixels(drawing))
+        data = encoded.tobytes()
+    else:
+        raise DrawError(f"{target}: cannot draw {suffix or 'without a suffix'}: .svg or .png")
     try:
         target.write_bytes(data)
     except OSError as error:

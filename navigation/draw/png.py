@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
+from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Photo, Shape, Strokes
 from planner.borders.polyline import arc_lengths, points_at
 from planner.scene import FloatArray
 
@@ -59,6 +59,8 @@ def _draw(canvas: Canvas, shape: Shape) -> None:
             _disc(target, shape)
         case Label():
             _text(target, shape)
+        case Photo():
+            _photo(target, shape)
     if target is not canvas:
         cv2.addWeighted(target, opacity, canvas, 1.0 - opacity, 0.0, dst=canvas)
 
@@ -80,6 +82,13 @@ def _disc(canvas: Canvas, disc: Disc) -> None:
     if disc.stroke:
         thickness = max(1, round(disc.width * SUPERSAMPLING))
         cv2.circle(canvas, center, radius, _bgr(disc.stroke), thickness, cv2.LINE_AA, _SHIFT)
+
+
+def _photo(canvas: Canvas, photo: Photo) -> None:
+    x0, y0 = (round(SUPERSAMPLING * v) for v in (photo.x, photo.y))
+    size = tuple(round(SUPERSAMPLING * v) for v in (photo.width, photo.height))
+    large = cv2.resize(photo.pixels, size, interpolation=cv2.INTER_NEAREST)
+    canvas[y0 : y0 + size[1], x0 : x0 + size[0]] = large
 
 
 def _text(canvas: Canvas, label: Label) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from planner.scene import Bounds, FloatArray
 
@@ -94,7 +95,19 @@ class Label:
     halo: bool = False
 
 
-Shape: TypeAlias = Area | Strokes | Disc | Label
+@dataclass(frozen=True, slots=True)
+class Photo:
+    """Pixels (h, w, 3) uint8, BGR, over the rectangle from (x, y); each stays a sharp square."""
+
+    pixels: NDArray[np.uint8]
+    x: float
+    y: float
+    width: float
+    height: float
+    opacity: float = 1.0
+
+
+Shape: TypeAlias = Area | Strokes | Disc | Label | Photo
 
 
 @dataclass(frozen=True, slots=True)

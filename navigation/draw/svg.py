@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Shape, Strokes
+from navigation.draw.shapes import PAGE, Area, Colour, Disc, Drawing, Label, Photo, Shape, Strokes
 from planner.scene import FloatArray
 
 FONT = "DejaVu Sans, Helvetica, Arial, sans-serif"
@@ -66,6 +67,20 @@ def _element(shape: Shape) -> str:
             )
         case Label():
             return _text(shape)
+        case Photo():
+            return _photo(shape)
+
+
+def _photo(photo: Photo) -> str:
+    """The pixels inside the document, as PNG."""
+    import cv2
+
+    data = base64.b64encode(cv2.imencode(".png", photo.pixels)[1].tobytes()).decode("ascii")
+    return (
+        f'<image x="{photo.x:.2f}" y="{photo.y:.2f}" width="{photo.width:.2f}"'
+        f' height="{photo.height:.2f}" preserveAspectRatio="none"'
+        f' style="image-rendering:pixelated" href="data:image/png;base64,{data}"/>'
+    )
 
 
 def _text(label: Label) -> str:

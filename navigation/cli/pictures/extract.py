@@ -43,8 +43,9 @@ class ExtractError(ValueError):
 @click.option(
     "--render",
     type=OutputType(".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp", ".svg"),
-    help="Draw the records over the picture: FILE.png; without the picture: FILE.svg.",
+    help="Draw the records over the picture: FILE.png or FILE.svg.",
 )
+@click.option("--timings", is_flag=True, help="Write the stages' times into the output file, too.")
 def command(
     image: Path,
     form: Literal["text", "json"],
@@ -54,6 +55,7 @@ def command(
     method: Method,
     threshold: float | None,
     render: Path | None,
+    timings: bool,
 ) -> None:
     """Find the obstacles in IMAGE and print their records P, S, C, A and L.
 
@@ -89,13 +91,16 @@ def command(
     timings_ms = {"load": load_ms, **scene.timings_ms, "total": total_ms}
     scene = replace(scene, timings_ms=timings_ms, remarks=(*remarks, *scene.remarks))
     warn_of_doubts(scene, image)
-    answer = _as_json(scene) if form == "json" else _as_text(scene)
+    # a file is the same each time that it is made, unless times are asked for
+    told = scene if timings or output is None else replace(scene, timings_ms={})
+    answer = _as_json(told) if form == "json" else _as_text(told)
     if output is None:
         click.echo(answer, nl=False)
     else:
         write_text(output, answer)
     if render is not None:
-        _render(render, picture, scene)
+        with long_work("drawing"):
+            _render(render, picture, scene, image.name)
 
 
 def _as_json(scene: Scene) -> str:
@@ -110,13 +115,8 @@ def _as_text(scene: Scene) -> str:
     return write_scene_text(scene)
 
 
-def _render(file: Path, picture: NDArray[Any], scene: Scene) -> None:
-    import cv2
+def _render(file: Path, picture: NDArray[Any], scene: Scene, name: str) -> None:
+    from navigation.draw.overlay import overlay_drawing
+    from navigation.draw.picture import save_drawing
 
-    from navigation.draw import save_picture
-    from navigation.draw.overlay import draw_overlay
-
-    if file.suffix.lower() == ".svg":
-        save_picture(file, scene)
-    elif not cv2.imwrite(str(file), draw_overlay(picture, scene)):
-        raise ExtractError(f"{file}: the picture cannot be written there")
+    save_drawing(file, overlay_drawing(picture, scene, name))

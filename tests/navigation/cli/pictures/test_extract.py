@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import cv2
 import numpy as np
@@ -32,7 +34,7 @@ def test_text_is_the_papers_records(arena: Path, capsys: pytest.CaptureFixture[s
 
 def test_json_holds_what_the_design_names(arena: Path, tmp_path: Path) -> None:
     out = tmp_path / "scene.json"
-    assert run(["extract", str(arena), "--format", "json", "-o", str(out)]) == 0
+    assert run(["extract", str(arena), "--format", "json", "-o", str(out), "--timings"]) == 0
     answer = json.loads(out.read_text())
     assert answer["schema"] == "clearway.scene/1"
     assert set(answer["timings_ms"]) == {"load", "binarise", "contours", "geometry", "total"}
@@ -48,7 +50,37 @@ def test_json_holds_what_the_design_names(arena: Path, tmp_path: Path) -> None:
 def test_the_overlay_is_a_picture(arena: Path, tmp_path: Path) -> None:
     out = tmp_path / "overlay.png"
     assert run(["extract", str(arena), "--paper", "--render", str(out)]) == 0
-    assert cv2.imread(str(out)).shape == (240, 360, 3)
+    height, width, _ = cv2.imread(str(out)).shape
+    assert height >= 4 * 60
+    assert width >= 4 * 90 + 200, "beside the enlarged picture is the legend"
+
+
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_the_same_picture_gives_the_same_file(arena: Path, tmp_path: Path, form: str) -> None:
+    one, other, timed = (tmp_path / name for name in ("one", "other", "timed"))
+    for file in (one, other):
+        assert run(["extract", str(arena), "--format", form, "-o", str(file)]) == 0
+    assert run(["extract", str(arena), "--format", form, "-o", str(timed), "--timings"]) == 0
+    assert one.read_bytes() == other.read_bytes()
+    assert '"binarise"' in timed.read_text()
+    assert '"binarise"' not in one.read_text()
+
+
+def test_the_overlay_as_svg_shows_what_the_png_shows(arena: Path, tmp_path: Path) -> None:
+    out = tmp_path / "overlay.svg"
+    assert run(["extract", str(arena), "--render", str(out)]) == 0
+    root = ElementTree.fromstring(out.read_text())
+    ns = "{http://www.w3.org/2000/svg}"
+    (image,) = root.iter(f"{ns}image")
+    assert image.get("href", "").startswith("data:image/png;base64,")
+    words = [text.text for text in root.iter(f"{ns}text")]
+    for label in ("0 L", "1 C", "arena.png", "2 obstacles", "segments (4)", "circles (1)"):
+        assert label in words
+    # lines are where their pixels are: 4 screen pixels a pixel, centres at integers
+    paths = [p for p in root.iter(f"{ns}path") if p.get("stroke") == "#d61c4e"]
+    corners = np.array(re.findall(r"([\d.]+),([\d.]+)", paths[0].get("d", "")), dtype=float)
+    wanted = 24 + 4 * (np.array([[9.5, 9.5], [39.5, 29.5]]) + 0.5)
+    np.testing.assert_allclose([corners.min(axis=0), corners.max(axis=0)], wanted, atol=0.4)
 
 
 def test_a_picture_in_which_nothing_was_found_is_a_warning_and_no_error(
