@@ -6,7 +6,8 @@
   and reads an edge in one direction. So every edge is cut where it bends, each straight piece keeps
   the robot's radius, and both directions are written. Node and edge numbers are unsigned and never
   the same; ``cost`` is the length; a piece's clearance is in its ``metadata``, which may
-  hold numbers but no nested lists. A route server's frame is in metres, y up.
+  hold numbers but no nested lists. A route server's frame is in metres, y up. No edge has the
+  length 0: nodes at one place are one.
 
 Coordinates and lengths are in the scene's units; no text holds NaN or infinity.
 """
@@ -28,6 +29,11 @@ if TYPE_CHECKING:
 
 STRAIGHT_TOLERANCE = 0.02
 """How far a straight piece may leave the roadmap, as a part of the robot's radius."""
+
+SAME_PLACE = 1e-9
+"""Places nearer than this share of the scene's extent are one."""
+NAV2_CRS = "urn:ogc:def:crs:EPSG::3857"
+"""What Nav2's own graphs name; the route server takes the coordinates as metres in its frame."""
 
 
 class ExchangeError(ValueError):
@@ -59,18 +65,21 @@ def to_node_link(roadmap: Roadmap) -> str:
     return json.dumps(document, allow_nan=False, indent=1) + "\n"
 
 
-def to_geojson(roadmap: Roadmap, frame: str = "map") -> str:
+def to_geojson(roadmap: Roadmap, frame: str = "map", generated: str | None = None) -> str:
     """The graph as GeoJSON that Nav2's route server loads; ``frame`` is its TF frame.
 
-    Raises :class:`ExchangeError` where the graph has no edge, since the server refuses that.
+    ``generated`` is the date for ``date_generated``, left out where None. Raises
+    :class:`ExchangeError` where the graph has no edge, since the server refuses that.
     """
-    number = {node: k for k, (node, _) in enumerate(_nodes(roadmap))}
-    if not number or roadmap.graph.number_of_edges() == 0:
-        raise ExchangeError("the roadmap has no edges: Nav2's route server loads no empty graph")
-    points = [_feature_point(number[n], data, frame) for n, data in _nodes(roadmap)]
+    same = SAME_PLACE * roadmap.borders.extent
+    points: list[dict[str, Any]] = []
+    number = _numbered(roadmap, points, frame, same)
     pieces: list[tuple[int, int, FloatArray]] = []
     for u, v, data in _edges(roadmap):
         line = _from_to(roadmap, u, np.array(data["polyline"]))
+        line = line[np.concatenate([[True], np.hypot(*np.diff(line, axis=0).T) > same])]
+        if len(line) < 2:
+            continue
         kept = line[_straight(roadmap, line)]
         ids = [number[u]]
         for x, y in kept[1:-1].tolist():
@@ -79,6 +88,8 @@ def to_geojson(roadmap: Roadmap, frame: str = "map") -> str:
             points.append(_feature_point(ids[-1], {"x": x, "y": y, "clearance": clearance}, frame))
         ids.append(number[v])
         pieces += zip(ids[:-1], ids[1:], np.stack([kept[:-1], kept[1:]], axis=1), strict=True)
+    if not pieces:
+        raise ExchangeError("the roadmap has no edges: Nav2's route server loads no empty graph")
     edges: list[dict[str, Any]] = []
     for start, end, ends in pieces:
         clearance = float(roadmap.path_clearance(ends).distance)
@@ -87,9 +98,33 @@ def to_geojson(roadmap: Roadmap, frame: str = "map") -> str:
     document = {
         "type": "FeatureCollection",
         "name": "clearway_roadmap",
+        "crs": {"type": "name", "properties": {"name": NAV2_CRS}},
+        **({} if generated is None else {"date_generated": generated}),
         "features": [*points, *edges],
     }
     return json.dumps(document, allow_nan=False, indent=1) + "\n"
+
+
+def _numbered(
+    roadmap: Roadmap, points: list[dict[str, Any]], frame: str, same: float
+) -> dict[int, int]:
+    """The nodes as ``points``, and the number of each; ends of an edge without length share one."""
+    first: dict[int, int] = {}
+
+    def leader(node: int) -> int:
+        while first.get(node, node) != node:
+            node = first[node]
+        return node
+
+    for u, v, data in _edges(roadmap):
+        if data["length"] <= same:
+            first[leader(v)] = leader(u)
+    number: dict[int, int] = {}
+    for node, data in _nodes(roadmap):
+        if leader(node) == node:
+            number[node] = len(points)
+            points.append(_feature_point(len(points), data, frame))
+    return {node: number[leader(node)] for node, _ in _nodes(roadmap)}
 
 
 def _straight(roadmap: Roadmap, line: FloatArray) -> list[int]:

@@ -140,7 +140,8 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
             continue
         if best is None or len(ids) > len(best[0]):
             places = np.asarray(board.getChessboardCorners(), dtype=np.float64).reshape(-1, 3)
-            points = places[np.ravel(ids), :2] * (1.0, -1.0)
+            # OpenCV counts from the board's outer corner; ours from its first inner one
+            points = (places[np.ravel(ids), :2] - places[0, :2]) * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
         return (

@@ -5,12 +5,15 @@ Rules and units
   y down, with a line of text and a ruler of known length to check the print with.
 - The PDF is written by hand: one page, one filled path (adjacent rectangles of one path show
   no seams), Helvetica, which every reader has. 1 mm is 72 / 25.4 points.
+- The PDF says what the drawing does not: a marker's forward direction, a board's first corner
+  and its axes, as outlines beside it, where no detector takes them for a part of it.
 - The PNG holds the drawing alone, with a whole number of pixels a cell, and says its own
   resolution (pHYs), so that it too prints at true size.
 """
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
 from dataclasses import dataclass
@@ -23,6 +26,7 @@ from vision.calibrate.board import BoardSpec
 from vision.markers.marker_search import MarkerError, dictionary_by_name
 
 Rectangle = tuple[float, float, float, float]
+Arrow = tuple[float, float, float, float, str]
 
 PAPERS_MM = {"a4": (210.0, 297.0), "a3": (297.0, 420.0), "letter": (215.9, 279.4)}
 """Name of a paper and its (width, height) upright."""
@@ -32,17 +36,23 @@ _MARGIN_MM = 10.0
 _TEXT_MM = 14.0
 _RULER_MM = 100.0
 _DOTS_PER_MM = 300.0 / 25.4
+_FIRST_CORNER = "first corner: where x and y meet"
+_ARROW_MM, _HEAD_MM = 7.0, 2.0
 
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
-    """A drawing of ``width_mm`` x ``height_mm``, its dark rectangles, its cell and its label."""
+    """A drawing of ``width_mm`` x ``height_mm``, its dark rectangles, its cell and its label.
+
+    ``arrows`` are (x, y, dx, dy, words) in millimetres, y down, drawn on paper only.
+    """
 
     width_mm: float
     height_mm: float
     cell_mm: float
     dark: tuple[Rectangle, ...]
     label: str
+    arrows: tuple[Arrow, ...] = ()
 
 
 def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
@@ -59,7 +69,9 @@ def marker_sheet(marker_id: int, dictionary: str, size_mm: float) -> Sheet:
     dark = _cells(_bits(book, marker_id), cell, cell, cell)
     side = size_mm + 2.0 * cell
     label = f"{dictionary}  id {marker_id}  {size_mm:g} mm (black square)"
-    return Sheet(side, side, cell, dark, label)
+    # forward is the marker's own x axis: to the right of the upright print
+    arrow = (side + 1.0, 0.5 * side, _ARROW_MM, 0.0, "forward")
+    return Sheet(side, side, cell, dark, label, (arrow,))
 
 
 def board_sheet(board: BoardSpec) -> Sheet:
@@ -69,8 +81,12 @@ def board_sheet(board: BoardSpec) -> Sheet:
         columns, rows = board.columns + 1, board.rows + 1
         parity = np.add.outer(np.arange(rows), np.arange(columns)) % 2
         dark = _cells(parity == 0, square, square, square)
-        label = f"chessboard {board.columns}x{board.rows} inner corners, squares of {square:g} mm"
-        return Sheet((columns + 2) * square, (rows + 2) * square, square, dark, label)
+        label = (
+            f"chessboard {board.columns}x{board.rows} inner corners, squares of {square:g} mm; "
+            f"{_FIRST_CORNER}"
+        )
+        size = (columns + 2) * square, (rows + 2) * square
+        return Sheet(*size, square, dark, label, _axes(2.0 * square, 2.0 * square, size))
     book = dictionary_by_name(board.dictionary)
     marker_m = board.marker_m if board.marker_m is not None else board.square_m / 2.0
     marker = 1000.0 * marker_m
@@ -84,10 +100,19 @@ def board_sheet(board: BoardSpec) -> Sheet:
         parts += _cells(bits, marker / bits.shape[0], rim + x, rim + y)
     label = (
         f"ChArUco {board.columns}x{board.rows} squares of {square:g} mm, markers of {marker:g} mm, "
-        f"{board.dictionary}"
+        f"{board.dictionary}; {_FIRST_CORNER}"
     )
     width, height = board.columns * square + 2 * rim, board.rows * square + 2 * rim
-    return Sheet(width, height, marker / (book.markerSize + 2), tuple(parts), label)
+    axes = _axes(rim + square, rim + square, (width, height))
+    return Sheet(width, height, marker / (book.markerSize + 2), tuple(parts), label, axes)
+
+
+def _axes(x: float, y: float, size: tuple[float, float]) -> tuple[Arrow, ...]:
+    """A board's axes, beside it: x in the row and y in the column of its first corner (x, y)."""
+    return (
+        (size[0] + 1.0, y, _ARROW_MM, 0.0, "x"),
+        (x, -1.0, 0.0, -_ARROW_MM, "y"),
+    )
 
 
 def pdf_bytes(sheet: Sheet, paper: str = "a4") -> bytes:
@@ -104,6 +129,8 @@ def pdf_bytes(sheet: Sheet, paper: str = "a4") -> bytes:
     for x, y, w, h in sheet.dark:
         content.append(_rectangle(left + x, height - top - y - h, w, h))
     content.append("f")
+    for x, y, dx, dy, words in sheet.arrows:
+        content += _arrow(left + x, height - top - y, dx, -dy, words)
     content += _foot(sheet, width, top)
     return _pdf("\n".join(content).encode("ascii"), width, height)
 
@@ -170,6 +197,27 @@ def _foot(sheet: Sheet, width: float, bottom: float) -> list[str]:
         f"BT /F1 9 Tf {_points(left)} {_points(base + 3.5)} Td ({text}) Tj ET",
         f"BT /F1 7 Tf {_points(left)} {_points(base - 4.0)} Td "
         "(print at 100 %: this ruler must measure 100 mm) Tj ET",
+    ]
+
+
+def _arrow(x: float, y: float, dx: float, dy: float, words: str) -> list[str]:
+    """An arrow from (x, y), y up, and its words beside it."""
+    length = math.hypot(dx, dy)
+    ux, uy = dx / length, dy / length
+    tip = x + dx, y + dy
+    back = tip[0] - _HEAD_MM * ux, tip[1] - _HEAD_MM * uy
+    half = 0.5 * _HEAD_MM
+    head = [
+        tip,
+        (back[0] - half * uy, back[1] + half * ux),
+        (back[0] + half * uy, back[1] - half * ux),
+    ]
+    (ax, ay), (bx, by), (cx, cy) = [(_points(a), _points(b)) for a, b in head]
+    text_x, text_y = (x, y + 1.5) if dx else (x + 1.5, y + 0.4 * dy)
+    return [
+        f"0.8 w {_points(x)} {_points(y)} m {_points(back[0])} {_points(back[1])} l S",
+        f"{ax} {ay} m {bx} {by} l {cx} {cy} l h f",
+        f"BT /F1 7 Tf {_points(text_x)} {_points(text_y)} Td ({words}) Tj ET",
     ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
@@ -77,7 +78,8 @@ def command(
         case ".graphml":
             text = roadmap_export.to_graphml(roadmap)
         case ".geojson":
-            text = roadmap_export.to_geojson(roadmap, frame)
+            now = datetime.now(UTC).isoformat(timespec="seconds")
+            text = roadmap_export.to_geojson(roadmap, frame, now)
         case _:
             text = roadmap_export.to_node_link(roadmap)
     write_text(output, text)
@@ -94,5 +96,10 @@ def command(
         f"{output}: {counts['roadmap_nodes']} nodes, {counts['roadmap_edges']} edges,"
         f" robot radius {radius:g} {scene.units}"
     )
+    if output.suffix.lower() == ".geojson" and scene.units != "m":
+        click.echo(
+            f"note: Nav2 takes coordinates as metres, y up: these are {scene.units}, y down, and"
+            f" fit frame '{frame}' only once they are converted"
+        )
     for remark in (*scene.remarks, *roadmap.remarks):
         click.echo(f"note: {remark}")

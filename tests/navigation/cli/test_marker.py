@@ -122,7 +122,7 @@ def test_the_first_hour_s_sheets_fit_on_their_paper(
     monkeypatch.chdir(tmp_path)
     guide = Path(__file__).parents[3] / "docs" / "first_hour.md"
     commands = re.findall(
-        r"^clearway (marker .*)$", guide.read_text(encoding="utf-8"), re.MULTILINE
+        r"^\.venv/bin/clearway (marker .*)$", guide.read_text(encoding="utf-8"), re.MULTILINE
     )
     assert len(commands) >= 2
     for command in commands:
@@ -167,3 +167,48 @@ def test_a_wrong_wish_is_one_sentence_and_code_2(
     error = capsys.readouterr().err
     assert message in error
     assert "Traceback" not in error
+
+
+def arrows_mm(pdf: bytes) -> list[tuple[str, NDArray[np.float64]]]:
+    """The arrows' words, and where each begins and points to, in mm, y up."""
+    line = rb"0.8 w ([-\d.]+) ([-\d.]+) m [-\d. ]+ l S\n([-\d.]+) ([-\d.]+) m .*\n.*Td \((.*)\) Tj"
+    return [
+        (words.decode(), np.array(numbers, dtype=np.float64).reshape(2, 2) / MM)
+        for *numbers, words in re.findall(line, pdf)
+    ]
+
+
+def test_a_printed_marker_has_an_arrow_forward_that_no_detector_sees(tmp_path: Path) -> None:
+    file = tmp_path / "m.pdf"
+    assert run(["marker", "7", "--size-mm", "90", "-o", str(file)]) == 0
+    ((words, (begin, tip)),) = arrows_mm(file.read_bytes())
+    assert words == "forward"
+    dark, _ = rectangles_mm(file.read_bytes())
+    right = (dark[:, 0] + dark[:, 2]).max()
+    assert begin[0] > right + 90 / 6, "outside the white rim"
+    assert tip[0] > begin[0]
+    assert tip[1] == pytest.approx(begin[1])
+    assert begin[1] == pytest.approx(0.5 * (dark[:, 1].min() + (dark[:, 1] + dark[:, 3]).max()))
+
+
+@pytest.mark.parametrize("kind", ["chessboard", "charuco"])
+def test_a_printed_board_shows_its_axes_from_its_first_corner(tmp_path: Path, kind: str) -> None:
+    """Where the arrows meet is the first corner that is found on the print itself."""
+    file = tmp_path / "b.pdf"
+    squares = "7x4" if kind == "chessboard" else "7x5"
+    board = ["--board", kind, "--squares", squares, "--square-mm", "20", "--paper", "a4"]
+    assert run(["marker", *board, "-o", str(file)]) == 0
+    data = file.read_bytes()
+    arrows = dict(arrows_mm(data))
+    meet = np.array([arrows["y"][0][0], arrows["x"][0][1]])
+    assert arrows["x"][1][0] > arrows["x"][0][0], "x to the right"
+    assert arrows["y"][1][1] > arrows["y"][0][1], "y up"
+    assert b"first corner: where x and y meet" in data
+    dark, page = rectangles_mm(data)
+    columns, rows = map(int, squares.split("x"))
+    kind_of = "charuco" if kind == "charuco" else "chessboard"
+    view = find_board(raster(dark, page), BoardSpec(kind_of, columns, rows, 0.02), "print")
+    assert isinstance(view, BoardView)
+    (first,) = np.flatnonzero(np.hypot(*view.points_m.T) < 1e-9)
+    x, y = (view.corners_px[first] + 0.5) / DOTS_PER_MM
+    np.testing.assert_allclose(meet, (x, page[1] - y), atol=0.3)

@@ -166,3 +166,39 @@ def test_a_roadmap_without_edges_is_refused_for_nav2_and_empty_elsewhere():
         to_geojson(tight)
     assert strict(to_node_link(tight))["edges"] == []
     assert nx.parse_graphml(to_graphml(tight)).number_of_edges() == 0
+
+
+def test_no_edge_of_a_nav2_graph_has_the_length_0():
+    """Nodes at one place are one, and vertices at one place, too."""
+    roadmap = build_roadmap(read_scene_text(SCENE), 0.3)
+    graph = roadmap.graph
+    u, v, data = next(iter(graph.edges(data=True)))
+    twin, line = max(graph) + 1, np.array(data["polyline"])
+    graph.add_node(twin, **graph.nodes[u])
+    graph.remove_edge(u, v)
+    doubled = data | {"polyline": np.repeat(line, 2, axis=0)}
+    graph.add_edge(twin, v, **doubled)
+    here = np.array([graph.nodes[u]["pos"]] * 2)
+    graph.add_edge(u, twin, **(data | {"polyline": here, "length": 0.0}))
+    text = to_geojson(roadmap)
+    lengths = [
+        feature["properties"]["metadata"]["length"]
+        for feature in strict(text)["features"]
+        if feature["geometry"]["type"] == "MultiLineString"
+    ]
+    assert min(lengths) > 0.0
+    nodes = load_graph(text)
+    reached, waiting = set(), [next(iter(nodes))]
+    while waiting:
+        node = waiting.pop()
+        if node not in reached:
+            reached.add(node)
+            waiting += [edge.end.number for edge in nodes[node].leaving]
+    assert reached == set(nodes)
+
+
+def test_a_nav2_graph_says_its_crs_and_the_date_that_it_is_given(roadmap):
+    document = strict(to_geojson(roadmap, generated="2026-11-23T07:00:00+00:00"))
+    assert document["crs"]["properties"]["name"].startswith("urn:ogc:def:crs:")
+    assert document["date_generated"] == "2026-11-23T07:00:00+00:00"
+    assert "date_generated" not in strict(to_geojson(roadmap))

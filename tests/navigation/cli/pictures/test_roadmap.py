@@ -41,6 +41,17 @@ def test_a_picture_of_the_roadmap_can_be_drawn(arena, tmp_path):
     assert 'id="roadmap"' in svg.read_text()
 
 
+def test_a_graph_in_pixels_says_that_nav2_takes_metres(arena, tmp_path, capsys):
+    source = tmp_path / "picture.txt"
+    source.write_text(arena.read_text().replace("units m", "units px"))
+    for suffix, said in (("geojson", True), ("json", False)):
+        assert roadmap(source, "--radius", 0.3, "-o", tmp_path / f"r.{suffix}") == 0
+        assert ("Nav2 takes coordinates as metres" in capsys.readouterr().out) is said
+    assert roadmap(arena, "--radius", 0.3, "-o", tmp_path / "r.geojson") == 0
+    assert "Nav2" not in capsys.readouterr().out
+    assert "date_generated" in json.loads((tmp_path / "r.geojson").read_text())
+
+
 @pytest.mark.parametrize(
     ("arguments", "what"),
     [
