@@ -25,6 +25,9 @@ _WINDOW_SHARE = 0.35
 
 _MIN_CHARUCO_CORNERS = 8
 
+MOST_LOOKED_AT = 5
+"""Pictures in which a larger board is looked for, at about 0.1 s each."""
+
 
 @dataclass(frozen=True, slots=True)
 class BoardSpec:
@@ -186,7 +189,36 @@ def refine_corners(grey: Image, corners_px: FloatArray) -> FloatArray:
 def find_boards(
     pictures: Sequence[tuple[str, Image]], spec: BoardSpec
 ) -> tuple[list[BoardView], list[NoBoard]]:
-    """The board in each picture, and the pictures where it is not."""
+    """The board in each picture, and the pictures where it is not.
+
+    Raises ``CalibrationError`` where what was found is a part of a larger chessboard.
+    """
     found = [find_board(image, spec, name) for name, image in pictures]
     views = [f for f in found if isinstance(f, BoardView)]
+    if spec.kind == "chessboard":
+        seen = {view.name for view in views}
+        _refuse_part([grey_of(image) for name, image in pictures if name in seen], spec)
     return views, [f for f in found if isinstance(f, NoBoard)]
+
+
+def _refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
+    """A part of a board is as good a board to the search, with its first corner anywhere.
+
+    Pictures are looked at until most of them agree: a shadow beside a board may be taken for one
+    more row of it.
+    """
+    larger = [_larger_board(grey, *spec.inner) for grey in pictures[:MOST_LOOKED_AT]]
+    for size in {size for size in larger if size is not None}:
+        if 2 * larger.count(size) > len(larger):
+            columns, rows = spec.inner
+            raise CalibrationError(
+                f"the board has more corners than {columns}x{rows}: is it {size[0]}x{size[1]}?"
+            )
+
+
+def _larger_board(grey: Image, columns: int, rows: int) -> tuple[int, int] | None:
+    """A board with a column or a row more that is in the picture, too."""
+    for wider in ((columns + 1, rows), (columns, rows + 1), (columns + 1, rows + 1)):
+        if cv2.findChessboardCorners(grey, wider)[0]:
+            return wider
+    return None

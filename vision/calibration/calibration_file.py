@@ -18,18 +18,26 @@ from planner.scene import printable
 from vision.calibration.calibration import Calibration, CalibrationError, FloatArray
 
 SCHEMA = "clearway.calibration/1"
+LENS_SCHEMA = "clearway.lens/1"
+"""Of a lens alone: no program drives by it, `clearway calibrate --lens` places it."""
 
 MOST_BYTES = 1 << 24
 """Bytes of a calibration or a survey that are read at most: a device has no end."""
 
 _ROWS = {"camera_matrix": (3, 3), "arena_from_pixel": (3, 3)}
 _REQUIRED = ("schema", "size", "camera_matrix", "distortion", "arena_from_pixel")
+_LENS_REQUIRED = _REQUIRED[:-1]
 _OPTIONAL = ("camera_center_m", "lens_rms_px", "arena_rms_m", "remarks")
 _HEADER = """\
 # Clearway: where pixels become metres. Pixel centres at integers; arena in metres, y up.
 # camera_matrix and distortion (k1, k2, p1, p2, k3): the lens. arena_from_pixel: undistorted
 # pixels to the arena's floor. camera_center_m: x, y and height of the camera in the arena.
 """
+_LENS_HEADER = """\
+# Clearway: a camera's lens, not yet placed above an arena: calibrate --lens FILE --points ...
+"""
+_NO_FLOOR = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0))
+"""Stands in for the floor of a lens alone, which nobody may drive by."""
 
 
 def save_calibration(calibration: Calibration, path: str | Path) -> None:
@@ -38,6 +46,33 @@ def save_calibration(calibration: Calibration, path: str | Path) -> None:
         Path(path).write_text(calibration_text(calibration), encoding="utf-8")
     except OSError as error:
         raise CalibrationError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def save_lens(
+    path: str | Path,
+    size: tuple[int, int],
+    camera_matrix: FloatArray,
+    distortion: FloatArray,
+    rms_px: float,
+) -> None:
+    """Write a lens alone; raises ``CalibrationError`` where that is impossible."""
+    values = {
+        "schema": LENS_SCHEMA,
+        "size": list(size),
+        "camera_matrix": camera_matrix.tolist(),
+        "distortion": distortion.tolist(),
+        "lens_rms_px": float(rms_px),
+    }
+    body = yaml.safe_dump(values, sort_keys=False, default_flow_style=None, width=100)
+    try:
+        Path(path).write_text(_LENS_HEADER + body, encoding="utf-8")
+    except OSError as error:
+        raise CalibrationError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def load_lens(path: str | Path) -> Calibration:
+    """A lens alone, or that of a whole calibration; its floor means nothing where it is alone."""
+    return parse_calibration(read_text(path), str(path), lens_alone=True)
 
 
 def calibration_text(calibration: Calibration) -> str:
@@ -81,8 +116,13 @@ def read_text(path: str | Path) -> str:
         raise CalibrationError(f"{path}: not a text file") from error
 
 
-def parse_calibration(text: str, name: str = "calibration") -> Calibration:
-    """A calibration from its YAML text; ``name`` is the file's name in messages."""
+def parse_calibration(
+    text: str, name: str = "calibration", *, lens_alone: bool = False
+) -> Calibration:
+    """A calibration from its YAML text; ``name`` is the file's name in messages.
+
+    A file that holds a lens alone is refused unless ``lens_alone`` is enough.
+    """
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
@@ -96,10 +136,17 @@ def parse_calibration(text: str, name: str = "calibration") -> Calibration:
     if root is None:
         raise CalibrationError(f"{name}: an empty file, not a calibration")
     nodes = _entries(root, name)
-    for key in _REQUIRED:
+    schema = _text(nodes["schema"], name, "schema") if "schema" in nodes else SCHEMA
+    if schema == LENS_SCHEMA and not lens_alone:
+        raise CalibrationError(
+            f"{name}: holds a lens alone, which no arena can be seen by: place it with"
+            f" clearway calibrate --lens {name} --points FILE or --floor-picture FILE"
+        )
+    is_lens = schema == LENS_SCHEMA
+    for key in _LENS_REQUIRED if is_lens else _REQUIRED:
         if key not in nodes:
             raise CalibrationError(f"{_where(name, root)}: the key '{key}' is missing")
-    if _text(nodes["schema"], name, "schema") != SCHEMA:
+    if schema not in (SCHEMA, LENS_SCHEMA):
         raise CalibrationError(f"{_where(name, nodes['schema'])}: schema: must be {SCHEMA}")
     return _build(nodes, name)
 
@@ -117,7 +164,9 @@ def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
             size=(int(size[0]), int(size[1])),
             camera_matrix=_rows(nodes["camera_matrix"], name, "camera_matrix"),
             distortion=np.array(_numbers(nodes["distortion"], name, "distortion", range(6))),
-            arena_from_pixel=_rows(nodes["arena_from_pixel"], name, "arena_from_pixel"),
+            arena_from_pixel=_rows(nodes["arena_from_pixel"], name, "arena_from_pixel")
+            if "arena_from_pixel" in nodes
+            else np.array(_NO_FLOOR),
             camera_center_m=None if center_m is None else (center_m[0], center_m[1], center_m[2]),
             lens_rms_px=_residual(nodes, name, "lens_rms_px"),
             arena_rms_m=_residual(nodes, name, "arena_rms_m"),

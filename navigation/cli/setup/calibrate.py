@@ -74,8 +74,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     """Calibrate a camera from PICTURES of a board, or live, and place it above the arena.
 
     With --points or --floor-picture the result maps pixels to the arena's metres; without
-    them only the lens is estimated and reported. Pictures and points that do not fit are named
-    and left out.
+    them the lens alone is written, for --lens of a later call. Pictures and points that do not
+    fit are named and left out.
     """
     if lens_file is not None and (pictures or camera is not None):
         raise click.UsageError("--lens takes the place of pictures and of --camera")
@@ -97,7 +97,8 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     if lens_file is not None:
         lens = _known_lens(lens_file)
     if points is None and floor_picture is None:
-        click.echo("no --points and no --floor-picture: the arena is not placed, nothing written")
+        if lens is not None:
+            _save_lens_alone(lens, output)
         return
     floor = _read(floor_picture) if floor_picture is not None else None
     survey = _survey(points, floor, floor_picture, spec, floor_at)
@@ -237,15 +238,23 @@ def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) ->
     return lens
 
 
+def _save_lens_alone(lens: Lens, output: Path) -> None:
+    from vision.calibration.calibration_file import save_lens
+
+    save_lens(output, lens.size, lens.camera_matrix, lens.distortion, lens.rms_px)
+    click.echo(f"written: {output}, the lens alone: without --points or --floor-picture the")
+    click.echo(f"arena is not placed; --lens {output} with one of them places it")
+
+
 def _known_lens(path: Path) -> Lens:
     """The lens of a calibration made before, for a camera that was moved."""
     import numpy as np
 
     from vision.calibrate.lens import Lens
     from vision.calibration.calibration import CalibrationError, nominal_camera_matrix
-    from vision.calibration.calibration_file import load_calibration
+    from vision.calibration.calibration_file import load_lens
 
-    known = load_calibration(path)
+    known = load_lens(path)
     supposed = np.array_equal(known.camera_matrix, nominal_camera_matrix(known.size))
     if known.lens_rms_px is None and supposed and not known.distortion.any():
         raise CalibrationError(

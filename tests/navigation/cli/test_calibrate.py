@@ -12,7 +12,7 @@ import pytest
 from navigation.cli.main import run
 from tests.support.drawn.boards import chessboard_patch, render
 from tests.support.files.png_pictures import chunk, exif
-from vision.calibration.calibration import Calibration
+from vision.calibration.calibration import Calibration, CalibrationError
 from vision.calibration.calibration_file import load_calibration
 
 SIZE = (480, 360)
@@ -117,12 +117,36 @@ def test_points_alone_need_only_the_picture_s_size(
     assert load_calibration(out).metres_per_pixel == pytest.approx(0.005, rel=1e-4)
 
 
-def test_a_lens_alone_is_told_and_nothing_is_written(
+def test_a_lens_alone_is_saved_for_later_and_no_calibration_to_drive_by(
     pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    lens, out = tmp_path / "lens.yaml", tmp_path / "c.yaml"
+    assert run(["calibrate", str(pictures), *BOARD, "-o", str(lens)]) == 0
+    told = capsys.readouterr().out
+    assert "over 5 pictures" in told
+    assert f"written: {lens}, the lens alone" in told
+    with pytest.raises(CalibrationError, match=r"lens\.yaml: holds a lens alone"):
+        load_calibration(lens)
+    truth = seen_from((0.05, 0.08, 0.0))
+    points = points_file(tmp_path / "p.csv", truth)
+    assert run(["calibrate", "--lens", str(lens), "--points", str(points), "-o", str(out)]) == 0
+    found = load_calibration(out)
+    assert found.camera_center_m is not None
+    assert found.camera_center_m[2] == pytest.approx(1.5, abs=0.03)
+    # the same as from the pictures at once
+    both = tmp_path / "both.yaml"
+    arguments = ["--points", str(points), "-o", str(both)]
+    assert run(["calibrate", str(pictures), *BOARD, *arguments]) == 0
+    np.testing.assert_array_equal(load_calibration(both).camera_matrix, found.camera_matrix)
+
+
+def test_a_board_larger_than_named_is_refused(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    board = ["--board", "chessboard", "--squares", "5x5", "--square-mm", "100"]
     out = tmp_path / "c.yaml"
-    assert run(["calibrate", str(pictures), *BOARD, "-o", str(out)]) == 0
-    assert "over 5 pictures" in capsys.readouterr().out
+    assert run(["calibrate", str(pictures), *board, "-o", str(out)]) != 0
+    assert "the board has more corners than 5x5: is it 6x5?" in capsys.readouterr().err
     assert not out.exists()
 
 
