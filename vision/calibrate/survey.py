@@ -31,7 +31,6 @@ from vision.calibration.calibration import (
     nominal_camera_matrix,
 )
 from vision.calibration.calibration_file import read_text
-from vision.camera.camera import Image
 
 MIN_POINTS = 4
 CHECKED_POINTS = 6
@@ -43,8 +42,6 @@ _MOST_SETS = 1500
 _LEAST_AREA = 1e-3
 _RIM_PX = 1.0
 """A point on the picture's rim may have been read so far outside."""
-_ARROW_SHARE = 0.1
-"""The longest arrow of a residual map, as a share of its width; twice for points left out."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -319,47 +316,3 @@ def _say_left_out(survey: Survey, residuals: FloatArray, used: NDArray[np.bool_]
         f"where {usual_mm:.1f} mm is usual"
         for i in np.flatnonzero(~used)
     ]
-
-
-def draw_residuals(fit: ArenaFit, background: Image | None = None) -> Image:
-    """A picture (h, w, 3) of the survey: each point with its residual, enlarged as a line says.
-
-    Used points are green, those left out red, their arrows cut where they would leave the
-    picture; the numbers are millimetres. ``background`` is the arena's picture, or None for a
-    plain one.
-    """
-    calibration = fit.calibration
-    width, height = calibration.size
-    if background is None:
-        picture = np.full((height, width, 3), 255, np.uint8)
-    elif background.ndim == 2:
-        picture = np.asarray(cv2.cvtColor(background, cv2.COLOR_GRAY2BGR), dtype=np.uint8)
-    else:
-        picture = background.copy()
-    places = calibration.arena_from_image(fit.survey.pixels)
-    moved = calibration.image_from_arena(places + fit.residuals_m) - fit.survey.pixels
-    lengths = np.linalg.norm(moved, axis=1)
-    longest_px = _ARROW_SHARE * width
-    enlarged = _enlargement(float(lengths[np.array(fit.used)].max()), longest_px)
-    rows = zip(fit.survey.pixels, moved, lengths, fit.residuals_m, fit.used, strict=True)
-    for pixel, step, length, residual, used in rows:
-        colour = (0, 140, 0) if used else (0, 0, 220)
-        start = (round(float(pixel[0])), round(float(pixel[1])))
-        arrow = pixel + step * min(enlarged, 2.0 * longest_px / max(float(length), 1e-9))
-        end = (round(float(arrow[0])), round(float(arrow[1])))
-        cv2.circle(picture, start, 4, colour, 1, cv2.LINE_AA)
-        cv2.arrowedLine(picture, start, end, colour, 1, cv2.LINE_AA, tipLength=0.2)
-        label = f"{1000.0 * float(np.linalg.norm(residual)):.1f}"
-        where = (start[0] + 6, start[1] - 6)
-        cv2.putText(picture, label, where, cv2.FONT_HERSHEY_SIMPLEX, 0.4, colour, 1, cv2.LINE_AA)
-    legend = f"residuals in mm, arrows {enlarged:g} times enlarged; red: left out"
-    cv2.rectangle(picture, (0, height - 18), (min(width, 360), height), (255, 255, 255), -1)
-    foot, black = (6, height - 6), (0, 0, 0)
-    cv2.putText(picture, legend, foot, cv2.FONT_HERSHEY_SIMPLEX, 0.4, black, 1, cv2.LINE_AA)
-    return picture
-
-
-def _enlargement(longest_px: float, wanted_px: float) -> float:
-    """The largest of 1, 2, 5, 10, ... 1000 that makes the longest arrow no longer than wanted."""
-    steps = [digit * 10.0**power for power in range(3) for digit in (1, 2, 5)] + [1000.0]
-    return max((s for s in steps if s * longest_px <= wanted_px), default=1.0)

@@ -320,7 +320,8 @@ def _place(
     residual_map: Path | None,
     floor: Image | None,
 ) -> None:
-    from vision.calibrate.survey import draw_residuals, fit_arena
+    from vision.calibrate.residual_map import draw_residuals
+    from vision.calibrate.survey import fit_arena
     from vision.calibration.calibration_file import save_calibration
 
     fit = fit_arena(survey, size, lens, camera_height_m)
