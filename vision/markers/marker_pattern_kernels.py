@@ -31,21 +31,24 @@ def collect_pixels(
     pattern_from_plane: NDArray[np.float64],
     cells: int,
     rim: float,
+    every: int,
 ) -> NDArray[np.float64]:
     """Rows (n, 3) of a, b, grey value: the pixels of ``box`` that lie on the marker or its rim.
 
     a, b are the pixel's place in the plane; ``box`` is x0, y0, x1, y1 with the ends included,
-    inside ``grey``; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells.
+    inside ``grey``; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Of each
+    row one pixel in ``every`` is taken, of the next row the ones beside, so that every edge is
+    crossed at all places.
     """
     x0, y0, x1, y1 = box
-    rows = np.empty(((x1 - x0 + 1) * (y1 - y0 + 1), 3))
+    rows = np.empty((((x1 - x0) // every + 1) * (y1 - y0 + 1), 3))
     count = 0
     h, p = plane_from_pixel, pattern_from_plane
     bent = False
     for term in lens:
         bent = bent or term != 0.0
     for y in range(y0, y1 + 1):
-        for x in range(x0, x1 + 1):
+        for x in range(x0 + (y - y0) % every, x1 + 1, every):
             px, py = float(x), float(y)
             if bent:
                 px, py = undistort(px, py, camera, lens)

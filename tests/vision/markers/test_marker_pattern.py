@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tests.support.drawn.boards import LIGHT, Patch, marker_patch, pose_bound, render
 from vision.calibration.calibration import Calibration
+from vision.markers import marker_pattern
 from vision.markers.marker_pattern import fit_pattern, pattern_bits
 from vision.markers.markers import dictionary_by_name
 
@@ -149,3 +150,61 @@ def test_the_bits_are_those_of_the_printed_marker() -> None:
     assert not bits[:, -1].any()
     printed = cv2.aruco.generateImageMarker(BOOK, 7, 60)
     assert np.array_equal(bits, printed[5::10, 5::10] > 127)
+
+
+def _printed(
+    side_px: float, turn: float, rim: float, floor: float, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A marker on paper that reaches ``rim`` cells beyond it, on a floor; corners px and cells."""
+    bits = pattern_bits(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50), 7)
+    n, fine = len(bits), 6
+    width = int(1.6 * side_px) + 24
+    middle = 0.5 * width + rng.uniform(-0.5, 0.5, 2)
+    row, column = np.mgrid[0 : width * fine, 0 : width * fine]
+    x, y = (column + 0.5) / fine - 0.5 - middle[0], (row + 0.5) / fine - 0.5 - middle[1]
+    c, s = math.cos(turn), math.sin(turn)
+    u, v = (c * x + s * y) / side_px * n + n / 2, (c * y - s * x) / side_px * n + n / 2
+    paper = (u > -rim) & (v > -rim) & (u < n + rim) & (v < n + rim)
+    light = np.where(paper, 220.0, floor)
+    inside = (u >= 0) & (v >= 0) & (u < n) & (v < n)
+    light[inside] = np.where(bits[v[inside].astype(int), u[inside].astype(int)] > 0.5, 220.0, 30.0)
+    grey = cv2.GaussianBlur(light.reshape(width, fine, width, fine).mean((1, 3)), (0, 0), 0.8)
+    grey = np.clip(np.rint(grey + rng.normal(0.0, 2.0, grey.shape)), 0, 255).astype(np.uint8)
+    square = side_px * np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+    return grey, square @ np.array([[c, s], [-s, c]]) + middle, bits
+
+
+@pytest.mark.parametrize("side_px", [24, 40, 80, 200])
+@pytest.mark.parametrize(("rim", "floor"), [(1.0, 200.0), (0.2, 110.0), (0.0, 110.0), (0.0, 30.0)])
+def test_a_marker_cut_tightly_is_within_a_twentieth_of_a_pixel(side_px, rim, floor):
+    """What lies outside of the marker is fitted only where it is paper."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        grey, corners, bits = _printed(side_px, rng.uniform(0.0, 1.5), rim, floor, rng)
+        calibration = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
+        truth = calibration.arena_from_image(corners)
+        found = fit_pattern(grey, truth + rng.normal(0.0, 0.15, (4, 2)), bits, calibration)
+        assert found is not None
+        assert np.linalg.norm(found.mean(axis=0) - truth.mean(axis=0)) < 0.05
+
+
+def test_of_a_large_marker_no_more_pixels_are_used_than_the_bound(monkeypatch):
+    used = []
+    plain = marker_pattern.collect_pixels
+
+    def counted(*arguments):
+        rows = plain(*arguments)
+        used.append(len(rows))
+        return rows
+
+    monkeypatch.setattr(marker_pattern, "collect_pixels", counted)
+    rng = np.random.default_rng(1)
+    for side_px in (60, 250, 400):
+        grey, corners, bits = _printed(side_px, 0.4, 1.0, 200.0, rng)
+        calibration = Calibration.from_scale(1.0, (grey.shape[1], grey.shape[0]))
+        truth = calibration.arena_from_image(corners)
+        found = fit_pattern(grey, truth, bits, calibration)
+        assert found is not None
+        assert np.linalg.norm(found.mean(axis=0) - truth.mean(axis=0)) < 0.015
+    assert max(used) <= marker_pattern._MOST_PIXELS
+    assert used[0] > 3000, "a small marker keeps all of its pixels"
