@@ -20,6 +20,7 @@ from planner.borders import box_tree_kernels, clear_kernels
 from planner.borders.generators import Borders
 from planner.scene import FloatArray, Vec, primitive_kernels
 from planner.search.chain_search import ROUNDING
+from planner.shared.figures import sized
 
 REACH = 2.0
 """How far from its station a way out may end, in radii and margins: the robot's own width."""
@@ -55,9 +56,10 @@ def way_out(
             gap = box_tree_kernels.polyline_clearance(borders.tree, np.array([place, found]))[0]
             return WayOut(
                 found,
-                f"the margin of {_sized(margin, units)} is given up within {_sized(length, units)} "
-                f"of {name} ({place[0]:g}, {place[1]:g}): {_sized(gap, units)} from the nearest "
-                f"border, the radius is {_sized(radius, units)}",
+                f"the margin of {sized(margin, units)} is given up within {sized(length, units)} "
+                f"of {name} ({place[0]:g}, {place[1]:g}): "
+                f"{sized(gap, units, beside=radius)} from the nearest border, the radius is "
+                f"{sized(radius, units, beside=gap)}",
             )
     return None
 
@@ -97,7 +99,3 @@ def _nearest_end(
             low = middle
     x, y = np.array(place) + high * way
     return float(x), float(y)
-
-
-def _sized(length: float, units: str) -> str:
-    return f"{length:.3g} {units}".rstrip()
