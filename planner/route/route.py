@@ -314,10 +314,10 @@ def _routes(leg: Leg, alternatives: int) -> Ways:
         if not alternatives:
             return Ways((best,))
         others = _others_than(leg, best, entries, exits, alternatives)
-        lines = [best, *others.lines]
+        found = [best, *others.lines]
         if preference < 1.0:  # among more routes there may be a cheaper one
-            lines.sort(key=lambda way: judge(borders, way, need, preference))
-        return replace(others, lines=tuple(lines))
+            found.sort(key=lambda way: judge(borders, way, need, preference))
+        return replace(others, lines=tuple(found))
     return Ways(())
 
 

@@ -13,6 +13,7 @@ import math
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from vision.calibrate.survey import ArenaFit
 from vision.calibration.calibration import Calibration, FloatArray
@@ -84,7 +85,7 @@ def _draw_axes(picture: Image, calibration: Calibration, places_m: FloatArray) -
                 _say(picture, f"{name} {number * step + 0.0:g} m", at, _GRID_INK)
 
 
-def _inside(picture: Image, pixels: Image) -> tuple[int, int] | None:
+def _inside(picture: Image, pixels: NDArray[np.int32]) -> tuple[int, int] | None:
     """Where a line's first place with room for words is."""
     height, width = picture.shape[:2]
     for x, y in pixels.tolist():

@@ -112,7 +112,7 @@ def _on_paper(pixels: FloatArray, state: FloatArray, cells: int, cell_px: float)
             continue
         light = (np.median(pixels[side, 2]) - dark) / max(paper - dark, 1.0)
         if light < _LEAST_LIGHT:
-            return pixels[outside.max(axis=0) < -min(_BLUR_PX / cell_px, 0.5)]
+            return np.asarray(pixels[outside.max(axis=0) < -min(_BLUR_PX / cell_px, 0.5)])
     return pixels
 
 
