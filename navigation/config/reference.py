@@ -107,6 +107,8 @@ def _kind(schema: Mapping[str, Any], root: Mapping[str, Any]) -> str:
     if "enum" in schema:
         words = schema["enum"]
         return ", ".join(f"`{word}`" for word in words) if len(words) < 6 else "one of the schema's"
+    if "const" in schema:
+        return f"`{schema['const']}`"
     if "$ref" in schema or schema.get("type") == "object":
         return "section"
     kind = schema.get("type", "")

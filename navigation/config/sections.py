@@ -22,8 +22,11 @@ from navigation.config.values import (
     MOST_STATIONS,
     Count,
     Degrees,
+    DriverUnits,
+    ExposureTime,
     Fine,
     Fraction,
+    Kelvin,
     Length,
     Metres,
     NeighbourFile,
@@ -109,6 +112,31 @@ class CameraSection(Section):
         description="instead of a calibration: a camera looking straight down, no distortion",
     )
     loop: StrictBool = Field(default=False, description="start a video file again at its end")
+    format: Literal["auto", "mjpg", "yuyv", "grey"] = Field(
+        default="auto",
+        description="pixel format asked of a device; auto: raw where it reaches rate_hz, else mjpg",
+    )
+    exposure_ms: ExposureTime = Field(
+        default="auto",
+        description="exposure time of a device, or auto; against flicker a multiple of 10 "
+        "(mains of 50 Hz) or 8.33 (60 Hz)",
+    )
+    gain: DriverUnits = Field(
+        default="auto", description="gain of a device in its own units, or auto"
+    )
+    focus: DriverUnits = Field(
+        default="auto", description="focus of a device in its own units, or auto"
+    )
+    white_balance_k: Kelvin = Field(
+        default="auto", description="white balance of a device in kelvin, or auto"
+    )
+    mains_hz: Literal[50, 60] = Field(
+        default=50, description="frequency of the mains that feed the lamps"
+    )
+    rolling_shutter_ms: Annotated[NotNegative, Field(le=1000)] = Field(
+        default=0.0,
+        description="time from the exposure of the first row to that of the last; 0: all at once",
+    )
 
 
 class VisionSection(Section):

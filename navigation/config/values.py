@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 
 MOST_STATIONS = 1000
 """Of one mission, configured or ordered."""
@@ -50,6 +50,34 @@ Rate = Annotated[Positive, Field(le=1000), _from(0.001)]
 """A speed, an acceleration or a frequency that is divided by."""
 Fraction = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0, lt=1)]
 RelativeError = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=-0.5, lt=0.5)]
+
+
+def _auto_or(least: float, most: float) -> BeforeValidator:
+    """The word ``auto`` or a number, refused in one sentence: a union has one for each part."""
+
+    def check(value: Any) -> Any:
+        if isinstance(value, str) and value == "auto":
+            return value
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if is_number and least <= value <= most:
+            return float(value)
+        raise ValueError(f"must be 'auto' or a number in {least:g}..{most:g}, not {value!r}")
+
+    return BeforeValidator(check)
+
+
+ExposureTime = Annotated[
+    Annotated[float, Field(ge=0.01, le=10_000)] | Literal["auto"], _auto_or(0.01, 10_000.0)
+]
+"""Of a camera, milliseconds: from a hundredth to ten seconds."""
+DriverUnits = Annotated[
+    Annotated[float, Field(ge=0, le=65_535)] | Literal["auto"], _auto_or(0.0, 65_535.0)
+]
+"""A camera's gain or focus, whose units are its driver's."""
+Kelvin = Annotated[
+    Annotated[float, Field(ge=1000, le=20_000)] | Literal["auto"], _auto_or(1000.0, 20_000.0)
+]
+"""A colour temperature, from candlelight to a blue sky."""
 Count = Annotated[int, Field(strict=True, ge=0, le=0xFFFFFFFF)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 

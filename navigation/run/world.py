@@ -19,6 +19,7 @@ from navigation.config.sections import SIMULATED
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer
+from navigation.run.device_settings import device_settings
 from navigation.run.driven import driver_of, link_of, twin_of
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.emulated_robot import EmulatedRobot
@@ -39,7 +40,7 @@ from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import Camera, CameraError
 from vision.camera.latest_frame import LatestFrame
-from vision.camera.sources import camera_for
+from vision.camera.sources import KnownCamera, camera_for
 
 Clock = Callable[[], float]
 
@@ -68,6 +69,7 @@ class World:
             self._robot = self._make_robot()
             self.truth = Truth(self._arenas, self._robot, others_of(config, self._tracks))
         self._shared = _shared_pose(config) if self._robot is None and simulated_camera else None
+        self._known_camera = KnownCamera()
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
         self._driver = driver_of(config, self.port)
@@ -139,6 +141,8 @@ class World:
             rate_hz=camera.rate_hz,
             size=camera.size_px,
             loop=camera.loop,
+            device=device_settings(camera),
+            known=self._known_camera,
         )
 
     def _pose_now(self) -> tuple[float, float, float]:

@@ -2,7 +2,8 @@
 
 Rules and units
 - A ``Frame`` is one picture, uint8, grey (h, w) or BGR (h, w, 3), read-only, with the
-  monotonic time at which it was captured (seconds) and a growing sequence number.
+  monotonic time at which it was captured (seconds) and a growing sequence number. Where rows are
+  exposed one after another (a rolling shutter), the time is the last row's.
 - A ``Camera`` is anything that gives frames: a device, a stream, a file (``vision.camera.sources``)
   or the simulator. It says what it is doing in ``state`` and why in ``reason``.
 - ``vision.camera.latest_frame`` reads a camera in a thread of its own and opens it again.
@@ -30,6 +31,10 @@ class CameraError(ValueError):
 
     def __init__(self, message: str) -> None:
         super().__init__(printable(message))
+
+
+class CameraAbsentError(CameraError):
+    """A camera is not there: unplugged, or not yet plugged in. Looking again costs nothing."""
 
 
 class CameraHeldError(CameraError):
@@ -136,3 +141,10 @@ class RateMeter:
         if len(self._times) < 2 or self._times[-1] <= self._times[0]:
             return 0.0
         return (len(self._times) - 1) / (self._times[-1] - self._times[0])
+
+
+def identical(a: Image, b: Image) -> bool:
+    """Whether two pictures are the same to the bit; a sparse look first, as that is quick."""
+    if a.shape != b.shape:
+        return False
+    return np.array_equal(a[::16, ::16], b[::16, ::16]) and np.array_equal(a, b)

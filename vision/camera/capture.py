@@ -1,18 +1,13 @@
-"""Cameras behind OpenCV's capture: V4L2 devices and network streams.
+"""Cameras behind OpenCV's capture: network streams, and what they share with video files.
 
 Rules and units
-- What a driver made of the rate and size asked for is compared with what it gives; the
-  difference is said in ``reason``, as the real rate is measured and never taken on trust.
-- No wait for a picture is longer than five seconds: then a device or stream has failed.
+- No wait for a picture is longer than five seconds: then a stream has failed.
 - Times are seconds on the clock passed in; sizes are (width, height) in pixels.
 """
 
 from __future__ import annotations
 
-import glob
 import math
-import os
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -27,16 +22,9 @@ from vision.camera.camera import (
     RateMeter,
     SourceState,
 )
-from vision.camera.v4l2 import gives_pictures
 
 _LONGEST_WAIT_S = 5
-"""Below ``WatchLimits.hung_s``; webcams may take three seconds to their first picture."""
-_SELECT_TIMEOUT = "OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT"
-"""For how many whole seconds OpenCV waits for a V4L2 device, 10 by itself. It has no property for
-that (the timeouts in milliseconds are FFmpeg's and GStreamer's), and reads this variable once in
-a process, when it first waits."""
-_DRIVER_CLOCK_LIMIT_S = 0.5
-_FRAMES_FOR_RATE = 30
+"""Below ``WatchLimits.hung_s``."""
 _LONGEST_HOLD_UP_S = 2.0
 """A picture that its stamp makes older than this has a stamp that cannot be trusted."""
 _BURST_S = 1.0
@@ -45,7 +33,7 @@ kept comes all at once."""
 
 
 class Capture:
-    """What devices, streams and video files share: an OpenCV capture and its frames."""
+    """What streams and video files share: an OpenCV capture and its frames."""
 
     may_repeat = False
 
@@ -112,105 +100,6 @@ class Capture:
         frame = Frame(image, captured_s, self._sequence, self.name)
         self._sequence += 1
         return frame
-
-
-class DeviceCamera(Capture):
-    """A V4L2 camera by its index (``0``) or path (``/dev/video0``, ``/dev/v4l/by-id/...``)."""
-
-    def __init__(
-        self, device: str, clock: Clock, rate_hz: float | None, size: tuple[int, int] | None
-    ) -> None:
-        super().__init__(f"camera {device}", clock)
-        self._path = f"/dev/video{device}" if device.isdecimal() else device
-        self._rate_wanted_hz = rate_hz
-        self._size_wanted = size
-        self._promise = ""
-
-    def open(self) -> None:
-        """Open the device; ``CameraError`` where it is missing, busy or no camera.
-
-        A value of the variable that bounds OpenCV's waits is left as its user has set it.
-        """
-        os.environ.setdefault(_SELECT_TIMEOUT, str(_LONGEST_WAIT_S))
-        if not os.path.exists(self._path):
-            raise CameraError(f"{self.name}: {self._path} does not exist; is it plugged in?")
-        if not os.access(self._path, os.R_OK | os.W_OK):
-            raise CameraError(
-                f"{self.name}: no permission for {self._path}; add the user to the group 'video'"
-            )
-        parameters: list[int] = []
-        if self._size_wanted is not None:
-            width, height = self._size_wanted
-            parameters += [cv2.CAP_PROP_FRAME_WIDTH, width, cv2.CAP_PROP_FRAME_HEIGHT, height]
-        # A stable path is a link; V4L2 is opened by the device's own name.
-        capture = self._start(os.path.realpath(self._path), cv2.CAP_V4L2, parameters)
-        if self._rate_wanted_hz is not None:
-            capture.set(cv2.CAP_PROP_FPS, self._rate_wanted_hz)
-        # One buffer would be the newest frame, but many drivers need two to run at all.
-        capture.set(cv2.CAP_PROP_BUFFERSIZE, 2)
-        self._promise = self.reason = self._not_as_asked(capture)
-
-    def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; OpenCV bounds the wait by five seconds, ``timeout_s`` is not needed."""
-        grabbed = self._grab()
-        if grabbed is None:
-            if not os.path.exists(self._path):
-                raise CameraError(f"{self.name}: unplugged ({self._path} is gone)")
-            raise CameraError(f"{self.name}: the camera delivers no picture")
-        image, captured_s = grabbed
-        frame = self._frame(image, self._driver_time_s(captured_s))
-        self.reason = self._rate_really_got() or self._promise
-        return frame
-
-    def _rate_really_got(self) -> str:
-        """What to say where the measured rate is not the one asked for; drivers may promise it."""
-        wanted_hz = self._rate_wanted_hz
-        if wanted_hz is None or self._sequence < _FRAMES_FOR_RATE:
-            return ""
-        if abs(self.rate_hz - wanted_hz) <= 0.1 * wanted_hz:
-            return ""
-        return f"asked for {wanted_hz:g} frames/s, gets {self.rate_hz:.1f}"
-
-    def _driver_time_s(self, grabbed_s: float) -> float:
-        """The driver's time of exposure where it is on our clock, else the time of the grab."""
-        if self._capture is None:
-            return grabbed_s
-        return driver_time_s(self._capture.get(cv2.CAP_PROP_POS_MSEC), grabbed_s)
-
-    def _not_as_asked(self, capture: cv2.VideoCapture) -> str:
-        said = []
-        if self._size_wanted is not None:
-            got = (
-                round(capture.get(cv2.CAP_PROP_FRAME_WIDTH)),
-                round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT)),
-            )
-            if got != self._size_wanted:
-                wanted = f"{self._size_wanted[0]}x{self._size_wanted[1]}"
-                said.append(f"asked for {wanted} pixels, the driver gives {got[0]}x{got[1]}")
-        if self._rate_wanted_hz is not None:
-            rate_hz = capture.get(cv2.CAP_PROP_FPS)
-            if abs(rate_hz - self._rate_wanted_hz) > 0.05 * self._rate_wanted_hz:
-                said.append(
-                    f"asked for {self._rate_wanted_hz:g} frames/s, the driver promises {rate_hz:g}"
-                )
-        return "; ".join(said)
-
-    def _refused(self) -> CameraError:
-        if gives_pictures(self._path) is False:
-            return CameraError(
-                f"{self.name}: {self._path} gives no pictures; `clearway devices` lists what does"
-            )
-        return CameraHeldError(f"{self.name}: {self._path} is busy", "another program uses it")
-
-
-def driver_time_s(position_ms: float, grabbed_s: float) -> float:
-    """A V4L2 time stamp (ms) in seconds if it is on the clock of ``grabbed_s``, else that time.
-
-    Drivers stamp with the monotonic clock or with one of their own; a stamp that lies in the
-    future or more than half a second back is on another clock.
-    """
-    stamp_s = position_ms / 1000.0
-    return stamp_s if 0.0 <= grabbed_s - stamp_s <= _DRIVER_CLOCK_LIMIT_S else grabbed_s
 
 
 class StreamCamera(Capture):
@@ -280,21 +169,3 @@ def without_password(url: str) -> str:
         # A password with a slash that should have been written %2F: nothing of it is shown.
         host, slash, path = path.rpartition("@")[2].partition("/")
     return f"{scheme}://{host.rpartition('@')[2]}{slash}{path}"
-
-
-def list_devices() -> list[tuple[str, str]]:
-    """The V4L2 capture devices of this machine: (path, what it is called).
-
-    A device is listed by its stable path under /dev/v4l/by-id where it has one. A camera's other
-    nodes, which give no pictures, are left out; what cannot be asked, for want of permission, is
-    listed.
-    """
-    stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
-    found = []
-    for device in sorted(glob.glob("/dev/video*")):
-        if gives_pictures(device) is False:
-            continue
-        label = Path("/sys/class/video4linux", Path(device).name, "name")
-        name = label.read_text(errors="replace").strip() if label.is_file() else device
-        found.append((stable.get(device, device), name))
-    return found

@@ -20,9 +20,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
-import numpy as np
-
-from vision.camera.camera import Camera, CameraError, CameraHeldError, Clock, Frame, Image
+from vision.camera.camera import (
+    Camera,
+    CameraAbsentError,
+    CameraError,
+    CameraHeldError,
+    Clock,
+    Frame,
+    identical,
+)
 
 CameraState: TypeAlias = Literal[
     "closed", "starting", "running", "stalled", "frozen", "lost", "ended"
@@ -40,7 +46,8 @@ class WatchLimits:
     A picture that repeats is frozen after ``frozen_s`` and ``frozen_frames`` repetitions: where
     little is sent, a network camera sends a still arena's noise as no change, nine frames in a
     row of H.264 at 100 kbit/s. ``hung_s`` lies beyond the five seconds that a device or stream may
-    take to say that nothing comes.
+    take to say that nothing comes. A camera that is not there is looked for each
+    ``absent_pause_s``: that opens nothing, and a robot may be waiting for the plug.
     """
 
     read_timeout_s: float = 0.5
@@ -50,6 +57,7 @@ class WatchLimits:
     hung_s: float = 8.0
     first_pause_s: float = 0.25
     longest_pause_s: float = 8.0
+    absent_pause_s: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,7 +331,7 @@ class _Reader:
         except CameraHeldError as error:
             return self._fail(self._owner._why_held(error), "lost")
         except CameraError as error:
-            return self._fail(str(error), "lost")
+            return self._fail(str(error), "lost", isinstance(error, CameraAbsentError))
         finally:
             self._busy_since_s = None
         self._camera = camera
@@ -336,7 +344,7 @@ class _Reader:
         try:
             frame = camera.read(self._limits.read_timeout_s)
         except CameraError as error:
-            return self._fail(str(error), "lost")
+            return self._fail(str(error), "lost", isinstance(error, CameraAbsentError))
         finally:
             self._busy_since_s = None
         now_s = self._owner._clock()
@@ -355,7 +363,7 @@ class _Reader:
     def _accept(self, camera: Camera, frame: Frame, now_s: float) -> float:
         self._last_news_s = now_s
         last, self._last_frame = self._last_frame, frame
-        if not camera.may_repeat and last is not None and _identical(frame.image, last.image):
+        if not camera.may_repeat and last is not None and identical(frame.image, last.image):
             return self._count_repeat(camera, now_s)
         self._same_since_s = None
         if last is not None:
@@ -373,12 +381,14 @@ class _Reader:
         reason = f"{camera.name}: the same picture for {same_s:.1f} s; the camera is frozen"
         return self._fail(reason, "frozen")
 
-    def _fail(self, reason: str, state: CameraState) -> float:
+    def _fail(self, reason: str, state: CameraState, absent: bool = False) -> float:
         self.close()
         limits = self._limits
         # The exponent is bounded: 2.0 ** failures overflows after a night without a camera.
-        pause_s = min(limits.first_pause_s * 2.0 ** min(self.failures, 30), limits.longest_pause_s)
-        self.failures += 1
+        longest_s = limits.absent_pause_s if absent else limits.longest_pause_s
+        pause_s = min(limits.first_pause_s * 2.0 ** min(self.failures, 30), longest_s)
+        # While it is away nothing can have failed: plugged in, it starts with a short pause.
+        self.failures = 1 if absent else self.failures + 1
         self._due_s = self._owner._clock() + pause_s
         again = f"{reason.rstrip('.')}; trying again in {pause_s:.2g} s"
         self._owner._say(self, state, again, again=True)
@@ -387,10 +397,3 @@ class _Reader:
 
 def _no_picture(silent_s: float) -> str:
     return f"no picture for {silent_s:.1f} s"
-
-
-def _identical(a: Image, b: Image) -> bool:
-    """Whether two pictures are the same to the bit; a sparse look first, as that is quick."""
-    if a.shape != b.shape:
-        return False
-    return np.array_equal(a[::16, ::16], b[::16, ::16]) and np.array_equal(a, b)

@@ -12,18 +12,17 @@ import threading
 from pathlib import Path
 
 from vision.camera.camera import Camera, CameraError, Clock
-from vision.camera.capture import (
-    DeviceCamera,
-    StreamCamera,
-    driver_time_s,
-    list_devices,
-    without_password,
-)
+from vision.camera.capture import StreamCamera, without_password
 from vision.camera.files import PICTURE_SUFFIXES, Pace, VideoCamera, Wait, read_picture
 from vision.camera.folder import FolderCamera, PictureCamera
+from vision.camera.v4l2.device import DeviceCamera, DeviceSettings, driver_time_s
+from vision.camera.v4l2.devices import list_devices
+from vision.camera.v4l2.identity import KnownCamera
 
 __all__ = [
     "PICTURE_SUFFIXES",
+    "DeviceSettings",
+    "KnownCamera",
     "camera_for",
     "driver_time_s",
     "list_devices",
@@ -43,13 +42,17 @@ def camera_for(
     loop: bool = False,
     paced: bool = True,
     wait: Wait | None = None,
+    device: DeviceSettings | None = None,
+    known: KnownCamera | None = None,
 ) -> Camera:
     """The camera that a source names, closed.
 
     ``rate_hz`` and ``size`` are asked of a device, and pace a file (default: the video's own,
     10 Hz for pictures). ``loop`` begins a file again at its end; a single picture is shown
     for ever. ``paced=False`` gives a file's frames as fast as they are read. ``wait`` pauses
-    for so many seconds. Raises ``CameraError`` where the source is nothing that can be opened.
+    for so many seconds. ``device`` sets a device's format and controls, and ``known``, one object
+    for all cameras of a run, finds it again under another name after a replug. Raises
+    ``CameraError`` where the source is nothing that can be opened.
     """
     text = str(source).strip()
     shown = without_password(text)
@@ -58,7 +61,7 @@ def camera_for(
     if size is not None and not (0 < size[0] <= 32768 and 0 < size[1] <= 32768):
         raise CameraError(f"camera {shown}: size = {size}: must be in 1..32768 pixels")
     if (text.isascii() and text.isdecimal()) or text.startswith("/dev/"):
-        return DeviceCamera(text, clock, rate_hz, size)
+        return DeviceCamera(text, clock, rate_hz, size, device, known)
     if text.lower().startswith(_STREAMS):
         return StreamCamera(text, clock)
     if not text:

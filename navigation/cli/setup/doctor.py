@@ -151,14 +151,16 @@ def _first_picture(config: Config) -> Finding:
     import time
 
     from navigation.machine.doctor import Finding
+    from navigation.run.device_settings import device_settings
     from vision.camera.camera import CameraError
     from vision.camera.sources import camera_for
 
     wanted = config.camera
     try:
         camera = camera_for(
-            wanted.source, clock=time.monotonic, rate_hz=wanted.rate_hz, size=wanted.size_px
-        )
+            wanted.source, clock=time.monotonic, rate_hz=wanted.rate_hz, size=wanted.size_px,
+            device=device_settings(wanted),
+        )  # fmt: skip
         camera.open()
         try:
             frame = camera.read(FIRST_PICTURE_S)

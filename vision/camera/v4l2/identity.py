@@ -1,0 +1,106 @@
+"""Which camera a device node is, so that it is found again after a replug under another name.
+
+Rules
+- A camera is known by its maker's numbers and its serial number (USB), else by its name; where
+  several are alike, by where they are plugged in.
+- The node that the configuration names is taken if it is the same camera. Else the same camera is
+  looked for among all nodes, and where another one has taken its name, that one is refused: its
+  pictures would be read with the wrong calibration.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from vision.camera.camera import CameraError
+from vision.camera.v4l2.node import about
+
+SYSTEM = Path("/sys/class/video4linux")
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Who a camera is, and where: ``bus`` changes with the port, the rest does not."""
+
+    card: str
+    maker: str
+    """USB's vendor, product and serial number; empty for other cameras."""
+    bus: str
+
+    def same_kind(self, other: Identity) -> bool:
+        """Whether both may be one camera, wherever plugged in."""
+        return (self.card, self.maker) == (other.card, other.maker)
+
+
+def identity_of(path: str) -> Identity | None:
+    """Who a node that gives pictures is; None where it gives none or cannot be asked."""
+    told = about(path)
+    if told is None or not told.gives_pictures:
+        return None
+    # The node's device is the USB interface; the numbers belong to what holds it.
+    usb = SYSTEM / Path(path).name / "device" / ".."
+    numbers = [_line(usb / name) for name in ("idVendor", "idProduct", "serial")]
+    return Identity(told.card, ":".join(numbers) if any(numbers) else "", told.bus)
+
+
+def nodes() -> list[str]:
+    """Every video device node here."""
+    return sorted(glob.glob("/dev/video*"))
+
+
+class KnownCamera:
+    """What is remembered of a camera from one opening to the next: share it among them."""
+
+    def __init__(self, list_nodes: Callable[[], list[str]] = nodes) -> None:
+        self._nodes = list_nodes
+        self._identity: Identity | None = None
+
+    def find(self, path: str) -> tuple[str, str]:
+        """The node to open for a configured path, and a sentence where it is another; or raises.
+
+        ``path`` itself comes back while no camera is remembered, whether it exists or not.
+        """
+        before = self._identity
+        named = os.path.realpath(path)
+        if before is None:
+            return named, ""
+        here = identity_of(named) if os.path.exists(named) else None
+        if here is not None and here == before:
+            return named, ""
+        alike = {
+            node: found
+            for node in self._nodes()
+            if (found := identity_of(node)) is not None and found.same_kind(before)
+        }
+        same_port = [node for node, found in alike.items() if found.bus == before.bus]
+        if here is not None and here.same_kind(before) and len(alike) <= 1:
+            return named, ""  # by its stable name, at another port
+        chosen = same_port or list(alike)
+        if len(chosen) > 1:
+            raise CameraError(
+                f"{path}: {' and '.join(chosen)} are alike, and neither is where the camera was; "
+                "unplug one, or name one by its port (/dev/v4l/by-path/...)"
+            )
+        if chosen:
+            return chosen[0], f"found again as {chosen[0]}"
+        if here is not None:
+            raise CameraError(
+                f"{path} is another camera ({here.card}) than before ({before.card}); plug that in "
+                "again, or calibrate this one"
+            )
+        return named, ""
+
+    def remember(self, path: str) -> None:
+        """This is the camera."""
+        self._identity = identity_of(os.path.realpath(path)) or self._identity
+
+
+def _line(path: Path) -> str:
+    try:
+        return path.read_text(errors="replace").strip()
+    except OSError:
+        return ""

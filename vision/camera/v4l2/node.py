@@ -1,0 +1,110 @@
+"""A V4L2 device node: opened, asked, and what it says of itself.
+
+A camera may have several nodes: one gives pictures, another what belongs to them (metadata). All
+report what the whole camera can do, and each what this node of it can. Asking does not disturb a
+program that streams from it.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from ctypes import Structure, c_int32
+from dataclasses import dataclass
+from typing import TypeVar
+
+from vision.camera.v4l2 import structs
+
+Kind = TypeVar("Kind", bound=Structure | c_int32)
+
+_NOT_SUPPORTED = (errno.ENOTTY, errno.EINVAL, errno.ENODATA)
+"""A request that this driver does not know, or the end of a list."""
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """Who a node says it is; ``bus`` is where it is plugged in."""
+
+    driver: str
+    card: str
+    bus: str
+    can: int
+    """What this node can do, as V4L2's bits."""
+
+    @property
+    def gives_pictures(self) -> bool:
+        """Whether pictures can be had from it."""
+        return bool(self.can & (structs.CAN_CAPTURE | structs.CAN_CAPTURE_PLANES))
+
+
+class Node:
+    """An open device node. Raises ``OSError`` as the kernel does."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.fd = os.open(path, os.O_RDWR | os.O_NONBLOCK | os.O_CLOEXEC)
+
+    def close(self) -> None:
+        """Close it; harmless when closed."""
+        fd, self.fd = self.fd, -1
+        if fd >= 0:
+            os.close(fd)
+
+    def ask(self, request: int, about: Kind) -> Kind:
+        """Carry out a request on a structure, which the driver changes in place."""
+        fcntl.ioctl(self.fd, request, about, True)
+        return about
+
+    def try_ask(self, request: int, about: Kind) -> Kind | None:
+        """The same; None where the driver does not know it or a list has ended."""
+        try:
+            return self.ask(request, about)
+        except OSError as error:
+            if error.errno in _NOT_SUPPORTED:
+                return None
+            raise
+
+    def about(self) -> About:
+        """Who it is."""
+        told = self.ask(structs.QUERYCAP, structs.Capability())
+        whole = int(told.capabilities)
+        can = int(told.device_caps) if whole & structs.HAS_NODE_CAPABILITIES else whole
+        return About(_text(told.driver), _text(told.card), _text(told.bus_info), can)
+
+
+@contextmanager
+def opened(path: str) -> Iterator[Node]:
+    """A node for as long as it is needed."""
+    node = Node(path)
+    try:
+        yield node
+    finally:
+        node.close()
+
+
+def about(path: str) -> About | None:
+    """Who a device node is; None where it cannot be asked, for want of permission or a driver."""
+    try:
+        with opened(path) as node:
+            return node.about()
+    except OSError:
+        return None
+
+
+def gives_pictures(path: str) -> bool | None:
+    """Whether a device node is one that pictures can be had from; None where it cannot be asked.
+
+    A camera that another program uses answers too.
+    """
+    try:
+        with opened(path) as node:
+            return node.about().gives_pictures
+    except OSError as error:
+        return False if error.errno in (errno.ENOTTY, errno.EINVAL) else None
+
+
+def _text(raw: bytes) -> str:
+    return raw.decode("utf-8", "replace").strip()
