@@ -34,6 +34,9 @@ def _camera_has_a_scale(camera: Any) -> _Found:
             ("camera",),
             "needs a calibration (`clearway calibrate` makes one) or metres_per_pixel",
         )
+    if camera.source == SIMULATED and camera.rolling_shutter_ms > 0.0:
+        told = f"must be 0, not {camera.rolling_shutter_ms:g}: the simulated camera has none"
+        yield ("camera", "rolling_shutter_ms"), told
 
 
 def _fixed_has_a_threshold(vision: Any) -> _Found:

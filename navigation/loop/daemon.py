@@ -325,7 +325,7 @@ class Daemon:
         if pose is not None:
             self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
             self.pose, self._pose_arrived_s = pose, self._frame_s
-            self.witness.saw(pose, self._frame_s)
+            self.witness.saw(pose, self._frame_s - pose.before_frame_s)
             if self.pilot.trust.level is not Level.DOUBTED:  # else something else has moved it
                 self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
 

@@ -66,7 +66,8 @@ class VisionStage:
 
     def _open_eye(self) -> Eye:
         robots = marked_robots(self._config)
-        tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary)
+        rolling_s = self._config.camera.rolling_shutter_ms / 1000.0
+        tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary, rolling_s)
         return Eye(self._calibration, tracker, eye_settings(self._config))
 
     def _dated(self, frame: Frame) -> Frame:

@@ -86,7 +86,10 @@ class Replay:
         self.result = ReplayResult()
         config = recording.config
         tracker = MarkerTracker(
-            recording.calibration, marked_robots(config), config.robot.dictionary
+            recording.calibration,
+            marked_robots(config),
+            config.robot.dictionary,
+            config.camera.rolling_shutter_ms / 1000.0,
         )
         self._eye = Eye(recording.calibration, tracker, eye_settings(config))
         self._planner = ArenaPlanner(plan_settings(config))

@@ -50,7 +50,8 @@ class RobotPose:
     """Where a robot was at ``captured_s`` and how it moved.
 
     ``corners_px`` (4, 2) raw pixels; ``residual_m`` is the rms distance of the marker's corners
-    from the square fitted to them.
+    from the square fitted to them. ``before_frame_s``: how long before the frame's own time, its
+    last row's, the marker's rows were exposed (a rolling shutter).
     """
 
     id: int
@@ -63,6 +64,7 @@ class RobotPose:
     vy: float = 0.0
     turn_rate_rad_s: float = 0.0
     residual_m: float = 0.0
+    before_frame_s: float = 0.0
 
     def at(self, time_s: float) -> Pose:
         """(x, y, heading) at another time, with the velocity kept."""

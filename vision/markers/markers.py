@@ -4,6 +4,8 @@ Rules and units
 - Poses, markers and pixels are as in `marked_robot`.
 - Position and heading come from the homography, with the marker's height corrected: under an
   overhead camera the two solutions of a marker's pose in space can hardly be told apart.
+- With a rolling shutter a pose has the time of the rows of its own marker; its corners are put to
+  where they were at that time, by the track's velocity: else a marker that moves is sheared.
 - The search is narrowed around where each robot should be; the whole picture is searched only
   for robots that are not there. What has the wrong size, is not square, is half hidden or
   has jumped is no robot.
@@ -80,7 +82,9 @@ class _Sighting:
 class MarkerTracker:
     """Finds the markers of known robots in frame after frame.
 
-    ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``.
+    ``dictionary`` is an OpenCV name such as ``DICT_4X4_50`` or ``DICT_APRILTAG_36h11``,
+    ``rolling_shutter_s`` the time from the first row's exposure to the last row's, which is the
+    frame's.
     """
 
     def __init__(
@@ -88,8 +92,10 @@ class MarkerTracker:
         calibration: Calibration,
         robots: Sequence[MarkedRobot],
         dictionary: str = "DICT_4X4_50",
+        rolling_shutter_s: float = 0.0,
     ) -> None:
         self._calibration = calibration
+        self._row_s = rolling_shutter_s / max(1, calibration.size[1] - 1)
         self._robots = {robot.id: robot for robot in robots}
         if len(self._robots) != len(robots):
             raise MarkerError("two robots have the same marker id")
@@ -272,6 +278,7 @@ class MarkerTracker:
         corners = corners if whole is None else whole
         corners_px = calibration.image_from_arena(corners, height_m)
         corners_px.setflags(write=False)
+        corners = self._at_one_time(corners, corners_px[:, 1], robot.id)
         points = corners[:, 0] + 1j * corners[:, 1]
         center = points.mean()
         # The similarity nearest to the four corners, all of them with equal weight.
@@ -290,7 +297,24 @@ class MarkerTracker:
         pose = robot_pose((center.real, center.imag, float(np.angle(turn))), robot)
         return _Sighting(robot.id, pose, corners_px, residual_m)
 
-    def _believe(self, sighting: _Sighting, now_s: float, refusals: list[str]) -> RobotPose | None:
+    def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, robot_id: int) -> FloatArray:
+        """The corners (4, 2) where they were when the marker's middle row was exposed."""
+        if self._row_s == 0.0:
+            return corners
+        moves = self._tracks[robot_id].velocity
+        late_s = self._row_s * (rows_px - rows_px.mean())
+        right, up = (corners - corners.mean(axis=0)).T
+        turn = moves.turn_rate_rad_s
+        speeds = np.stack([moves.vx - turn * up, moves.vy + turn * right], axis=1)
+        return np.asarray(corners - speeds * late_s[:, None], dtype=np.float64)
+
+    def _believe(
+        self, sighting: _Sighting, frame_s: float, refusals: list[str]
+    ) -> RobotPose | None:
+        """The pose, at the time at which its marker's middle row was exposed."""
+        rows_after = self._calibration.size[1] - 1 - float(sighting.corners_px[:, 1].mean())
+        before_s = self._row_s * rows_after
+        now_s = frame_s - before_s
         track = self._tracks[sighting.id]
         velocity = track.offer(sighting.pose, now_s)
         if velocity is None:
@@ -306,6 +330,7 @@ class MarkerTracker:
             velocity.vy,
             velocity.turn_rate_rad_s,
             sighting.residual_m,
+            before_s,
         )
 
     def _side_px(self, robot: MarkedRobot) -> float:

@@ -102,6 +102,13 @@ class Track:
         """Whether the track has been believed at least once and not been forgotten."""
         return self._pose is not None
 
+    @property
+    def velocity(self) -> Velocity:
+        """As of the last sighting that was believed; still where none was."""
+        if self._pose is None:
+            return Velocity()
+        return Velocity(self._x.rate, self._y.rate, self._turn.rate)
+
     def offer(self, pose: Pose, time_s: float) -> Velocity | None:
         """A sighting: the velocity there where it is believed, None where it is not (yet).
 

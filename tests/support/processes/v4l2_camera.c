@@ -58,6 +58,7 @@ static struct device devices[MOST_FDS];
 static int streaming_fd = -1;
 static struct mode agreed = {V4L2_PIX_FMT_YUYV, 640, 480, {15}, 1};
 static unsigned rate_hz = 15;
+static unsigned dark_pictures;
 static char plug[64];
 static struct control controls[] = {
     {V4L2_CID_AUTO_WHITE_BALANCE, V4L2_CTRL_TYPE_BOOLEAN, "White Balance, Automatic", 0, 1, 1, 1, 1},
@@ -453,7 +454,7 @@ static int dequeue(int fd, struct v4l2_buffer *out)
     if (read(fd, &due, sizeof due) != sizeof due)
         return failed(EAGAIN);
     int is_dark = may_slow->value && control_of(V4L2_CID_EXPOSURE_AUTO)->value == 3;
-    if (strcmp(fault, "hang") == 0 || from->queued == 0 || (is_dark && ++from->number % 2))
+    if (strcmp(fault, "hang") == 0 || from->queued == 0 || (is_dark && ++dark_pictures % 2))
         return failed(EAGAIN);
     if (strcmp(fault, "eio") == 0) {
         from->number++;

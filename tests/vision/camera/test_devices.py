@@ -2,90 +2,50 @@
 
 from __future__ import annotations
 
-import cv2
-import numpy as np
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.vision.camera.scripted import Clock
-from vision.camera import capture
-from vision.camera.camera import Camera, CameraError
+from vision.camera.camera import CameraAbsentError, CameraError
+from vision.camera.rate_remark import RateRemark
 from vision.camera.sources import camera_for, driver_time_s, without_password
+from vision.camera.v4l2.users import users_of, who_uses
 
 
-class Driver:
-    """Stands for OpenCV's capture of a device: promises 30 frames/s at 640x480, whatever asked."""
-
-    opens = True
-    frames = 1000
-
-    def __init__(self) -> None:
-        self.left = self.frames
-
-    def open(self, target: str, backend: int, parameters: list[int]) -> bool:
-        return self.opens
-
-    def set(self, key: int, value: float) -> bool:
-        return False
-
-    def get(self, key: int) -> float:
-        promised = {
-            cv2.CAP_PROP_FRAME_WIDTH: 640.0,
-            cv2.CAP_PROP_FRAME_HEIGHT: 480.0,
-            cv2.CAP_PROP_FPS: 30.0,
-        }
-        return promised.get(key, 0.0)
-
-    def grab(self) -> bool:
-        self.left -= 1
-        return self.left >= 0
-
-    def retrieve(self) -> tuple[bool, np.ndarray]:
-        return True, np.full((4, 4, 3), self.left % 256, np.uint8)
-
-    def release(self) -> None:
-        self.left = 0
-
-
-def device(monkeypatch: pytest.MonkeyPatch, clock: Clock, **how: float) -> Camera:
-    monkeypatch.setattr(cv2, "VideoCapture", Driver)
-    return camera_for("/dev/null", clock=clock, **how)  # type: ignore[arg-type]
-
-
-def test_a_driver_that_ignores_what_was_asked_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = Clock()
-    camera = device(monkeypatch, clock, rate_hz=60.0, size=(1920, 1080))  # type: ignore[arg-type]
-    camera.open()
-    assert "asked for 1920x1080 pixels, the driver gives 640x480" in camera.reason
-    assert "asked for 60 frames/s, the driver promises 30" in camera.reason
-    for _ in range(40):
-        clock.now_s += 1.0 / 15.0
-        frame = camera.read(1.0)
-        assert frame is not None
-        assert frame.captured_s == clock.now_s
-    assert camera.reason == "asked for 60 frames/s, gets 15.0"
-    assert camera.rate_hz == pytest.approx(15.0)
-    assert not camera.may_repeat
-    camera.close()
-    with pytest.raises(CameraError, match="read while closed"):
-        camera.read(1.0)
-
-
-def test_a_busy_and_an_unplugged_device_are_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Driver, "opens", False)
+def test_a_device_that_is_not_there_or_no_camera_is_told_of() -> None:
+    with pytest.raises(CameraAbsentError, match="/dev/video987 does not exist; is it plugged in"):
+        camera_for(987, clock=Clock()).open()
     with pytest.raises(CameraError, match="/dev/null gives no pictures"):
-        device(monkeypatch, Clock()).open()
-    monkeypatch.setattr(capture, "gives_pictures", lambda _path: True)
-    with pytest.raises(CameraError, match=r"/dev/null is busy \(another program uses it\)"):
-        device(monkeypatch, Clock()).open()
-    monkeypatch.setattr(Driver, "opens", True)
-    monkeypatch.setattr(Driver, "frames", 1)
-    camera = device(monkeypatch, Clock())
-    camera.open()
-    assert camera.read(1.0) is not None
-    with pytest.raises(CameraError, match="camera /dev/null: the camera delivers no picture"):
-        camera.read(1.0)
+        camera_for("/dev/null", clock=Clock()).open()
+    with pytest.raises(CameraError, match="read while closed"):
+        camera_for("/dev/null", clock=Clock()).read(1.0)
+
+
+def test_other_programs_that_have_a_device_open_are_named(tmp_path: Path) -> None:
+    device = tmp_path / "video0"
+    device.touch()
+    for number, name, opened in ((7, "guvcview", device), (8, "sh", tmp_path), (9, "own", device)):
+        folder = tmp_path / "proc" / str(number)
+        (folder / "fd").mkdir(parents=True)
+        (folder / "comm").write_text(f"{name}\n")
+        (folder / "fd" / "3").symlink_to(opened)
+    (tmp_path / "proc" / "10").mkdir()  # another user's
+    assert users_of(str(device), tmp_path / "proc", own=9) == ["guvcview (process 7)"]
+    assert who_uses(str(tmp_path / "video1")) == "another program uses it"
+
+
+def test_a_rate_that_hovers_is_no_new_sentence_a_picture() -> None:
+    remark = RateRemark(30.0)
+    said = [remark.of(26.9 + 0.2 * (n % 3), n / 27.0) for n in range(27 * 50)]
+    assert len(set(said)) <= 2, "26.9 is off, 27.1 and 27.3 are not yet right again"
+    minutes = [remark.of(20.0 + 0.01 * (n % 100), 100.0 + n / 20.0) for n in range(20 * 600)]
+    assert len(set(minutes)) <= 11
+    assert remark.of(29.0, 1000.0) == ""
+    assert RateRemark(None).of(3.0, 0.0) == ""
+    assert RateRemark(30.0).of(0.0, 0.0) == ""
 
 
 def test_a_stream_that_nobody_serves_is_told_of_without_its_password() -> None:

@@ -173,7 +173,7 @@ class DeviceCamera:
     def _begin(self, node: Node) -> None:
         choices = self._choices(node)
         for number, choice in enumerate(choices):
-            stream = Stream(node)
+            stream = Stream(node, self._clock)
             agreed = stream.agree(choice)
             if agreed.fourcc not in ORDER:
                 continue

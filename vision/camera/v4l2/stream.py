@@ -20,7 +20,7 @@ from typing import Final
 
 import numpy as np
 
-from vision.camera.camera import Image
+from vision.camera.camera import Clock, Image
 from vision.camera.v4l2 import structs
 from vision.camera.v4l2.modes import Choice, Size, fourcc_code, fourcc_text
 from vision.camera.v4l2.node import Node
@@ -28,6 +28,7 @@ from vision.camera.v4l2.node import Node
 BUFFERS: Final = 4
 """One is filled while one is read; the others bridge a moment of a busy machine."""
 _RATE_SCALE: Final = 1000
+_MOST_FALSE_ALARMS: Final = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +59,8 @@ class Filled:
 class Stream:
     """The buffers of an open node. Raises ``OSError`` as the kernel does."""
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    def __init__(self, node: Node, clock: Clock) -> None:
+        self._node, self._clock = node, clock
         self._maps: list[mmap.mmap] = []
         self._held: structs.Buffer | None = None
         self._sequence: int | None = None
@@ -118,9 +119,7 @@ class Stream:
         self._hand_back()
         waiting = select.poll()
         waiting.register(self._node.fd, select.POLLIN | select.POLLPRI)
-        if not waiting.poll(1000.0 * max(0.0, timeout_s)):
-            return None
-        newest = self._dequeue()
+        newest = self._wait(waiting, timeout_s)
         if newest is None:
             return None
         missing = self._missing(newest)
@@ -144,6 +143,18 @@ class Stream:
             older_stamps_s=tuple(older),
             missing=missing,
         )
+
+    def _wait(self, waiting: select.poll, timeout_s: float) -> structs.Buffer | None:
+        """The next filled buffer; a driver may say that one is there, and then have none."""
+        end_s = self._clock() + timeout_s
+        for _ in range(_MOST_FALSE_ALARMS):
+            left_s = end_s - self._clock()
+            if left_s < 0.0 or not waiting.poll(1000.0 * left_s):
+                return None
+            buffer = self._dequeue()
+            if buffer is not None:
+                return buffer
+        return None
 
     def _hand_back(self) -> None:
         held, self._held = self._held, None
