@@ -1,0 +1,120 @@
+"""Watches a camera for some seconds and keeps what is needed to judge it, not the pictures.
+
+Grey pictures or colour ones; seconds of the clock that the frames carry.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import cv2
+import numpy as np
+
+from planner.scene import FloatArray
+from vision.camera.camera import Frame, Image
+from vision.camera.v4l2.modes import Size
+from vision.markers.marker_search import find_markers, grey_of
+from vision.quality.focus import Focus, blur_along, focus_of
+from vision.quality.light import Flicker, clipped_of, flicker_of, noise_of
+from vision.quality.timing import Timing, even_times, timing_of
+
+NOISE_EVERY: Final = 5
+"""Differences of each fifth pair are enough, and some of them are of moving things."""
+MOST_DIFFERENCES: Final = 40
+BANDS: Final = 240
+"""Rows are gathered into so many: flicker's bands are tens of rows high."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenMarker:
+    """A marker in the last picture; ``blur_px`` is None where its sides say nothing."""
+
+    id: int
+    corners_px: FloatArray
+    blur_px: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quality:
+    """What a camera delivers. ``timing``, ``noise_grey``, ``flicker`` are None where unknown."""
+
+    picture: Image
+    """The last one, grey."""
+    size: Size
+    timing: Timing | None
+    noise_grey: float | None
+    flicker: Flicker | None
+    brightness: float
+    """Mean grey level, 0..255."""
+    white: float
+    black: float
+    """Shares of pixels, of the arena where a mask was given, that are clipped."""
+    focus: Focus
+    markers: tuple[SeenMarker, ...]
+
+
+class Watching:
+    """Takes frames in; ``judge`` says what they are like. ``mask`` (h, w) is 255 in the arena."""
+
+    def __init__(self, mask: Image | None = None) -> None:
+        self._mask = mask
+        self._stamps_s: list[float] = []
+        self._arrivals_s: list[float] = []
+        self._rows: list[FloatArray] = []
+        self._differences: list[Image] = []
+        self._last: Image | None = None
+        self._is_still = True
+
+    def add(self, frame: Frame, arrived_s: float) -> None:
+        """One picture more, in their order. A picture of another size begins again."""
+        grey = grey_of(frame.image)
+        last = self._last
+        if last is not None and last.shape != grey.shape:
+            self._stamps_s, self._arrivals_s, self._rows, self._differences = [], [], [], []
+            last = None
+        self._stamps_s.append(frame.captured_s)
+        self._arrivals_s.append(arrived_s)
+        rows = cv2.reduce(grey, 1, cv2.REDUCE_AVG, dtype=cv2.CV_32F)
+        bands = min(BANDS, len(rows))
+        self._rows.append(cv2.resize(rows, (1, bands), interpolation=cv2.INTER_AREA).ravel())
+        if last is not None and len(self._stamps_s) % NOISE_EVERY == 0:
+            difference = cv2.absdiff(grey, last)
+            if difference.any():
+                self._is_still = False
+            if len(self._differences) < MOST_DIFFERENCES:
+                self._differences.append(difference[::4, ::2].astype(np.uint8, copy=False))
+        self._last = grey
+
+    @property
+    def pictures(self) -> int:
+        """How many have come."""
+        return len(self._stamps_s)
+
+    def judge(self, dictionary: str | None = None) -> Quality | None:
+        """What they are like; None of no picture. ``dictionary``: where to look for markers."""
+        grey = self._last
+        if grey is None:
+            return None
+        stamps_s = np.array(self._stamps_s)
+        timing = timing_of(stamps_s, np.array(self._arrivals_s))
+        # Pictures without any noise are the same file again: they say nothing of a sensor.
+        is_live = timing is not None and not self._is_still
+        fits = self._mask is not None and self._mask.shape == grey.shape
+        mask = self._mask if fits else None
+        white, black = clipped_of(grey, mask)
+        flicker = flicker_of(even_times(stamps_s), np.stack(self._rows)) if is_live else None
+        found = find_markers(grey, dictionary) if dictionary else []
+        markers = tuple(SeenMarker(i, quad, blur_along(grey, quad)) for i, quad in found)
+        return Quality(
+            picture=grey,
+            size=(int(grey.shape[1]), int(grey.shape[0])),
+            timing=timing,
+            noise_grey=noise_of(self._differences) if is_live else None,
+            flicker=flicker,
+            brightness=float(grey.mean()),
+            white=white,
+            black=black,
+            focus=focus_of(grey, mask),
+            markers=markers,
+        )
