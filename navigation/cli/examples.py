@@ -74,6 +74,10 @@ EXAMPLES: dict[str, Example] = {
         "Write marker 7 as a page that prints at true size.",
     ),
     "devices": Example("clearway devices", "List the cameras and serial ports of this machine."),
+    "camera": Example(
+        "clearway camera 0 --write arena.yaml",
+        "Judge the first camera, and put the settings that serve best into arena.yaml.",
+    ),
     "doctor": Example(
         "clearway doctor arena.yaml --bundle report.zip",
         "Check machine, camera and port, and pack what a bug report needs.",

@@ -69,6 +69,7 @@ COMMANDS: dict[str, Listed] = {
     "calibrate": Listed(".setup.calibrate:command", "Calibrate a camera from pictures."),
     "marker": Listed(".setup.marker:command", "A robot marker or a board to print."),
     "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
+    "camera": Listed(".setup.camera:command", "What a camera can do, and what it delivers."),
     "doctor": Listed(".setup.doctor:command", "Whether this machine is fit for a run."),
     "replay": Listed(".running.replay:command", "Re-run vision and planning on a recording."),
     "sweep": Listed(".running.sweep:command", "Repeat a simulated run with varied errors."),

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from navigation.machine.doctor import Finding
 
 WELL, ILL = 0, 1
-FIRST_PICTURE_S = 5.0
+WATCHED_S = 2.0
+"""Of the camera; `clearway camera` takes its time."""
 COLOURS = {"ok": "green", "warn": "yellow", "fail": "red"}
 
 
@@ -51,7 +52,7 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
         click.echo(json.dumps(hide_in(body), indent=2))
     else:
         for finding in findings:
-            _show(finding)
+            show_finding(finding)
     if bundle is not None:
         from navigation.machine.bundle import write_bundle
 
@@ -60,7 +61,8 @@ def command(config: Path | None, form: str, bundle: Path | None) -> int:
     return ILL if worst(findings) == "fail" else WELL
 
 
-def _show(finding: Finding) -> None:
+def show_finding(finding: Finding) -> None:
+    """One line, and a second with its cure where it is not well."""
     status = click.style(f"{finding.status:<4}", fg=COLOURS[finding.status])
     click.echo(hide(f"{status}  {finding.name:<14}{finding.sentence}"))
     if finding.cure:
@@ -144,40 +146,31 @@ def _camera(config: Config) -> Iterator[Finding]:
         yield finding
         if finding.status == "fail":
             return
-    yield _first_picture(config)
+    yield from _pictures(config)
 
 
-def _first_picture(config: Config) -> Finding:
-    import time
+def _pictures(config: Config) -> Iterator[Finding]:
+    """Whether pictures come, and what about them may disappoint a run."""
+    from dataclasses import replace
 
+    from navigation.cli.setup.camera_watch import watch
+    from navigation.machine.camera_findings import camera_findings
     from navigation.machine.doctor import Finding
-    from navigation.run.device_settings import device_settings
     from vision.camera.camera import CameraError
-    from vision.camera.sources import camera_for
 
-    wanted = config.camera
     try:
-        camera = camera_for(
-            wanted.source, clock=time.monotonic, rate_hz=wanted.rate_hz, size=wanted.size_px,
-            device=device_settings(wanted),
-        )  # fmt: skip
-        camera.open()
-        try:
-            frame = camera.read(FIRST_PICTURE_S)
-        finally:
-            camera.close()
+        judged = watch(config.camera, config, WATCHED_S)
     except CameraError as error:
         cure = "choose a name from `clearway devices`; close other programs that use it"
-        return Finding("fail", "camera", str(error), cure)
-    if frame is None:
-        cure = "try another cable or port; look at `dmesg`"
-        return Finding("fail", "camera", f"no picture within {FIRST_PICTURE_S:g} s", cure)
-    (width, height), (w, h) = frame.size, wanted.size_px
-    if frame.size != wanted.size_px:
-        cure = "set camera.size_px to what the camera gives, and calibrate again"
-        sentence = f"gives {width}x{height}, camera.size_px asks for {w}x{h}"
-        return Finding("fail", "camera", sentence, cure)
-    return Finding("ok", "camera", f"a picture of {width}x{height}")
+        yield Finding("fail", "camera", str(error), cure)
+        return
+    found = [each for each in camera_findings(judged) if each.status != "ok"]
+    if all(each.status != "fail" for each in found):
+        (width, height), timing = judged.quality.size, judged.quality.timing
+        rate = "" if timing is None else f", {timing.rate_hz:.1f} frames/s"
+        yield Finding("ok", "camera", f"pictures of {width}x{height}{rate}")
+    for each in found:
+        yield replace(each, name="camera", sentence=f"{each.name}: {each.sentence}")
 
 
 def _port(config: Config) -> Iterator[Finding]:

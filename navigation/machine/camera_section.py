@@ -1,0 +1,149 @@
+"""The section of the configuration that serves a camera best, and putting it into a file.
+
+Rules
+- What hunts is fixed at what the camera has found: focus always, exposure where lamps flicker or
+  the robot would smear. What is well stays as it was asked for.
+- A file keeps its comments, order and other keys; what was written is read again before the file
+  is replaced.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from navigation.config.load import parse_config, read_source
+from navigation.config.sections import Config
+from navigation.machine.camera_findings import FLICKERS, SHARP_SHARE, SMEARED_PX, Judged
+from navigation.shared.whole_file import write_whole
+from vision.camera.v4l2.controls import (
+    AUTO_FOCUS,
+    EXPOSURE,
+    EXPOSURE_UNIT_MS,
+    FOCUS,
+    MAINS,
+    Listed,
+)
+from vision.camera.v4l2.modes import rank_modes
+
+_KEY: Final = re.compile(r"(\s+)([A-Za-z_]\w*)\s*:(.*)")
+
+
+class SectionError(ValueError):
+    """A section cannot be put into a file; the message says why, and what to do."""
+
+
+def best_section(judged: Judged, source: str | int) -> dict[str, Any]:
+    """The keys of ``camera`` and their values, as plain data."""
+    asked, quality = judged.asked, judged.quality
+    section: dict[str, Any] = {
+        "source": source,
+        "size_px": list(quality.size),
+        "rate_hz": asked.rate_hz,
+    }
+    if judged.kind != "device":
+        return section
+    best = rank_modes(judged.modes, quality.size, asked.rate_hz)
+    if best and best[0].rate_hz is not None and best[0].rate_hz < 0.95 * asked.rate_hz:
+        section["rate_hz"] = best[0].rate_hz
+    section["format"] = asked.format
+    by_id = {one.id: one for one in judged.controls}
+    if MAINS in by_id:
+        section["mains_hz"] = _mains_hz(judged)
+    if EXPOSURE in by_id:
+        section["exposure_ms"] = _exposure_ms(judged, by_id[EXPOSURE])
+    for key in ("gain", "white_balance_k"):
+        if (wanted := getattr(asked, key)) != "auto":
+            section[key] = wanted
+    focus = by_id.get(FOCUS)
+    if focus is not None and AUTO_FOCUS in by_id:
+        is_sharp = (quality.focus.sharp or 0.0) >= SHARP_SHARE
+        found = is_sharp and focus.value is not None
+        section["focus"] = float(focus.value) if found and focus.value is not None else asked.focus
+    if asked.rolling_shutter_ms:
+        section["rolling_shutter_ms"] = asked.rolling_shutter_ms
+    return section
+
+
+def _mains_hz(judged: Judged) -> int:
+    flicker = judged.quality.flicker
+    if flicker is None or flicker.share <= 0.0:
+        return judged.asked.mains_hz
+    return round(flicker.frequency_hz / 2.0)
+
+
+def _exposure_ms(judged: Judged, has: Listed) -> float | str:
+    """As asked, unless lamps flicker or the robot would smear: then a time that avoids it."""
+    asked, flicker = judged.asked.exposure_ms, judged.quality.flicker
+    now_ms = judged.exposure_ms or 1000.0 / judged.asked.rate_hz
+    least_ms, most_ms = has.least * EXPOSURE_UNIT_MS, has.most * EXPOSURE_UNIT_MS
+    limit_ms = min(most_ms, 1000.0 / judged.asked.rate_hz)
+    if judged.speed_m_s is not None and judged.metres_per_pixel is not None:
+        limit_ms = min(limit_ms, 1000.0 * SMEARED_PX * judged.metres_per_pixel / judged.speed_m_s)
+    step_ms = 500.0 / _mains_hz(judged)
+    if flicker is not None and flicker.share > FLICKERS and step_ms <= limit_ms:
+        return round(step_ms * max(1, int(min(now_ms, limit_ms) / step_ms)), 1)
+    if now_ms > limit_ms:
+        return round(max(limit_ms, least_ms), 1)
+    return asked
+
+
+def section_text(section: Mapping[str, Any]) -> str:
+    """The section as a configuration has it."""
+    lines = [f"  {key}: {_value(value)}" for key, value in section.items()]
+    return "\n".join(["camera:", *lines]) + "\n"
+
+
+def write_section(file: Path, section: Mapping[str, Any]) -> Config:
+    """Put a section's keys into a configuration; raises ``SectionError`` and leaves it then."""
+    text = read_source(file)
+    changed = _replaced(text, section, file)
+    config = parse_config(changed, str(file), file.parent, {})
+    got = config.camera.model_dump(mode="json")
+    for key, value in section.items():
+        if got[key] != value:
+            raise SectionError(
+                f"{file}: camera.{key} would become {got[key]}, not {value}; "
+                "put it there by hand:\n" + section_text(section)
+            )
+    write_whole(file, changed)
+    return config
+
+
+def _replaced(text: str, section: Mapping[str, Any], file: Path) -> str:
+    lines = text.splitlines()
+    begin = next((n for n, line in enumerate(lines) if re.match(r"camera:\s*(#.*)?$", line)), None)
+    if begin is None:
+        raise SectionError(
+            f"{file}: has no section 'camera:' on lines of its own; put it there by hand:\n"
+            + section_text(section)
+        )
+    end = begin + 1
+    while end < len(lines) and (not lines[end].strip() or lines[end][0] in " \t#"):
+        end += 1
+    last, indent, left = begin, "  ", dict(section)
+    for n in range(begin + 1, end):
+        found = _KEY.match(lines[n])
+        if found is None:
+            continue
+        indent, key, rest = found.groups()
+        last = n
+        if key in left:
+            comment = re.search(r"\s+#.*$", rest)
+            told = f"{indent}{key}: {_value(left.pop(key))}"
+            kept = comment.group().strip() if comment else ""
+            lines[n] = f"{told:<40}{kept}" if kept else told
+    lines[last + 1 : last + 1] = [f"{indent}{key}: {_value(v)}" for key, v in left.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: Any) -> str:
+    """As YAML's core schema reads it back; JSON is a part of it."""
+    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_./][\w./:-]*", value):
+        return value
+    if isinstance(value, float) and value == int(value):
+        return str(int(value))
+    return json.dumps(value)
