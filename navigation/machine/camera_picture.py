@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
@@ -12,13 +13,15 @@ from vision.quality import Quality
 from vision.quality.focus import SHARP_PX
 from vision.quality.light import WHITE
 
+Canvas: TypeAlias = NDArray[Any]
+
 GREEN, AMBER, RED, GREY = (70, 160, 40), (20, 150, 230), (40, 40, 215), (150, 150, 150)
 """Blue, green, red."""
 
 
 def draw_judged(quality: Quality, arena_px: NDArray[np.float64] | None) -> NDArray[np.uint8]:
     """The picture (h, w, 3) BGR; ``arena_px`` (n, 2) is the arena's border in it."""
-    drawn = cv2.cvtColor(quality.picture, cv2.COLOR_GRAY2BGR)
+    drawn: Canvas = cv2.cvtColor(quality.picture, cv2.COLOR_GRAY2BGR)
     drawn[quality.picture >= WHITE] = RED
     width = max(1, round(min(drawn.shape[:2]) / 400))
     rows, columns = quality.focus.blur_px.shape
@@ -56,7 +59,7 @@ def _colour(blur_px: float) -> tuple[int, int, int]:
 
 
 def _write(
-    drawn: NDArray[np.uint8],
+    drawn: Canvas,
     text: str,
     at: tuple[int, int],
     colour: tuple[int, int, int],

@@ -77,7 +77,8 @@ class Watching:
         self._arrivals_s.append(arrived_s)
         rows = cv2.reduce(grey, 1, cv2.REDUCE_AVG, dtype=cv2.CV_32F)
         bands = min(BANDS, len(rows))
-        self._rows.append(cv2.resize(rows, (1, bands), interpolation=cv2.INTER_AREA).ravel())
+        few = cv2.resize(rows, (1, bands), interpolation=cv2.INTER_AREA).ravel()
+        self._rows.append(few.astype(np.float64))
         if last is not None and len(self._stamps_s) % NOISE_EVERY == 0:
             difference = cv2.absdiff(grey, last)
             if difference.any():

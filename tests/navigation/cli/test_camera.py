@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
-from tests.vision.camera.preloaded import NEEDS_GCC, ROOT, environment, jpegs, video_nodes
+from tests.support.processes.v4l2_preloaded import NEEDS_GCC, ROOT, environment, jpegs, video_nodes
 
 PROGRAM = Path(sys.executable).with_name("clearway")
 WEBCAM = "YUYV:1280x960@10,640x480@30;MJPG:1280x960@30@15,640x480@30"

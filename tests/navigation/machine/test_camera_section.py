@@ -17,7 +17,7 @@ from navigation.machine.camera_section import (
     write_section,
 )
 from navigation.machine.doctor import Finding
-from tests.vision.camera.preloaded import ROOT
+from tests.support.processes.v4l2_preloaded import ROOT
 from vision.camera.v4l2 import controls
 from vision.camera.v4l2.controls import Listed
 from vision.camera.v4l2.modes import Mode

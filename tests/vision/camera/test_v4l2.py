@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.vision.camera.preloaded import NEEDS_GCC, jpegs, run, video_nodes
+from tests.support.processes.v4l2_preloaded import NEEDS_GCC, jpegs, run, video_nodes
 from vision.camera.latest_frame import WatchLimits
 from vision.camera.v4l2 import controls, structs
 
