@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from vision.calibration.calibration_file import load_calibration, save_calibration
     from vision.camera.camera import Camera, CameraError, Frame
     from vision.camera.latest_frame import LatestFrame
-    from vision.camera.sources import camera_for
+    from vision.camera.sources import DeviceSettings, KnownCamera, camera_for
+    from vision.camera.v4l2.controls import CameraControls
     from vision.doubts import doubts_about
     from vision.errors import PictureError
     from vision.markers.markers import MarkedRobot, MarkerTracker, RobotPose
@@ -26,9 +27,12 @@ __all__ = [
     "Calibration",
     "CalibrationError",
     "Camera",
+    "CameraControls",
     "CameraError",
     "Change",
+    "DeviceSettings",
     "Frame",
+    "KnownCamera",
     "LatestFrame",
     "MarkedRobot",
     "Marker",
@@ -48,9 +52,12 @@ _HOME = {
     "Calibration": "vision.calibration.calibration",
     "CalibrationError": "vision.calibration.calibration",
     "Camera": "vision.camera.camera",
+    "CameraControls": "vision.camera.v4l2.controls",
     "CameraError": "vision.camera.camera",
     "Change": "vision.watch.change",
+    "DeviceSettings": "vision.camera.v4l2.device",
     "Frame": "vision.camera.camera",
+    "KnownCamera": "vision.camera.v4l2.identity",
     "LatestFrame": "vision.camera.latest_frame",
     "MarkedRobot": "vision.markers.markers",
     "Marker": "vision.markers.reading",
