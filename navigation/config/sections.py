@@ -131,7 +131,9 @@ class CameraSection(Section):
         default="auto", description="white balance of a device in kelvin, or auto"
     )
     mains_hz: Literal[50, 60] = Field(
-        default=50, description="frequency of the mains that feed the lamps"
+        default=50,
+        description="frequency of the mains that feed the lamps",
+        json_schema_extra={"minimum": 50, "maximum": 60},
     )
     rolling_shutter_ms: Annotated[NotNegative, Field(le=1000)] = Field(
         default=0.0,

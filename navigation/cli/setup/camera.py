@@ -37,7 +37,7 @@ class CameraCommandError(ValueError):
 @click.option("--rate", type=POSITIVE, help="Frames a second to ask for.")
 @click.option(
     "--write",
-    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    type=click.Path(path_type=Path, dir_okay=False),
     metavar="CONFIG",
     help="Put the best section into this configuration; it names the camera if SOURCE does not.",
 )
@@ -70,10 +70,13 @@ def command(
     from navigation.cli.progress import long_work
     from navigation.cli.setup.camera_watch import watch
     from navigation.cli.setup.check import load_checked
+    from navigation.config.load import read_source
     from navigation.machine.camera_findings import camera_findings
     from navigation.machine.camera_section import best_section, write_section
     from navigation.machine.doctor import worst
 
+    if write is not None:
+        read_source(write)  # so that nobody watches for what cannot be kept
     config = None if file is None else load_checked(file)
     wanted = _wanted(config, source if file is None else None, size, rate)
     with long_work(f"opening {wanted.source}") as tell:
