@@ -132,7 +132,7 @@ def _plugged_in() -> Iterator[Finding]:
 
 
 def _camera(config: Config) -> Iterator[Finding]:
-    """Its device, and a first picture."""
+    """Its device, and what its pictures are like."""
     from navigation.config.sections import SIMULATED
     from navigation.machine import doctor
 
