@@ -79,17 +79,20 @@ def command(
         read_source(write)  # so that nobody watches for what cannot be kept
     config = None if file is None else load_checked(file)
     wanted = _wanted(config, source if file is None else None, size, rate)
-    with long_work(f"opening {wanted.source}") as tell:
+    with long_work(f"opening {_without_password(wanted.source)}") as tell:
         judged = watch(wanted, config, seconds, tell)
     findings = camera_findings(judged)
     section = best_section(judged, _stable(wanted.source))
+    shown = {**section, "source": _without_password(section["source"])}
     if form == "json":
-        click.echo(json.dumps(_as_json(wanted, judged, findings, section), indent=1))
+        click.echo(json.dumps(_as_json(judged, findings, shown), indent=1))
     else:
-        _show(judged, findings, section)
+        _show(judged, findings, shown)
     if render is not None:
         _render(render, judged, config)
     if write is not None:
+        if file is not None and section["source"] == wanted.source:
+            del section["source"]  # it may come from the environment, with its password
         write_section(write, section)
         click.echo(f"wrote the section camera of {write}", err=True)
     return ILL if worst(findings) == "fail" else WELL
@@ -185,9 +188,13 @@ def _table(judged: Judged) -> list[str]:
     return [*lines, f"taken: {judged.taken}", ""]
 
 
-def _as_json(
-    wanted: CameraSection, judged: Judged, findings: list[Finding], section: dict[str, Any]
-) -> dict[str, Any]:
+def _without_password(source: str | int) -> str | int:
+    from vision.camera.sources import without_password
+
+    return source if isinstance(source, int) else without_password(source)
+
+
+def _as_json(judged: Judged, findings: list[Finding], section: dict[str, Any]) -> dict[str, Any]:
     quality = judged.quality
     timing, flicker, focus = quality.timing, quality.flicker, quality.focus
     tiles = [
@@ -212,7 +219,7 @@ def _as_json(
     }
     return {
         "schema": "clearway.camera/1",
-        "source": wanted.source,
+        "source": section["source"],
         "kind": judged.kind,
         "taken": judged.taken,
         "modes": [asdict(mode) for mode in judged.modes],

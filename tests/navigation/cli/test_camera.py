@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from navigation.cli.main import run
+from tests.support.processes.mjpeg_server import mjpeg_server
 from tests.support.processes.v4l2_preloaded import NEEDS_GCC, ROOT, environment, jpegs, video_nodes
 
 PROGRAM = Path(sys.executable).with_name("clearway")
@@ -103,6 +104,16 @@ def test_a_simulated_camera_is_judged_drawn_and_written(
     after = config.read_text()
     changed = [b for a, b in zip(before.splitlines(), after.splitlines(), strict=True) if a != b]
     assert changed == ["  rate_hz: 25"]
+
+
+def test_a_stream_s_password_is_not_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    with mjpeg_server() as server:
+        url = server.url.replace("http://", "http://me:hunter2@")
+        for form in ("text", "json"):
+            assert run(["camera", url, "--seconds", "1", "--size", "64x48", "--format", form]) == 0
+            told = capsys.readouterr()
+            assert "a stream does not say how old its pictures are" in told.out
+            assert "hunter2" not in told.out + told.err
 
 
 def test_files_and_folders_say_what_cannot_be_known(
