@@ -15,14 +15,7 @@ def wait_for_picture(page: Page, count: int = 3) -> None:
 def on_screen(page: Page, x_m: float, y_m: float) -> tuple[float, float]:
     """Where a place of the arena is on the screen; whoever has scrolled scrolls back to it."""
     page.evaluate("scrollTo(0, 0)")
-    box: Any = page.evaluate(
-        """([x, y]) => {
-          const { stage } = globalThis.clearway, box = stage.svg.getBoundingClientRect();
-          return [box.left + stage.x(x) / stage.width * box.width,
-                  box.top + stage.y(y) / stage.height * box.height];
-        }""",
-        [x_m, y_m],
-    )
+    box: Any = page.evaluate("([x, y]) => globalThis.clearway.stage.onScreen(x, y)", [x_m, y_m])
     return float(box[0]), float(box[1])
 
 

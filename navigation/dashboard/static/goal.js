@@ -8,6 +8,7 @@ import { element } from "./stage.js";
 import { Clearance } from "./world.js";
 
 const DRAG_PX = 14;
+const HOLD_PX = 12;
 const STEP_M = 0.02;
 const FAR_M = 0.1;
 const TURN_RAD = Math.PI / 12;
@@ -16,6 +17,8 @@ export class Goal {
   #hello = null;
   #clearance = null;
   #stations = [];
+  /** What the stations were before each change, for undo. */
+  #before = [];
   #preview = null;
   /** Settles when the seat is taken or refused: nothing is asked while that is open. */
   #taking = Promise.resolve();
@@ -50,7 +53,20 @@ export class Goal {
 
   clear() {
     this.#stations = [];
+    this.#before = [];
     this.#forgetPreview();
+  }
+
+  /** Take the last change of the stations back. */
+  undo() {
+    if (!this.#before.length) return;
+    this.#stations = this.#before.pop();
+    this.#forgetPreview();
+    if (this.#stations.length) this.#ask();
+  }
+
+  #remove(index) {
+    this.#change(this.#stations.filter((_, n) => n !== index));
   }
 
   async submit() {
@@ -81,18 +97,25 @@ export class Goal {
       if (event.detail < 2) this.submit(); // a double click is one press
     });
     document.getElementById("clear").addEventListener("click", () => this.clear());
+    document.getElementById("undo").addEventListener("click", () => this.undo());
   }
 
   // The pointer.
 
   #press(event) {
+    if (!event.isPrimary) { // a second finger: the first one did not mean a goal
+      this.#pressed = null;
+      this.#draw();
+      return;
+    }
     if (event.button !== 0 || !this.#hello || !this.connection.isUp) return;
     event.preventDefault();
     this.stage.element.focus({ preventScroll: true });
     this.stage.element.setPointerCapture(event.pointerId);
     const [x, y] = this.stage.place(event);
     const more = event.shiftKey || this.adding.checked;
-    this.#pressed = { x, y, more, from: [event.clientX, event.clientY], heading: null };
+    const held = this.#stationAt(x, y);
+    this.#pressed = { x, y, more, held, from: [event.clientX, event.clientY], heading: null };
     this.#draw();
   }
 
@@ -105,6 +128,11 @@ export class Goal {
       return;
     }
     const far = Math.hypot(event.clientX - pressed.from[0], event.clientY - pressed.from[1]) > DRAG_PX;
+    if (pressed.held >= 0) {
+      pressed.to = far || pressed.to ? place : null;
+      this.#draw();
+      return;
+    }
     pressed.heading = far ? Math.atan2(place[1] - pressed.y, place[0] - pressed.x) : null;
     this.#draw();
   }
@@ -113,7 +141,22 @@ export class Goal {
     const pressed = this.#pressed;
     this.#pressed = null;
     if (!pressed || event.button !== 0) return;
+    if (pressed.held >= 0) {
+      if (pressed.to) this.#change(this.#moved(pressed));
+      else this.#draw();
+      return;
+    }
     this.#set(pressed.x, pressed.y, pressed.heading, pressed.more);
+  }
+
+  /** Which station of the draft is under the pointer, -1 for none. */
+  #stationAt(x, y) {
+    const reach = Math.max(this.#hello.robot.radius_m, (HOLD_PX * this.stage.k) / this.stage.scale);
+    return this.#stations.findLastIndex((station) => Math.hypot(station.x_m - x, station.y_m - y) < reach);
+  }
+
+  #moved({ held, to }) {
+    return this.#stations.map((station, n) => (n === held ? { ...station, x_m: round(to[0]), y_m: round(to[1]) } : station));
   }
 
   // The keyboard.
@@ -127,16 +170,19 @@ export class Goal {
     const last = this.#stations.at(-1);
     if (moves[event.key]) {
       const [dx, dy] = moves[event.key];
-      this.#look([clamp(cursor[0] + dx, x0, x1), clamp(cursor[1] + dy, y0, y1)], true);
+      const at = [clamp(cursor[0] + dx, x0, x1), clamp(cursor[1] + dy, y0, y1)];
+      this.stage.reveal(...at);
+      this.#look(at, true);
     } else if (event.key === "Enter" && !this.#isAtGoal(cursor)) {
       this.#set(...cursor, null, false);
     } else if (event.key === "a" || event.key === "A") {
       this.#set(...cursor, null, true);
     } else if ((event.key === "," || event.key === ".") && last) {
       const turn = event.key === "," ? TURN_RAD : -TURN_RAD;
-      last.heading_rad = wrap((last.heading_rad ?? 0) + turn);
-      this.#forgetPreview();
-      this.#ask();
+      const turned = { ...last, heading_rad: wrap((last.heading_rad ?? 0) + turn) };
+      this.#change([...this.#stations.slice(0, -1), turned]);
+    } else if (event.key === "Backspace") {
+      this.undo();
     } else {
       return;
     }
@@ -154,6 +200,7 @@ export class Goal {
 
   async #set(x, y, heading, more) {
     const station = { x_m: round(x), y_m: round(y), heading_rad: heading };
+    this.#before.push(this.#stations);
     this.#stations = more ? [...this.#stations, station] : [station];
     this.#forgetPreview();
     this.say("");
@@ -165,6 +212,14 @@ export class Goal {
       this.clear();
       this.say(taken.error);
     }
+  }
+
+  /** Other stations in place of those of the draft; undo brings them back. */
+  #change(stations) {
+    this.#before.push(this.#stations);
+    this.#stations = stations;
+    this.#forgetPreview();
+    if (stations.length) this.#ask();
   }
 
   /** The stations have changed: a plan that is there, or on its way, is for others. */
@@ -229,13 +284,18 @@ export class Goal {
     const any = this.#stations.length > 0;
     this.#allowSending();
     document.getElementById("clear").hidden = !any;
+    document.getElementById("undo").hidden = this.#before.length === 0;
     document.getElementById("goal-hint").hidden = any;
     const list = document.getElementById("goal-stations");
     list.hidden = !any;
-    list.replaceChildren(...this.#stations.map((station) => {
+    list.replaceChildren(...this.#stations.map((station, index) => {
       const item = document.createElement("li");
       const turned = station.heading_rad === null ? "" : `, ${degrees(station.heading_rad)}°`;
-      item.textContent = `${station.x_m.toFixed(2)}, ${station.y_m.toFixed(2)} m${turned}`;
+      const remove = document.createElement("button");
+      Object.assign(remove, { type: "button", className: "quiet remove", textContent: "×", title: "Remove this station" });
+      remove.setAttribute("aria-label", `Remove station ${index + 1}`);
+      remove.addEventListener("click", () => this.#remove(index));
+      item.append(`${station.x_m.toFixed(2)}, ${station.y_m.toFixed(2)} m${turned}`, remove);
       return item;
     }));
     const text = document.getElementById("goal-preview");
@@ -265,8 +325,10 @@ export class Goal {
       shapes.push(element("circle", { class: "narrowest", cx: s.x(gap.x_m), cy: s.y(gap.y_m), r: Math.max(4 * s.k, (gap.width_m / 2) * s.scale) }));
     }
     const radius = this.#hello.robot.radius_m;
-    const before = this.#pressed && !this.#pressed.more ? [] : this.#stations;
-    const pending = this.#pressed ? [{ x_m: this.#pressed.x, y_m: this.#pressed.y, heading_rad: this.#pressed.heading }] : [];
+    const isHeld = this.#pressed?.held >= 0;
+    const before = isHeld && this.#pressed.to ? this.#moved(this.#pressed)
+      : this.#pressed && !isHeld && !this.#pressed.more ? [] : this.#stations;
+    const pending = this.#pressed && !isHeld ? [{ x_m: this.#pressed.x, y_m: this.#pressed.y, heading_rad: this.#pressed.heading }] : [];
     const all = [...before, ...pending];
     all.forEach((station, index) => {
       const name = index === all.length - 1 ? "new goal" : String(index + 1);

@@ -5,6 +5,13 @@ const KEPT = 200;
 export class Log {
   constructor(connection) {
     this.list = document.getElementById("log");
+    this.filter = document.getElementById("log-filter");
+    this.filter.value = localStorage.getItem("clearway.log") ?? "all";
+    this.list.dataset.only = this.filter.value;
+    this.filter.addEventListener("change", () => {
+      localStorage.setItem("clearway.log", this.filter.value);
+      this.list.dataset.only = this.filter.value;
+    });
     connection.on("hello", () => this.list.replaceChildren());
     connection.on("log", (piece) => piece.items.forEach((line) => this.#add(line)));
   }

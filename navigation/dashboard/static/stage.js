@@ -2,6 +2,7 @@
 // over it. The SVG's units are the picture's pixels; `k` of them are one pixel of the screen.
 
 const SVG = "http://www.w3.org/2000/svg";
+const MOST_ZOOM = 12;
 
 export class Stage {
   constructor() {
@@ -10,6 +11,8 @@ export class Stage {
     this.svg = document.getElementById("overlay");
     this.window = null;
     this.k = 1;
+    /** The part of the picture that is shown, in its pixels: {x, y, w, h}. */
+    this.view = null;
     this.onResize = [];
     new ResizeObserver(() => this.#measure()).observe(this.element);
   }
@@ -20,19 +23,49 @@ export class Stage {
     this.window = hello.window_m;
     this.scale = width / (hello.window_m[2] - hello.window_m[0]);
     [this.width, this.height] = [width, height];
+    const isNew = !this.view || this.whole !== `${width} ${height}`;
+    this.whole = `${width} ${height}`;
     if (this.canvas.width !== width || this.canvas.height !== height) {
       [this.canvas.width, this.canvas.height] = [width, height];
     }
-    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.element.style.setProperty("--aspect", `${width} / ${height}`);
     this.element.style.setProperty("--ratio", width / height);
+    this.show(isNew ? null : this.view);
+  }
+
+  /** How wide a part of the picture may be shown. */
+  allowed(w) {
+    return Math.min(this.width, Math.max(this.width / MOST_ZOOM, w));
+  }
+
+  /** Show a part of the picture, {x, y, w} in its pixels; null for the whole. */
+  show(part) {
+    if (!this.window) return;
+    const w = part ? this.allowed(part.w) : this.width;
+    const h = (w * this.height) / this.width;
+    const x = Math.min(this.width - w, Math.max(0, part?.x ?? 0));
+    const y = Math.min(this.height - h, Math.max(0, part?.y ?? 0));
+    this.view = { x, y, w, h };
+    this.svg.setAttribute("viewBox", `${x} ${y} ${w} ${h}`);
+    this.canvas.style.transform =
+      `scale(${this.width / w}) translate(${(-100 * x) / this.width}%, ${(-100 * y) / this.height}%)`;
     this.#measure();
+  }
+
+  /** Move the view so that a place, metres, is well inside of it. */
+  reveal(x_m, y_m) {
+    if (!this.view) return;
+    const { x, y, w, h } = this.view;
+    const [px, py] = [this.x(x_m), this.y(y_m)];
+    const [mx, my] = [w / 8, h / 8];
+    if (px >= x + mx && px <= x + w - mx && py >= y + my && py <= y + h - my) return;
+    this.show({ x: Math.min(px - mx, Math.max(px + mx - w, x)), y: Math.min(py - my, Math.max(py + my - h, y)), w });
   }
 
   #measure() {
     if (!this.window) return;
     const shown = this.element.clientWidth || this.width;
-    this.k = this.width / shown;
+    this.k = this.view.w / shown;
     this.svg.style.setProperty("--k", this.k);
     for (const listener of this.onResize) listener();
   }
@@ -45,12 +78,27 @@ export class Stage {
     return (this.window[3] - metres) * this.scale;
   }
 
-  /** The place under a pointer event, metres. */
-  place(event) {
+  /** The picture's pixel under a pointer event. */
+  pixel(event) {
     const box = this.svg.getBoundingClientRect();
     return [
-      this.window[0] + ((event.clientX - box.left) / box.width) * (this.window[2] - this.window[0]),
-      this.window[3] - ((event.clientY - box.top) / box.height) * (this.window[3] - this.window[1]),
+      this.view.x + ((event.clientX - box.left) / box.width) * this.view.w,
+      this.view.y + ((event.clientY - box.top) / box.height) * this.view.h,
+    ];
+  }
+
+  /** The place under a pointer event, metres. */
+  place(event) {
+    const [x, y] = this.pixel(event);
+    return [this.window[0] + x / this.scale, this.window[3] - y / this.scale];
+  }
+
+  /** Where a place, metres, is on the screen. */
+  onScreen(x_m, y_m) {
+    const box = this.svg.getBoundingClientRect();
+    return [
+      box.left + ((this.x(x_m) - this.view.x) / this.view.w) * box.width,
+      box.top + ((this.y(y_m) - this.view.y) / this.view.h) * box.height,
     ];
   }
 
