@@ -1,0 +1,226 @@
+"""Which regions binarisation takes for obstacles, over pictures that were not used for its limits.
+
+Run ``python -m benchmarks.vision.regions [--count 40] [--only shadow,texture] [--tuning]``, or as
+section ``regions`` of ``python -m benchmarks.vision``. Obstacles on a floor, in light that is even,
+falls off, or is shadowed; plain or faint, in focus or not, in noise and on textures. An obstacle is
+found where a region of the mask covers half of both together; a region that is nobody's is false.
+``--tuning`` draws other pictures of the same kinds: limits are set by those alone, so that the
+held-out ones judge them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.vision.pictures import wanted
+from tests.support.drawn.render import coverage
+from vision import PictureError
+from vision.binarise.binarise import binarise
+
+HELD_OUT, TUNING = 4711, 1147
+SIZE = (480, 360)
+COLUMNS, ROWS = 4, 3
+KINDS = ("plain", "faint")
+Grey = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """How pictures of one kind are drawn: shares and pixels, each from .. to."""
+
+    light: str = "even"
+    blur_px: tuple[float, float] = (0.5, 1.2)
+    faint: float = 0.0
+    """The chance of an obstacle to be faint."""
+    noise: tuple[float, float] = (0.0, 4.0)
+    texture: str = "none"
+
+
+FAMILIES = {
+    "even": Family(),
+    "even, faint": Family(faint=0.4),
+    "even, unsharp": Family(blur_px=(2.0, 4.0), faint=0.3),
+    "ramp": Family("ramp"),
+    "ramp, faint": Family("ramp", faint=0.4),
+    "ramp, unsharp": Family("ramp", blur_px=(2.0, 4.0)),
+    "ramp, unsharp and faint": Family("ramp", blur_px=(2.0, 4.0), faint=0.4),
+    "ramp, noise": Family("ramp", faint=0.2, noise=(6.0, 14.0)),
+    "spot": Family("spot", faint=0.2),
+    "spot, unsharp and faint": Family("spot", blur_px=(2.0, 4.0), faint=0.4),
+    "shadow": Family("shadow"),
+    "shadow, faint": Family("shadow", faint=0.4),
+    "shadow, unsharp and faint": Family("shadow", blur_px=(2.0, 4.0), faint=0.4),
+    "shadow, noise": Family("shadow", faint=0.2, noise=(6.0, 14.0)),
+    "cloth": Family("ramp", faint=0.2, texture="cloth"),
+    "joints": Family("ramp", faint=0.0, texture="joints"),
+    "grain": Family("shadow", faint=0.0, texture="grain"),
+}
+
+
+def shape(x: float, y: float, radius: float, rng: np.random.Generator) -> Grey:
+    """A polygon (n, 2) or what stands for a disc around a point."""
+    n = int(rng.choice([3, 4, 4, 5, 6, 40, 40]))
+    turn = rng.uniform(0.0, math.tau)
+    apart = rng.uniform(-0.25, 0.25, n) if n < 40 else 0.0
+    angles = turn + (np.arange(n) + apart) * math.tau / n
+    flat = rng.uniform(0.5, 1.0)
+    along, across = radius * np.cos(angles), radius * flat * np.sin(angles)
+    c, s = math.cos(turn), math.sin(turn)
+    return np.stack([x + c * along - s * across, y + s * along + c * across], axis=1)
+
+
+def light_of(kind: str, rng: np.random.Generator) -> Grey:
+    """The light's factor per pixel (h, w)."""
+    width, height = SIZE
+    y, x = np.mgrid[0:height, 0:width].astype(float)
+    angle = rng.uniform(0.0, math.tau)
+    along = (x - width / 2) * math.cos(angle) + (y - height / 2) * math.sin(angle)
+    if kind == "even":
+        return np.ones((height, width))
+    if kind == "ramp":
+        return np.asarray(1.0 - rng.uniform(0.3, 0.8) * (along - along.min()) / np.ptp(along))
+    if kind == "spot":
+        away = (x - rng.uniform(0, width)) ** 2 + (y - rng.uniform(0, height)) ** 2
+        wide = rng.uniform(130.0, 260.0)
+        return np.asarray(1.0 - rng.uniform(0.4, 0.7) * (1.0 - np.exp(-0.5 * away / wide**2)))
+    # a penumbra's edge is logistic; wider than what a lens out of focus makes of an obstacle's
+    wide = math.exp(rng.uniform(math.log(4.0), math.log(40.0)))
+    at = rng.uniform(-0.3, 0.3) * width
+    edge = 1.0 / (1.0 + np.exp(-(along - at) / wide))
+    if rng.random() < 0.4:
+        # of a beam: lit again behind it
+        edge *= 1.0 / (1.0 + np.exp((along - at - rng.uniform(6.0, 14.0) * wide) / wide))
+    return np.asarray(1.0 - rng.uniform(0.2, 0.65) * edge)
+
+
+def texture_of(kind: str, rng: np.random.Generator) -> Grey:
+    """The floor's own share of light that it gives back, around 1 (h, w)."""
+    width, height = SIZE
+    floor = np.ones((height, width))
+    if kind == "cloth":
+        wide = rng.uniform(0.6, 1.5)
+        weave = cv2.GaussianBlur(rng.normal(0.0, 1.0, floor.shape), (0, 0), wide)
+        return np.asarray(floor + rng.uniform(0.01, 0.03) * weave / weave.std())
+    if kind == "joints":
+        depth, pitch = rng.uniform(0.05, 0.14), int(rng.integers(36, 70))
+        for k in range(int(rng.integers(1, 4))):
+            floor[int(rng.integers(pitch)) % pitch + k :: pitch] = 1.0 - depth
+        return floor
+    if kind == "grain":
+        # wood: long streaks
+        streaks = cv2.GaussianBlur(rng.normal(0.0, 1.0, floor.shape), (0, 0), 25.0, sigmaY=2.0)
+        return np.asarray(floor + rng.uniform(0.01, 0.03) * streaks / streaks.std())
+    return floor
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A picture (h, w) uint8 and its obstacles: covers (h, w), and whether each is faint."""
+
+    picture: NDArray[np.uint8]
+    obstacles: list[NDArray[np.bool_]]
+    faint: list[bool]
+
+
+def drawn(family: Family, rng: np.random.Generator) -> Drawn:
+    """A picture of the family; its step, faint or not, is three times the noise at the least."""
+    width, height = SIZE
+    floor, noise = rng.uniform(170.0, 230.0), rng.uniform(*family.noise)
+    light = light_of(family.light, rng)
+    seen = texture_of(family.texture, rng)
+    dark = rng.uniform(0.1, 0.4)
+    obstacles, faint = [], []
+    for cell in rng.permutation(COLUMNS * ROWS)[: int(rng.integers(0, 10))]:
+        x = (cell % COLUMNS + 0.5) * width / COLUMNS + rng.uniform(-12.0, 12.0)
+        y = (cell // COLUMNS + 0.5) * height / ROWS + rng.uniform(-12.0, 12.0)
+        cover = coverage([shape(x, y, rng.uniform(14.0, 42.0), rng)], SIZE, lines=4)
+        is_faint = rng.random() < family.faint
+        share = rng.uniform(0.15, 0.35) if is_faint else 1.0 - dark
+        middle = light[cover > 0.5].min() * floor
+        if share * middle < 3.0 * noise + 8.0:
+            continue
+        seen = seen * (1.0 - share * cover)
+        obstacles.append(cover >= 0.5)
+        faint.append(bool(is_faint))
+    grey = cv2.GaussianBlur(seen, (0, 0), rng.uniform(*family.blur_px)) * light * floor
+    grey += rng.normal(0.0, noise, grey.shape)
+    return Drawn(np.clip(np.rint(grey), 0, 255).astype(np.uint8), obstacles, faint)
+
+
+def looked_at(one: Drawn) -> tuple[list[bool], int]:
+    """Which of the obstacles are found, and how many regions are nobody's."""
+    try:
+        inside = binarise(one.picture).inside
+    except PictureError:
+        return [False] * len(one.obstacles), 1
+    count, labels = cv2.connectedComponents(inside, connectivity=8)
+    areas = np.bincount(labels.ravel(), minlength=count)
+    false = set(range(1, count))
+    found = []
+    for cover in one.obstacles:
+        common = np.bincount(labels[cover], minlength=count)
+        common[0] = 0
+        best = int(common.argmax())
+        both = int(cover.sum()) + areas[best] - common[best]
+        found.append(bool(common[best] > 0.5 * both))
+        # a part of an obstacle is no obstacle beside it
+        false -= set(np.flatnonzero(common > 0.5 * areas).tolist())
+        false -= {best} if found[-1] else set()
+    return found, len(false)
+
+
+def region_table(count: int, cells: Iterable[str] = (), seed: int = HELD_OUT) -> list[str]:
+    """Obstacles found, plain and faint, false regions, and pictures that are right, a family."""
+    lines = [
+        "| family | plain found | faint found | false regions | pictures all right |",
+        "|---|---|---|---|---|",
+    ]
+    total = np.zeros(7, np.int64)
+    for number, (name, family) in enumerate(FAMILIES.items()):
+        if not wanted(name, list(cells)):
+            continue
+        sums = np.zeros(7, np.int64)
+        for i in range(count):
+            one = drawn(family, np.random.default_rng([seed, number, i]))
+            found, false = looked_at(one)
+            is_faint = np.array(one.faint, dtype=np.bool_)
+            hits = np.array(found, dtype=np.bool_)
+            right = bool(hits.all()) and not false
+            sums += [
+                *((hits & ~is_faint).sum(), (~is_faint).sum()),
+                *((hits & is_faint).sum(), is_faint.sum()),
+                *(false, right, 1),
+            ]
+        lines.append(_row(name, sums))
+        total += sums
+    return [*lines, _row("all", total)]
+
+
+def _row(name: str, sums: NDArray[np.int64]) -> str:
+    plain, plains, faint, faints, false, right, pictures = sums.tolist()
+    return (
+        f"| {name} | {plain} of {plains} | {faint} of {faints} | {false} "
+        f"| {right} of {pictures} |"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=40, help="pictures a family")
+    parser.add_argument("--only", default="", help="beginnings of families, with commas between")
+    parser.add_argument("--tuning", action="store_true", help="the pictures to set limits by")
+    given = parser.parse_args()
+    families = [one for one in given.only.split(",") if one]
+    seed = TUNING if given.tuning else HELD_OUT
+    print("\n".join(region_table(given.count, families, seed)))
+
+
+if __name__ == "__main__":
+    main()
