@@ -25,7 +25,6 @@ from vision.binarise.regions.edge_evidence_kernels import (
     steps_across_level,
     steps_off_level,
     support_by_level,
-    typical_step,
 )
 from vision.binarise.regions.judge import NOISE_WORTH, Judge
 
@@ -105,19 +104,15 @@ class Support:
     """What a picture's edges say for one level or another: sums, larger is better.
 
     Sums are comparable for one picture only; nothing speaks for what has none or less.
-    ``pairs``: how many are looked at, about. ``judge`` has the picture, smoothed where it is noisy.
+    ``pairs``: how many are looked at, about. ``grey`` is the picture, smoothed where it is noisy.
     """
 
     def __init__(
         self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
     ) -> None:
-        calming = calming_of(look.noise)
-        left = look.noise * calming.left
-        self.judge = Judge(look.grey_after(calming), left, side)
-        worth = self.judge.worth(np.arange(256.0))
-        self._worth = worth if side == "dark" else -worth[::-1].copy()
-        typical = float(typical_step(self.judge.grey, self._worth, pairs))
-        self._cost = max(COST * typical, self.judge.least)
+        self.judge = Judge.of(look, side, pairs)
+        self.grey = look.grey_after(calming_of(look.noise))
+        self._cost = max(COST * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs
 
     def best_level(
@@ -153,7 +148,10 @@ class Support:
         self, shut: NDArray[np.uint8], cost: float, sample: int
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What speaks for each level (257,) outside ``shut``, 0 for too little, and the pairs."""
-        support, pairs = support_by_level(self.judge.grey, shut, self._worth, cost, sample)
+        judge = self.judge
+        support, pairs = support_by_level(
+            judge.grey, judge.seen(shut), judge.values, cost, sample
+        )
         # where no pair lies across a level the sum is but rounding
         enough = LEAST_SUPPORT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs

@@ -7,10 +7,12 @@ Rules and units
   a fraction of that.
 - The step is the mean over the whole border, of pixels ``REACH`` apart across it: it grows with the
   depth alone, and its error falls with the border's length, so that no count of pixels is asked
-  for. What a soft shadow or noise had made was found to have 0.02 to 0.19, obstacles 0.5 to 0.67.
-- A border counts where its step stands out of the noise (``SIGMAS``) and is sharp
-  (``LEAST_SHARP``). How large a share of the light it has to have is the asker's: of the share that
-  most borders of its mask have, ``FAINT``.
+  for.
+- A lens blurs all borders alike. In a picture out of focus no edge is sharp over ``REACH`` pixels,
+  and steps are looked at in a picture half as large, whose blur is half as wide.
+- A region is real where its border stands out of the noise (``SIGMAS``), is sharp
+  (``LEAST_SHARP``), and is of the stuff that the others are (``FAINT``); or else thick, with a
+  border that has ``LEAST_SHARE`` of the light: the joints of a floor look like faint walls.
 """
 
 from __future__ import annotations
@@ -25,24 +27,39 @@ from numpy.typing import NDArray
 
 from vision.binarise.binary import Binary
 from vision.binarise.grey_classes import LEAST_CONTRAST
-from vision.binarise.regions.edge_evidence_kernels import steps_of_regions
+from vision.binarise.grey_picture import Look, calming_of
+from vision.binarise.regions.edge_evidence_kernels import steps_of_regions, typical_step
 
 SIGMAS = 6.0
-"""How far a border's step stands out of the noise at least: noise alone does so twice in 10^9."""
+"""How far a border's step stands out of the noise at least: derived, noise alone does so twice in
+10^9 borders."""
 ALIKE = 4.0
 """How many pairs of pixels share their noise: derived, every pixel is in two pairs to the right and
 down, and the picture that is judged may be smoothed by the binomial, over two pixels each way."""
 LEAST_SHARP = 0.2
-"""How much of a border's step is sharp at least. Measured: 0.6 and more where nothing else is
-near, 0 in a shadow's rim (``tests/vision/binarise``)."""
+"""How much of a border's step is sharp at least: derived, half-way between what a lens makes of an
+edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 3.5 px, -0.26 at 7),
+over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
+OUT_OF_FOCUS = 3.0
+"""By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
+derived, at a blur of 2.6 px, before borders are no longer sharp."""
+LEAST_HALF_PX = 32
+"""Pixels of the shortest side of half a picture: chosen, twice what a pair looks at."""
 DARK_WORTH = 8.0
 """Grey levels that are added before the root: chosen, the least contrast, which is nothing in the
 dark either."""
 NOISE_WORTH = 5.0
-"""The same in standard deviations of the noise: the least contrast of two classes in noise."""
+"""The same in standard deviations of the noise: chosen, the least contrast of two classes in
+noise."""
 FAINT = 0.5
-"""What a border has to have of the share that most of them have, to be of the same stuff: half-way
-between that and none."""
+"""What a border has to have of the share that most of them have, to be of the same stuff: chosen,
+half-way between that and none."""
+LEAST_SHARE = 0.1
+"""Share of the light that a faint border has at least: chosen, for an obstacle of 180 on a floor of
+215 has 0.11."""
+THICK_PX = 3.0
+"""How far the middle of a faint obstacle lies from its border at least: chosen, joints are
+thinner."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,11 +106,32 @@ class Judged:
 
 @dataclass(frozen=True, slots=True)
 class Judge:
-    """Judges borders in ``grey`` (h, w), of which ``noise`` is the standard deviation."""
+    """Judges borders in ``grey`` (h', w'), of which ``noise`` is the standard deviation.
+
+    ``every``: how many rows and columns of a mask one of it stands for.
+    """
 
     grey: NDArray[Any]
     noise: float
     side: Literal["dark", "light"]
+    every: int = 1
+
+    @classmethod
+    def of(cls, look: Look, side: Literal["dark", "light"], pairs: int) -> Judge:
+        """The judge of a picture, smoothed where it is noisy and halved where it is out of focus.
+
+        About so many ``pairs`` of pixels are looked at for that. O(pixels).
+        """
+        judge = cls._seeing(look, side, 1)
+        if min(look.grey.shape) < 2 * LEAST_HALF_PX:
+            return judge
+        other = cls._seeing(look.halved(), side, 2)
+        return other if other.typical(pairs) >= OUT_OF_FOCUS * judge.typical(pairs) else judge
+
+    @classmethod
+    def _seeing(cls, look: Look, side: Literal["dark", "light"], every: int) -> Judge:
+        calming = calming_of(look.noise)
+        return cls(look.grey_after(calming), look.noise * calming.left, side, every)
 
     def worth(self, light: NDArray[np.float64]) -> NDArray[np.float64]:
         """What grey values are worth, whose differences are compared.
@@ -106,11 +144,29 @@ class Judge:
         return root
 
     @property
+    def values(self) -> NDArray[np.float64]:
+        """What each grey value (256,) is worth, whichever side obstacles are on."""
+        worth = self.worth(np.arange(256.0))
+        return worth if self.side == "dark" else -worth[::-1].copy()
+
+    @property
     def least(self) -> float:
         """What the step of a border is worth at least: the least contrast, and noise, in light."""
         step = min(LEAST_CONTRAST + 2.0 * NOISE_WORTH * self.noise, 128.0)
         light, less = self.worth(np.array([255.0, 255.0 - math.ceil(step)]))
         return float(light - less)
+
+    def typical(self, pairs: int) -> float:
+        """What the step of the strongest sharp edges is worth; about so many pairs are seen."""
+        return float(typical_step(self.grey, self.values, pairs))
+
+    def seen(self, mask: NDArray[Any]) -> NDArray[Any]:
+        """What of a mask (h, w), or of labels, the judge's own pixels (h', w') show."""
+        if self.every == 1:
+            return mask
+        height, width = self.grey.shape
+        step = self.every
+        return np.ascontiguousarray(mask[: height * step : step, : width * step : step])
 
     def regions(self, inside: NDArray[Any]) -> Regions:
         """The connected regions of a mask (h, w), and the steps across their borders. O(pixels)."""
@@ -118,7 +174,9 @@ class Judge:
         labels = np.asarray(found, dtype=np.int32)
         # without light a pixel is black, which is white where obstacles are light
         end, sign = (0.0, 1.0) if self.side == "dark" else (255.0, -1.0)
-        steps, light, sharp, pairs = steps_of_regions(self.grey, labels, count, end, sign)
+        steps, light, sharp, pairs = steps_of_regions(
+            self.grey, self.seen(labels), count, end, sign
+        )
         step, lit = steps / np.maximum(pairs, 1), light / np.maximum(pairs, 1)
         beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.least
         stand_out = steps >= SIGMAS * self.noise * np.sqrt(2.0 * ALIKE * pairs)
@@ -132,13 +190,28 @@ class Judge:
         objects = self.regions(inside)
         shares, pairs = objects.shares, objects.pairs
         typical = _typical(shares, pairs)
-        kept = objects.stand_out & objects.sharp & (shares >= FAINT * typical)
+        kept = objects.stand_out & objects.sharp
+        kept &= (shares >= FAINT * typical) | faint_obstacles(objects, inside)
         left_out = (objects.stand_out & ~kept)[objects.labels]
         inside[~kept[objects.labels]] = 0
         total, across = float((shares * pairs)[kept].sum()), float(pairs[kept].sum())
         cleaned = binary if kept[1:].all() else replace(binary, by_level=False)
         speaks = float((objects.beyond * pairs)[kept].sum())
         return Judged(cleaned, across, total, typical, speaks, left_out)
+
+
+def faint_obstacles(regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which regions (n,) are real though those of other stuff have far more of the light.
+
+    ``inside`` (h, w) is not 0 where they are looked for.
+    """
+    found = regions.stand_out & regions.sharp & (regions.shares >= LEAST_SHARE)
+    if found[1:].any():
+        away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
+        thick = np.zeros(found.size, dtype=np.bool_)
+        thick[regions.labels[away >= THICK_PX]] = True
+        found &= thick
+    return found
 
 
 def _typical(shares: NDArray[np.float64], pairs: NDArray[np.int64]) -> float:

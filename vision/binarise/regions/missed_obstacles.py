@@ -22,13 +22,8 @@ from numpy.typing import NDArray
 from vision.binarise.binary import Binary
 from vision.binarise.regions.edge_evidence import Support
 from vision.binarise.regions.edge_evidence_kernels import REACH
-from vision.binarise.regions.judge import Judge, Judged
+from vision.binarise.regions.judge import THICK_PX, Judge, Judged, faint_obstacles
 
-LEAST_SHARE = 0.1
-"""Share of the light that the step across a border has at least: an obstacle of 180 on a floor of
-215 has 0.11."""
-THICK_PX = 3.0
-"""How far the middle of an obstacle lies from its border at least: joints are thinner."""
 SPECKS = 0.2
 """Share of an obstacle's pixels below which those in the mask already are no obstacle."""
 SAID = 0.05
@@ -48,7 +43,8 @@ def with_left_out(judged: Judged, support: Support) -> Binary:
     found = 0
     # each level is asked for what the others have not found
     while (level := support.level_outside(shut)) is not None:
-        more = _add_obstacles_below(level, inside, shut, left, support.judge)
+        below = (support.grey < level).astype(np.uint8)
+        more = _add_obstacles(below, inside, shut, left, support.judge)
         if more == 0:
             break
         found += more
@@ -67,36 +63,32 @@ def _around(inside: NDArray[Any]) -> NDArray[np.uint8]:
     return np.asarray(cv2.dilate(inside, near), dtype=np.uint8)
 
 
-def _add_obstacles_below(
-    level: float,
+def _add_obstacles(
+    below: NDArray[np.uint8],
     inside: NDArray[np.uint8],
     shut: NDArray[np.uint8],
     left: NDArray[np.bool_],
     judge: Judge,
 ) -> int:
-    """Mark the obstacles below a level that ``inside`` (h, w) has not yet; how many.
+    """Mark the obstacles of ``below`` (h, w), a level's, that ``inside`` has not yet; how many.
 
     They touch nothing of ``shut``, which is the mask and what is near, but specks of themselves.
     What else is no noise is marked in ``left``.
     """
-    below = (judge.grey < level).astype(np.uint8)
     regions = judge.regions(below)
     labels = regions.labels
-    significant = regions.stand_out
-    away = cv2.distanceTransform(below, cv2.DIST_L2, 3)
-    thick = np.zeros(significant.size, dtype=np.bool_)
-    thick[labels[(away >= THICK_PX) & (shut == 0)]] = True
-    touching = np.zeros(significant.size, dtype=np.bool_)
+    size = regions.stand_out.size
+    touching = np.zeros(size, dtype=np.bool_)
     touching[labels[shut != 0]] = True
     # a level that an obstacle's own noise crosses leaves specks of it
-    area = np.bincount(labels.ravel(), minlength=significant.size)
-    known = np.bincount(labels[inside != 0], minlength=significant.size)
+    area = np.bincount(labels.ravel(), minlength=size)
+    known = np.bincount(labels[inside != 0], minlength=size)
     specks = (known > 0) & (known < SPECKS * area)
     specks[labels[cv2.distanceTransform(inside, cv2.DIST_L2, 3) >= THICK_PX]] = False
     free = ~touching | specks
     free[0] = False
-    kept = significant & free & thick & regions.sharp & (regions.shares >= LEAST_SHARE)
-    left |= (significant & free & ~kept)[labels]
+    kept = free & faint_obstacles(regions, below)
+    left |= (regions.stand_out & free & ~kept)[labels]
     more = kept[labels]
     inside[more] = 1
     shut |= _around(more.astype(np.uint8))
