@@ -35,7 +35,7 @@ from vision.binarise.grey_classes import (
     split_classes,
 )
 from vision.binarise.grey_picture import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
-from vision.binarise.light import light_surface
+from vision.binarise.light import FREE_LEVEL, light_surface
 from vision.binarise.methods import METHODS, POLARITIES, Method, Polarity
 from vision.binarise.regions.edge_evidence import Support, follows_edges, leaves_out
 from vision.binarise.regions.missed_obstacles import with_left_out
@@ -59,8 +59,6 @@ EVEN_IS_AS_GOOD = 1.25
 and the picture need not be changed."""
 LIT_SHARE = 0.95
 """Where in its histogram the best lit part of a picture without edges is."""
-FREE_LEVEL = 200.0
-"""Grey value that free pixels get when the picture is divided by its light."""
 MOSTLY = 0.65
 """Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles."""
 
@@ -230,8 +228,9 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     if not judged:
         return _edgeless(look, side)
     typical = max(one.typical for one, _ in judged)
-    best_of_all, _ = max(judged, key=lambda one: one[1] * one[0].worth(typical))
-    return with_left_out(best_of_all, support)
+    judged.sort(key=lambda one: one[1] * one[0].worth(typical), reverse=True)
+    best_of_all, *others = (one for one, _ in judged)
+    return with_left_out(best_of_all, others, support)
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:

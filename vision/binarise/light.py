@@ -11,6 +11,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+FREE_LEVEL = 200.0
+"""Grey value that free pixels get when a picture is divided by its light: chosen, room above it for
+what is lighter."""
+THUMB = 4
+"""Pixels of a picture for one of the thumbnail that local light is seen in: chosen, light has no
+sharper edges."""
+WIDEST = 0.33
+"""The shorter side's share that an obstacle takes at most where local light is looked for: chosen."""
+
 
 def light_surface(
     grey: NDArray[Any], side: Literal["dark", "light"] = "dark"
@@ -44,3 +53,31 @@ def light_surface(
         interpolation=cv2.INTER_CUBIC,
     )
     return np.maximum(whole, np.float32(1.0))
+
+
+def without_light(grey: NDArray[Any], side: Literal["dark", "light"]) -> NDArray[np.uint8]:
+    """The picture (h, w) with the same grey, ``FREE_LEVEL``, wherever the ground is free.
+
+    Divided by a closing: light that rises or falls evenly stays what it is, however steeply, and
+    only what is dark and narrower than a share ``WIDEST`` of the picture is filled. With ``side``
+    light ``grey`` is the picture's negative, and it is an opening that takes light obstacles away.
+    """
+    height, width = grey.shape
+    camera = grey if side == "dark" else 255 - grey
+    small = cv2.resize(
+        camera,
+        (max(width // THUMB, 1), max(height // THUMB, 1)),
+        interpolation=cv2.INTER_AREA,
+    ).astype(np.float32)
+    wide = 2 * round(0.5 * WIDEST * min(small.shape)) + 1
+    filled = cv2.morphologyEx(
+        small,
+        cv2.MORPH_CLOSE if side == "dark" else cv2.MORPH_OPEN,
+        np.ones((wide, wide), np.uint8),
+        borderType=cv2.BORDER_REPLICATE,
+    )
+    light = cv2.resize(filled, (width, height), interpolation=cv2.INTER_LINEAR)
+    shown = camera.astype(np.float32)
+    darker, lighter = (shown, light) if side == "dark" else (light, shown)
+    flat = darker * np.float32(FREE_LEVEL) / np.maximum(lighter, np.float32(1.0))
+    return np.asarray(np.clip(np.rint(flat), 0.0, 255.0), dtype=np.uint8)

@@ -42,7 +42,7 @@ may be found on one side of the level with a plain step: edges that it leaves ou
 FEW_STRONG = 0.04
 """The same of steps that are too strong: joints of a floor have many more edges than what is
 far darker and stands on it, and no plain picture has such steps."""
-CLEAR_STEP, CLEAR_SIGMAS = 0.15, 8.0
+CLEAR_STEP, CLEAR_SIGMAS = 0.1, 8.0
 """A step off the level that is an edge of its own: its share of the light, and in sigmas."""
 FEWEST_CLEAR = 3
 """Such steps, of those looked at, from which on a level leaves something out."""

@@ -40,7 +40,7 @@ LEAST_SHARP = 0.2
 """How much of a border's step is sharp at least: derived, half-way between what a lens makes of an
 edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 3.5 px, -0.26 at 7),
 over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
-OUT_OF_FOCUS = 3.0
+OUT_OF_FOCUS = 2.0
 """By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
 derived, at a blur of 2.6 px, before borders are no longer sharp."""
 LEAST_HALF_PX = 32

@@ -12,6 +12,7 @@ Rules and units
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise.binary import Binary
+from vision.binarise.grey_picture import Look
+from vision.binarise.light import without_light
 from vision.binarise.regions.edge_evidence import Support
 from vision.binarise.regions.edge_evidence_kernels import REACH
 from vision.binarise.regions.judge import THICK_PX, Judge, Judged, faint_obstacles
@@ -30,10 +33,10 @@ SAID = 0.05
 """The share from which a region is said to have been left out."""
 
 
-def with_left_out(judged: Judged, support: Support) -> Binary:
-    """The mask with the obstacles that other levels show, and remarks on them and on the rest.
+def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) -> Binary:
+    """The mask with the obstacles that other masks and levels show, and remarks on them.
 
-    The rest is what is no noise, but is left out of the mask. The mask itself is changed.
+    And on the rest: what is no noise, but is left out of the mask. The mask itself is changed.
     O(pixels) a level.
     """
     binary = judged.binary
@@ -41,13 +44,16 @@ def with_left_out(judged: Judged, support: Support) -> Binary:
     left = judged.left_out
     shut = _around(inside)
     found = 0
-    # each level is asked for what the others have not found
-    while (level := support.level_outside(shut)) is not None:
-        below = (support.grey < level).astype(np.uint8)
-        more = _add_obstacles(below, inside, shut, left, support.judge)
-        if more == 0:
-            break
-        found += more
+    for other in others:
+        found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
+    for asked in _asked(support):
+        # each level is asked for what the others have not found
+        while (level := asked.level_outside(shut)) is not None:
+            below = (asked.grey < level).astype(np.uint8)
+            more = _add_obstacles(below, inside, shut, left, support.judge)
+            if more == 0:
+                break
+            found += more
     remarks = binary.remarks
     if found:
         many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
@@ -55,6 +61,13 @@ def with_left_out(judged: Judged, support: Support) -> Binary:
         remarks += (one if found == 1 else many,)
     remarks += _said(left, inside, support.judge)
     return replace(binary, by_level=binary.by_level and not found, remarks=remarks)
+
+
+def _asked(support: Support) -> Iterator[Support]:
+    """Whom levels are asked of: the picture without its light, and then as it is."""
+    side = support.judge.side
+    yield Support(Look(without_light(support.grey, side)), side)
+    yield support
 
 
 def _around(inside: NDArray[Any]) -> NDArray[np.uint8]:
