@@ -55,8 +55,12 @@ def light_surface(
     return np.maximum(whole, np.float32(1.0))
 
 
-def without_light(grey: NDArray[Any], side: Literal["dark", "light"]) -> NDArray[np.uint8]:
+def without_light(
+    grey: NDArray[Any], side: Literal["dark", "light"]
+) -> tuple[NDArray[np.uint8], float]:
     """The picture (h, w) with the same grey, ``FREE_LEVEL``, wherever the ground is free.
+
+    And how many times stronger its noise is where there is least light.
 
     Divided by a closing: light that rises or falls evenly stays what it is, however steeply, and
     only what is dark and narrower than a share ``WIDEST`` of the picture is filled. With ``side``
@@ -80,4 +84,5 @@ def without_light(grey: NDArray[Any], side: Literal["dark", "light"]) -> NDArray
     shown = camera.astype(np.float32)
     darker, lighter = (shown, light) if side == "dark" else (light, shown)
     flat = darker * np.float32(FREE_LEVEL) / np.maximum(lighter, np.float32(1.0))
-    return np.asarray(np.clip(np.rint(flat), 0.0, 255.0), dtype=np.uint8)
+    least = max(float(filled.min()), 1.0)
+    return np.asarray(np.clip(np.rint(flat), 0.0, 255.0), dtype=np.uint8), FREE_LEVEL / least

@@ -104,14 +104,16 @@ class Support:
     """What a picture's edges say for one level or another: sums, larger is better.
 
     Sums are comparable for one picture only; nothing speaks for what has none or less.
-    ``pairs``: how many are looked at, about. ``grey`` is the picture, smoothed where it is noisy.
+    ``pairs``: how many are looked at, about. ``grey`` is the picture, smoothed where it is noisy,
+    ``noise`` what is left of it there.
     """
 
     def __init__(
         self, look: Look, side: Literal["dark", "light"], pairs: int = SAMPLED_PAIRS
     ) -> None:
         self.judge = Judge.of(look, side, pairs)
-        self.grey = look.grey_after(calming_of(look.noise))
+        calming = calming_of(look.noise)
+        self.grey, self.noise = look.grey_after(calming), look.noise * calming.left
         self._cost = max(COST * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs
 

@@ -222,18 +222,18 @@ def support_by_level(grey, shut, worth, cost, pairs):
 
 @njit(**OWNING)
 def steps_of_regions(grey, labels, count, end, sign):
-    """The steps across the border of each region: ``(steps, light, sharp, pairs)``, (count,) each.
+    """The steps across the border of each region: ``(steps, light, sharp, pairs)``.
 
     ``labels`` (h, w) int32 are 1 .. count - 1 in the regions and 0 elsewhere. Sums over all pairs
-    with one pixel in a region: of how much lighter the other one is; of the light, which is
-    how far the pixel that is farther from ``end``, where ``sign`` times grey values begin, lies
-    from it; and of how much of the step is sharp.
+    with one pixel in a region, on each of its four sides (count, 4): of how much lighter the other
+    one is; of the light, which is how far the pixel that is farther from ``end``, where ``sign``
+    times grey values begin, lies from it; of how much of the step is sharp (count,).
     """
     height, width = grey.shape
-    steps = np.zeros(count)
-    light = np.zeros(count)
+    steps = np.zeros((count, 4))
+    light = np.zeros((count, 4))
     sharp = np.zeros(count)
-    pairs = np.zeros(count, np.int64)
+    pairs = np.zeros((count, 4), np.int64)
     for y in range(height):
         for x in range(width):
             here = labels[y, x]
@@ -249,8 +249,9 @@ def steps_of_regions(grey, labels, count, end, sign):
                 outer = np.float64(behind) - np.float64(before)
                 inward = 1.0 if here > 0 else -1.0
                 region = max(here, there)
-                steps[region] += inward * (b - a)
-                light[region] += max(sign * a, sign * b) - sign * end
+                side = 2 * down + (here > 0)
+                steps[region, side] += inward * (b - a)
+                light[region, side] += max(sign * a, sign * b) - sign * end
                 sharp[region] += inward * (b - a) - SOFT * max(inward * outer, 0.0)
-                pairs[region] += 1
+                pairs[region, side] += 1
     return steps, light, sharp, pairs

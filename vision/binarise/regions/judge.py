@@ -33,6 +33,9 @@ from vision.binarise.regions.edge_evidence_kernels import steps_of_regions, typi
 SIGMAS = 6.0
 """How far a border's step stands out of the noise at least: derived, noise alone does so twice in
 10^9 borders."""
+SELECTED = 1.6
+"""The step, in standard deviations, that noise has at any border that a level has drawn in it:
+derived, 2 sqrt(2 / pi) at the level half-way, where a border is longest."""
 ALIKE = 4.0
 """How many pairs of pixels share their noise: derived, every pixel is in two pairs to the right and
 down, and the picture that is judged may be smoothed by the binomial, over two pixels each way."""
@@ -174,15 +177,19 @@ class Judge:
         labels = np.asarray(found, dtype=np.int32)
         # without light a pixel is black, which is white where obstacles are light
         end, sign = (0.0, 1.0) if self.side == "dark" else (255.0, -1.0)
-        steps, light, sharp, pairs = steps_of_regions(
-            self.grey, self.seen(labels), count, end, sign
-        )
+        sides = steps_of_regions(self.grey, self.seen(labels), count, end, sign)
+        steps, light, pairs = (sides[k].sum(axis=1) for k in (0, 1, 3))
         step, lit = steps / np.maximum(pairs, 1), light / np.maximum(pairs, 1)
         beyond = self.worth(lit) - self.worth(np.maximum(lit - step, 0.0)) - self.least
-        stand_out = steps >= SIGMAS * self.noise * np.sqrt(2.0 * ALIKE * pairs)
+        # a standard deviation of a sum of so many steps
+        error = self.noise * np.sqrt(2.0 * ALIKE * sides[3])
+        chance = SELECTED * pairs + SIGMAS * np.sqrt(2.0 * ALIKE * pairs)
+        stand_out = steps >= self.noise * chance
         stand_out &= pairs > 0
         shares = steps / np.maximum(light, 1.0)
-        return Regions(shares, pairs, stand_out, beyond, sharp >= LEAST_SHARP * steps, labels)
+        around = (sides[0] + 3.0 * error >= FAINT * shares[:, None] * sides[1]).all(axis=1)
+        sharp = sides[2] >= LEAST_SHARP * steps
+        return Regions(shares, pairs, stand_out & around, beyond, sharp, labels)
 
     def real(self, binary: Binary) -> Judged:
         """The mask without the objects whose borders do not count. O(pixels)."""
@@ -206,6 +213,7 @@ def faint_obstacles(regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]
     ``inside`` (h, w) is not 0 where they are looked for.
     """
     found = regions.stand_out & regions.sharp & (regions.shares >= LEAST_SHARE)
+    # found     found &= regions.beyond > 0.0= regions.beyond > 0.0
     if found[1:].any():
         away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         thick = np.zeros(found.size, dtype=np.bool_)

@@ -44,8 +44,6 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
     left = judged.left_out
     shut = _around(inside)
     found = 0
-    for other in others:
-        found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
     for asked in _asked(support):
         # each level is asked for what the others have not found
         while (level := asked.level_outside(shut)) is not None:
@@ -54,6 +52,9 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
             if more == 0:
                 break
             found += more
+    # last: an obstacle and the shadow beside it may be one region there
+    for other in others:
+        found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
     remarks = binary.remarks
     if found:
         many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
@@ -66,7 +67,10 @@ def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) ->
 def _asked(support: Support) -> Iterator[Support]:
     """Whom levels are asked of: the picture without its light, and then as it is."""
     side = support.judge.side
-    yield Support(Look(without_light(support.grey, side)), side)
+    flat, stronger = without_light(support.grey, side)
+    divided = Look(flat)
+    divided.noise = max(divided.noise, stronger * support.noise)
+    yield Support(divided, side)
     yield support
 
 
