@@ -206,8 +206,7 @@ def region_table(count: int, cells: Iterable[str] = (), seed: int = HELD_OUT) ->
 def _row(name: str, sums: NDArray[np.int64]) -> str:
     plain, plains, faint, faints, false, right, pictures = sums.tolist()
     return (
-        f"| {name} | {plain} of {plains} | {faint} of {faints} | {false} "
-        f"| {right} of {pictures} |"
+        f"| {name} | {plain} of {plains} | {faint} of {faints} | {false} | {right} of {pictures} |"
     )
 
 

@@ -151,9 +151,7 @@ class Support:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """What speaks for each level (257,) outside ``shut``, 0 for too little, and the pairs."""
         judge = self.judge
-        support, pairs = support_by_level(
-            judge.grey, judge.seen(shut), judge.values, cost, sample
-        )
+        support, pairs = support_by_level(judge.grey, judge.seen(shut), judge.values, cost, sample)
         # where no pair lies across a level the sum is but rounding
         enough = LEAST_SUPPORT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs
