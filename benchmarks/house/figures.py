@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.house import counts, documents
+from benchmarks.house.constants import NamedNumber, named_numbers
 from benchmarks.house.imports import circles
-from benchmarks.house.tree import ALL, PACKAGES, read
+from benchmarks.house.tree import ALL, PACKAGES, File, read
 
 MOST_PARAMETERS = 10
 MOST_FUNCTION_LINES = 80
@@ -15,6 +17,10 @@ MOST_COMPLEXITY = 15
 MOST_FILES = 15
 MOST_FILE_LINES = 400
 LEAST_FILE_LINES = 40
+TUNED = ("vision/outline/", "vision/binarise/")
+"""Where numbers have been tuned most."""
+SOURCED = ("vision/outline/drawn/", "vision/binarise/")
+"""Where each has its source."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +55,24 @@ def figures(root: Path) -> list[Figure]:
         "source files named by no document": documents.unnamed(shipped, documents.texts(root)),
         "import circles between folders": circles(shipped),
     }
+    numbers = list(named_numbers(file for file in shipped if str(file.path).startswith(TUNED)))
+    found["named numbers of drawn outlines and binarisation without a source"] = [
+        str(one) for one in unsourced(shipped)
+    ]
+    uncounted = {
+        "named numbers of outlines and binarisation": numbers,
+        "of these measured, chosen or without a source": [one for one in numbers if one.tuned],
+        "of these without a source": [one for one in numbers if not one.source],
+    }
     short = counts.short_kernel_files(shipped, LEAST_FILE_LINES)
     return [
         *(Figure(name, tuple(sentences)) for name, sentences in found.items()),
+        *(Figure(name, tuple(map(str, some)), None) for name, some in uncounted.items()),
         Figure(f"kernel files under {LEAST_FILE_LINES} lines", tuple(short), None),
     ]
+
+
+def unsourced(files: Iterable[File]) -> list[NamedNumber]:
+    """The named numbers without a source in the folders where each has one."""
+    some = (file for file in files if str(file.path).startswith(SOURCED))
+    return [one for one in named_numbers(some) if not one.source]

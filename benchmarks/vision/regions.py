@@ -5,13 +5,16 @@ section ``regions`` of ``python -m benchmarks.vision``. Obstacles on a floor, in
 falls off, or is shadowed; plain or faint, in focus or not, in noise and on textures. An obstacle is
 found where a region of the mask covers half of both together; a region that is nobody's is false.
 ``--tuning`` draws other pictures of the same kinds: limits are set by those alone, so that the
-held-out ones judge them.
+held-out ones judge them. ``--set vision.binarise.regions.judge.FAINT=0.4`` gives a named number
+another value, wherever it is imported (in Python, not in compiled kernels).
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import math
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -210,12 +213,25 @@ def _row(name: str, sums: NDArray[np.int64]) -> str:
     )
 
 
+def set_number(words: str) -> None:
+    """Give a named number another value, in every module that has it from there."""
+    place, _, value = words.partition("=")
+    module, _, name = place.rpartition(".")
+    old = getattr(importlib.import_module(module), name)
+    for other in [m for n, m in sys.modules.items() if n.startswith("vision.")]:
+        if getattr(other, name, None) is old:
+            setattr(other, name, type(old)(value))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=40, help="pictures a family")
     parser.add_argument("--only", default="", help="beginnings of families, with commas between")
     parser.add_argument("--tuning", action="store_true", help="the pictures to set limits by")
+    parser.add_argument("--set", action="append", default=[], help="package.module.NAME=value")
     given = parser.parse_args()
+    for words in given.set:
+        set_number(words)
     families = [one for one in given.only.split(",") if one]
     seed = TUNING if given.tuning else HELD_OUT
     print("\n".join(region_table(given.count, families, seed)))

@@ -13,8 +13,10 @@ import pytest
 
 from benchmarks.house import counts
 from benchmarks.house.__main__ import main
+from benchmarks.house.constants import named_numbers
 from benchmarks.house.documents import texts, unnamed
 from benchmarks.house.drawing import drawn
+from benchmarks.house.figures import unsourced
 from benchmarks.house.files import page
 from benchmarks.house.imports import circles, module_graph
 from benchmarks.house.layers import laid_out
@@ -248,3 +250,32 @@ def test_every_function_of_the_code_path_is_where_the_document_says() -> None:
     summed_up = text[text.index("The code path of a frame is") : text.index("### Camera to")]
     short = set(re.findall(r"`([\w.]+)\(\)`", summed_up))
     assert short <= {name for name, _ in steps}, short - {name for name, _ in steps}
+
+
+def test_named_numbers_are_counted_with_the_word_for_their_source(tmp_path: Path) -> None:
+    text = (
+        "import math\n"
+        'A = 3.0\n"""What noise has: derived, three times sigma."""\n'
+        'B, C = 1, 2\n"""Kinds: defined."""\n'
+        "# chosen, a pixel\nD = math.radians(2.0)\n"
+        "E: float = 4.0  # Measured: 3.9 to 4.1\n"
+        'F = 5\n"""How far it is measured along."""\n'
+        'NAMES = "none"\nG = A\nnot_named = 4\n'
+    )
+    found = list(named_numbers(read(written(tmp_path, {"vision/a.py": text}), ["vision"])))
+    assert {one.name: one.source for one in found} == {
+        "A": "derived",
+        "B": "defined",
+        "C": "defined",
+        "D": "chosen",
+        "E": "measured",
+        "F": "",
+    }
+    assert [one.name for one in found if one.tuned] == ["D", "E", "F"]
+    assert str(found[-1]) == "vision/a.py:9: F (no source)"
+
+
+def test_every_named_number_of_binarisation_and_drawn_outlines_has_its_source(
+    shipped: list[File],
+) -> None:
+    assert [str(one) for one in unsourced(shipped)] == []

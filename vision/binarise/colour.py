@@ -26,17 +26,18 @@ from vision.errors import PictureError
 from vision.shared.scratch import Room
 
 SAMPLE = 65536
-"""About so many pixels are looked at for colours."""
+"""About so many pixels are looked at for colours: chosen, 256 rows of 256."""
 LEAST_DEPTH = 40.0
-"""Distance from the floor, in grey levels of one channel, that light does not explain."""
+"""Distance from the floor, in grey levels of one channel, that light does not explain: chosen, more
+than lamps and shadows tint a grey floor."""
 FLOOR_STEP = 4
-"""For the floor's own colour each such pixel of the sample is enough, both ways."""
+"""For the floor's own colour each such pixel of the sample is enough, both ways: chosen, for time."""
 BIN = 16
-"""Width of a bin of the colours' histogram: more than the noise of one colour."""
+"""Width of a bin of the colours' histogram: chosen, more than the noise of one colour."""
 FLOOR_GREY = 215.0
-"""Grey value that the floor gets: room above it for noise and for what is lighter."""
+"""Grey value that the floor gets: chosen, room above it for noise and for what is lighter."""
 BLUR_PX = 3
-"""So near to an obstacle a pixel's colour may be part of its rim."""
+"""So near to an obstacle a pixel's colour may be part of its rim: chosen, a lens in focus."""
 
 
 def binarise_by_colour(

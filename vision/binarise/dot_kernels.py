@@ -26,20 +26,22 @@ from planner.scene.primitive_kernels import grown
 from vision.binarise.smoothing_kernels import MARGIN, compare, sum_limit, sum_rows
 
 SIGMAS = 6.0
+"""How far a dot stands out: derived, noise does so at two pixels in 10^9."""
 BINOMIAL_LEFT = 0.2734
-"""The share of white noise that the binomial of 5 x 5 pixels leaves."""
+"""The share of white noise that the binomial of 5 x 5 pixels leaves: derived, 70 / 256."""
 RING = 4
-"""How far away the pixels around a dot lie: outside its blurred rim."""
+"""How far away the pixels around a dot lie: chosen, outside its blurred rim."""
 FEWEST_AROUND = 8
+"""Pixels around a dot whose mean is believed: chosen, a quarter of them all."""
 BESIDE, LEAST_BESIDE = 0.4, 0.2
 """How deep the picture is on two opposite sides of what is no dot, on an average and each at
-least, as shares of its own depth."""
+least, as shares of its own depth: chosen."""
 NEAR = 5
-"""Within so many pixels, in rows and columns, ..."""
+"""Within so many pixels, in rows and columns, ...: chosen, a dot and its rim."""
 MOST_MARKED = 12
-"""... there are no more marked ones than a dot has."""
+"""... there are no more marked ones than a dot has: chosen, those of one 4 px across."""
 BLOCK = 128
-"""Pixels of a row that are looked at together."""
+"""Pixels of a row that are looked at together: chosen, for time."""
 
 
 @njit(**OWNING)

@@ -18,7 +18,8 @@ THUMB = 4
 """Pixels of a picture for one of the thumbnail that local light is seen in: chosen, light has no
 sharper edges."""
 WIDEST = 0.33
-"""The shorter side's share that an obstacle takes at most where local light is looked for: chosen."""
+"""The shorter side's share that an obstacle takes at most where local light is looked for:
+chosen, a third."""
 
 
 def light_surface(

@@ -19,7 +19,7 @@ from planner.scene.compile_options import LEAF, OWNING
 from vision.binarise.binarise_kernels import count_greys, sample_steps, summed
 
 MARGIN = 2
-"""Pixels that the smoothing reaches beyond one."""
+"""Pixels that the smoothing reaches beyond one: defined, of five weights."""
 
 
 @njit(**OWNING)

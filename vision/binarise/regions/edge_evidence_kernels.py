@@ -19,14 +19,18 @@ from numba import njit
 from planner.scene.compile_options import LEAF, OWNING, SUMS
 
 REACH = 4
-"""Pixels from one end of a step to the other: the width of a blurred edge."""
+"""Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
+blurs."""
 OUTER = 6
+"""Pixels beyond both ends: chosen, a light that changes evenly has a quarter of the outer step then, a
+sharp edge all of it."""
 SOFT = 0.4
-"""A light that changes evenly has a quarter of the outer step, a sharp edge all of it."""
+"""Share of the outer step that a light that changes evenly has, and some more for one that does not:
+chosen, beyond a quarter."""
 SEGMENT = 128
-"""Pixels of a row that are looked at together."""
+"""Pixels of a row that are looked at together: chosen, for time."""
 SAMPLED_PAIRS = 65536
-"""Pairs of pixels that are looked at, about, where a whole picture is judged."""
+"""Pairs of pixels that are looked at, about, where a whole picture is judged: chosen, for time."""
 
 
 @njit(**LEAF)

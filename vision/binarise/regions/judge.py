@@ -34,9 +34,9 @@ SIGMAS = 6.0
 """How far a border's step stands out of the noise at least: derived, noise alone does so twice in
 10^9 borders."""
 SELECTED = 3.0
-"""The step, in standard deviations, that noise has at the borders that a level draws in it: derived,
-1.6 at the level half-way, 2.4 at one of 2 sigma off it and 3 at 2.7, beyond which borders are
-short."""
+"""The step, in standard deviations, that noise has at the borders that a level draws in it:
+derived, 1.6 at the level half-way, 2.4 at one of 2 sigma off it and 3 at 2.7, beyond which borders
+are short."""
 ALIKE = 4.0
 """How many pairs of pixels share their noise: derived, every pixel is in two pairs to the right and
 down, and the picture that is judged may be smoothed by the binomial, over two pixels each way."""
@@ -45,8 +45,8 @@ LEAST_SHARP = 0.2
 edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 3.5 px, -0.26 at 7),
 over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
 OUT_OF_FOCUS = 2.0
-"""By how much the sharp steps of a picture grow when it is halved, where it is out of focus: derived,
-at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions --tuning``: 177
+"""By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
+derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions --tuning``: 177
 pictures right, 172 with 3)."""
 LEAST_HALF_PX = 32
 """Pixels of the shortest side of half a picture: chosen, twice what a pair looks at."""

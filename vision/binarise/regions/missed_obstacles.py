@@ -28,9 +28,9 @@ from vision.binarise.regions.edge_evidence_kernels import REACH
 from vision.binarise.regions.judge import THICK_PX, Judge, Judged, faint_obstacles
 
 SPECKS = 0.2
-"""Share of an obstacle's pixels below which those in the mask already are no obstacle."""
+"""Share of an obstacle's pixels below which those in the mask already are no obstacle: chosen."""
 SAID = 0.05
-"""The share from which a region is said to have been left out."""
+"""The share from which a region is said to have been left out: chosen, half of ``LEAST_SHARE``."""
 
 
 def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) -> Binary:

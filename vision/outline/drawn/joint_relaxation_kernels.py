@@ -26,12 +26,13 @@ from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN
 from vision.outline.fitted_borders import ARC_CW, LINE
 
 SWEEPS = 24
+"""Times that all joints give way at most: chosen, a bound on the work."""
 PACE = 0.6
-"""Share of a step that is taken: neighbours step at the same time."""
+"""Share of a step that is taken: chosen, for neighbours step at the same time."""
 DAMPING = 0.3
-"""Points' worth of resistance: one point alone must not move a joint far."""
+"""Points' worth of resistance: chosen, one point alone must not move a joint far."""
 STRAY_PX = 6.0
-"""A joint that would move farther from where it began stays."""
+"""A joint that would move farther from where it began stays: chosen, a bound on what may go wrong."""
 
 
 @njit(**LEAF)

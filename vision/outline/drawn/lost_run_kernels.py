@@ -17,8 +17,8 @@ from vision.outline.drawn.separation_kernels import GRAVE, OK
 from vision.outline.fit.separating_fit_kernels import HALF
 
 TIP = 5
-"""Cracks around the last two pixels of a tip: where both are lost, nothing drawn lies beside the
-last."""
+"""Cracks around the last two pixels of a tip: derived, three of the last and two of the one before;
+where both are lost, nothing drawn lies beside the last."""
 
 
 @njit(**LEAF)

@@ -28,13 +28,15 @@ from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE
 
 WAY = 0.998
-"""Share of a crack's way that a chord may cross: no pixel's centre lies on it by a hair."""
+"""Share of a crack's way that a chord may cross: chosen, so that no pixel's centre lies on it by a
+hair."""
 CHORD_RESIDUAL_PX = 0.25
-"""What a chord is off until its cracks have been measured."""
+"""What a chord is off until its cracks have been measured: derived, the mean of 0 .. half a pixel."""
 TIP_LEAST = 3
-"""Cracks lost that are no tip yet."""
+"""Cracks lost that are no tip yet: derived, those of one pixel that hangs on by a side."""
 ROUNDS = 4
-"""Times that lost stretches alone are replaced before a border becomes chords all around."""
+"""Times that lost stretches alone are replaced before a border becomes chords all around: chosen, a
+bound on the work."""
 
 
 @njit(**LEAF)

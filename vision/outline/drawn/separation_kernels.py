@@ -26,18 +26,19 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 AHEAD, SAME_PX = 12, 1e-6
-"""The crack of an edge point is looked for among so many; one so near is it."""
+"""The crack of an edge point is looked for among so many; one so near is it: chosen, far more than
+lie between two points, and rounding."""
 NEAR_JOINT_PX = 2.0
-"""So near to a joint more than its own edge may pass a point."""
+"""So near to a joint more than its own edge may pass a point: chosen, a pixel and its neighbour."""
 NEIGHBOURS = 2
-"""Edges on either side that may pass a point."""
+"""Edges on either side that may pass a point: chosen."""
 GRAVE_PX = 0.75
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
-than one from what is drawn."""
+than one from what is drawn: derived, half a pixel more, less what corners lack."""
 ROUND_HALF = 0.495
-"""So far from a crack's middle an arc may pass: who draws it as a polyline is a little off."""
+"""So far from a crack's middle an arc may pass: chosen, who draws it as a polyline is a little off."""
 OK, LOST, GRAVE = 0, 1, 2
-"""What becomes of a point."""
+"""What becomes of a point: defined."""
 
 
 @njit(**LEAF)
