@@ -1,9 +1,9 @@
 """Named numbers, and what their sources are: derived, measured, chosen or defined.
 
 A named number is a constant in capitals of a module with a number in its value. Its source is the
-first of these words, before a comma, colon or full stop, in its docstring or a comment above it. What is derived or
-defined (a kind, an index, a type) is no tuned number; everything else is, and what has no source
-too.
+first of these words, before a comma, colon or full stop, in its docstring or a comment above it.
+What is derived or defined (a kind, an index, a type) is no tuned number; everything else is, and
+what has no source too.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import ast
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from benchmarks.house.tree import File
 
@@ -42,7 +43,7 @@ def named_numbers(files: Iterable[File]) -> Iterator[NamedNumber]:
     for file in files:
         lines = file.text.splitlines()
         body = [*file.tree.body, None]
-        for node, after in zip(body, body[1:], strict=False):
+        for node, after in pairwise(body):
             names = names_of(node)
             if not names:
                 continue

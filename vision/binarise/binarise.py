@@ -44,16 +44,16 @@ from vision.shared.scratch import Room
 
 EVEN_MARGIN = 0.25
 """Least distance of the darkest free pixels from the level, as a share of the contrast, at
-which light is even: chosen, half-way between the level and what blur leaves alone."""
+which light is even: chosen, half of what there is at most."""
 SURE_MARGIN = 0.35
 """The same where noise, or the glow around light obstacles, hides the edges that are left out:
 chosen."""
 UNEVEN_MARGIN = 0.12
-"""Share of the contrast that is left between one level and a class where light is uneven: chosen, half
-of what is left where it is even."""
+"""Share of the contrast that is left between one level and a class where light is uneven: chosen,
+half of what is left where it is even."""
 FEWEST_PAIRS = 256
-"""Pairs of pixels across a level from which a sample of them is enough to judge it by: chosen, their
-mean is known to a sixteenth of what they scatter."""
+"""Pairs of pixels across a level from which a sample of them is enough to judge it by: chosen,
+their mean is known to a sixteenth of what they scatter."""
 DIVISION_IS_AS_GOOD = 0.95
 """What speaks for a division by the light, as a share of what speaks for a level, from which it
 is taken: the edges are measured nearer to half-way then."""
@@ -61,10 +61,10 @@ EVEN_IS_AS_GOOD = 1.25
 """What speaks for a level that even light would have counts so many times: it is half-way too,
 and the picture need not be changed."""
 LIT_SHARE = 0.95
-"""Where in its histogram the best lit part of a picture without edges is: chosen, 2 sigma."""
+"""Where in its histogram the best lit part of a picture without edges is: chosen."""
 MOSTLY = 0.65
-"""Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles: chosen, two
-thirds, for an arena has more free space than obstacles."""
+"""Share of dark pixels beyond which polarity ``auto`` takes the light ones for obstacles: chosen,
+two thirds, for an arena has more free space than obstacles."""
 
 
 def binarise(

@@ -16,12 +16,13 @@ from numba import njit
 from planner.scene.compile_options import LEAF, OWNING
 
 SAMPLE = 32768
-"""Pixels looked at, about: chosen, a share of one in a hundred is known to a twentieth of itself."""
+"""Pixels looked at, about: chosen, a share of one in a hundred is known to a twentieth of
+itself."""
 SAMPLED = 90
-"""Rows, and columns, in which the noise is looked at, about: chosen, 16,200 differences whose median
-is known to one part in a hundred."""
+"""Rows, and columns, in which the noise is looked at, about: chosen, 16,200 differences whose
+median is known to one part in a hundred."""
 BINS = 4096
-"""Second differences that are told apart: derived, 4 * 255 grey levels in four parts each."""
+"""Second differences that are told apart: chosen, more than the 2,040 quarters there can be."""
 PARTS = np.int64(4)
 """Second differences of what is no whole grey value are counted by such parts of a grey level:
 chosen."""
@@ -34,8 +35,7 @@ FOUR = np.uint64(4)
 FIRST, LAST = np.int64(0), np.int64(256)
 """Typed, so that kernels are compiled for one kind of number: defined."""
 REFINEMENTS = 3
-"""Times that the level moves half-way between the middles of what it splits: chosen, it hardly moves
-after two."""
+"""Times that the level moves half-way between the middles of what it splits: chosen."""
 
 
 @njit(**OWNING)

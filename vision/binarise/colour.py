@@ -31,7 +31,8 @@ LEAST_DEPTH = 40.0
 """Distance from the floor, in grey levels of one channel, that light does not explain: chosen, more
 than lamps and shadows tint a grey floor."""
 FLOOR_STEP = 4
-"""For the floor's own colour each such pixel of the sample is enough, both ways: chosen, for time."""
+"""For the floor's own colour each such pixel of the sample is enough, both ways: chosen, for
+time."""
 BIN = 16
 """Width of a bin of the colours' histogram: chosen, more than the noise of one colour."""
 FLOOR_GREY = 215.0

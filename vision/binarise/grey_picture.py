@@ -23,8 +23,8 @@ SAFE_MARGIN_SIGMAS = 6.0
 """From here on no pixel of a whole picture crosses the level by noise alone: derived, two in 10^9
 do."""
 CALM_NOISE, WILD_NOISE = 4.0, 25.0
-"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px where noise counts: chosen,
-half of the least contrast, and six times as much."""
+"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px where noise counts:
+chosen, half of the least contrast, and six times as much."""
 BUSY_NOISE = 12.0
 """Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper: chosen."""
 
@@ -47,8 +47,8 @@ NO_CALMING = Calming(0.0, 1.0)
 MEAN = Calming(0.8165, 1.0 / 3.0, ((np.uint16(1), np.uint16(1), np.uint16(0)), 9))
 """The mean of 3 x 3 pixels: derived, sqrt(2 / 3) and a third."""
 BINOMIAL = Calming(1.0, 0.2734, ((np.uint16(6), np.uint16(4), np.uint16(1)), 256))
-"""The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time; derived, 70 / 256
-of the noise."""
+"""The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time; derived, 70 /
+256 of the noise."""
 WIDE = Calming(2.0, 0.1411)
 """A Gaussian: derived, it leaves 1 / (2 sqrt(pi) sigma) of the noise."""
 CALMINGS = (NO_CALMING, BINOMIAL, WIDE)

@@ -22,11 +22,11 @@ REACH = 4
 """Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
 blurs."""
 OUTER = 6
-"""Pixels beyond both ends: chosen, a light that changes evenly has a quarter of the outer step then, a
-sharp edge all of it."""
+"""Pixels beyond both ends: chosen, a light that changes evenly has a quarter of the outer step
+then, a sharp edge all of it."""
 SOFT = 0.4
-"""Share of the outer step that a light that changes evenly has, and some more for one that does not:
-chosen, beyond a quarter."""
+"""Share of the outer step that a light that changes evenly has, and some more for one that does
+not: chosen, beyond a quarter."""
 SEGMENT = 128
 """Pixels of a row that are looked at together: chosen, for time."""
 SAMPLED_PAIRS = 65536

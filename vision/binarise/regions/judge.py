@@ -46,8 +46,8 @@ edge (0.35 at a blur of 2 px, 0.54 at 0.7) and what light makes of one (0.06 at 
 over the pairs of a straight border (``tests/vision/binarise/test_judge.py``)."""
 OUT_OF_FOCUS = 2.0
 """By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
-derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions --tuning``: 177
-pictures right, 172 with 3)."""
+derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions
+--tuning``: 177 pictures right, 172 with 3)."""
 LEAST_HALF_PX = 32
 """Pixels of the shortest side of half a picture: chosen, twice what a pair looks at."""
 DARK_WORTH = 8.0

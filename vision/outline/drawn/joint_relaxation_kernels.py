@@ -32,7 +32,8 @@ PACE = 0.6
 DAMPING = 0.3
 """Points' worth of resistance: chosen, one point alone must not move a joint far."""
 STRAY_PX = 6.0
-"""A joint that would move farther from where it began stays: chosen, a bound on what may go wrong."""
+"""A joint that would move farther from where it began stays: chosen, a bound on what may go
+wrong."""
 
 
 @njit(**LEAF)

@@ -34,9 +34,10 @@ NEIGHBOURS = 2
 """Edges on either side that may pass a point: chosen."""
 GRAVE_PX = 0.75
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
-than one from what is drawn: derived, half a pixel more, less what corners lack."""
+than one from what is drawn: chosen, half-way from half a pixel to one."""
 ROUND_HALF = 0.495
-"""So far from a crack's middle an arc may pass: chosen, who draws it as a polyline is a little off."""
+"""So far from a crack's middle an arc may pass: chosen, who draws it as a polyline is a little
+off."""
 OK, LOST, GRAVE = 0, 1, 2
 """What becomes of a point: defined."""
 
