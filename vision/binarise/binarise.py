@@ -55,11 +55,11 @@ FEWEST_PAIRS = 256
 """Pairs of pixels across a level from which a sample of them is enough to judge it by: chosen,
 their mean is known to a sixteenth of what they scatter."""
 DIVISION_IS_AS_GOOD = 0.95
-"""What speaks for a division by the light, as a share of what speaks for a level, from which it
-is taken: the edges are measured nearer to half-way then."""
+"""What speaks for a division by the light, as a share of what speaks for a level, from which it is
+taken: the edges are measured nearer to half-way then. Chosen, by ``tests/vision/binarise``."""
 EVEN_IS_AS_GOOD = 1.25
-"""What speaks for a level that even light would have counts so many times: it is half-way too,
-and the picture need not be changed."""
+"""What speaks for a level that even light would have counts so many times: it is half-way too, and
+the picture need not be changed. Chosen, by ``tests/vision/binarise``."""
 LIT_SHARE = 0.95
 """Where in its histogram the best lit part of a picture without edges is: chosen."""
 MOSTLY = 0.65

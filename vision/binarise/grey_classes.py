@@ -25,27 +25,33 @@ from vision.binarise.grey_picture import (
 )
 
 LEAST_CONTRAST = 8.0
-"""Grey levels between light and dark below which nothing is taken for an obstacle."""
+"""Grey levels between light and dark below which nothing is taken for an obstacle. Chosen, by
+``tests/vision/binarise``."""
 LEAST_CONTRAST_SIGMAS = 5.0
-"""The same in standard deviations of the noise."""
+"""The same in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 DARKEST_SIGMAS = 2.0
-"""How far below the middle the darkest free pixels are taken to be, in spreads of the light."""
+"""How far below the middle the darkest free pixels are taken to be, in spreads of the light.
+Chosen, by ``tests/vision/binarise``."""
 PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
 """How far from a class's middle its pixels lie that blur has left alone: as a share of the
-contrast, and in standard deviations of the noise."""
+contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 MOST_ON_PLATEAU = 0.7
-"""The share of a class's pixels that do so where the class is what it looks like."""
+"""The share of a class's pixels that do so where the class is what it looks like. Chosen, by
+``tests/vision/binarise``."""
 STEEP = 0.25
-"""Least step from pixel to pixel, as a share of the contrast, that is taken for an edge's."""
+"""Least step from pixel to pixel, as a share of the contrast, that is taken for an edge's. Chosen,
+by ``tests/vision/binarise``."""
 FLAT, FLAT_SIGMAS = 0.1, 4.0
 """Most that the grey value changes by over two pixels where there is no edge: as a share of the
-contrast, and in standard deviations of the noise."""
+contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 FEWEST_FLAT = 0.02
-"""Least share of a class that has to be no edge for its spread to be known."""
+"""Least share of a class that has to be no edge for its spread to be known. Chosen, by
+``tests/vision/binarise``."""
 SIGNIFICANT_SIGMAS = 6.0
-"""How far a smoothed pixel stands out of the noise that hardly one does by chance."""
+"""How far a smoothed pixel stands out of the noise that hardly one does by chance. Chosen, by
+``tests/vision/binarise``."""
 FEWEST_SIGNIFICANT = 9
-"""Fewest such pixels that have a middle."""
+"""Fewest such pixels that have a middle. Chosen, by ``tests/vision/binarise``."""
 
 
 @dataclass(frozen=True, slots=True)

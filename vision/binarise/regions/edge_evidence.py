@@ -29,35 +29,47 @@ from vision.binarise.regions.edge_evidence_kernels import (
 from vision.binarise.regions.judge import NOISE_WORTH, Judge
 
 FIRST_PAIRS = 16384
-"""Pairs of pixels that are looked at first; more where few of them lie across the level."""
+"""Pairs of pixels that are looked at first; more where few of them lie across the level. Chosen, by
+``tests/vision/binarise``."""
 FEWEST_ACROSS = 32
-"""Pairs across a level from which their mean is believed."""
+"""Pairs across a level from which their mean is believed. Chosen, by ``tests/vision/binarise``."""
 WEAK_STEP, STRONG_STEP = 0.35, 1.3
-"""Steps, as shares of the contrast, that are less or more than the classes make."""
+"""Steps, as shares of the contrast, that are less or more than the classes make. Chosen, by
+``tests/vision/binarise``."""
 PLAIN_STEP = 0.6
-"""The least step, as a share of the contrast and of the light there is, that shows an obstacle."""
+"""The least step, as a share of the contrast and of the light there is, that shows an obstacle.
+Chosen, by ``tests/vision/binarise``."""
 FEW = 0.2
 """Share of weak pairs up to which a level follows edges: a blurred edge's foot and noise. As many
-may be found on one side of the level with a plain step: edges that it leaves out."""
+may be found on one side of the level with a plain step: edges that it leaves out. Chosen, by
+``tests/vision/binarise``."""
 FEW_STRONG = 0.04
-"""The same of steps that are too strong: joints of a floor have many more edges than what is
-far darker and stands on it, and no plain picture has such steps."""
-CLEAR_STEP, CLEAR_SIGMAS = 0.1, 8.0
-"""A step off the level that is an edge of its own: its share of the light, and in sigmas."""
+"""The same of steps that are too strong: joints of a floor have many more edges than what is far
+darker and stands on it, and no plain picture has such steps. Chosen, by
+``tests/vision/binarise``."""
+CLEAR_STEP, CLEAR_SIGMAS = 0.15, 8.0
+"""A step off the level that is an edge of its own: its share of the light, and in sigmas. Chosen,
+by ``tests/vision/binarise``."""
 FEWEST_CLEAR = 3
-"""Such steps, of those looked at, from which on a level leaves something out."""
+"""Such steps, of those looked at, from which on a level leaves something out. Chosen, by
+``tests/vision/binarise``."""
 COST = 0.3
-"""What a border has to have, as a share of the typical sharp step, to speak for itself."""
+"""What a border has to have, as a share of the typical sharp step, to speak for itself. Chosen, by
+``tests/vision/binarise``."""
 LEAST_SUPPORT = 0.5
-"""What speaks for a border at least, as a share of its cost: noise has no more."""
+"""What speaks for a border at least, as a share of its cost: noise has no more. Chosen, by
+``tests/vision/binarise``."""
 NOWHERE = np.zeros((0, 0), np.uint8)
+"""No pixel is shut out: defined."""
 LEFT_PAIRS = 1 << 21
-"""Pairs of pixels that are looked at for what a level has left out, about."""
+"""Pairs of pixels that are looked at for what a level has left out, about. Chosen, by
+``tests/vision/binarise``."""
 LEFT_COST = 0.6
-"""What a border there has to have, as a share of what noise has hardly anywhere."""
+"""What a border there has to have, as a share of what noise has hardly anywhere. Chosen, by
+``tests/vision/binarise``."""
 NEARLY_ALL, MOST = 0.95, 0.9
-"""The share of the most that any level has from which the level half-way is as good, and where
-the light is even anyway."""
+"""The share of the most that any level has from which the level half-way is as good, and where the
+light is even anyway. Chosen, by ``tests/vision/binarise``."""
 
 
 def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) -> bool:
