@@ -19,6 +19,7 @@ import cv2
 from benchmarks.vision.corners import corner_table
 from benchmarks.vision.counts import count_table, ramp_table
 from benchmarks.vision.cover import cover_table
+from benchmarks.vision.regions import region_table
 from benchmarks.vision.rounds import arc_table, circle_table
 from benchmarks.vision.speed import speed_table
 
@@ -44,6 +45,7 @@ def main() -> None:
         "cover": lambda: cover_table(count, cells),
         "counts": lambda: count_table(count, cells),
         "ramps": lambda: ramp_table(count, cells),
+        "regions": lambda: region_table(count, cells),
         "speed": lambda: speed_table(cells),
     }
     results = Path(__file__).parents[1] / "results" / "vision.md"
