@@ -220,7 +220,7 @@ def set_number(words: str) -> None:
     old = getattr(importlib.import_module(module), name)
     for other in [m for n, m in sys.modules.items() if n.startswith("vision.")]:
         if getattr(other, name, None) is old:
-            setattr(other, name, type(old)(value))
+            setattr(other, name, float(value) if isinstance(old, float) else int(value))
 
 
 def main() -> None:
