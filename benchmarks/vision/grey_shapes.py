@@ -80,7 +80,12 @@ def _stadium(rng: np.random.Generator) -> PolygonRecord:
     )
     left, right = ((float(p[0]), float(p[1])) for p in ends)
     return PolygonRecord(
-        (Segment(a, b), Arc(b, c, right, r, ccw=False), Segment(c, d), Arc(d, a, left, r, ccw=False))
+        (
+            Segment(a, b),
+            Arc(b, c, right, r, ccw=False),
+            Segment(c, d),
+            Arc(d, a, left, r, ccw=False),
+        )
     )
 
 

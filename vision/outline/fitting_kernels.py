@@ -40,12 +40,9 @@ from vision.outline.check.area_lost_kernels import (
 from vision.outline.check.chord_kernels import chords_around, finish_with_chords
 from vision.outline.check.residual_kernels import measure_residual
 from vision.outline.check.stray_kernels import outline_strays
-from vision.outline.corners.dropped_side_kernels import drop_side
-from vision.outline.corners.fillet_search_kernels import ROUNDS, insert_fillets, touch_lines
+from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.corners.joint_kernels import fit_and_join
-from vision.outline.corners.merged_line_kernels import merge_lines
 from vision.outline.corners.missed_arc_kernels import any_bent_line
-from vision.outline.corners.wall_end_kernels import cut_ends, square_ends
 from vision.outline.drawn.separating_chord_kernels import all_chords, separate_by_chords
 from vision.outline.drawn.separation_kernels import fill_cracks, find_cracks
 from vision.outline.fit.outline_kernels import finish_edge
@@ -148,19 +145,19 @@ def share_out(memory):
     flags = memory.flags
     table = memory.table
     outline = Outline(
-        indices[5], flags[5], flags[6], table[:most], table[most : 2 * most], memory.pairs[:most],
-        memory.fresh, indices[6],
+        indices[7], flags[5], flags[6], table[:most], table[most : 2 * most], memory.pairs[:most],
+        memory.fresh, indices[8],
     )  # fmt: skip
     for e in range(most):
         outline.is_fillet[e] = False
     return Work(
         numbers[0:6],
         outline,
-        FinishedEdges(memory.kinds, table[2 * most : 3 * most], indices[7]),
+        FinishedEdges(memory.kinds, table[2 * most : 3 * most], indices[9]),
         Review(flags[7], numbers[6], flags[8]),
-        indices[8],
+        indices[10],
         numbers[7],
-        Scratch(numbers[8:15], indices[0:5], flags[0:5], memory.pairs[most:], table[3 * most :]),
+        Scratch(numbers[8:15], indices[0:7], flags[0:5], memory.pairs[most:], table[3 * most :]),
     )
 
 
@@ -234,9 +231,11 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         )
         if round_cost <= cost:
             return 0, False
-        edges = _join_edges(
-            border, outline, edges, tolerance, limits, costs, prices, paid, work.room
-        )
+        fit_and_join(border, outline, edges, limits, work.room)
+        if not crisp:
+            edges = edit_outline(
+                border, outline, edges, limits, tolerance.blur_px, costs, prices, work.room
+            )
         if cracks.n > 0 and not _any(outline.is_arc, edges):
             # what straight sides lose they lose at their corners, which the last check sees
             break
@@ -260,48 +259,6 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
         dead_zone *= CALMER_BY
         seeds *= FINER_BY
     return edges, sound
-
-
-@njit(**LEAF, inline="always")
-def _join_edges(border, outline, edges, tolerance, limits, costs, prices, paid, room):
-    """Fit the edges that a search found and join them; with grey, see to walls' ends and corners.
-
-    ``paid``: the prices in the search. Returns the number of edges.
-    """
-    fit_and_join(border, outline, edges, limits, room)
-    if limits.crisp:
-        return edges
-    is_end = room.flags[2]
-    edges, cut = cut_ends(border, outline, edges, tolerance.blur_px, limits.guard, is_end, room)
-    if cut:
-        fit_and_join(border, outline, edges, limits, room)
-        square_ends(outline, edges, is_end)
-    return _settle_corners(border, outline, edges, limits, costs, prices, paid, room)
-
-
-@njit(**LEAF, inline="always")
-def _settle_corners(border, outline, edges, limits, costs, prices, paid, room):
-    """Put fillets where sharp corners do not fit, and fit again; returns the number of edges.
-
-    What is one line then, at the prices that were ``paid`` in the search, is made one first.
-    """
-    blur = limits.corner_blur
-    corner = room.numbers[6]
-    for e in range(edges):
-        outline.is_fillet[e] = False
-    searched = 0
-    while True:
-        edges, changed = merge_lines(border, outline, edges, costs, paid, corner)
-        if not changed:
-            edges, changed = drop_side(border, outline, edges, blur, costs, prices.line, room)
-        if not changed and searched < ROUNDS:
-            searched += 1
-            edges, changed = insert_fillets(border, outline, edges, blur, costs, prices, room)
-        if not changed:
-            break
-        fit_and_join(border, outline, edges, limits, room)
-        touch_lines(border, outline, edges, blur, costs, corner)
-    return edges
 
 
 @njit(**LEAF, inline="always")

@@ -192,29 +192,71 @@ class StretchFit(NamedTuple):
     near: NDArray[np.float64]
 
 
-class Fillet(NamedTuple):
-    """Room for two lines, their corner, and the fillet between them.
+class Blur(NamedTuple):
+    """What blur does to a border, in pixels.
 
-    ``a``, ``b`` (4,) float64: lines; ``corner`` (7,) float64: see
-    ``vision.outline.corners.fillet_kernels.set_corner``; ``found`` (4,) int64: the first and the
-    last of the points compared, the first and the last on the arc.
+    ``sigma``: of the light and the pixel's own width together; ``half_variance``: by how much it
+    moves an arc inwards, times the radius, square pixels; ``guard``: how far a corner is rounded.
     """
 
-    a: NDArray[np.float64]
-    b: NDArray[np.float64]
-    corner: NDArray[np.float64]
-    found: NDArray[np.int64]
+    sigma: float
+    half_variance: float
+    guard: float
 
 
-class Gains(NamedTuple):
-    """The best fillet that begins at each edge.
+class Change(NamedTuple):
+    """What might be between two edges that stay: nothing but their corner, or one edge.
 
+    ``rows`` (3, 8) float64: the edge before, the one between, the one behind, as in
+    ``Outline.shape``; ``joints`` (2, 8): x, y where the one between begins and ends; ``corners``
+    (2, 8): see ``vision.outline.corners.blurred_corner_kernels``; ``meeting`` (8,): where both
+    that stay cross (``vision.outline.corners.fillet_kernels.set_corner``). ``stays`` (4,) int64:
+    the first points of both that stay, and those behind their last, as they are; ``points`` (4,)
+    int64: the first point compared, the first one of the edge between, those behind both.
+    ``deviations`` (2 n + 1,): room.
+    """
+
+    rows: NDArray[np.float64]
+    joints: NDArray[np.float64]
+    corners: NDArray[np.float64]
+    meeting: NDArray[np.float64]
+    stays: NDArray[np.int64]
+    points: NDArray[np.int64]
+    deviations: NDArray[np.float64]
+
+
+class Run(NamedTuple):
+    """Edges that an edit might replace: ``length`` of them between ``before`` and ``behind``.
+
+    ``spare``: how many edges the outline can do without; ``untouched``: it is as the partition left
+    it; ``convex``: all turn to one side, and not too far; ``bent``: they are surely not one line.
+    ``price``: theirs; ``saved``: that and what their points and those beside them cost, at most.
+    """
+
+    before: int
+    behind: int
+    length: int
+    spare: int
+    untouched: bool
+    convex: bool
+    bent: bool
+    price: float
+    saved: float
+
+
+class Edits(NamedTuple):
+    """The best edit behind each edge: what takes the place of the edges that follow it.
+
+    ``sums`` (2 n + 1,) float64: what the border's points up to each one cost as it is.
     ``saved`` (edges,) float64: what it saves; ``run`` (edges,) int64: how many edges it replaces;
-    ``first``, ``behind`` (edges,) int64: its arc's first point, and the one behind its last.
+    ``kind`` (edges,) int64: by what (``vision.outline.corners.edit_kernels``); ``first``,
+    ``behind`` (edges,) int64: that edge's first point, and the one behind its last.
     """
 
+    sums: NDArray[np.float64]
     saved: NDArray[np.float64]
     run: NDArray[np.int64]
+    kind: NDArray[np.int64]
     first: NDArray[np.int64]
     behind: NDArray[np.int64]
 
@@ -222,7 +264,7 @@ class Gains(NamedTuple):
 class Scratch(NamedTuple):
     """Room that every step works in and none leaves anything in for the next.
 
-    ``numbers`` (7, 2 n + 1) float64, ``indices`` (5, 2 n + 1) int64, ``flags`` (5, 2 n + 1) bool:
+    ``numbers`` (7, 2 n + 1) float64, ``indices`` (7, 2 n + 1) int64, ``flags`` (5, 2 n + 1) bool:
     a step takes rows of them under names of its own. ``pairs`` (n + 1, 2) int64, ``table`` (2 n, 8)
     float64.
     """

@@ -39,7 +39,7 @@ def make_memory(most: int) -> Memory:
     return Memory(
         most,
         np.empty((15, row)),
-        np.empty((9, row), np.int64),
+        np.empty((11, row), np.int64),
         np.empty((9, row), np.bool_),
         np.empty((5 * most, 8)),
         np.empty((2 * most + 1, 2), np.int64),

@@ -11,13 +11,15 @@ from planner.scene import PolygonRecord
 from tests.support.drawn.outlines import blank_outline, scratch_for
 from tests.support.drawn.render import Points, draw, polygon
 from vision import extract
-from vision.outline.corners.dropped_side_kernels import drop_side
+from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import fit_line
-from vision.outline.outline_types import BorderPoints, Costs
+from vision.outline.outline_types import BorderPoints, Costs, Limits, Prices
 
 SIZE = 220, 220
 PLACES = (55.3, 55.1), (165.7, 55.1), (55.3, 165.2), (165.7, 165.2)
+COSTS = Costs(False, 0.2, 0.3, 2.0, 0.0)
+LIMITS = Limits(False, 2.0, 2.0, 0.6, 2, 1.6, 1.0, 0.05, 0.02, 1.0, 0.2, 0.0)
 SIGNS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
@@ -79,17 +81,14 @@ def test_breaks_stay_in_order_wherever_the_border_begins() -> None:
         for e in range(edges):
             fit_line(px, py, breaks[e], edge_end(breaks, edges, n, e), 1, outline.shape[e])
             outline.joints[e] = px[breaks[e]], py[breaks[e]]
-        left, changed = drop_side(
-            BorderPoints(px, py, n),
-            outline,
-            edges,
-            1.0,
-            Costs(False, 0.2, 0.3, 2.0, 0.0),
-            30.0,
+        left = edit_outline(
+            BorderPoints(px, py, n), outline, edges, LIMITS, 1.0, COSTS, Prices(30.0, 66.0, 54.0),
             scratch_for(n),
-        )
-        assert changed
+        )  # fmt: skip
         assert left == edges - 1
-        assert (np.diff(breaks[:left]) > 0).all()
-        assert breaks[0] >= 0
-        assert breaks[left - 1] < n
+        assert (outline.breaks[:left] >= 0).all()
+        assert (outline.breaks[:left] < n).all()
+        # they follow one another around the border once
+        ahead = (np.roll(outline.breaks[:left], -1) - outline.breaks[:left]) % n
+        assert (ahead > 0).all()
+        assert ahead.sum() == n

@@ -27,7 +27,7 @@ BESIDE_PX = 0.4
 ROUNDING = math.sqrt(2.0 / math.pi)
 """At a corner that turns by an angle, blur moves the border off it by so many times its sigma and
 the sine of half the angle: the mean of |x| under a Gaussian, as in
-``vision.outline.corners.fillet_kernels``."""
+``vision.outline.corners.blurred_corner_kernels``."""
 
 
 @njit(**LEAF)

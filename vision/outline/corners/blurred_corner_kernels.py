@@ -20,6 +20,7 @@ from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import tangent_at
 from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.fit.shape_kernels import HUGE
 
 CORNER_ROOM = 8
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
@@ -59,19 +60,25 @@ def find_corners(border, outline, edges, corners):
         q = here + max(edge_end(breaks, edges, border.n, e) - here, 2) // 2
         ax, ay = tangent_at(shape[before], is_arc[before], x, y, x - px[p], y - py[p])
         bx, by = tangent_at(shape[e], is_arc[e], x, y, px[q] - x, py[q] - y)
-        cross = ax * by - ay * bx
-        dot = ax * bx + ay * by
-        length = math.sqrt(max(2.0 + 2.0 * dot, 0.0))
-        share = 1.0 / length if length > 1e-9 else 0.0
-        steepness = math.sqrt(max(2.0 - 2.0 * dot, 0.0)) if length > 1e-9 else 0.0
-        corners[e, 0] = ax
-        corners[e, 1] = ay
-        corners[e, 2] = bx
-        corners[e, 3] = by
-        corners[e, ALONG_X] = (ax + bx) * share
-        corners[e, ALONG_Y] = (ay + by) * share
-        corners[e, STEEPNESS] = steepness if cross > 0.0 else -steepness
-        corners[e, TURN] = math.atan2(cross, dot)
+        put_corner(ax, ay, bx, by, corners[e])
+
+
+@njit(**LEAF)
+def put_corner(ax, ay, bx, by, corner):
+    """The corner of a border that comes along (ax, ay) and goes on along (bx, by): a row."""
+    cross = ax * by - ay * bx
+    dot = ax * bx + ay * by
+    length = math.sqrt(max(2.0 + 2.0 * dot, 0.0))
+    share = 1.0 / length if length > 1e-9 else 0.0
+    steepness = math.sqrt(max(2.0 - 2.0 * dot, 0.0)) if length > 1e-9 else 0.0
+    corner[0] = ax
+    corner[1] = ay
+    corner[2] = bx
+    corner[3] = by
+    corner[ALONG_X] = (ax + bx) * share
+    corner[ALONG_Y] = (ay + by) * share
+    corner[STEEPNESS] = steepness if cross > 0.0 else -steepness
+    corner[TURN] = math.atan2(cross, dot)
 
 
 @njit(**SUMS)
@@ -131,30 +138,35 @@ def _price(deviations, dead_zone, sigma, expected):
 
 
 @njit(**LEAF)
+def _measure_edge(border, outline, corners, e, after, lo, hi, blur, deviations):
+    """What is left of an edge's deviations beside what blur explains at both its ends."""
+    row = outline.shape[e]
+    joints = outline.joints
+    side = 1.0
+    if outline.is_arc[e]:
+        # positive to the right of the way, as of a line
+        x = joints[e, 0] - row[0]
+        y = joints[e, 1] - row[1]
+        side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0
+    span = int(2.0 * REACH * blur) + 2
+    _measure(border.x, border.y, lo, hi, row, outline.is_arc[e], side, deviations)
+    _explain(border, lo, min(lo + span, hi), lo, joints[e], corners[e], blur, deviations)
+    _explain(border, max(hi - span, lo), hi, lo, joints[after], corners[after], blur, deviations)
+
+
+@njit(**LEAF)
 def sum_costs(border, outline, edges, corners, blur, costs, sums):
     """Cost of the points up to each one of the border, and once more of its second round.
 
     Less what noise explains; ``sums`` (2 * n + 1,).
     """
     n = border.n
-    is_arc = outline.is_arc
-    shape = outline.shape
-    joints = outline.joints
-    span = int(2.0 * REACH * blur) + 2
     for e in range(edges):
         after = successor(e, edges)
         lo = outline.breaks[e]
         hi = edge_end(outline.breaks, edges, n, e)
-        side = 1.0
-        if is_arc[e]:
-            # positive to the right of the way, as of a line
-            x = joints[e, 0] - shape[e, 0]
-            y = joints[e, 1] - shape[e, 1]
-            side = -1.0 if x * corners[e, 3] - y * corners[e, 2] > 0.0 else 1.0
         here = sums[lo + 1 : hi + 1]
-        _measure(border.x, border.y, lo, hi, shape[e], is_arc[e], side, here)
-        _explain(border, lo, min(lo + span, hi), lo, joints[e], corners[e], blur, here)
-        _explain(border, max(hi - span, lo), hi, lo, joints[after], corners[after], blur, here)
+        _measure_edge(border, outline, corners, e, after, lo, hi, blur, here)
         _price(here, costs.dead_zone, costs.sigma, costs.expected)
         for k in range(n, hi):
             sums[k - n + 1] = sums[k + 1]
@@ -163,3 +175,38 @@ def sum_costs(border, outline, edges, corners, blur, costs, sums):
         sums[k + 1] += sums[k]
     for k in range(n):
         sums[n + k + 1] = sums[n] + sums[k + 1]
+
+
+@njit(**LEAF)
+def change_cost(border, change, is_arc, inwards, blur, costs, worst):
+    """The cost of an edge and its two neighbours, points ``lo`` .. ``hi`` - 1 of ``change``.
+
+    As ``sum_costs``; HUGE where a point lies farther off than ``worst``. ``inwards``: by how much
+    blur moves the arc between towards its centre.
+    """
+    rows, joints, corners = change.rows, change.joints, change.corners
+    lo, first, behind, hi = change.points[0], change.points[1], change.points[2], change.points[3]
+    left = change.deviations[: hi - lo]
+    span = int(2.0 * REACH * blur) + 2
+    _measure(border.x, border.y, lo, first, rows[0], False, 1.0, left)
+    _explain(border, max(first - span, lo), first, lo, joints[0], corners[0], blur, left)
+    if behind > first:
+        side = -1.0 if corners[0, TURN] + corners[1, TURN] > 0.0 else 1.0
+        there = left[first - lo : behind - lo]
+        _measure(border.x, border.y, first, behind, rows[1], is_arc, side, there)
+        if is_arc:
+            for k in range(there.shape[0]):
+                there[k] += side * inwards
+        else:
+            _explain(border, first, behind, first, joints[0], corners[0], blur, there)
+            _explain(border, first, behind, first, joints[1], corners[1], blur, there)
+    _measure(border.x, border.y, behind, hi, rows[2], False, 1.0, left[behind - lo :])
+    _explain(border, behind, min(behind + span, hi), lo, joints[1], corners[1], blur, left)
+    for k in range(hi - lo):
+        if abs(left[k]) > worst:
+            return HUGE
+    _price(left, costs.dead_zone, costs.sigma, costs.expected)
+    total = 0.0
+    for k in range(hi - lo):
+        total += left[k]
+    return total

@@ -1,9 +1,8 @@
 """Rounded corners: an arc that touches both neighbouring lines, where sharp corners do not fit.
 
 Rules and units
-- ``border``, ``costs`` and ``fillet``: see ``vision.outline.outline_types``; pictures with grey
-  only.
-- Where fillets are looked for: ``vision.outline.corners.fillet_search_kernels``.
+- ``border``, ``outline``, ``blur``, ``costs`` and ``change``: see ``vision.outline.outline_types``;
+  pictures with grey only.
 - A fillet has one free number, its radius: both lines are known.
 """
 
@@ -16,29 +15,40 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF
-from vision.outline.fit.shape_kernels import HUGE, fit_line
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.corners.blurred_corner_kernels import (
+    ALONG_X,
+    ALONG_Y,
+    STEEPNESS,
+    TURN,
+    change_cost,
+)
+from vision.outline.fit.shape_kernels import HUGE, circle_rms, fit_line
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
-"""Between which angles the lines of a rounded corner turn."""
+"""Between which angles the lines of a rounded corner turn (chosen): where they turn less their
+corner is ill-known, where they turn more its fillet is far from it."""
 PIXEL_BLUR_PX = 0.2887
 """The spread (sigma) of a pixel's own width: 1 / sqrt(12)."""
 ROUNDED_PX, ROUNDED_BY = 1.5, 2.5
 """A fillet's tangents are at least so long, and so many times the blur: blur rounds a sharp corner
 as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
 ANCHOR_FROM, ANCHOR_TO = 0.3, 0.7
-"""The part of a line that surely is none of the arcs at its ends."""
+"""The part of a line that surely is none of the arcs at its ends (chosen)."""
 LOOKS, ASTRAY = 6, 2.0
-"""Points of a run that tell at once whether it is round, in worst deviations before the fit."""
+"""Points of a run that tell at once whether it is round, in worst deviations before the fit: only
+spares work (chosen)."""
 INWARDS, MORE_INWARDS = 0.25, 0.1
 """Blur moves a round border inwards, by half its variance over the radius. That little tells much
 of an arc that has to touch two lines: its radius moves four times as far where they turn by 90
 degrees. Half the variance from the one that is read off profiles along rows and columns, which
 meet a border aslant and end before a wide blur does, and from its square (measured: right to a
 twelfth for discs at blurs of 0.5 .. 2)."""
+OWN = 3
+"""Points that a fillet and the lines beside it have for themselves: two would lie on any line."""
 STEPS, REFITS = 8, 3
-"""Steps of Gauss-Newton for a radius; times that the lines beside a fillet are fitted again."""
-ANY_PX = 1e9
-"""No point is too far from a fillet that is still to be fitted."""
+"""Steps of Gauss-Newton for a radius, which settles in four; times that the lines beside a fillet
+are fitted again (chosen: bounds on the work)."""
 
 
 @njit(**LEAF)
@@ -141,84 +151,122 @@ def _is_round(border, lo, hi, corner, radius, worst):
 
 
 @njit(**LEAF)
-def fillet_cost(border, lo, hi, a, b, corner, radius, inwards, costs, worst):
-    """The cost of points lo .. hi - 1 beside line, fillet and line: (cost, first, last on arc).
+def put_fillet(border, radius, blur, costs, change):
+    """Let the fillet of a radius be between the lines of ``change``: the cost, or HUGE.
 
-    HUGE where one lies farther off than ``worst``.
+    Its points are those beyond both tangent points, of the ones compared.
     """
-    px = border.x
-    py = border.y
-    dead_zone = costs.dead_zone
-    sigma = costs.sigma
-    expected = costs.expected
-    cx = corner[0] + radius / corner[4] * corner[2]
-    cy = corner[1] + radius / corner[4] * corner[3]
+    px, py = border.x, border.y
+    rows, points, corner = change.rows, change.points, change.meeting
+    a, b = rows[0], rows[2]
     reach = radius * corner[5]
-    cost = 0.0
-    first = hi
-    last = lo
-    for k in range(lo, hi):
+    first = points[3]
+    last = points[0]
+    points[1] = points[2] = last
+    inside = 0
+    for k in range(points[0], points[3]):
         dx = px[k] - corner[0]
         dy = py[k] - corner[1]
-        if dx * a[2] + dy * a[3] < -reach:
-            d = abs(dx * a[3] - dy * a[2])
-        elif dx * b[2] + dy * b[3] > reach:
-            d = abs(dx * b[3] - dy * b[2])
-        else:
-            d = abs(math.sqrt((px[k] - cx) ** 2 + (py[k] - cy) ** 2) - radius + inwards / radius)
+        if dx * a[2] + dy * a[3] >= -reach and dx * b[2] + dy * b[3] <= reach:
             first = min(first, k)
             last = max(last, k)
-        if d > worst:
-            return HUGE, first, last
-        over = max(d - dead_zone, 0.0) / sigma
-        cost += over * over - expected
-    return cost, first, last
+            inside += 1
+    if last - first < OWN or inside <= last - first:
+        return HUGE
+    if first - points[0] < OWN or points[3] - last - 1 < OWN:
+        return HUGE
+    points[1] = first
+    points[2] = last + 1
+    rows[1, 0] = corner[0] + radius / corner[4] * corner[2]
+    rows[1, 1] = corner[1] + radius / corner[4] * corner[3]
+    rows[1, 2] = radius
+    for c in range(2):
+        change.joints[0, c] = corner[c] - reach * a[2 + c]
+        change.joints[1, c] = corner[c] + reach * b[2 + c]
+        # it touches both: no corner, but the side to which it turns
+        change.corners[c, ALONG_X] = 0.0
+        change.corners[c, ALONG_Y] = 0.0
+        change.corners[c, STEEPNESS] = 0.0
+        change.corners[c, TURN] = corner[6]
+    inwards = blur.half_variance / radius
+    return change_cost(border, change, True, inwards, blur.sigma, costs, costs.worst)
 
 
 @njit(**LEAF)
-def try_fillet(border, a_lo, a_hi, b_lo, b_hi, blur, inwards, costs, fillet):
-    """The fillet between the lines of points a_lo .. a_hi and b_lo .. b_hi: its cost, or HUGE."""
-    px = border.x
-    py = border.y
-    a = fillet.a
-    b = fillet.b
-    corner = fillet.corner
-    found = fillet.found
-    lo = a_lo + int((a_hi - a_lo) * ANCHOR_FROM)
-    hi = b_lo + int((b_hi - b_lo) * ANCHOR_TO)
-    a_to = a_lo + int((a_hi - a_lo) * ANCHOR_TO)
-    b_from = b_lo + int((b_hi - b_lo) * ANCHOR_FROM)
+def try_fillet(border, blur, costs, change):
+    """The fillet between the two lines that stay, as their middles run: the cost, or HUGE."""
+    px, py = border.x, border.y
+    rows, points, stays, corner = change.rows, change.points, change.stays, change.meeting
+    lo = stays[0] + int((stays[1] - stays[0]) * ANCHOR_FROM)
+    hi = stays[2] + int((stays[3] - stays[2]) * ANCHOR_TO)
+    a_to = stays[0] + int((stays[1] - stays[0]) * ANCHOR_TO)
+    b_from = stays[2] + int((stays[3] - stays[2]) * ANCHOR_FROM)
     if a_to - lo < 3 or hi - b_from < 3:
         return HUGE
-    fit_line(px, py, lo, a_to, 1, a)
-    fit_line(px, py, b_from, hi, 1, b)
-    least = max(ROUNDED_PX, ROUNDED_BY * blur)
+    points[0] = lo
+    points[3] = hi
+    fit_line(px, py, lo, a_to, 1, rows[0])
+    fit_line(px, py, b_from, hi, 1, rows[2])
+    least = max(ROUNDED_PX, ROUNDED_BY * blur.sigma)
     radius = 0.0
     cost = HUGE
     for again in range(REFITS):
-        if not set_corner(a, b, corner):
+        if not set_corner(rows[0], rows[2], corner):
             return HUGE
         if again == 0:
             radius = _cut(border, a_to, b_from, corner) / (1.0 / corner[4] - 1.0)
             if radius * corner[5] < 0.7 * least:
                 return HUGE
-            if not _is_round(border, a_hi, b_lo, corner, radius, ASTRAY * costs.worst):
+            if not _is_round(border, stays[1], stays[2], corner, radius, ASTRAY * costs.worst):
                 return HUGE
-        radius = solve_radius(border, lo, hi, a, b, corner, radius, inwards)
+        radius = solve_radius(border, lo, hi, rows[0], rows[2], corner, radius, blur.half_variance)
         if radius * corner[5] < least:
             return HUGE
-        cost, first, last = fillet_cost(
-            border, lo, hi, a, b, corner, radius, inwards, costs,
-            costs.worst if again == REFITS - 1 else ANY_PX,
-        )  # fmt: skip
-        # both lines need points of their own beside the arc
-        if cost >= HUGE or first < lo + 2 or last > hi - 3 or last - first < 3:
+        cost = put_fillet(border, radius, blur, costs, change)
+        if points[1] == points[2]:
             return HUGE
-        found[0] = lo
-        found[1] = hi
-        found[2] = first
-        found[3] = last
         if again < REFITS - 1:
-            fit_line(px, py, lo, max(first - 1, lo + 2), 1, a)
-            fit_line(px, py, min(last + 2, hi - 2), hi, 1, b)
+            fit_line(px, py, lo, max(points[1] - 1, lo + 2), 1, rows[0])
+            fit_line(px, py, min(points[2] + 1, hi - 2), hi, 1, rows[2])
     return cost
+
+
+@njit(**LEAF)
+def touch_lines(border, outline, edges, blur, costs, change):
+    """Let fillets touch the lines beside them, as these have been fitted since."""
+    n = border.n
+    breaks = outline.breaks
+    is_arc = outline.is_arc
+    shape = outline.shape
+    joints = outline.joints
+    rows, points = change.rows, change.points
+    for e in range(edges):
+        before = predecessor(e, edges)
+        after = successor(e, edges)
+        if not outline.is_fillet[e] or not is_arc[e] or is_arc[before] or is_arc[after]:
+            continue
+        for c in range(4):
+            rows[0, c] = shape[before, c]
+            rows[2, c] = shape[after, c]
+        if not set_corner(rows[0], rows[2], change.meeting):
+            continue
+        lo = breaks[before]
+        begin = lo + (breaks[e] - lo) % n
+        end = begin + (breaks[after] - breaks[e]) % n
+        hi = end + (breaks[successor(after, edges)] - breaks[after]) % n
+        points[0] = (lo + begin) // 2
+        points[3] = (hi + end) // 2
+        radius = solve_radius(
+            border, points[0], points[3], rows[0], rows[2], change.meeting, shape[e, 2],
+            blur.half_variance,
+        )  # fmt: skip
+        if put_fillet(border, radius, blur, costs, change) >= HUGE:
+            continue
+        for c in range(3):
+            shape[e, c] = rows[1, c]
+        shape[e, 4] = circle_rms(border.x, border.y, points[1], points[2], shape[e])
+        for c in range(2):
+            joints[e, c] = change.joints[0, c]
+            joints[after, c] = change.joints[1, c]
+        breaks[e] = points[1] % n
+        breaks[after] = points[2] % n

@@ -15,16 +15,18 @@ from planner.scene.primitive_kernels import successor
 from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 
 BENT_PX, BENT_BY = 0.15, 2.0
-"""A bent line's arc rises so high over its chord, and so many times the noise of a point more."""
+"""A bent line's arc rises so high over its chord, and so many times the noise of a point more: a
+line through it is off by a third of that, as much as the points' spread is believed at least."""
 BETTER_BY = 0.5
-"""Share of the line's residual that its arc leaves."""
+"""Share of the line's residual that its arc leaves (chosen)."""
 LEAST = 7
-"""Points that tell a bend."""
+"""Points that tell a bend: more than twice the numbers of a circle."""
 EVERY = 1
 SHALLOW = 0.9
-"""Cosine of the turn up to which two lines may be two chords of one arc."""
+"""Cosine of the turn up to which two lines may be two chords of one arc: 26 degrees (chosen)."""
 AS_GOOD_PX = 0.02
-"""An arc that leaves so little more than both of them is as good."""
+"""An arc that leaves so little more than both of them is as good (chosen, below the 0.05 px that
+edge points are believed to)."""
 
 
 @njit(**LEAF)

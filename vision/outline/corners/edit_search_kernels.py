@@ -1,0 +1,141 @@
+"""The local search over edits of an outline: those that save most, until none saves anything.
+
+Rules and units
+- ``border``, ``outline``, ``limits``, ``costs``, ``prices`` and ``edits``: see
+  ``vision.outline.outline_types``; pictures with grey only.
+- What may be edited, and what it saves: ``vision.outline.corners.edit_kernels``.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from planner.scene.compile_options import LEAF
+from vision.outline.corners.edit_kernels import CORNER, FILLET, find_edits
+from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, half_variance, touch_lines
+from vision.outline.corners.joint_kernels import fit_and_join
+from vision.outline.corners.wall_end_kernels import square_ends
+from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.outline_types import Blur, Change, Edits
+
+ROUNDS = 16
+"""Times that an outline is edited at most, so that the search has a bound: nearly all take two."""
+LEFT = 3
+"""Points that an edge keeps between two edits: two would lie on any line."""
+MOVED = 16
+"""Points by which an edge may be longer between two edits: these look for an end among
+``vision.outline.corners.wall_end_kernels.AROUND`` points beyond it, on either side, and no more."""
+
+
+@njit(**LEAF, inline="always")
+def edit_outline(border, outline, edges, limits, blur_px, costs, prices, room):
+    """Take the edits that save most and fit again, until none saves anything: the edges' number."""
+    sigma = math.sqrt(blur_px * blur_px + PIXEL_BLUR_PX * PIXEL_BLUR_PX)
+    blur = Blur(sigma, half_variance(blur_px), limits.guard)
+    indices = room.indices
+    edits = Edits(room.numbers[2], room.numbers[3], indices[0], indices[1], indices[2], indices[3])
+    last = room.table.shape[0]
+    change = Change(
+        room.table[last - 3 : last], room.table[last - 5 : last - 3],
+        room.table[last - 7 : last - 5], room.table[last - 8], indices[5], indices[6],
+        room.numbers[4],
+    )  # fmt: skip
+    for e in range(edges):
+        outline.is_fillet[e] = False
+    for taken in range(ROUNDS):
+        if not find_edits(
+            border, outline, edges, taken == 0, blur, costs, prices, edits, change, room
+        ):
+            break
+        edges = _take_edits(border.n, outline, edges, edits, room)
+        fit_and_join(border, outline, edges, limits, room)
+        touch_lines(border, outline, edges, blur, costs, change)
+        square_ends(outline, edges, blur)
+    return edges
+
+
+@njit(**LEAF)
+def _take_edits(n, outline, edges, edits, room):
+    """Take the edits that save most first, none that another one touches: the new number of edges.
+
+    Edges that are ``gone``, those that stay beside an edit, an ``anchor``, and those that one
+    follows, ``used``; where an edge ``begins`` behind an edit, or -1.
+    """
+    saved = edits.saved
+    gone = room.flags[0]
+    anchor = room.flags[1]
+    used = room.flags[2]
+    begins = room.indices[4]
+    for e in range(edges):
+        gone[e] = False
+        anchor[e] = False
+        begins[e] = -1
+        used[e] = False
+    while True:
+        i = 0
+        for e in range(1, edges):
+            if saved[e] > saved[i]:
+                i = e
+        if saved[i] <= 0.0:
+            break
+        saved[i] = 0.0
+        j = (i + edits.run[i] + 1) % edges
+        free = not (gone[i] or gone[j])
+        for t in range(1, edits.run[i] + 1):
+            e = (i + t) % edges
+            free = free and not gone[e] and not anchor[e]
+        first = edits.first[i]
+        behind = edits.behind[i]
+        if begins[i] >= 0:
+            free = free and _is_left(n, outline, edges, i, begins[i], first)
+        if used[j]:
+            free = free and _is_left(n, outline, edges, j, behind, edits.first[j])
+        if not free:
+            continue
+        used[i] = True
+        anchor[i] = True
+        anchor[j] = True
+        begins[j] = behind % n
+        for t in range(1, edits.run[i] + 1):
+            gone[(i + t) % edges] = True
+    return _write_edits(n, outline, edges, edits, room)
+
+
+@njit(**LEAF)
+def _is_left(n, outline, edges, e, begin, end):
+    """Whether something is left of edge e between two edits: their points may have passed."""
+    points = edge_end(outline.breaks, edges, n, e) - outline.breaks[e]
+    return LEFT <= (end - begin) % n <= points + MOVED
+
+
+@njit(**LEAF)
+def _write_edits(n, outline, edges, edits, room):
+    """Write the edges that are not gone, and what is put behind those used: the new number."""
+    gone = room.flags[0]
+    used = room.flags[2]
+    begins = room.indices[4]
+    # every edge adds at most one
+    breaks = room.indices[5]
+    is_arc = room.flags[3]
+    is_fillet = room.flags[4]
+    m = 0
+    for e in range(edges):
+        if not gone[e]:
+            breaks[m] = begins[e] if begins[e] >= 0 else outline.breaks[e]
+            is_arc[m] = outline.is_arc[e]
+            is_fillet[m] = outline.is_fillet[e]
+            m += 1
+        if used[e] and edits.kind[e] != CORNER:
+            breaks[m] = edits.first[e] % n
+            is_arc[m] = edits.kind[e] == FILLET
+            is_fillet[m] = is_arc[m]
+            m += 1
+    for e in range(m):
+        outline.breaks[e] = breaks[e]
+        outline.is_arc[e] = is_arc[e]
+        outline.is_fillet[e] = is_fillet[e]
+    return m
