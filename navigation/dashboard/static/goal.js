@@ -292,7 +292,7 @@ export class Goal {
       const item = document.createElement("li");
       const turned = station.heading_rad === null ? "" : `, ${degrees(station.heading_rad)}°`;
       const remove = document.createElement("button");
-      Object.assign(remove, { type: "button", className: "quiet remove", textContent: "×", title: "Remove this station" });
+      Object.assign(remove, { type: "button", id: `remove-${index + 1}`, className: "quiet remove", title: "Remove this station" });
       remove.setAttribute("aria-label", `Remove station ${index + 1}`);
       remove.addEventListener("click", () => this.#remove(index));
       item.append(`${station.x_m.toFixed(2)}, ${station.y_m.toFixed(2)} m${turned}`, remove);
