@@ -3,6 +3,8 @@
 The robot's reports are the truth: what it has accepted is never sent again, what it lost is.
 Its two fingerprints, over the accepted and over the executed waypoints, are compared with the
 mission's at every report; a difference ends the mission with a sentence.
+A mission may be released in parts: waypoints beyond the released ones are not sent, and a robot
+that has driven all it has waits at the last of them.
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ class Upload:
 
     def __init__(self, mission: Mission) -> None:
         self.mission = mission
+        self.released = len(mission)
+        """How many of its waypoints may be sent; what was sent cannot be taken back."""
         self.on_robot = False
         """Whether the robot has reported this mission's id."""
         self.accepted = 0
@@ -41,6 +45,14 @@ class Upload:
     def blocked(self) -> bool:
         """Whether nothing more can be sent before the robot drives: full queue or all sent."""
         return self.accepted == self._next > 0 and self.next_batch() is None
+
+    def hold_back(self, count: int) -> None:
+        """Send no more than the first ``count`` waypoints before :meth:`release`."""
+        self.released = min(count, len(self.mission))
+
+    def release(self, count: int) -> None:
+        """Let the first ``count`` waypoints be sent; never fewer than before."""
+        self.released = max(self.released, min(count, len(self.mission)))
 
     def new_session(self) -> None:
         """Frames in flight are void; go on from the robot's next report."""
@@ -78,9 +90,9 @@ class Upload:
         return None
 
     def next_batch(self) -> Waypoints | None:
-        """The next frame's waypoints, None where the queue is full or all are sent."""
-        end = min(self._next + BATCH, self._limit, len(self.mission))
-        full = end - self._next == BATCH or end == len(self.mission)
+        """The next frame's waypoints, None where the queue is full or all released ones are sent."""
+        end = min(self._next + BATCH, self._limit, self.released)
+        full = end - self._next == BATCH or end == self.released
         # a frame that carries less than it could would cost the line more than it brings
         if not self.on_robot or end <= self._next or not full:
             return None

@@ -32,6 +32,7 @@ from firmware_protocol.wire.framing import MAX_WIRE
 from firmware_protocol.wire.messages import Lease, LeaseFlag, PoseFix, Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
+from navigation.link.parts_of_missions import give_mission, release_mission
 from navigation.link.serial_port import PortError, PortNotReadyError, open_port
 from navigation.shared.supervisor import in_words
 
@@ -145,16 +146,27 @@ class SerialLink:
 
     # Orders, from any thread.
 
-    def upload(self, mission: int, waypoints: Sequence[Waypoint], start: bool = True) -> Mission:
+    def upload(
+        self,
+        mission: int,
+        waypoints: Sequence[Waypoint],
+        start: bool = True,
+        released: int | None = None,
+    ) -> Mission:
         """Replace the robot's mission and (``start``) drive it; returns what is sent.
 
         ``mission`` is an id in [1, 2**32) that this robot has not had, or the id of the
         mission that it holds, to go on with the same waypoints. LocalError where a value does
         not fit on the wire. Start needs a lease with permit and a pose within a second.
+        ``released``: no more than so many waypoints are sent before :meth:`release`; None: all.
         """
         whole = Mission(mission, waypoints)
-        self._order(lambda now_s: self._host.upload(whole, now_s, start))
+        self._order(lambda now_s: give_mission(self._host, whole, now_s, start, released))
         return whole
+
+    def release(self, mission: int, count: int) -> None:
+        """Let the first ``count`` waypoints of this mission be sent; never fewer than before."""
+        self._order(lambda _now_s: release_mission(self._host, mission, count))
 
     def start(self) -> None:
         """Drive the mission (again, after a pause or a lapsed lease)."""

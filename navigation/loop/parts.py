@@ -80,8 +80,17 @@ class Link(Protocol):
     def close(self) -> None:
         """Close it."""
 
-    def upload(self, mission: int, waypoints: Sequence[Waypoint]) -> object:
-        """Replace the robot's mission and drive it."""
+    def upload(
+        self,
+        mission: int,
+        waypoints: Sequence[Waypoint],
+        start: bool = True,
+        released: int | None = None,
+    ) -> object:
+        """Replace the robot's mission and drive it, or as much of it as is released."""
+
+    def release(self, mission: int, count: int) -> None:
+        """Let the first ``count`` waypoints of this mission be sent."""
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""

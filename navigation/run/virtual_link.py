@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from firmware_protocol.wire.messages import Waypoint
 from firmware_protocol.wire.mission import Mission
 from navigation.link.link_snapshot import LinkSnapshot, snapshot_of
+from navigation.link.parts_of_missions import give_mission, release_mission
 from navigation.run.virtual_troubles import Troubles
 from navigation.simulator.virtual_loop import VirtualLoop
 
@@ -45,11 +46,21 @@ class VirtualLink:
         """The program is gone; the robot stops when its lease runs out."""
         self.loop.host.close()
 
-    def upload(self, mission: int, waypoints: Sequence[Waypoint]) -> Mission:
-        """Replace the robot's mission and drive it."""
+    def upload(
+        self,
+        mission: int,
+        waypoints: Sequence[Waypoint],
+        start: bool = True,
+        released: int | None = None,
+    ) -> Mission:
+        """Replace the robot's mission and drive it, or as much of it as is released."""
         whole = Mission(mission, waypoints)
-        self.loop.host.upload(whole, self.loop.now_s, True)
+        give_mission(self.loop.host, whole, self.loop.now_s, start, released)
         return whole
+
+    def release(self, mission: int, count: int) -> None:
+        """Let the first ``count`` waypoints of this mission be sent."""
+        release_mission(self.loop.host, mission, count)
 
     def pause(self) -> None:
         """Stop under control and keep the mission."""
