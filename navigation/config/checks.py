@@ -12,6 +12,9 @@ from typing import Any
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.marks import Location
 from navigation.config.sections import SIMULATED, MarkerSection
+from navigation.config.several import fleet_checks
+from navigation.config.several.each_robot import robot_of
+from navigation.config.several.fleet_checks import located_in
 from navigation.config.values import Place
 
 MOST_STEPS = 1_000_000
@@ -89,8 +92,8 @@ def _marker_lies_on_the_body(robot: MarkerSection, where: Location) -> _Found:
         )
 
 
-def _robots_differ(robot: Any, other_robots: Any) -> _Found:
-    taken = {robot.marker_id: "the driven robot"}
+def _robots_differ(robot: Any, robots: Any, other_robots: Any) -> _Found:
+    taken = {} if robots else {robot.marker_id: "the driven robot"}
     for index, other in enumerate(other_robots):
         yield from _marker_lies_on_the_body(other, ("other_robots", index))
         if other.marker_id in taken:
@@ -180,8 +183,12 @@ def _places_lie_inside(arena: Any, robot: Any, mission: Any, simulation: Any) ->
     places: list[tuple[Location, Place]] = [
         (("mission", "stations", index), station) for index, station in enumerate(mission.stations)
     ]
-    if simulation is not None:
+    if simulation is not None and simulation.start is not None:
         places.append((("simulation", "start"), simulation.start))
+    yield from _inside(arena, robot, places)
+
+
+def _inside(arena: Any, robot: Any, places: list[tuple[Location, Place]]) -> _Found:
     x0, y0, x1, y1 = arena.bounds_m
     if not (x0 < x1 and y0 < y1):
         return
@@ -237,6 +244,42 @@ def _obstacles_appear_before_they_vanish(simulation: Any) -> _Found:
             )
 
 
+def _each_robot_fits(arena: Any, robot: Any, robots: Any, planning: Any) -> _Found:
+    """Each of several robots with what differs from ``robot``."""
+    for index, entry in enumerate(robots):
+        own = robot_of(robot, entry)
+        for check, sections in (
+            (_robot_fits_together, (own,)),
+            (_dictionary_holds_the_markers, (own, ())),
+            (_speeds_agree, (own, planning)),
+            (_spacing_is_fine_enough, (own, planning)),
+            (_robot_fits_into_the_arena, (arena, own)),
+            (_plans_stay_small, (arena, own, planning)),
+        ):
+            yield from located_in(index, entry, check(*sections))
+    if len(robots) > 1 and not robot.turns_on_spot:
+        yield ("robot", "turns_on_spot"), "must be true where several robots are driven"
+
+
+def _places_of_each_lie_inside(
+    arena: Any, robot: Any, robots: Any, mission: Any, simulation: Any
+) -> _Found:
+    for entry in robots:
+        places: list[tuple[Location, Place]] = [
+            (("mission", "robots", i, "stations", j), station)
+            for i, one in enumerate(mission.robots)
+            if one.name == entry.name
+            for j, station in enumerate(one.stations)
+        ]
+        if simulation is not None:
+            places += [
+                (("simulation", "starts", i), one)
+                for i, one in enumerate(simulation.starts)
+                if one.name == entry.name
+            ]
+        yield from _inside(arena, robot_of(robot, entry), places)
+
+
 def _lease_outlives_the_pose(safety: Any) -> _Found:
     if safety.lease_s < safety.pose_stale_s:
         yield (
@@ -263,7 +306,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("vision",), _fixed_has_a_threshold),
     (("robot",), _robot_fits_together),
     (("robot", "serial"), _driver_can_drive_it),
-    (("robot", "other_robots"), _robots_differ),
+    (("robot", "robots", "other_robots"), _robots_differ),
     (("robot", "other_robots"), _dictionary_holds_the_markers),
     (("robot", "planning"), _speeds_agree),
     (("robot", "planning"), _spacing_is_fine_enough),
@@ -271,6 +314,14 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena", "robot"), _bends_fit_into_the_arena),
     (("arena", "robot", "planning"), _plans_stay_small),
     (("arena", "robot", "mission", "simulation"), _places_lie_inside),
+    (("robots", "serial", "other_robots"), fleet_checks.names_markers_and_ports_differ),
+    (("robots", "mission", "simulation"), fleet_checks.names_are_known),
+    (("robots", "serial", "simulation"), fleet_checks.every_robot_has_a_start),
+    (("robots", "mission", "tasks"), fleet_checks.missions_fit_the_fleet),
+    (("robots", "robot", "mission"), fleet_checks.goals_do_not_touch),
+    (("robots", "robot", "simulation"), fleet_checks.starts_do_not_touch),
+    (("arena", "robot", "robots", "planning"), _each_robot_fits),
+    (("arena", "robot", "robots", "mission", "simulation"), _places_of_each_lie_inside),
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
     (("other_robots", "simulation"), _simulated_robots_are_known),

@@ -176,7 +176,9 @@ def _unknown(where: Location, model: type[BaseModel]) -> str:
 
 
 def _home_of(key: str, model: type[BaseModel]) -> str | None:
-    for name, field in model.model_fields.items():
+    """Where a key belongs; in a section rather than in a list's entries."""
+    fields = sorted(model.model_fields.items(), key=lambda item: "tuple" in str(item[1].annotation))
+    for name, field in fields:
         if key == name:
             return name
         section = model_in(field.annotation)

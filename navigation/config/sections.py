@@ -18,6 +18,7 @@ from navigation.config.dashboard import DashboardSection
 from navigation.config.known_robots import DriverName
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
+    MOST_FLEET,
     MOST_ROBOTS,
     MOST_STATIONS,
     Count,
@@ -29,6 +30,7 @@ from navigation.config.values import (
     Kelvin,
     Length,
     Metres,
+    Name,
     NeighbourFile,
     NotNegative,
     Number,
@@ -294,6 +296,36 @@ class SafetySection(Section):
     )
 
 
+class RobotEntry(Section):
+    """One of several driven robots; what is empty is as in ``robot`` and ``serial``."""
+
+    name: Name = Field(description="what orders and reports call it: letters, digits, _ and -")
+    marker_id: Count = Field(description="the number of the marker on this robot")
+    port: Text | None = Field(default=None, description="the line to this robot")
+    baud: Annotated[int, Field(strict=True, ge=1200, le=4_000_000)] | None = Field(
+        default=None, description="bits a second on that line"
+    )
+    marker_size_m: Length | None = Field(default=None, description="side of the black square")
+    marker_height_m: Annotated[NotNegative, Field(le=100)] | None = Field(
+        default=None, description="height of the marker above the floor"
+    )
+    marker_turn_deg: Degrees | None = Field(default=None, description="how the marker is mounted")
+    radius_m: Length | None = Field(default=None, description="radius of the disc that holds it")
+    speed_m_s: Rate | None = Field(default=None, description="highest speed")
+    acceleration_m_s2: Rate | None = Field(default=None, description="highest acceleration")
+    angular_rate_rad_s: Rate | None = Field(default=None, description="highest turning rate")
+    track_m: Length | None = Field(default=None, description="distance between the driven wheels")
+
+
+class RobotMissionSection(Section):
+    """Where one of several robots goes."""
+
+    name: Name = Field(description="which of robots it is")
+    stations: tuple[Station, ...] = Field(
+        default=(), max_length=MOST_STATIONS, description="places to visit; the last is the goal"
+    )
+
+
 class MissionSection(Section):
     """Where to go; without stations the program waits for orders."""
 
@@ -304,6 +336,11 @@ class MissionSection(Section):
     )
     order: Literal["fixed", "best"] = Field(
         default="fixed", description="as written, or the shortest order (the last stays the goal)"
+    )
+    robots: tuple[RobotMissionSection, ...] = Field(
+        default=(),
+        max_length=MOST_FLEET,
+        description="with several robots: the stations of each, by name",
     )
     tolerance_m: Annotated[Positive, Field(le=10)] = Field(
         default=0.01, description="how near to a station counts as there"
@@ -358,6 +395,12 @@ class Config(Section):
     camera: CameraSection = Field(description="the camera above it")
     vision: VisionSection = Field(default=VisionSection(), description="seeing obstacles")
     robot: RobotSection = Field(description="the robot that is driven")
+    robots: tuple[RobotEntry, ...] = Field(
+        default=(),
+        max_length=MOST_FLEET,
+        description="several robots that are driven together, none of which ever touches another: "
+        "for each its name and what differs from `robot` and `serial`",
+    )
     other_robots: tuple[MarkerSection, ...] = Field(
         default=(),
         max_length=MOST_ROBOTS,
@@ -367,6 +410,12 @@ class Config(Section):
     serial: SerialSection = Field(default=SerialSection(), description="the line to the robot")
     safety: SafetySection = Field(default=SafetySection(), description="holding and stopping")
     mission: MissionSection = Field(default=MissionSection(), description="where to go")
+    tasks: tuple[Station, ...] = Field(
+        default=(),
+        max_length=MOST_STATIONS,
+        description="with several robots: places for whichever robot is best placed, at most one "
+        "for each robot without stations of its own",
+    )
     simulation: SimulationSection | None = Field(
         default=None, description="the simulated world; needed where camera or port is simulated"
     )

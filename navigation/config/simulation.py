@@ -11,6 +11,7 @@ from typing import Annotated
 from pydantic import Field, StrictBool
 
 from navigation.config.values import (
+    MOST_FLEET,
     MOST_HAPPENINGS,
     MOST_ROBOTS,
     Count,
@@ -18,6 +19,7 @@ from navigation.config.values import (
     Fraction,
     Length,
     Metres,
+    Name,
     NeighbourFile,
     NotNegative,
     Number,
@@ -97,6 +99,12 @@ class SimulatedRobotSection(Section):
     )
 
 
+class RobotStartSection(Pose):
+    """Where one of several simulated robots is at the beginning."""
+
+    name: Name = Field(description="which of robots it is")
+
+
 class SimulatedTrackSection(Section):
     """Where one of ``other_robots`` drives by itself, standing to turn at each place."""
 
@@ -131,7 +139,15 @@ class SimulationSection(Section):
         default=None, description="scene text file of the obstacles, metres, relative to this file"
     )
     arena_text: Text | None = Field(default=None, description="the same, written here")
-    start: Pose = Field(description="where the robot is at the beginning")
+    start: Pose | None = Field(
+        default=None,
+        description="where the robot is at the beginning; needed without `robots`",
+    )
+    starts: tuple[RobotStartSection, ...] = Field(
+        default=(),
+        max_length=MOST_FLEET,
+        description="with several robots: where each is at the beginning, by name",
+    )
     time_limit_s: Positive = Field(default=120.0, description="the run fails when it takes longer")
     camera: SimulatedCameraSection = Field(
         default=SimulatedCameraSection(), description="the simulated camera"

@@ -18,6 +18,9 @@ LONGEST_DWELL_S = 3600.0
 """At one station. On the wire it is a waypoint for every 25 s: at most 144 000 of a mission."""
 
 MOST_ROBOTS = 100
+MOST_FLEET = 20
+"""Robots that are driven together: more than a camera can tell apart in an arena for which the
+fleet's planner was measured."""
 MOST_HAPPENINGS = 1000
 """Obstacles that come and go, and places of a scripted track."""
 LARGEST = 1e6
@@ -80,6 +83,10 @@ Kelvin = Annotated[
 """A colour temperature, from candlelight to a blue sky."""
 Count = Annotated[int, Field(strict=True, ge=0, le=0xFFFFFFFF)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
+Name = Annotated[
+    str, Field(strict=True, min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")
+]
+"""A robot's name: a letter, then letters, digits, _ and -."""
 
 
 def _beside_the_file(path: Path, info: ValidationInfo) -> Path:

@@ -113,6 +113,8 @@ def load_arena(config: Config) -> SimulatedArena:
         scene = read_scene_text(simulation.arena_text or "", "simulation.arena_text")
     arena = SimulatedArena(scene.with_bounds(Bounds(*config.arena.bounds_m)))
     start = simulation.start
+    if start is None:  # several robots, each with a start of its own
+        return arena
     clearance = float(arena.clearances(np.array([[start.x_m, start.y_m]]))[0])
     if clearance < config.robot.radius_m:
         raise SceneError(

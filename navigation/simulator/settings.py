@@ -43,6 +43,8 @@ def true_start_of(config: Config) -> TruePose:
     if config.simulation is None:
         raise ValueError("the configuration has no section 'simulation'")
     start = config.simulation.start
+    if start is None:
+        raise ValueError("the section 'simulation' has no start")
     return TruePose(start.x_m, start.y_m, start.heading_rad)
 
 

@@ -68,6 +68,8 @@ def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Varia
     share = 0.5 + 0.5 * unit
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot
     start = simulation.start
+    if start is None:
+        raise SweepError("a sweep needs one robot with simulation.start, not several")
     start_x_m, start_y_m = _free_start(config, START_M * spread * unit[:2])
     if spread == 0.0:
         left, right = robot.wheel_radius_error
@@ -96,6 +98,7 @@ def _free_start(config: Config, offset_m: FloatArray) -> tuple[float, float]:
     be as free as planning wants, or as the configured one where that is less."""
     assert config.simulation is not None
     start = config.simulation.start
+    assert start is not None
     at_m = np.array([start.x_m, start.y_m])
     arena = _arena_at_the_start(config)
     wanted_m = config.robot.radius_m + config.planning.margin_m

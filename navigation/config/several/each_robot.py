@@ -1,0 +1,71 @@
+"""A configuration of several robots as one configuration for each of them."""
+
+from __future__ import annotations
+
+from navigation.config.sections import Config, RobotEntry, RobotSection, SerialSection
+
+_OF_SERIAL = ("port", "baud")
+
+
+def robot_of(robot: RobotSection, entry: RobotEntry) -> RobotSection:
+    """The section ``robot`` with what differs for one of several robots."""
+    own = {
+        key: value
+        for key, value in entry.model_dump(exclude={"name", *_OF_SERIAL}).items()
+        if value is not None
+    }
+    return robot.model_copy(update=own)
+
+
+def serial_of(serial: SerialSection, entry: RobotEntry) -> SerialSection:
+    """The section ``serial`` with what differs for one of several robots."""
+    own = {key: getattr(entry, key) for key in _OF_SERIAL if getattr(entry, key) is not None}
+    return serial.model_copy(update=own)
+
+
+def each_robot(config: Config) -> dict[str, Config]:
+    """By name: what the configuration would be if it were of that robot alone.
+
+    Empty where the configuration names one robot only, in the section ``robot``.
+    """
+    return {entry.name: _alone(config, entry) for entry in config.robots}
+
+
+def _alone(config: Config, entry: RobotEntry) -> Config:
+    stations = [one.stations for one in config.mission.robots if one.name == entry.name]
+    mission = config.mission.model_copy(
+        update={"stations": stations[0] if stations else (), "robots": ()}
+    )
+    simulation = config.simulation
+    if simulation is not None:
+        starts = [one for one in simulation.starts if one.name == entry.name]
+        start = starts[0] if starts else simulation.start
+        simulation = simulation.model_copy(update={"start": start, "starts": ()})
+    journal = config.recording.journal
+    if journal is not None and len(config.robots) > 1:
+        journal = journal.with_name(f"{journal.name}.{entry.name}")
+    return config.model_copy(
+        update={
+            "robot": robot_of(config.robot, entry),
+            "robots": (),
+            "serial": serial_of(config.serial, entry),
+            "mission": mission,
+            "tasks": (),
+            "simulation": simulation,
+            "recording": config.recording.model_copy(update={"journal": journal}),
+        }
+    )
+
+
+def settled(config: Config) -> Config:
+    """The configuration itself, or of a list with a single robot that robot's own.
+
+    One robot is driven as one robot, however it is written.
+    """
+    if len(config.robots) != 1:
+        return config
+    alone = each_robot(config)[config.robots[0].name]
+    if config.tasks and not alone.mission.stations:
+        mission = alone.mission.model_copy(update={"stations": config.tasks})
+        return alone.model_copy(update={"mission": mission})
+    return alone
