@@ -1,4 +1,4 @@
-"""A mission that is sent in parts: what the host's end may send of it, and when it may send more."""
+"""A mission that is sent in parts: what the host's end may send of it, and when more."""
 
 from __future__ import annotations
 

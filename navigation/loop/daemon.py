@@ -81,8 +81,8 @@ class Daemon:
         self._robot = RobotOrders(self.link, config)
         self.witness = Witness(witness_limits(config))
         self._vision = VisionStage(config, world.calibration, self.witness, self._clock)
-        self._arena_planner = ArenaPlanner(plan_settings(config))
-        self._news = PlannerNews(self._arena_planner, self._clock, self.camera.wake, recorder)
+        planner = self._arena_planner = ArenaPlanner(plan_settings(config))
+        self._news = PlannerNews[PlanAnswer](planner, self._clock, self.camera.wake, recorder)
         self._planner = world.make_planner(
             self._arena_planner, self._news.on_scene, self._news.on_answer
         )
@@ -304,7 +304,7 @@ class Daemon:
         frame, glimpse = seen
         self.processed += 1
         self._frame, self._poses = frame, glimpse.poses
-        self._doubles = glimpse.doubles
+        self._doubles = tuple(glimpse.doubles.values())
         self.others.see(glimpse.poses)
         if glimpse.scene is not None:
             self._revision += 1

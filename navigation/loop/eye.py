@@ -8,7 +8,7 @@ when something did. Units: metres and radians in the arena, seconds.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -43,10 +43,10 @@ class EyeSettings:
     polarity: Polarity
     method: Method
     threshold: float | None
-    driven_id: int
-    """The marker of the robot that is driven."""
+    driven_ids: tuple[int, ...]
+    """The markers of the robots that are driven."""
     bodies: Mapping[int, Body]
-    """By marker id: the robot that is driven and the others."""
+    """By marker id: the robots that are driven and the others."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +57,8 @@ class Glimpse:
     poses: Mapping[int, RobotPose]
     scene: Scene | None
     change: Change | None
-    doubles: tuple[str, ...] = ()
-    """A sentence where the driven robot's marker is seen twice."""
+    doubles: Mapping[int, str] = field(default_factory=dict)
+    """By marker id: a sentence where a driven robot's marker is seen twice."""
 
 
 class Eye:
@@ -79,15 +79,16 @@ class Eye:
 
         ``tell`` gets the poses before anything else is looked at: they are wanted first.
 
-        While the driven robot cannot be seen nobody knows which dark place is its body: the
-        scene stays as it was, and the pilot holds the robot anyway.
+        While no driven robot can be seen, or one never was, nobody knows which dark place is
+        its body: the scene stays as it was, and the pilots hold the robots anyway.
         """
         # Markers, changes and obstacles are judged by their grey: it is made once.
         frame = replace(frame, image=grey_of(frame.image))
         poses = {pose.id: pose for pose in self._tracker.update(frame)}
         tell(poses)
         self._last_seen.update(poses)
-        if self.settings.driven_id not in poses:
+        driven = self.settings.driven_ids
+        if not all(i in self._last_seen for i in driven) or not any(i in poses for i in driven):
             return Glimpse(frame.captured_s, poses, None, None, self._doubles())
         change = self._watcher.update(frame.image, self._body_discs())
         scene = None
@@ -96,13 +97,15 @@ class Eye:
             scene = self._known.scene
         return Glimpse(frame.captured_s, poses, scene, change, self._doubles())
 
-    def _doubles(self) -> tuple[str, ...]:
-        """The driven robot's marker in two places: nobody knows which of them it is."""
-        places = self._tracker.doubles.get(self.settings.driven_id, ())
-        if len(places) < 2:
-            return ()
-        where = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y, _ in places)
-        return (f"the robot's marker {self.settings.driven_id} is seen at {where} at once",)
+    def _doubles(self) -> dict[int, str]:
+        """Driven robots' markers in two places: nobody knows which of them it is."""
+        found = {}
+        for driven_id in self.settings.driven_ids:
+            places = self._tracker.doubles.get(driven_id, ())
+            if len(places) > 1:
+                where = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y, _ in places)
+                found[driven_id] = f"the robot's marker {driven_id} is seen at {where} at once"
+        return found
 
     def _body_discs(self) -> FloatArray:
         """The pixels of every robot's body, where it was seen last."""

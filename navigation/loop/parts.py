@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from firmware_protocol.wire.messages import Waypoint
 from navigation.config import Config
@@ -24,6 +24,9 @@ from vision.camera.latest_frame import CameraStatus
 
 if TYPE_CHECKING:
     from navigation.simulator.truth import Truth
+
+
+_Q_contra = TypeVar("_Q_contra", contravariant=True)
 
 
 class Frames(Protocol):
@@ -115,7 +118,7 @@ class Link(Protocol):
         ...
 
 
-class PlannerPart(Protocol):
+class PlannerPart(Protocol[_Q_contra]):
     """Something that builds roadmaps and answers requests beside the control loop."""
 
     @property
@@ -132,7 +135,7 @@ class PlannerPart(Protocol):
     def see(self, scene: Scene, revision: int, path_points: FloatArray | None) -> None:
         """Hand over a new scene, and the path that the robot is on."""
 
-    def ask(self, request: PlanRequest) -> None:
+    def ask(self, request: _Q_contra) -> None:
         """Hand over a request."""
 
     def failure(self) -> str | None:
@@ -180,7 +183,7 @@ class Surroundings(Protocol):
         arena_planner: ArenaPlanner,
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[PlanAnswer], None],
-    ) -> PlannerPart:
+    ) -> PlannerPart[PlanRequest]:
         """The planner."""
         ...
 

@@ -8,22 +8,35 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.mission.cycle import PlanAnswer
 from navigation.recording.events import PlanAnswered, RoadmapBuilt
+from planner.roadmap.roadmap import Roadmap
 
 if TYPE_CHECKING:
     from navigation.loop.recorder import Recorder
 
 
-class PlannerNews:
+_A = TypeVar("_A")
+
+
+class SeesScenes(Protocol):
+    """A planner with the roadmap of the newest scene."""
+
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """None before the first scene."""
+        ...
+
+
+class PlannerNews(Generic[_A]):
     """Scenes that have a roadmap now, and the newest plan; ``wake`` calls the loop to take them."""
 
     def __init__(
         self,
-        planner: ArenaPlanner,
+        planner: ArenaPlanner | SeesScenes,
         clock: Callable[[], float],
         wake: Callable[[], None],
         recorder: Recorder | None,
@@ -31,7 +44,7 @@ class PlannerNews:
         self._planner, self._clock, self._wake = planner, clock, wake
         self._recorder = recorder
         self._lock = threading.Lock()
-        self._answers: deque[PlanAnswer] = deque(maxlen=1)
+        self._answers: deque[_A] = deque(maxlen=1)
         self._checks: deque[SceneCheck] = deque()
         self._scene_s = self._asked_s = 0.0
         self.known_revision = 0
@@ -51,7 +64,7 @@ class PlannerNews:
         """A request goes to the planner now."""
         self._asked_s = now_s
 
-    def take(self) -> tuple[list[SceneCheck], PlanAnswer | None]:
+    def take(self) -> tuple[list[SceneCheck], _A | None]:
         """What is new since the last cycle."""
         with self._lock:
             checks = list(self._checks)
@@ -74,11 +87,11 @@ class PlannerNews:
             self._checks.append(check)
         self._wake()
 
-    def on_answer(self, answer: PlanAnswer) -> None:
+    def on_answer(self, answer: _A) -> None:
         """A request was answered."""
         now_s = self._clock()
         self.plan_s = now_s - self._asked_s
-        if self._recorder is not None:
+        if self._recorder is not None and isinstance(answer, PlanAnswer):
             self._recorder.put(PlanAnswered(now_s, answer))
         with self._lock:
             self._answers.append(answer)

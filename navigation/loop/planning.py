@@ -11,7 +11,7 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Generic, Literal, Protocol, TypeVar
 
 import numpy as np
 
@@ -201,9 +201,27 @@ def with_discs(scene: Scene, discs: Sequence[Disc]) -> Scene:
 
 
 RESTART_PATIENCE_S = 1.0
+_Q = TypeVar("_Q")
+_A = TypeVar("_A")
+_Q_contra = TypeVar("_Q_contra", contravariant=True)
+_A_co = TypeVar("_A_co", covariant=True)
 
 
-class PlannerThread:
+class Answering(Protocol[_Q_contra, _A_co]):
+    """A planner that runs beside the control loop: `ArenaPlanner`, or the fleet's."""
+
+    def see(self, scene: Scene, revision: int) -> None:
+        """Take over a new scene."""
+
+    def path_clearance_m(self, points: FloatArray) -> float | None:
+        """The exact clearance of a polyline in the newest scene; None before the first."""
+
+    def answer(self, request: _Q_contra) -> _A_co:
+        """Plan what is asked for."""
+        ...
+
+
+class PlannerThread(Generic[_Q, _A]):
     """An `ArenaPlanner` in a thread of its own; the newest scene and request win.
 
     ``on_scene`` and ``on_answer`` are called in the thread. An error in a request is its answer;
@@ -212,15 +230,15 @@ class PlannerThread:
 
     def __init__(
         self,
-        arena_planner: ArenaPlanner,
+        arena_planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[PlanAnswer], None],
+        on_answer: Callable[[_A], None],
     ) -> None:
         self.planner = arena_planner
         self._on_scene, self._on_answer = on_scene, on_answer
         self._wake = threading.Condition()
         self._scene: tuple[Scene, int, FloatArray | None] | None = None
-        self._request: PlanRequest | None = None
+        self._request: _Q | None = None
         self._stopping = False
         self._error: Exception | None = None
         self.turns = 0
@@ -245,7 +263,7 @@ class PlannerThread:
             self._scene = (scene, revision, path_points)
             self._wake.notify()
 
-    def ask(self, request: PlanRequest) -> None:
+    def ask(self, request: _Q) -> None:
         """Hand over a request."""
         with self._wake:
             self._request = request

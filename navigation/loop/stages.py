@@ -6,11 +6,13 @@ Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 from firmware_protocol.wire.framing import wire_bytes
 from firmware_protocol.wire.messages import Status
 from navigation.config import Config, limits_of
+from navigation.config.sections import RobotSection
 from navigation.loop.eye import Body, EyeSettings
 from navigation.loop.planning import PlanSettings
 from navigation.mission.cycle import PilotSettings
@@ -87,29 +89,33 @@ def plan_settings(config: Config) -> PlanSettings:
     )
 
 
-def eye_settings(config: Config) -> EyeSettings:
-    """What the eye looks for."""
-    seen = (config.robot, *config.other_robots)
+def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSettings:
+    """What the eye looks for; ``driven`` are the driven robots where there are several."""
+    robots = tuple(driven) or (config.robot,)
+    seen = (*robots, *config.other_robots)
     return EyeSettings(
         bounds_m=Bounds(*config.arena.bounds_m),
         polarity=config.vision.polarity,
         method=config.vision.method,
         threshold=config.vision.threshold,
-        driven_id=config.robot.marker_id,
+        driven_ids=tuple(one.marker_id for one in robots),
         bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
     )
 
 
-def marked_robots(config: Config) -> list[MarkedRobot]:
-    """The robots whose markers are looked for."""
-    driven = MarkedRobot(
-        config.robot.marker_id,
-        config.robot.marker_size_m,
-        config.robot.marker_height_m,
-        marker_yaw_rad=math.radians(config.robot.marker_turn_deg),
-    )
+def marked_robots(config: Config, driven: Sequence[RobotSection] = ()) -> list[MarkedRobot]:
+    """The robots whose markers are looked for; ``driven`` as for the eye."""
+    ours = [
+        MarkedRobot(
+            one.marker_id,
+            one.marker_size_m,
+            one.marker_height_m,
+            marker_yaw_rad=math.radians(one.marker_turn_deg),
+        )
+        for one in tuple(driven) or (config.robot,)
+    ]
     others = [
         MarkedRobot(one.marker_id, one.marker_size_m, one.marker_height_m)
         for one in config.other_robots
     ]
-    return [driven, *others]
+    return [*ours, *others]

@@ -7,30 +7,44 @@ camera is. Seconds of the world's clock.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 from navigation.config import Config
+from navigation.config.sections import RobotSection
 from navigation.loop.eye import Eye, Glimpse
 from navigation.loop.stages import eye_settings, marked_robots
 from navigation.shared.supervisor import in_words
-from navigation.witness import Witness
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker, RobotPose
 
 
+class KnowsLatency(Protocol):
+    """A witness, or several."""
+
+    def latency_s(self) -> float:
+        """How late the camera's pictures are, as far as that was measured."""
+        ...
+
+
 class VisionStage:
-    """The eye, the error that ended the last one, and how long the last look took."""
+    """The eye, the error that ended the last one, and how long the last look took.
+
+    ``driven`` are the driven robots where there are several.
+    """
 
     def __init__(
         self,
         config: Config,
         calibration: Calibration,
-        witness: Witness,
+        witness: KnowsLatency,
         clock: Callable[[], float],
+        driven: Sequence[RobotSection] = (),
     ) -> None:
         self._config, self._calibration = config, calibration
+        self._driven = tuple(driven)
         self._witness, self._clock = witness, clock
         self._failure: str | None = None
         self.eye = self._open_eye()
@@ -65,10 +79,10 @@ class VisionStage:
         return frame, glimpse
 
     def _open_eye(self) -> Eye:
-        robots = marked_robots(self._config)
+        robots = marked_robots(self._config, self._driven)
         rolling_s = self._config.camera.rolling_shutter_ms / 1000.0
         tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary, rolling_s)
-        return Eye(self._calibration, tracker, eye_settings(self._config))
+        return Eye(self._calibration, tracker, eye_settings(self._config, self._driven))
 
     def _dated(self, frame: Frame) -> Frame:
         """The frame with the time at which it was exposed, as far as that is known.

@@ -66,6 +66,8 @@ class Sight:
     """What camera and wheels say together."""
     scene_doubt: str | None = None
     """The sentence that says why the arena cannot be what the newest scene shows."""
+    partner: str | None = None
+    """The sentence that says which robot of the same fleet is in the path."""
 
 
 @dataclass(frozen=True, slots=True)

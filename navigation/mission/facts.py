@@ -70,6 +70,7 @@ class FactFinder:
             parted=sight.evidence.parted if mission.state is not State.PROVING else None,
             latency_s=self._latency_that_matters(now_s, sight, mission.state),
             scene_doubt=sight.scene_doubt,
+            partner=sight.partner,
         )
 
     def _latency_that_matters(self, now_s: float, sight: Sight, state: State) -> float | None:

@@ -134,10 +134,10 @@ class Pilot:
         self._rearm = True
         self.trust.vouch()
 
-    def replan(self) -> None:
+    def replan(self, why: str = "a new plan was asked for") -> None:
         """Plan anew from where the robot is; without a mission under way nothing happens."""
         if self.mission.state is State.DRIVING:
-            self._replan("a new plan was asked for")
+            self._replan(why)
 
     # The cycle.
 
@@ -354,13 +354,14 @@ class Pilot:
             self._replan(f"an obstacle {left}: planning again")
 
     def _finish(self, now_s: float, sight: Sight, robot: RobotReport) -> None:
-        if self.mission.state is not State.DRIVING or not self.plan.targets:
-            return
-        if robot.mission_id != self._mission_id:
+        ours = robot.mission_id == self._mission_id
+        if self.mission.state is not State.DRIVING or not self.plan.targets or not ours:
             return
         if robot.executed < len(self.plan.targets) or sight.pose is None:
             self._arrival.moves()
             return
+        if self.plan.visited < len(self.mission.stations):
+            return self._replan("on to the next station")  # the plan ended at one on the way
         end = self._arrival.stands(now_s, sight.pose, self.mission.stations[-1])
         if end is None:
             return

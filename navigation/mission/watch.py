@@ -69,6 +69,8 @@ class Facts:
     """The sentence that says how camera and wheels differ."""
     latency_s: float | None = None
     """How old pictures are when they arrive, measured; None while it does not matter."""
+    partner: str | None = None
+    """The sentence that says which robot of the same fleet is in the path."""
     scene_doubt: str | None = None
     """The sentence that says why the arena cannot be what the newest scene shows."""
 
@@ -94,7 +96,7 @@ def judge(facts: Facts, limits: SafetyLimits) -> Verdict:
         *_link(facts, limits),
         *_place(facts, limits),
     ]
-    holding = (facts.near_robot, facts.failed, facts.scene_doubt)
+    holding = (facts.near_robot, facts.partner, facts.failed, facts.scene_doubt)
     found += [(Action.HOLD, text) for text in holding if text is not None]
     if facts.paused:
         found.append((Action.HOLD, "paused by the operator"))

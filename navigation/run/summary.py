@@ -7,18 +7,23 @@ from what the camera saw. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
+from navigation.config import Config
 from navigation.draw import DrawError, OtherRobot, save_picture
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DrivenPlan
+from navigation.loop.parts import Frames, Link
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
+from navigation.mission.pilot import Pilot
 from navigation.run.report import (
     FrameCounts,
     Latency,
@@ -28,9 +33,11 @@ from navigation.run.report import (
     rms_and_max,
     tracking_error,
 )
-from navigation.shared.track import driven_pieces, with_breaks
+from navigation.shared.track import Track, driven_pieces, with_breaks
 from navigation.shared.whole_file import UnwrittenFileError
+from navigation.simulator.truth import Truth
 from planner.borders.polyline import arc_lengths, points_at
+from planner.roadmap.roadmap import Roadmap
 from planner.scene import FloatArray
 
 REACH_SHARE, REACH_M = 1.1, 0.02
@@ -41,7 +48,65 @@ STRETCH_STEP_M = 0.005
 """Driven stretches of replaced plans are drawn with a point this often."""
 
 
-def summarise(daemon: Daemon, state: State, reason: str, duration_s: float) -> Report:
+class HasTruth(Protocol):
+    """A world that may be simulated."""
+
+    @property
+    def truth(self) -> Truth | None:
+        """What only a simulation can know."""
+        ...
+
+
+class Driven(Protocol):
+    """One driven robot with all that was kept of its run: the daemon, or a seat of the fleet's."""
+
+    @property
+    def config(self) -> Config:
+        """The robot's own."""
+        ...
+
+    @property
+    def link(self) -> Link:
+        """The line to it."""
+        ...
+
+    @property
+    def camera(self) -> Frames:
+        """What sees it."""
+        ...
+
+    @property
+    def pilot(self) -> Pilot:
+        """What has decided for it."""
+        ...
+
+    @property
+    def plans(self) -> deque[DrivenPlan]:
+        """What it has driven."""
+        ...
+
+    @property
+    def sightings(self) -> Track:
+        """Where the camera saw it."""
+        ...
+
+    @property
+    def world(self) -> HasTruth:
+        """What it is connected to."""
+        ...
+
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """The newest."""
+        ...
+
+    @property
+    def processed(self) -> int:
+        """Pictures."""
+        ...
+
+
+def summarise(daemon: Driven, state: State, reason: str, duration_s: float) -> Report:
     """The report of DESIGN, from everything that the daemon kept."""
     track = driven_track(daemon)
     pieces = driven_pieces(track, daemon.config.robot.speed_m_s)
@@ -75,7 +140,7 @@ def summarise(daemon: Daemon, state: State, reason: str, duration_s: float) -> R
     )
 
 
-def driven_track(daemon: Daemon) -> FloatArray:
+def driven_track(daemon: Driven) -> FloatArray:
     """(n, 4) of seconds, x_m, y_m, heading_rad: the truth where simulated, else the sightings."""
     if daemon.world.truth is not None:
         return daemon.world.truth.track()
@@ -175,7 +240,7 @@ def driven_stretches(
     return stretches
 
 
-def _least_clearance_m(daemon: Daemon, pieces: Sequence[FloatArray]) -> float | None:
+def _least_clearance_m(daemon: Driven, pieces: Sequence[FloatArray]) -> float | None:
     truth, roadmap = daemon.world.truth, daemon.roadmap
     if truth is not None:
         return min((truth.track_clearance(piece) for piece in pieces), default=None)
@@ -185,7 +250,7 @@ def _least_clearance_m(daemon: Daemon, pieces: Sequence[FloatArray]) -> float | 
     return min((way.distance for way in ways), default=None)
 
 
-def _tracking(daemon: Daemon, track: FloatArray) -> FloatArray:
+def _tracking(daemon: Driven, track: FloatArray) -> FloatArray:
     """Each position's distance from the plan that was driven at its time."""
     errors = []
     plans = list(daemon.plans)
@@ -196,7 +261,7 @@ def _tracking(daemon: Daemon, track: FloatArray) -> FloatArray:
     return np.concatenate(errors) if errors else np.empty(0)
 
 
-def _goal_error(daemon: Daemon, track: FloatArray) -> tuple[float | None, float | None]:
+def _goal_error(daemon: Driven, track: FloatArray) -> tuple[float | None, float | None]:
     stations = daemon.pilot.mission.stations
     if not stations or not len(track):
         return None, None

@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from firmware_protocol.wire.messages import ResetCause
 from navigation.config import Config
-from navigation.loop.planning import ArenaPlanner, SceneCheck
+from navigation.loop.planning import Answering, ArenaPlanner, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.troubled_camera import (
     NOWHERE,
@@ -55,6 +56,30 @@ class VirtualTimes:
     look_s: float = 0.008
     scene_s: float = 0.03
     plan_s: float = 0.03
+
+
+_Q = TypeVar("_Q")
+_A = TypeVar("_A")
+
+
+class VirtualTime(Protocol):
+    """A world whose time passes only where somebody waits."""
+
+    times: VirtualTimes
+
+    def clock(self) -> float:
+        """Virtual seconds."""
+        ...
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+
+    def after(self, seconds: float, call: Callable[[], None]) -> None:
+        """Have something done when so much time has passed."""
+
+    def open_camera(self) -> Camera:
+        """A new camera, closed."""
+        ...
 
 
 class VirtualWorld:
@@ -142,7 +167,7 @@ class VirtualWorld:
         arena_planner: ArenaPlanner,
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[PlanAnswer], None],
-    ) -> VirtualPlanner:
+    ) -> VirtualPlanner[PlanRequest, PlanAnswer]:
         """The planner."""
         return VirtualPlanner(self, arena_planner, on_scene, on_answer)
 
@@ -174,7 +199,7 @@ class VirtualWorld:
 class VirtualFrames:
     """`LatestFrame` without its thread: its loop turns while the control loop waits."""
 
-    def __init__(self, world: VirtualWorld) -> None:
+    def __init__(self, world: VirtualTime) -> None:
         limits = WatchLimits(read_timeout_s=WATCH_EVERY_S)
         self._world = world
         self._latest = LatestFrame(world.open_camera, world.clock, limits)
@@ -218,15 +243,15 @@ class VirtualFrames:
         return self._latest.status()
 
 
-class VirtualPlanner:
+class VirtualPlanner(Generic[_Q, _A]):
     """Plans at once, and tells it when a planner's thread would have."""
 
     def __init__(
         self,
-        world: VirtualWorld,
-        arena_planner: ArenaPlanner,
+        world: VirtualTime,
+        arena_planner: Answering[_Q, _A],
         on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[PlanAnswer], None],
+        on_answer: Callable[[_A], None],
     ) -> None:
         self._world, self.planner = world, arena_planner
         self._on_scene, self._on_answer = on_scene, on_answer
@@ -268,7 +293,7 @@ class VirtualPlanner:
 
         self._world.after(self._world.times.scene_s, lambda: self._try(built))
 
-    def ask(self, request: PlanRequest) -> None:
+    def ask(self, request: _Q) -> None:
         """Plan; the answer comes after ``plan_s``."""
 
         def planned() -> None:

@@ -15,10 +15,10 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
-from navigation.config.sections import SIMULATED
+from navigation.config.sections import SIMULATED, RobotSection
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
-from navigation.mission.cycle import PlanAnswer
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.device_settings import device_settings
 from navigation.run.driven import driver_of, link_of, twin_of
 from navigation.simulator.arena import SimulatedArena, load_arena
@@ -61,13 +61,13 @@ class World:
         simulated_port = config.serial.port == SIMULATED
         simulated_camera = config.camera.source == SIMULATED
         self._robot: SimulatedRobot | EmulatedRobot | TwinRobot | None = None
-        self._arenas: list[tuple[float, SimulatedArena]] = []
-        self._tracks = tracks_of(config)
+        self.arenas: list[tuple[float, SimulatedArena]] = []
+        self.tracks = tracks_of(config)
         if simulated_port or simulated_camera:
-            self._arenas = arenas_over_time(config, load_arena(config))
+            self.arenas = arenas_over_time(config, load_arena(config))
         if simulated_port:
             self._robot = self._make_robot()
-            self.truth = Truth(self._arenas, self._robot, others_of(config, self._tracks))
+            self.truth = Truth(self.arenas, self._robot, others_of(config, self.tracks))
         self._shared = _shared_pose(config) if self._robot is None and simulated_camera else None
         self._known_camera = KnownCamera()
         self._began_s = clock()
@@ -124,7 +124,7 @@ class World:
         arena_planner: ArenaPlanner,
         on_scene: Callable[[SceneCheck], None],
         on_answer: Callable[[PlanAnswer], None],
-    ) -> PlannerThread:
+    ) -> PlannerThread[PlanRequest, PlanAnswer]:
         """The planner in a thread of its own."""
         return PlannerThread(arena_planner, on_scene, on_answer)
 
@@ -133,7 +133,7 @@ class World:
         camera = self.config.camera
         if camera.source == SIMULATED:
             return camera_over(
-                self.config, self._arenas, self._tracks, self._pose_now, self._clock, self._began_s
+                self.config, self.arenas, self.tracks, self.pose_now, self._clock, self._began_s
             )
         return camera_for(
             camera.source,
@@ -145,7 +145,8 @@ class World:
             known=self._known_camera,
         )
 
-    def _pose_now(self) -> tuple[float, float, float]:
+    def pose_now(self) -> tuple[float, float, float]:
+        """Where the simulated robot is, as the simulated camera sees it."""
         if self._robot is not None:
             return self._robot.pose()
         if self._shared is not None:
@@ -198,10 +199,12 @@ def camera_over(
     began_s: float,
     wait: Callable[[float], None] = time.sleep,
     doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
+    fleet: Sequence[tuple[RobotSection, Callable[[], tuple[float, float, float]]]] = (),
 ) -> SimulatedCamera:
     """The simulated camera above an arena in which things happen.
 
-    ``doubles`` say where other things with the robot's own marker are.
+    ``doubles`` say where other things with the robot's own marker are; ``fleet`` where each of
+    several driven robots is.
     """
 
     def follow(track: ScriptedTrack) -> Callable[[], tuple[float, float, float]]:
@@ -221,6 +224,7 @@ def camera_over(
         ],
         [(began_s + from_s, arena.scene) for from_s, arena in arenas if from_s > now_s],
         doubles,
+        fleet,
     )
 
 

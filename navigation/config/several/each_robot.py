@@ -28,10 +28,10 @@ def each_robot(config: Config) -> dict[str, Config]:
 
     Empty where the configuration names one robot only, in the section ``robot``.
     """
-    return {entry.name: _alone(config, entry) for entry in config.robots}
+    return {entry.name: _alone(config, i, entry) for i, entry in enumerate(config.robots)}
 
 
-def _alone(config: Config, entry: RobotEntry) -> Config:
+def _alone(config: Config, index: int, entry: RobotEntry) -> Config:
     stations = [one.stations for one in config.mission.robots if one.name == entry.name]
     mission = config.mission.model_copy(
         update={"stations": stations[0] if stations else (), "robots": ()}
@@ -40,7 +40,8 @@ def _alone(config: Config, entry: RobotEntry) -> Config:
     if simulation is not None:
         starts = [one for one in simulation.starts if one.name == entry.name]
         start = starts[0] if starts else simulation.start
-        simulation = simulation.model_copy(update={"start": start, "starts": ()})
+        seed = simulation.seed + index  # each robot has errors of its own
+        simulation = simulation.model_copy(update={"start": start, "starts": (), "seed": seed})
     journal = config.recording.journal
     if journal is not None and len(config.robots) > 1:
         journal = journal.with_name(f"{journal.name}.{entry.name}")

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navigation.config import Config
-from navigation.config.sections import MarkerSection
+from navigation.config.sections import MarkerSection, RobotSection
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainter
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
@@ -246,12 +246,14 @@ def make_camera(
     others: Sequence[PoseNow | None] = (),
     scenes: Sequence[tuple[float, Scene]] = (),
     doubles: Sequence[PoseNow] = (),
+    fleet: Sequence[tuple[RobotSection, PoseNow]] = (),
 ) -> SimulatedCamera:
     """The simulated camera of a configuration.
 
     ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
     is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
-    ``doubles`` say where else something looks like the robot.
+    ``doubles`` say where else something looks like the robot. Where several robots are driven
+    ``fleet`` is all of them, in place of the robot.
     Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
     pinhole = pinhole_of(config)
@@ -259,7 +261,10 @@ def make_camera(
     settings = config.simulation.camera
     robot = config.robot
     turn_rad = float(np.deg2rad(robot.marker_turn_deg))
-    seen: list[tuple[MarkerSection, PoseNow, float]] = [(robot, pose_now, turn_rad)]
+    seen: list[tuple[MarkerSection, PoseNow, float]] = [
+        (one, pose, float(np.deg2rad(one.marker_turn_deg)))
+        for one, pose in fleet or [(robot, pose_now)]
+    ]
     seen += [(robot, pose, turn_rad) for pose in doubles]
     seen += [
         (other, pose, 0.0)

@@ -1,0 +1,346 @@
+"""Who drives when: all stand, are planned together, and drive as far as the order allows.
+
+Rules
+- A robot that asks for a path and still stands on what it was promised continues there.
+- Anything else is planned for all: those that drive stop under control, and when all stand, one
+  plan is made of every robot that wants to move. What the others keep is taken: the place where
+  each stands, and of one that is not seen whatever it may have driven to since.
+- A robot that waits at a gate for one that will not come (stopped, failed, or held for longer than
+  ``PATIENCE_S``) has all planned again, around it.
+- Where no path was found for a robot it waits until something has changed that the plan hung on.
+
+Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from navigation.fleet.places_kept import Member, comes_too_near, places_kept
+from navigation.fleet.releases import Held, Release, release_of
+from navigation.fleet.request import FleetAnswer, FleetRequest, Promise, Taken, Traveller
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.mission import State
+from navigation.mission.running_plan import distance_to_polyline
+from planner.path import NoPath
+from planner.scene import FloatArray
+
+PATIENCE_S: Final = 6.0
+"""A robot that holds comes back by itself as a rule: marker hidden, link silent, for a moment."""
+ASK_S: Final = 0.6
+"""A robot that is to plan again asks for it within this time, or does not take part."""
+ON_TRACK_M: Final = 0.02
+"""A robot that is so near to its promised path continues on it; more is planned for."""
+SLACK_M: Final = 0.01
+"""How far below the radius a path's clearance may be in a new scene: the camera's error."""
+GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
+OVER: Final = (State.FAILED, State.STOPPED, State.IDLE)
+
+Clearance = Callable[[FloatArray], float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class FleetOrders:
+    """What follows from one cycle."""
+
+    plan_again: tuple[tuple[str, str], ...] = ()
+    """Robots that are to stop and ask for a path, and why."""
+    request: FleetRequest | None = None
+    answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
+    """For the pilots."""
+    waits: Mapping[str, str] = field(default_factory=dict)
+    """Who waits for whom and why, in a sentence each."""
+    holds: Mapping[str, str] = field(default_factory=dict)
+    """Who may not move now, and why."""
+
+
+class Coordinator:
+    """Keeps the promises, and where the fleet is between two plans."""
+
+    def __init__(self, clearance_m: Clearance) -> None:
+        self.held: dict[str, Held] = {}
+        self.rounds = 0
+        """How often all were planned together."""
+        self._clearance_m = clearance_m
+        self._open: dict[str, PlanRequest] = {}
+        self._gathering_s: float | None = None
+        self._why = ""
+        self._asked: FleetRequest | None = None
+        self._asked_ids: dict[str, int] = {}
+        self._refused: dict[str, str] = {}
+        self._refused_in: object = None
+        self._stuck_since: dict[str, float] = {}
+
+    def step(
+        self,
+        now_s: float,
+        members: Mapping[str, Member],
+        revision: int,
+        answer: FleetAnswer | None,
+    ) -> FleetOrders:
+        """One cycle; see the module's text for its rules."""
+        self._follow(members)
+        answers: dict[str, PlanAnswer] = {}
+        if answer is not None and self._asked is not None and answer.id == self._asked.id:
+            answers |= self._take(answer, members)
+        if self._gathering_s is None and self._asked is None:
+            answers |= self._continued(members, revision)
+            self._begin_round(now_s, members, revision, answers)
+        plan_again, request = (), None
+        if self._gathering_s is not None:
+            plan_again = tuple(
+                (name, self._why) for name, one in members.items() if one.state is State.DRIVING
+            )
+            if not plan_again:
+                request, told = self._gathered(now_s, members, revision)
+                answers |= told
+        for name in answers:
+            self._open.pop(name, None)
+        return FleetOrders(
+            plan_again, request, answers, self._waits(members, answers), self._holds(members)
+        )
+
+    def forget(self, name: str) -> None:
+        """The robot's promise is void: it is planned for again, and so are all."""
+        if name in self.held:
+            self.held[name].broken = True
+
+    def release(self, name: str) -> Release | None:
+        """How much of the plan that is driven now may be sent; None without a promise."""
+        held = self.held.get(name)
+        if held is None:
+            return None
+        count, gate = release_of(name, self.held)
+        return Release(max(0, count - held.base), gate)
+
+    # What was promised.
+
+    def _follow(self, members: Mapping[str, Member]) -> None:
+        for name, one in members.items():
+            if one.request is not None:
+                self._open[name] = one.request
+            if name in self._open and one.state is not State.PLANNING:
+                del self._open[name]
+            held = self.held.get(name)
+            if held is None:
+                continue
+            if one.state is State.DONE:
+                held.executed = len(held.promise.targets)
+            elif one.state in OVER:
+                held.broken = not held.is_finished
+            elif one.executed is not None and one.state is State.DRIVING:
+                executed = held.base + one.executed
+                if executed > held.executed and _is_seen_there(one, held.promise, executed):
+                    held.executed = executed
+
+    def _continued(self, members: Mapping[str, Member], revision: int) -> dict[str, PlanAnswer]:
+        """Answers for those that stand on what they were promised."""
+        answers = {}
+        for name, request in self._open.items():
+            held = self.held.get(name)
+            if held is None or held.broken or held.is_finished:
+                continue
+            if request.scene_revision != revision or not self._fits(held, request):
+                continue
+            if comes_too_near(self._ahead(name, request.start), name, members) is not None:
+                continue
+            held.base = held.executed
+            promise = held.promise
+            answers[name] = PlanAnswer(
+                request.id, revision, promise.path, promise.trajectory,
+                promise.targets[held.base :],
+            )  # fmt: skip
+        return answers
+
+    def _fits(self, held: Held, request: PlanRequest) -> bool:
+        """Whether the rest of a promise leads from where its robot is to where it wants to go."""
+        promise, here = held.promise, request.start[:2]
+        if not request.stations or request.stations[0] != promise.station:
+            return False
+        around = promise.points[max(0, held.executed - 1) : held.executed + 2]
+        if distance_to_polyline(around, here) > ON_TRACK_M:
+            return False
+        rest = np.vstack([here, promise.points[held.executed + 1 :]])
+        clearance_m = self._clearance_m(rest)
+        return clearance_m is not None and clearance_m >= promise.radius_m - SLACK_M
+
+    def _ahead(self, name: str, here: tuple[float, float, float]) -> FloatArray:
+        """The places (n >= 1, 2) from here through what the robot may drive now."""
+        held = self.held[name]
+        count, _ = release_of(name, self.held)
+        return np.vstack([here[:2], held.promise.points[held.executed + 1 : count + 1]])
+
+    # A plan for all.
+
+    def _begin_round(
+        self,
+        now_s: float,
+        members: Mapping[str, Member],
+        revision: int,
+        answers: dict[str, PlanAnswer],
+    ) -> None:
+        """Whether all have to stop and be planned together, and why."""
+        same = self._refused_in == self._situation(members, revision)
+        for name, request in self._open.items():
+            if name in answers:
+                continue
+            if name not in self._refused or not same:
+                self._why = f"planning together with {name}"
+                self._gathering_s = now_s
+                return
+            if not self._someone_drives(members):
+                answers[name] = PlanAnswer(request.id, revision, NoPath(self._refused[name]))
+        waiting = self._hopeless(now_s, members)
+        if waiting is not None:
+            self._why = waiting
+            self._gathering_s = now_s
+
+    def _hopeless(self, now_s: float, members: Mapping[str, Member]) -> str | None:
+        """The sentence where a robot waits for one that does not come."""
+        for name, one in members.items():
+            if one.state is not State.DRIVING or name not in self.held:
+                continue
+            count, gate = release_of(name, self.held)
+            if gate is None or self.held[name].executed < count:
+                self._stuck_since.pop(name, None)
+                continue
+            other = members.get(gate.other)
+            held = self.held.get(gate.other)
+            if other is not None and other.state in GOING and held is not None:
+                self._stuck_since.pop(name, None)
+                continue
+            since_s = self._stuck_since.setdefault(name, now_s)
+            lost = held is None or held.broken
+            if lost or now_s - since_s > PATIENCE_S:
+                self._stuck_since.clear()
+                return f"{gate.other} does not come: planning around it"
+        return None
+
+    def _gathered(
+        self, now_s: float, members: Mapping[str, Member], revision: int
+    ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
+        """The request, once all stand and those that want to move have asked."""
+        assert self._gathering_s is not None
+        late = now_s - self._gathering_s > ASK_S
+        for name, one in members.items():
+            if not one.stands:
+                return None, {}
+            if one.state is State.PLANNING and name not in self._open and not late:
+                return None, {}
+            if name in self._open and one.pose is None:
+                return None, {}
+        self._gathering_s = None
+        if not self._open:
+            return None, {}
+        unseen = [name for name, one in members.items() if one.pose is None]
+        if unseen:
+            why = f"{unseen[0]} was not seen yet: nobody knows where it is"
+            self._refused = dict.fromkeys(self._open, why)
+            self._refused_in = None
+            return None, {
+                name: PlanAnswer(request.id, revision, NoPath(why))
+                for name, request in self._open.items()
+            }
+        travellers = tuple(
+            Traveller(name, pose, request.stations[0], one.radius_m, one.limits_at(request))
+            for name, request in sorted(self._open.items())
+            if (one := members[name]) and (pose := one.pose) is not None
+        )
+        taken = tuple(
+            place
+            for name, one in members.items()
+            if name not in self._open
+            for place in places_kept(name, one, self.held.get(name))
+        )
+        strangers = {
+            disc.robot_id: Taken(f"robot {disc.robot_id}", disc.x_m, disc.y_m, disc.radius_m)
+            for request in self._open.values()
+            for disc in request.avoid
+        }
+        taken += tuple(strangers.values())
+        self.rounds += 1
+        self._asked = FleetRequest(self.rounds, revision, travellers, taken)
+        self._asked_ids = {name: request.id for name, request in self._open.items()}
+        return self._asked, {}
+
+    def _take(self, answer: FleetAnswer, members: Mapping[str, Member]) -> dict[str, PlanAnswer]:
+        """The new promises in place of all old ones, and the pilots' answers."""
+        assert self._asked is not None
+        starts = {one.name: one.start for one in self._asked.travellers}
+        self._asked = None
+        self.held = {name: Held(promise) for name, promise in answer.promises.items()}
+        self._refused = dict(answer.refused)
+        self._refused_in = self._situation(members, answer.scene_revision)
+        answers = {}
+        for name, request_id in self._asked_ids.items():
+            request = self._open.get(name)
+            if request is None or request.id != request_id or name not in self.held:
+                continue  # it holds, or has another mission: it asks again
+            pose = members[name].pose
+            if pose is None or math.dist(pose[:2], starts[name][:2]) > ON_TRACK_M:
+                continue
+            promise = self.held[name].promise
+            answers[name] = PlanAnswer(
+                request.id, answer.scene_revision, promise.path, promise.trajectory, promise.targets
+            )
+        return answers
+
+    def _situation(self, members: Mapping[str, Member], revision: int) -> object:
+        """What a refusal hung on: while it is the same, another plan would be refused too."""
+        at_rest = frozenset(
+            (name, round(one.pose[0], 2), round(one.pose[1], 2))
+            for name, one in members.items()
+            if one.pose is not None and not self._drives(name, one)
+        )
+        goals = frozenset((name, request.stations[0]) for name, request in self._open.items())
+        return revision, at_rest, goals
+
+    def _drives(self, name: str, one: Member) -> bool:
+        held = self.held.get(name)
+        return held is not None and not held.is_finished and not held.broken and one.state in GOING
+
+    def _someone_drives(self, members: Mapping[str, Member]) -> bool:
+        return any(self._drives(name, one) for name, one in members.items())
+
+    # What people are told.
+
+    def _waits(
+        self, members: Mapping[str, Member], answers: Mapping[str, PlanAnswer]
+    ) -> dict[str, str]:
+        waits = {}
+        for name in self._open:
+            if name not in answers and name in self._refused and self._gathering_s is None:
+                waits[name] = f"waits for the others: {self._refused[name]}"
+        for name, one in members.items():
+            if one.state is not State.DRIVING or name not in self.held:
+                continue
+            count, gate = release_of(name, self.held)
+            if gate is not None and self.held[name].executed >= count:
+                x, y = self.held[name].promise.points[count].tolist()
+                why = members[gate.other].waits_because if gate.other in members else "is gone"
+                waits[name] = f"waits at ({x:.2f}, {y:.2f}) m for {gate.other}, which {why}"
+        return waits
+
+    def _holds(self, members: Mapping[str, Member]) -> dict[str, str]:
+        holds = {}
+        for name, one in members.items():
+            held = self.held.get(name)
+            if held is None or one.state is not State.DRIVING or one.pose is None:
+                continue
+            near = comes_too_near(self._ahead(name, one.pose), name, members)
+            if near is not None:
+                holds[name] = near
+        return holds
+
+
+def _is_seen_there(one: Member, promise: Promise, executed: int) -> bool:
+    """Whether the camera sees the robot where its report says that it is."""
+    if one.pose is None:
+        return False
+    around = promise.points[max(0, executed - 1) : executed + 2]
+    return distance_to_polyline(around, one.pose[:2]) <= one.max_deviation_m

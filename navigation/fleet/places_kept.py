@@ -1,0 +1,108 @@
+"""What the coordinator knows of each robot, and the places that one keeps which does not take part.
+
+A robot that is seen keeps its body's disc. One that is not seen may be anywhere along what it was
+given, as far as it can have driven before its lease ran out and its brakes brought it to a stand:
+all of that is kept. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from navigation.fleet.releases import Held
+from navigation.fleet.request import Taken
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import State
+from navigation.mission.running_plan import distance_to_polyline
+from planner.path import Limits
+from planner.scene import FloatArray
+
+SEEN_S: Final = 0.3
+"""A robot that was seen no longer ago is where it was seen."""
+TOUCH_M: Final = 0.003
+"""Two poses' noise: bodies that come nearer may touch."""
+NEARER_M: Final = 0.004
+"""A gap that shrinks by less does not shrink."""
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """One robot in one cycle."""
+
+    state: State
+    pose: tuple[float, float, float] | None
+    """Where it was seen last; None: never."""
+    pose_age_s: float
+    stands: bool
+    """Whether it does not move; of one that is not seen: cannot move any more."""
+    radius_m: float
+    limits: Limits
+    max_deviation_m: float
+    reach_m: float
+    """How far it drives at most after it was seen last, until its lease and its brakes end that."""
+    executed: int | None = None
+    """Of the plan that it drives now; None where it drives none."""
+    request: PlanRequest | None = None
+    """What it asks for in this cycle."""
+    sentence: str = ""
+    """What its mission says."""
+
+    def limits_at(self, request: PlanRequest) -> Limits:
+        """What it can do, no faster than it asks for."""
+        if request.speed_m_s is None or request.speed_m_s >= self.limits.speed:
+            return self.limits
+        slow = min(self.limits.slow_speed, request.speed_m_s)
+        return replace(self.limits, speed=request.speed_m_s, slow_speed=slow)
+
+    @property
+    def waits_because(self) -> str:
+        """What another robot that waits for this one says of it."""
+        if self.state is State.DRIVING:
+            return "has to pass first"
+        return f"is {self.state.value}: {self.sentence}" if self.sentence else "does not drive"
+
+
+def places_kept(name: str, one: Member, held: Held | None) -> Iterator[Taken]:
+    """The discs in which a robot is that does not take part in a plan."""
+    if one.pose is None:
+        return
+    x, y, _ = one.pose
+    yield Taken(name, x, y, one.radius_m)
+    if one.pose_age_s <= SEEN_S or held is None:
+        return
+    for at_x, at_y in _ahead(one.pose[:2], held, one.reach_m):
+        yield Taken(name, at_x, at_y, one.radius_m + one.max_deviation_m)
+
+
+def _ahead(here: tuple[float, float], held: Held, reach_m: float) -> Iterator[tuple[float, float]]:
+    """The promised places (closer than a radius each) that it can have come to."""
+    gone_m, before = 0.0, here
+    for x, y in held.promise.points[held.executed + 1 :].tolist():
+        gone_m += math.dist(before, (x, y))
+        before = (x, y)
+        yield x, y
+        if gone_m > reach_m:
+            return
+
+
+def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) -> str | None:
+    """The sentence where a robot's way leads into another one's body; None where all is clear.
+
+    ``way`` (n >= 1, 2) begins where the robot is. What does not come nearer than it is now is no
+    reason to hold.
+    """
+    radius_m = members[name].radius_m
+    for other, one in members.items():
+        if other == name or one.pose is None:
+            continue
+        bodies_m = radius_m + one.radius_m
+        now_m = float(np.hypot(*(way[0] - np.array(one.pose[:2])))) - bodies_m
+        least_m = distance_to_polyline(way, one.pose[:2]) - bodies_m
+        if least_m < min(TOUCH_M, now_m - NEARER_M):
+            return f"{other} is in the path: it leaves {max(least_m, 0.0):.3f} m"
+    return None

@@ -1,0 +1,257 @@
+"""From a fleet's plan to promises: each robot's targets, and the gates at the places it shares.
+
+Rules
+- Every radius is planned with a margin, so that robots which follow their paths to within it never
+  touch. Where two starts, two goals, or a start and a wall are nearer than that, the margin is what
+  there is room for.
+- Tracks are cut into short pieces before the order at shared places is taken from them: a robot
+  waits no longer than it must, and the place it waits at is one of its targets.
+- A robot that has no path is left out, with the reason, and keeps the place where it stands; the
+  others are planned around it.
+
+Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations, pairwise
+from typing import Final
+
+import numpy as np
+
+import planner
+from navigation.fleet.request import (
+    FleetAnswer,
+    FleetRequest,
+    Gate,
+    Promise,
+    Taken,
+    Traveller,
+)
+from navigation.mission.mission import Station
+from navigation.mission.targets import Target
+from planner.fleet.dependencies import find_dependencies, is_live
+from planner.fleet.fleet_plan import FleetPlan
+from planner.motion.trajectory import TrajectoryError
+from planner.path import Limits, Path, Trajectory
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import CircleRecord, FloatArray, Scene, SceneObject
+
+PIECE_M: Final = 0.05
+"""Between two targets: as `planning.waypoint_spacing_m` is where nothing is said."""
+SLACK_M: Final = 1e-4
+"""Less room than this is none: a tenth of what the camera can tell."""
+OVERLAP_M: Final = 0.003
+"""Two poses' noise: robots that touch by less stand side by side."""
+STANDS_M_S: Final = 1e-3
+"""A waypoint that is slower is a stop."""
+TIME_LIMIT_S: Final = 3.0
+"""Of one search; the robots stand meanwhile."""
+ROUNDS: Final = 10
+"""Of shortening: 40 ms with six robots."""
+NOT_LIVE: Final = "their paths form a full ring, in which each would wait for the next"
+
+
+def plan_promises(
+    roadmap: Roadmap, scene: Scene, request: FleetRequest, keep_m: float
+) -> FleetAnswer:
+    """Promises for all travellers that can move, two bodies ``keep_m`` apart where there is room.
+
+    ``roadmap`` is of the smallest robot in ``scene``.
+    """
+    moving, taken = list(request.travellers), list(request.taken)
+    refused: dict[str, str] = {}
+    while moving:
+        here = roadmap.updated(_with_taken(scene, taken, moving)) if taken else roadmap
+        found = _try(here, moving, taken, keep_m)
+        if isinstance(found, dict):
+            return FleetAnswer(request.id, request.scene_revision, found, refused)
+        blocking, reason = found
+        out = moving.pop(blocking)
+        refused[out.name] = reason
+        taken.append(Taken(out.name, out.start[0], out.start[1], out.radius_m))
+    return FleetAnswer(request.id, request.scene_revision, {}, refused)
+
+
+def _try(
+    here: Roadmap, moving: Sequence[Traveller], taken: Sequence[Taken], keep_m: float
+) -> dict[str, Promise] | tuple[int, str]:
+    """Promises for all of them, or which of them to leave out and why."""
+    for i, one in enumerate(moving):
+        for other in taken:
+            gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
+            if gap_m < one.radius_m + other.radius_m:
+                return i, f"{other.name} is at its goal"
+    names = [one.name for one in moving]
+    sizes = _sizes(here, moving, keep_m)
+    plan = planner.plan_fleet(
+        here,
+        [one.start[:2] for one in moving],
+        [(one.station.x, one.station.y) for one in moving],
+        radii=sizes,
+        limits=[one.limits for one in moving],
+        time_limit_s=TIME_LIMIT_S,
+        improve=ROUNDS,
+    )
+    if not isinstance(plan, FleetPlan):
+        who = plan.blocking or tuple(range(len(moving)))
+        around = f" around {_listed([one.name for one in taken])}" if taken else ""
+        return who[-1], f"{_with_names(plan.reason, names)}{around}"
+    tracks = [split_track(track, PIECE_M) for track in plan.tracks]
+    waits = find_dependencies(tracks, sizes)
+    if not is_live(tracks, waits):
+        return len(moving) - 1, f"{_listed(names)}: {NOT_LIVE}"
+    numbers = [point_numbers(track) for track in tracks]
+    promises = {}
+    for j, one in enumerate(moving):
+        last = int(numbers[j][-1])
+        gates = [
+            Gate(int(numbers[j][row]), names[i], _number(numbers[i], passed))
+            for i, passed, waiting, row in waits
+            if waiting == j and row < len(numbers[j]) and numbers[j][row] < last
+        ]
+        try:
+            promises[one.name] = _promise(here, one, tracks[j], numbers[j], gates)
+        except TrajectoryError as error:
+            return j, str(error)
+    return promises
+
+
+def _promise(
+    here: Roadmap, one: Traveller, track: FloatArray, numbers: FloatArray, gates: Sequence[Gate]
+) -> Promise:
+    first = np.concatenate([[True], np.diff(numbers) > 0])
+    points = np.ascontiguousarray(track[first, 1:])
+    path = path_of(here, points, one)
+    trajectory = None
+    if len(points) > 1:
+        trajectory = planner.time_path(
+            path, one.limits, clearance=here.clearance, dwell_s=[0.0, one.station.dwell_s]
+        )
+    targets = _targets(points, trajectory, one.station, one.limits)
+    return Promise(
+        one.name, one.station, points, targets, tuple(gates), path, trajectory, one.radius_m
+    )
+
+
+def path_of(roadmap: Roadmap, points: FloatArray, one: Traveller) -> Path:
+    """The polyline as a path with its clearances."""
+    found = roadmap.path_clearance(points)
+    clearances = roadmap.clearance(points)
+    for array in (points, clearances):
+        array.flags.writeable = False
+    nearest = int(clearances.argmin())
+    least, at = found.distance, found.at
+    if clearances[nearest] < least:
+        least, at = (
+            float(clearances[nearest]),
+            (float(points[nearest, 0]), float(points[nearest, 1])),
+        )
+    return Path(
+        points=points,
+        clearances=clearances,
+        length=float(np.hypot(*np.diff(points, axis=0).T).sum()) if len(points) > 1 else 0.0,
+        min_clearance=least,
+        min_clearance_at=at,
+        robot_radius=one.radius_m,
+        stations=(0, len(points) - 1),
+        headings_rad=(None, one.station.heading_rad),
+        scene=roadmap.scene,
+    )
+
+
+def _targets(
+    points: FloatArray, trajectory: Trajectory | None, station: Station, limits: Limits
+) -> tuple[Target, ...]:
+    """A target at every point but the first; one where the robot is there already."""
+    (x, y) = points[-1].tolist()
+    end = Target(x, y, limits.speed, True, station.heading_rad, station.dwell_s, 1)
+    if trajectory is None or len(points) < 2:
+        return (end,)
+    way = np.array([(w.x, w.y) for w in trajectory.waypoints])
+    speeds = np.array([w.speed for w in trajectory.waypoints])
+    along_way, along = _lengths(way), _lengths(points)
+    along_way *= along[-1] / max(along_way[-1], 1e-12)
+    at = np.interp(along, along_way, speeds)
+    targets = [
+        Target(px, py, 0.0 if v < STANDS_M_S else v, bool(v < STANDS_M_S))
+        for (px, py), v in zip(points[1:-1].tolist(), at[1:-1].tolist(), strict=True)
+    ]
+    return (*targets, replace(end, speed_m_s=0.0))
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def split_track(track: FloatArray, piece_m: float) -> FloatArray:
+    """The track (k, 3) of t, x, y with rows no further apart than a piece."""
+    rows = [track[:1]]
+    for a, b in pairwise(track):
+        parts = max(1, math.ceil(math.dist(a[1:], b[1:]) / piece_m - 1e-9))
+        share = np.arange(1, parts + 1)[:, None] / parts
+        rows.append(a + share * (b - a))
+        rows[-1][-1] = b
+    return np.concatenate(rows)
+
+
+def point_numbers(track: FloatArray) -> FloatArray:
+    """For each row the number of its place along the track: rows at one place share it."""
+    moves = np.any(track[1:, 1:] != track[:-1, 1:], axis=1)
+    return np.concatenate([[0], np.cumsum(moves)]).astype(np.int64)
+
+
+def _number(numbers: FloatArray, row: int) -> int:
+    return int(numbers[min(row, len(numbers) - 1)])
+
+
+def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[float]:
+    """Each robot's radius with the margin that there is room for."""
+    margin_m = 0.5 * keep_m
+    for a, b in combinations(moving, 2):
+        both_m = a.radius_m + b.radius_m
+        goals_m = math.dist((a.station.x, a.station.y), (b.station.x, b.station.y))
+        for apart_m in (math.dist(a.start[:2], b.start[:2]), goals_m):
+            margin_m = min(margin_m, 0.5 * (apart_m - both_m) - SLACK_M)
+    sizes = []
+    for one in moving:
+        ends = np.array([one.start[:2], (one.station.x, one.station.y)])
+        room_m = float(here.clearance(ends).min()) - one.radius_m - SLACK_M
+        sizes.append(one.radius_m + max(min(margin_m, room_m), -OVERLAP_M))
+    return sizes
+
+
+def _with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]) -> Scene:
+    """The scene with what is taken as round obstacles, smaller where a robot stands beside."""
+    first = 1 + max((thing.id for thing in scene.objects), default=-1)
+    things = []
+    for i, one in enumerate(taken):
+        at = (one.x_m, one.y_m)
+        room_m = min(
+            (math.dist(at, m.start[:2]) - m.radius_m - 2.0 * SLACK_M for m in moving),
+            default=math.inf,
+        )
+        radius_m = min(one.radius_m, room_m)
+        if radius_m > 0.0:
+            things.append(SceneObject(first + i, (CircleRecord(at, radius_m),)))
+    return replace(scene, objects=(*scene.objects, *things))
+
+
+def _with_names(reason: str, names: Sequence[str]) -> str:
+    """A reason that speaks of robots by number, with their names."""
+
+    def named(found: re.Match[str]) -> str:
+        return _listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
+
+    return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)
+
+
+def _listed(names: Sequence[str]) -> str:
+    unique = list(dict.fromkeys(names))
+    if len(unique) < 2:
+        return "".join(unique)
+    return f"{', '.join(unique[:-1])} and {unique[-1]}"

@@ -1,0 +1,52 @@
+"""How far each robot may drive of what it was promised, and for whom it waits.
+
+Rules
+- A robot is given its targets up to its first gate whose other robot has not passed yet.
+- A robot has passed a target when it reports that and the camera sees it there.
+- A robot whose promise is not known any more has passed nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from navigation.fleet.request import Gate, Promise
+
+
+@dataclass(slots=True)
+class Held:
+    """A promise that is being kept, and how far its robot has come."""
+
+    promise: Promise
+    executed: int = 0
+    """Of the promise's targets."""
+    base: int = 0
+    """How many of them were executed when the plan that is driven now began."""
+    broken: bool = False
+    """The robot will not drive the rest."""
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the robot is at its end."""
+        return self.executed >= len(self.promise.targets)
+
+
+class Release(NamedTuple):
+    """How many targets may be sent, and the gate that ends them."""
+
+    count: int
+    gate: Gate | None
+
+
+def release_of(name: str, held: Mapping[str, Held]) -> Release:
+    """What the robot may drive now."""
+    promise = held[name].promise
+    count, closed = len(promise.targets), None
+    for gate in promise.gates:
+        other = held.get(gate.other)
+        passed = -1 if other is None else other.executed
+        if passed < gate.passed and gate.before < count:
+            count, closed = gate.before, gate
+    return Release(count, closed)

@@ -1,0 +1,79 @@
+"""What is asked of the fleet's planner, and what it answers. Metres, radians, seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from navigation.mission.mission import Station
+from navigation.mission.targets import Target
+from planner.path import Limits, Path, Trajectory
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Traveller:
+    """A robot that wants to move: where it stands, and the station that it goes to."""
+
+    name: str
+    start: tuple[float, float, float]
+    station: Station
+    radius_m: float
+    limits: Limits
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """A round place that a robot which does not take part keeps."""
+
+    name: str
+    x_m: float
+    y_m: float
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class FleetRequest:
+    """Ask for paths for all travellers at once, around what is taken."""
+
+    id: int
+    scene_revision: int
+    travellers: tuple[Traveller, ...]
+    taken: tuple[Taken, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Gate:
+    """Of a promise: no more than ``before`` targets before another robot has executed ``passed``
+    of its own."""
+
+    before: int
+    other: str
+    passed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Promise:
+    """What one robot may drive in the end: its path, the targets along it, and its gates.
+
+    ``points`` (n + 1, 2): where it stood, and the place of each of its n targets.
+    """
+
+    name: str
+    station: Station
+    points: FloatArray
+    targets: tuple[Target, ...]
+    gates: tuple[Gate, ...]
+    path: Path
+    trajectory: Trajectory | None
+    radius_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class FleetAnswer:
+    """A promise for each traveller that has one, and the reason for each that has none."""
+
+    id: int
+    scene_revision: int
+    promises: Mapping[str, Promise]
+    refused: Mapping[str, str]

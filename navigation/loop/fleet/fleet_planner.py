@@ -1,0 +1,59 @@
+"""The fleet's planner beside the control loop: the newest scene's roadmap, and promises for all."""
+
+from __future__ import annotations
+
+from navigation.config import Config, limits_of
+from navigation.fleet.planning import plan_promises
+from navigation.fleet.request import FleetAnswer, FleetRequest
+from navigation.loop.planning import ArenaPlanner
+from navigation.loop.stages import plan_settings
+from navigation.shared.supervisor import in_words
+from planner.path import Limits
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import FloatArray, Scene, Vec
+
+
+class FleetPlanner:
+    """Keeps the roadmap of the smallest robot in the newest scene, and answers with it."""
+
+    def __init__(self, configs: dict[str, Config]) -> None:
+        smallest = min(configs.values(), key=lambda config: config.robot.radius_m)
+        self._arena = ArenaPlanner(plan_settings(smallest))
+        self._keep_m = min(config.safety.other_robots_m for config in configs.values())
+        self._scene: Scene | None = None
+
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """The newest roadmap; None before the first scene."""
+        return self._arena.roadmap
+
+    def see(self, scene: Scene, revision: int) -> None:
+        """Take over a new scene."""
+        self._arena.see(scene, revision)
+        self._scene = scene
+
+    def path_clearance_m(self, points: FloatArray) -> float | None:
+        """The exact clearance of a polyline in the newest scene; None before the first."""
+        return self._arena.path_clearance_m(points)
+
+    def clearance_m(self, position: Vec) -> float | None:
+        """The exact clearance of a place in the newest scene; None before the first."""
+        return self._arena.clearance_m(position)
+
+    def answer(self, request: FleetRequest) -> FleetAnswer:
+        """Promises for all that can move; where the planner fails, that is everyone's refusal."""
+        names = [one.name for one in request.travellers]
+        if self.roadmap is None or self._scene is None:
+            return FleetAnswer(request.id, 0, {}, dict.fromkeys(names, "no scene was seen yet"))
+        revision = self._arena.revision
+        try:
+            answer = plan_promises(self.roadmap, self._scene, request, self._keep_m)
+        except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
+            why = f"the planner failed on this request ({in_words(error)})"
+            return FleetAnswer(request.id, revision, {}, dict.fromkeys(names, why))
+        return FleetAnswer(answer.id, revision, answer.promises, answer.refused)
+
+
+def limits_of_robot(config: Config) -> Limits:
+    """What one robot can do, as the planner takes it."""
+    return limits_of(config)

@@ -1,0 +1,184 @@
+"""One robot of several in the control loop: its pilot, its link, and what the camera says of it.
+
+The parts are those of a run with one robot. Metres, radians, seconds of the world's clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+from navigation.config import Config
+from navigation.fleet.places_kept import Member
+from navigation.fleet.releases import Release
+from navigation.journal.journal import Journal, SentPlan
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop.daemon_state import DrivenPlan
+from navigation.loop.fleet.fleet_planner import limits_of_robot
+from navigation.loop.parts import Link
+from navigation.loop.reports import robot_report
+from navigation.loop.robot_orders import RobotOrders
+from navigation.loop.stages import pilot_settings, witness_limits
+from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
+from navigation.mission.mission import State
+from navigation.mission.pilot import Pilot
+from navigation.mission.targets import to_wire
+from navigation.mission.traffic import REACTION_S, STANDING_M_S
+from navigation.mission.trust import Level
+from navigation.shared.track import Track
+from navigation.witness import NO_EVIDENCE, Witness
+from vision.markers.markers import RobotPose
+
+PLANS_KEPT: Final = 200
+AHEAD: Final = 40
+"""Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
+STOOD_S: Final = 0.25
+"""A robot that was seen to stand for so long stands."""
+
+
+class Seat:
+    """One robot's parts, its pose, and what it was given."""
+
+    def __init__(self, name: str, config: Config, link: Link, first_mission_id: int) -> None:
+        self.name, self.config, self.link = name, config, link
+        self.pilot = Pilot(pilot_settings(config), first_mission_id)
+        self.orders = RobotOrders(link, config)
+        self.witness = Witness(witness_limits(config))
+        self.pose: RobotPose | None = None
+        self.pose_arrived_s = -math.inf
+        self.plans: deque[DrivenPlan] = deque(maxlen=PLANS_KEPT)
+        self.sightings = Track()
+        self.evidence = NO_EVIDENCE
+        self.answer: PlanAnswer | None = None
+        """What the pilot is told in the next cycle."""
+        self.journal: Journal | None = None
+        self.partner: str | None = None
+        """The sentence that says which robot of the fleet is in the path."""
+        self._limits = limits_of_robot(config)
+        self._moved_s = math.inf
+        self._sent: tuple[int, int] | None = None
+        """The plan's mission on the wire, and how many of its targets may be sent."""
+        self.clearance_m: float | None = None
+
+    # What comes in.
+
+    def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> None:
+        """The newest picture's poses: the robot gets its own at once."""
+        pose = poses.get(self.config.robot.marker_id)
+        if pose is None:
+            return
+        self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
+        if self._moved_s == math.inf or math.hypot(pose.vx, pose.vy) > STANDING_M_S:
+            self._moved_s = pose.captured_s
+        self.pose, self.pose_arrived_s = pose, frame_s
+        self.witness.saw(pose, frame_s)
+        if self.pilot.trust.level is not Level.DOUBTED:
+            self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
+
+    def hears(self, snapshot: LinkSnapshot, now_s: float, *, forget_latency: bool) -> None:
+        """The wheels' side of the story."""
+        if snapshot.status is not None:
+            self.witness.report(snapshot.status, now_s - snapshot.status_age_s)
+        if forget_latency:
+            self.witness.forget_latency()
+        self.evidence = self.witness.evidence()
+
+    def report(self, snapshot: LinkSnapshot) -> RobotReport:
+        """What the pilot is told of the robot.
+
+        One that has driven all it was given waits for another robot: it is not idle.
+        """
+        report = robot_report(snapshot)
+        if self._sent is not None and report.mission_id == self._sent[0]:
+            count = self._sent[1]
+            if report.executed >= count < len(self.pilot.plan.targets):
+                return replace(report, standing_reason=None)
+        return report
+
+    def member(self, now_s: float, orders: Orders, snapshot: LinkSnapshot) -> Member:
+        """What the coordinator needs to know."""
+        pose, robot = self.pose, self.config.robot
+        age_s = now_s - self.pose_arrived_s
+        return Member(
+            state=self.pilot.mission.state,
+            pose=None if pose is None else (pose.x, pose.y, pose.heading_rad),
+            pose_age_s=age_s,
+            stands=self._stands(now_s, age_s, snapshot),
+            radius_m=robot.radius_m,
+            limits=self._limits,
+            max_deviation_m=self.config.safety.max_deviation_m,
+            reach_m=robot.speed_m_s * self.stop_s,
+            executed=self.pilot.plan.executed if self.pilot.plan.path is not None else None,
+            request=orders.request,
+            sentence=self.pilot.mission.reason,
+        )
+
+    @property
+    def stop_s(self) -> float:
+        """How long the robot can drive at most after it was seen last: lease, and brakes."""
+        robot, safety = self.config.robot, self.config.safety
+        braking_s = robot.speed_m_s / robot.acceleration_m_s2
+        return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
+
+    def _stands(self, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
+        if self.pose is None:
+            return True  # nobody knows: the coordinator refuses to plan
+        if age_s > self.config.safety.pose_stale_s:
+            return age_s > self.stop_s
+        if snapshot.down_reason is None and snapshot.moving:
+            return False
+        return now_s - self._moved_s > STOOD_S
+
+    # What goes out.
+
+    def carry_out(
+        self, orders: Orders, now_s: float, sight: Sight, release: Release | None
+    ) -> None:
+        """Send what the cycle has decided, of the plan no more than is released."""
+        self.orders.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
+        if orders.estop:
+            self._sent = None
+            return
+        if orders.measure_latency:
+            self.witness.measure_again()
+        if orders.upload is not None:
+            self._upload(orders, now_s, release)
+        elif self._sent is not None and self.pilot.mission.state is State.DRIVING:
+            self._release_more(release)
+        if not orders.permit:
+            self._sent = None
+
+    def _upload(self, orders: Orders, now_s: float, release: Release | None) -> None:
+        assert orders.upload is not None
+        mission_id, targets = orders.upload
+        if self.pilot.plan.path is None or orders.measure_latency:  # a turn on the spot
+            self.link.upload(mission_id, to_wire(targets))
+            return
+        count = 0 if release is None else min(release.count, AHEAD)
+        self._sent = mission_id, count
+        self.plans.append(DrivenPlan(self.pilot.plan.path, self.pilot.plan.trajectory, now_s))
+        self.link.upload(mission_id, to_wire(targets), True, count)
+
+    def _release_more(self, release: Release | None) -> None:
+        assert self._sent is not None
+        mission_id, before = self._sent
+        if release is None:
+            return
+        count = min(release.count, self.pilot.plan.executed + AHEAD)
+        if count > before:
+            self._sent = mission_id, count
+            self.link.release(mission_id, count)
+
+    def write_journal(self, orders: Orders, now_s: float) -> str:
+        """Keep mission, progress and the plan before they take effect; the trouble with it."""
+        mission = self.pilot.mission
+        if self.journal is None or not mission.stations:
+            return ""
+        sent = None
+        if orders.upload is not None:
+            sent = SentPlan(orders.upload[0], mission.visited, orders.upload[1])
+        self.journal.keep(mission, sent, now_s)
+        return self.journal.trouble

@@ -1,0 +1,150 @@
+"""The report of a run of several robots: each robot's own, and how near any two came.
+
+Units: metres, degrees, seconds; latencies in milliseconds.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from navigation.config.secrets import hide_in
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.seat import Seat
+from navigation.loop.parts import Frames
+from navigation.mission.mission import State
+from navigation.run.report import Report
+from navigation.run.summary import HasTruth, summarise
+from navigation.shared.whole_file import write_whole
+from navigation.simulator.truth import Truth
+from planner.fleet.track_kernels import nearest_pair
+from planner.roadmap.roadmap import Roadmap
+
+
+@dataclass(frozen=True, slots=True)
+class FleetReport:
+    """The summary of one run; None where a thing could not be known."""
+
+    state: str
+    reason: str
+    duration_s: float
+    least_gap_m: float | None
+    """Between the bodies of the two robots that came nearest; below 0 they touched."""
+    least_gap_between: tuple[str, str] | None
+    min_clearance_m: float | None
+    """Of the robot that came nearest to an obstacle: from its centre."""
+    rounds: int
+    """How often all were planned together."""
+    robots: Mapping[str, Report]
+
+    def as_json(self) -> dict[str, Any]:
+        """As JSON takes it."""
+        return {
+            "state": self.state,
+            "reason": self.reason,
+            "duration_s": self.duration_s,
+            "least_gap_m": self.least_gap_m,
+            "least_gap_between": self.least_gap_between,
+            "min_clearance_m": self.min_clearance_m,
+            "rounds": self.rounds,
+            "robots": {name: asdict(report) for name, report in self.robots.items()},
+        }
+
+    def to_json(self) -> str:
+        """As one JSON object; numbers are finite or null."""
+        return json.dumps(hide_in(self.as_json()), indent=2, allow_nan=False)
+
+    def write(self, path: Path) -> None:
+        """Write the JSON file; ``UnwrittenFileError`` where that cannot be done."""
+        write_whole(path, self.to_json() + "\n")
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Label and value, for a person."""
+        gap = "unknown"
+        if self.least_gap_m is not None and self.least_gap_between is not None:
+            a, b = self.least_gap_between
+            gap = f"{self.least_gap_m * 1e3:.1f} mm, between {a} and {b} (ground truth)"
+        return [
+            ("state", f"{self.state}: {self.reason}"),
+            ("least gap", gap),
+            ("duration", f"{self.duration_s:.1f} s"),
+            ("planned together", f"{self.rounds} times"),
+            *((name, _in_short(report)) for name, report in self.robots.items()),
+        ]
+
+
+def _in_short(report: Report) -> str:
+    off = report.goal_error_m
+    goal = "" if off is None else f", {off * 1e3:.1f} mm from its goal"
+    visited = f"{report.stations_visited} of {report.stations} stations"
+    return f"{report.state}, {visited}{goal}"
+
+
+@dataclass(frozen=True, slots=True)
+class _World:
+    truth: Truth | None
+
+
+class _Alone:
+    """One seat as `summarise` sees a robot that is driven alone."""
+
+    def __init__(self, daemon: FleetDaemon, seat: Seat, truth: Truth | None) -> None:
+        self.config, self.link, self.pilot = seat.config, seat.link, seat.pilot
+        self.plans, self.sightings = seat.plans, seat.sightings
+        self.camera: Frames = daemon.camera
+        self.world: HasTruth = _World(truth)
+        self.roadmap: Roadmap | None = daemon.roadmap
+        self.processed = daemon.processed
+
+
+def summarise_fleet(
+    daemon: FleetDaemon,
+    truths: Mapping[str, Truth],
+    state: State,
+    reason: str,
+    duration_s: float,
+) -> FleetReport:
+    """The report, from everything that the daemon kept; ``truths`` of the simulated robots."""
+    robots = {}
+    for name, seat in daemon.seats.items():
+        mission = seat.pilot.mission
+        alone = _Alone(daemon, seat, truths.get(name))
+        robots[name] = summarise(alone, mission.state, mission.reason, duration_s)
+    gap = least_gap(daemon, truths)
+    clearances = [one.min_clearance_m for one in robots.values() if one.min_clearance_m is not None]
+    return FleetReport(
+        state=state.value if state in (State.DONE, State.FAILED) else State.STOPPED.value,
+        reason=reason,
+        duration_s=duration_s,
+        least_gap_m=None if gap is None else gap[0],
+        least_gap_between=None if gap is None else gap[1:],
+        min_clearance_m=min(clearances, default=None),
+        rounds=daemon.coordinator.rounds,
+        robots=robots,
+    )
+
+
+def least_gap(
+    daemon: FleetDaemon, truths: Mapping[str, Truth]
+) -> tuple[float, str, str] | None:
+    """How near two bodies came by the ground truth, and which; None with fewer than two.
+
+    Between two moments at which places are known, 20 ms apart, both move straight and evenly.
+    """
+    names, tracks = [], []
+    for name, truth in truths.items():
+        track = truth.track()
+        if len(track):
+            names.append(name)
+            tracks.append(np.ascontiguousarray(track[:, :3]))
+    if len(names) < 2:
+        return None
+    radii = np.array([daemon.seats[name].config.robot.radius_m for name in names])
+    first = np.concatenate([[0], np.cumsum([len(track) for track in tracks])]).astype(np.int64)
+    gap_m, i, j, _ = nearest_pair(np.concatenate(tracks), first, radii)
+    return float(gap_m), names[int(i)], names[int(j)]

@@ -1,0 +1,49 @@
+"""A whole run of several robots in virtual time: the same every time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from navigation.config import Config
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.mission.mission import State
+from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.fleet.give_missions import give_missions
+from navigation.run.virtual_world import VirtualTimes
+
+FIRST_MISSION_ID = 1
+Look = Callable[[FleetDaemon, FleetState], bool]
+
+
+def run_fleet_virtually(
+    config: Config,
+    times: VirtualTimes | None = None,
+    *,
+    meet: Callable[[FleetVirtualWorld, float], None] | None = None,
+    look: Look | None = None,
+) -> FleetReport:
+    """Drive the configured missions until all are over or the time limit; the run's report.
+
+    ``meet`` is called every millisecond with the world and the time since the start, and may
+    change its troubles; ``look`` after each cycle, and ends the run where it is True.
+    """
+    if config.simulation is None:
+        raise ValueError("a run in virtual time needs a section 'simulation'")
+    world = FleetVirtualWorld(config, times)
+    if meet is not None:
+        world.meet = lambda since_s: meet(world, since_s)
+    with FleetDaemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
+        give_missions(daemon)
+        while True:
+            now = daemon.cycle()
+            if now.is_over or (look is not None and look(daemon, now)):
+                state, reason = now.state, now.sentence
+                break
+            if now.time_s > config.simulation.time_limit_s:
+                limit_s = config.simulation.time_limit_s
+                state, reason = State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
+                break
+        duration_s = world.clock() - daemon.started_s
+        return summarise_fleet(daemon, world.truths, state, reason, duration_s)

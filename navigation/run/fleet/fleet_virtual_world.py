@@ -1,0 +1,170 @@
+"""Several simulated robots in virtual time: each its own line, wheels and troubles, one camera.
+
+Metres, radians, virtual seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from navigation.config import Config
+from navigation.config.several.each_robot import each_robot
+from navigation.fleet.request import FleetAnswer, FleetRequest
+from navigation.loop.fleet.fleet_planner import FleetPlanner
+from navigation.loop.planning import SceneCheck
+from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera, seen_pose
+from navigation.run.virtual_link import VirtualLink
+from navigation.run.virtual_troubles import Troubles
+from navigation.run.virtual_world import VirtualFrames, VirtualPlanner, VirtualTimes
+from navigation.run.world import calibration_of, camera_over
+from navigation.simulator.arena import load_arena
+from navigation.simulator.drive_model import TruePose
+from navigation.simulator.happenings import arenas_over_time, tracks_of
+from navigation.simulator.settings import (
+    drive_model_of,
+    drive_settings_of,
+    faults_of,
+    true_start_of,
+)
+from navigation.simulator.truth import Truth
+from navigation.simulator.virtual_loop import VirtualLoop
+from navigation.simulator.virtual_robot import VirtualRobot
+from vision.camera.camera import Camera, CameraError
+
+
+@dataclass(slots=True)
+class Body:
+    """One simulated robot with its line and what may go wrong with it."""
+
+    config: Config
+    loop: VirtualLoop
+    robot: VirtualRobot
+    troubles: Troubles = field(default_factory=Troubles)
+    frozen: bool = False
+    """Its processor does nothing."""
+    stuck_at: TruePose | None = None
+
+    def tick(self) -> None:
+        """One millisecond."""
+        loop, troubles = self.loop, self.troubles
+        loop.knobs.cable = not (troubles.cable_out or troubles.port_broken)
+        loop.knobs.frozen = self.frozen
+        if troubles.carried_to is not None:
+            loop.drive.pose = TruePose(*troubles.carried_to)
+            troubles.carried_to = None
+        if troubles.stuck:
+            self.stuck_at = self.stuck_at or loop.drive.pose
+            loop.drive.pose = self.stuck_at
+        else:
+            self.stuck_at = None
+        loop.tick()
+
+
+def _body(config: Config) -> Body:
+    assert config.simulation is not None
+    loop = VirtualLoop(
+        seed=config.simulation.seed,
+        faults=faults_of(config),
+        model=drive_model_of(config),
+        settings=drive_settings_of(config),
+        start=true_start_of(config),
+        baud=config.serial.baud,
+    )
+    loop.knobs.camera = loop.knobs.lease = False
+    return Body(config, loop, VirtualRobot(loop))
+
+
+class FleetVirtualWorld:
+    """`fleet_daemon.FleetSurroundings` in virtual time."""
+
+    def __init__(self, config: Config, times: VirtualTimes | None = None) -> None:
+        assert config.simulation is not None
+        self.config = config
+        self.times = times or VirtualTimes()
+        self.camera_troubles = CameraTroubles()
+        self.bodies = {name: _body(one) for name, one in each_robot(config).items()}
+        self._memory = Memory(np.random.default_rng(config.simulation.seed))
+        self._arenas = arenas_over_time(config, load_arena(config))
+        self._tracks = tracks_of(config)
+        self.calibration = calibration_of(config)
+        self.truths = {name: Truth(self._arenas, body.robot) for name, body in self.bodies.items()}
+        self._began_s = 0.0
+        self._due: list[tuple[float, Callable[[], None]]] = []
+        self.meet: Callable[[float], None] | None = None
+        """Called every millisecond with the time since the start: a test's troubles."""
+
+    def clock(self) -> float:
+        """Virtual seconds."""
+        return next(iter(self.bodies.values())).loop.now_s
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass: bytes travel, the robots drive, and what is due is done."""
+        end_s = self.clock() + seconds
+        while self.clock() < end_s - 1e-9:
+            if self.meet is not None:
+                self.meet(self.clock() - self._began_s)
+            for body in self.bodies.values():
+                body.tick()
+            now_s = self.clock()
+            for item in [item for item in self._due if item[0] <= now_s]:
+                self._due.remove(item)
+                item[1]()
+        for body in self.bodies.values():
+            body.robot.keep_track()
+            body.loop.events.clear()
+
+    def after(self, seconds: float, call: Callable[[], None]) -> None:
+        """Have something done when so much time has passed."""
+        self._due.append((self.clock() + seconds, call))
+
+    def make_frames(self) -> VirtualFrames:
+        """The camera."""
+        return VirtualFrames(self)
+
+    def make_link(self, name: str) -> VirtualLink:
+        """The link to one robot."""
+        body = self.bodies[name]
+        return VirtualLink(body.loop, body.troubles)
+
+    def make_fleet_planner(
+        self,
+        planner: FleetPlanner,
+        on_scene: Callable[[SceneCheck], None],
+        on_answer: Callable[[FleetAnswer], None],
+    ) -> VirtualPlanner[FleetRequest, FleetAnswer]:
+        """The planner."""
+        return VirtualPlanner(self, planner, on_scene, on_answer)
+
+    def open_camera(self) -> Camera:
+        """A new camera over what the arena is by now."""
+        if self.camera_troubles.camera_lost:
+            raise CameraError("simulated camera: is unplugged")
+
+        def pose_of(body: Body) -> Callable[[], tuple[float, float, float]]:
+            return lambda: seen_pose(body.robot.pose(), body.troubles)
+
+        bodies = list(self.bodies.values())
+        camera = camera_over(
+            self.config,
+            self._arenas,
+            self._tracks,
+            pose_of(bodies[0]),
+            self.clock,
+            self._began_s,
+            self.wait,
+            fleet=[(body.config.robot, pose_of(body)) for body in bodies],
+        )
+        return TroubledCamera(camera, self.camera_troubles, self._memory, self.clock, self.wait)
+
+    def start(self) -> None:
+        """What happens in the arena counts from the first start."""
+        if self._began_s == 0.0:
+            self._began_s = self.clock()
+            for truth in self.truths.values():
+                truth.began_s = self._began_s
+
+    def stop(self) -> None:
+        """The robots stay switched on."""
