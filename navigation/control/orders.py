@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Final, Protocol
+from typing import Any, Final, Protocol, runtime_checkable
 
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.mission.mission import MissionError, Station
@@ -22,6 +22,7 @@ SCHEMA: Final = "clearway.status/1"
 LONGEST_DWELLS_S: Final = 86_400.0
 """All stays together: a day. They are planned in parts of 25 s, which must stay countable."""
 REASON_CHARACTERS: Final = 500
+ROBOT_CHARACTERS: Final = 64
 
 
 class ControlError(ValueError):
@@ -54,9 +55,19 @@ class Commanded(Protocol):
         ...
 
 
+@runtime_checkable
+class HasRobots(Protocol):
+    """A daemon of several robots."""
+
+    def of(self, robot: str) -> Commanded:
+        """One of them; MissionError where there is none of that name."""
+        ...
+
+
 def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
     """Do what a request asks for; the answer, never an exception for a bad request."""
     try:
+        daemon = _meant(request, daemon)
         match request.get("order"):
             case "go":
                 daemon.give(read_stations(request.get("stations")))
@@ -77,6 +88,18 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
     except (ControlError, MissionError) as error:
         return {"ok": False, "error": str(error)}
     return {"schema": SCHEMA, "ok": True, **daemon.describe()}
+
+
+def _meant(request: Mapping[str, Any], daemon: Commanded) -> Commanded:
+    """The robot that a request names; the daemon, and so all its robots, where it names none."""
+    name = request.get("robot")
+    if name is None:
+        return daemon
+    if not isinstance(name, str):
+        raise ControlError(f"robot: must be a name, not {in_short(name)}")
+    if not isinstance(daemon, HasRobots):
+        raise ControlError(f"robot {in_short(name)}: this run has one robot, which has no name")
+    return daemon.of(printable(name, ROBOT_CHARACTERS))
 
 
 def _reason(request: Mapping[str, Any]) -> str:

@@ -309,6 +309,14 @@ class Runner:
             return NO_PATH
         return DONE if interrupted and not daemon.pilot.mission.stations else FAILED
 
+    def say_line(self, line: str) -> None:
+        """A line for people."""
+        self._say(line)
+
+    def log_state(self, robot: str, state: State, reason: str) -> None:
+        """News of one of several robots, for the log."""
+        self._log.write("info", "state", robot=robot, state=state.value, reason=reason)
+
     def _time_limit_s(self) -> float:
         simulation = self.config.simulation
         return math.inf if simulation is None or not self._once else simulation.time_limit_s

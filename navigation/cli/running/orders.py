@@ -15,14 +15,26 @@ socket_option = click.option(
 )
 
 
-def _send(path: Path | None, form: str, request: dict[str, Any]) -> None:
+robot_option = click.option(
+    "--robot", "robot", metavar="NAME", help="Of several robots this one; default: all."
+)
+
+
+def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | None) -> None:
     from navigation.control import default_socket, send_order
 
+    if robot is not None:
+        request = {**request, "robot": robot}
     answer = send_order(path or default_socket(), request)
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
         return
     click.echo(f"{answer['state']}: {answer['reason']}")
+    robots = answer.get("robots")
+    if isinstance(robots, dict):
+        width = max(map(len, robots))
+        for name, one in robots.items():
+            click.echo(f"  {name:<{width}}  {one['state']}: {one['waits'] or one['reason']}")
 
 
 @click.command(
@@ -37,31 +49,43 @@ def _send(path: Path | None, form: str, request: dict[str, Any]) -> None:
     default=0.0,
     help="Seconds to stay at each.",
 )
+@click.option("--robot", "robot", metavar="NAME", help="Which of several robots goes.")
 @socket_option
 @format_option()
-def go(stations: tuple[Station, ...], dwell_s: float, path: Path | None, form: str) -> None:
+def go(
+    stations: tuple[Station, ...],
+    dwell_s: float,
+    robot: str | None,
+    path: Path | None,
+    form: str,
+) -> None:
     """Drive to X,Y[,DEG], one or several, in metres of the arena."""
     wanted = [
         {"x_m": s.x, "y_m": s.y, "heading_rad": s.heading_rad, "dwell_s": dwell_s} for s in stations
     ]
-    _send(path, form, {"order": "go", "stations": wanted})
+    _send(path, form, {"order": "go", "stations": wanted}, robot)
 
 
 @click.command(short_help="Emergency stop of the running daemon's robot.")
 @click.option("--reason", default="stopped from the command line", help="Shown with the stop.")
+@robot_option
 @socket_option
 @format_option()
-def stop(reason: str, path: Path | None, form: str) -> None:
-    """Stop the robot at once; it stays stopped until `clearway resume` re-arms it."""
-    _send(path, form, {"order": "stop", "reason": reason})
+def stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
+    """Stop the robot at once; it stays stopped until `clearway resume` re-arms it.
+
+    Of several robots all are stopped, or the one that --robot names.
+    """
+    _send(path, form, {"order": "stop", "reason": reason}, robot)
 
 
 def _plain(name: str, short: str, text: str) -> click.Command:
     @click.command(name, short_help=short, help=text)
+    @robot_option
     @socket_option
     @format_option()
-    def order(path: Path | None, form: str) -> None:
-        _send(path, form, {"order": name})
+    def order(robot: str | None, path: Path | None, form: str) -> None:
+        _send(path, form, {"order": name}, robot)
 
     return order
 

@@ -20,6 +20,7 @@ from navigation.cli.voice import Voice, complain
 if TYPE_CHECKING:
     from navigation.config import Config
     from navigation.machine.logs import EventLog, Level
+    from navigation.run.fleet.fleet_report import FleetReport
     from navigation.run.report import Report
     from navigation.run.runner import Runner
 
@@ -74,9 +75,11 @@ def command(
     --once an interrupt is the ordinary end, and the code is 0. SIGHUP reads
     CONFIG again: if the new file is valid, it is run; if not, all errors are reported.
     """
+    from navigation.config.several.each_robot import settled
     from navigation.machine.descriptors import set_descriptor_limit
     from navigation.machine.logs import EventLog
     from navigation.machine.sd_notify import Notifier, watchdog_period_s
+    from navigation.run.fleet.fleet_runner import FleetRunner
     from navigation.run.runner import Runner
     from navigation.shared.whole_file import UnwrittenFileError
 
@@ -93,7 +96,9 @@ def command(
     log.write("info", "started", config=str(config), version=version("clearway"))
     notifier = Notifier.from_environment(os.environ)
     while loaded is not None:
-        runner = Runner(
+        loaded = settled(loaded)
+        fleet = len(loaded.robots) > 1
+        runner = (FleetRunner if fleet else Runner)(
             loaded,
             once=once,
             file=config,
@@ -109,15 +114,22 @@ def command(
         )
         reload = _Reload(config, loaded, runner, log)
         with signals_heard(runner, reload):
-            result = runner.run()
+            done, folder, exit_code = (
+                runner.run_fleet() if isinstance(runner, FleetRunner) else _run_one(runner)
+            )
         loaded = reload.fresh
     if report is not None:
         try:
-            result.report.write(report)
+            done.write(report)
         except UnwrittenFileError as error:
             complain(f"clearway: {error}")
-    show(voice, result.report, str(result.folder or "nothing: no room"))
-    return result.exit_code
+    show(voice, done, str(folder or "nothing: no room"))
+    return exit_code
+
+
+def _run_one(runner: Runner) -> tuple[Report, Path | None, int]:
+    result = runner.run()
+    return result.report, result.folder, result.exit_code
 
 
 def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
@@ -174,7 +186,7 @@ class _Reload:
         self._runner.interrupt.set()
 
 
-def show(voice: Voice, report: Report, kept_in: str) -> None:
+def show(voice: Voice, report: Report | FleetReport, kept_in: str) -> None:
     """Print the report as two columns, and where it is kept."""
     width = max(len(label) for label, _ in report.lines())
     voice.tell("")

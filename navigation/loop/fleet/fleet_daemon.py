@@ -11,21 +11,20 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final
 
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.coordinator import Coordinator
-from navigation.fleet.request import FleetAnswer, FleetRequest
+from navigation.fleet.request import FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.loop.fleet.fleet_parts import FleetSurroundings, OneOfFleet
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.other_robots import OtherRobots
-from navigation.loop.parts import Frames, Link, PlannerPart
 from navigation.loop.planner_news import PlannerNews
-from navigation.loop.planning import SceneCheck
 from navigation.loop.reports import camera_reason, describe, to_go_m
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
@@ -35,7 +34,6 @@ from navigation.recording.events import SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
-from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.markers import RobotPose
 
@@ -45,45 +43,6 @@ if TYPE_CHECKING:
 LONGEST_CYCLE_S: Final = 0.05
 SETTLE_S: Final = 0.3
 """An order's answer waits so long at most for a cycle that acts on it."""
-
-
-class FleetSurroundings(Protocol):
-    """What a run of several robots is connected to."""
-
-    @property
-    def calibration(self) -> Calibration:
-        """Where pixels lie on the floor."""
-        ...
-
-    def clock(self) -> float:
-        """Monotonic seconds."""
-        ...
-
-    def wait(self, seconds: float) -> None:
-        """Let time pass."""
-
-    def make_frames(self) -> Frames:
-        """The camera."""
-        ...
-
-    def make_link(self, name: str) -> Link:
-        """The link to one robot."""
-        ...
-
-    def make_fleet_planner(
-        self,
-        planner: FleetPlanner,
-        on_scene: Callable[[SceneCheck], None],
-        on_answer: Callable[[FleetAnswer], None],
-    ) -> PlannerPart[FleetRequest]:
-        """The planner."""
-        ...
-
-    def start(self) -> None:
-        """Switch simulated robots on."""
-
-    def stop(self) -> None:
-        """Switch them off."""
 
 
 class _Witnesses:
@@ -224,6 +183,11 @@ class FleetDaemon:
         if robot not in self.seats:
             raise MissionError(f"robot '{robot}': there are {', '.join(self.seats)}")
         return [self.seats[robot]]
+
+    def of(self, robot: str) -> OneOfFleet:
+        """One robot, taking orders; ``MissionError`` where there is none of that name."""
+        (seat,) = self._chosen(robot)
+        return OneOfFleet(self, seat.name)
 
     def give(self, stations: tuple[Station, ...], robot: str | None = None) -> None:
         """A new mission for one robot; ``MissionError`` where it cannot be."""

@@ -129,9 +129,7 @@ def summarise_fleet(
     )
 
 
-def least_gap(
-    daemon: FleetDaemon, truths: Mapping[str, Truth]
-) -> tuple[float, str, str] | None:
+def least_gap(daemon: FleetDaemon, truths: Mapping[str, Truth]) -> tuple[float, str, str] | None:
     """How near two bodies came by the ground truth, and which; None with fewer than two.
 
     Between two moments at which places are known, 20 ms apart, both move straight and evenly.

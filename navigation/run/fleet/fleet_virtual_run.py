@@ -10,7 +10,7 @@ from navigation.loop.fleet.fleet_state import FleetState
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
-from navigation.run.fleet.give_missions import give_missions
+from navigation.run.fleet.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualTimes
 
 FIRST_MISSION_ID = 1
@@ -35,10 +35,11 @@ def run_fleet_virtually(
     if meet is not None:
         world.meet = lambda since_s: meet(world, since_s)
     with FleetDaemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
-        give_missions(daemon)
+        missions = GiveMissions(daemon, lambda _line: None)
         while True:
             now = daemon.cycle()
-            if now.is_over or (look is not None and look(daemon, now)):
+            missions.cycle()
+            if (missions.are_given and now.is_over) or (look is not None and look(daemon, now)):
                 state, reason = now.state, now.sentence
                 break
             if now.time_s > config.simulation.time_limit_s:

@@ -1,0 +1,186 @@
+"""One run of several robots from its beginning to its report.
+
+Units: metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from contextlib import ExitStack
+from pathlib import Path
+
+from navigation.config import Config
+from navigation.config.sections import SIMULATED
+from navigation.config.several.each_robot import each_robot
+from navigation.control import ControlServer, default_socket
+from navigation.journal.journal import Journal, owner_of
+from navigation.link.serial_port import PortNotReadyError, look_for_port
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.machine.sd_notify import Watchdog
+from navigation.mission.mission import State
+from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
+from navigation.run.fleet.fleet_warm_up import warm_up_fleet
+from navigation.run.fleet.fleet_world import FleetWorld
+from navigation.run.fleet.give_missions import GiveMissions
+from navigation.run.runner import DONE, FAILED, NO_PATH, PROGRESS_EVERY_S, Runner
+from navigation.shared.supervisor import Part
+from navigation.shared.whole_file import UnwrittenFileError
+
+
+class FleetRunner(Runner):
+    """Runs a configuration of several robots; its arguments are the runner's of one."""
+
+    def run_fleet(self) -> tuple[FleetReport, Path | None, int]:
+        """Until all missions are over (``once``), the time limit, or an interrupt.
+
+        The report, the run's folder (None: there was no room for one) and the exit code.
+        """
+        self._refuse_what_is_no_port()
+        with ExitStack() as open_things:
+            journals = self._open_journals(open_things)
+            folder = self._open_folder(open_things)
+            if not self._warm_up():
+                report = _of_nothing(self.config, f"{self.interrupt_reason} before anything moved")
+                self._write(folder, report)
+                return report, folder, FAILED if self._once else DONE
+            warm_up_fleet(self.config)
+            world = FleetWorld(self.config, self._clock, wait_for_port=not self._once)
+            ports = ", ".join(f"{name} on {port}" for name, port in world.ports.items())
+            self._say(f"camera {self.config.camera.source}, {ports}")
+            first_id = random.SystemRandom().randrange(1, 1 << 32)
+            daemon = open_things.enter_context(
+                FleetDaemon(self.config, world, first_mission_id=first_id)
+            )
+            for name, journal in journals.items():
+                daemon.seats[name].journal = journal
+            socket = self._socket or default_socket()
+            control = open_things.enter_context(ControlServer(socket, daemon))
+            daemon.look_after(
+                "control socket", Part(control.failure, control.restart), lambda: control.turns
+            )
+            self._say(
+                f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
+            )
+            missions = GiveMissions(daemon, self._say)
+            self._notifier.send("READY=1")
+            self._log.write("info", "ready", camera=self.config.camera.source, port=ports)
+            open_things.callback(self._notifier.send, "STOPPING=1")
+            state, reason = self._drive_all(daemon, missions)
+            daemon.halt()
+            daemon.let_the_robots_stop()
+            duration_s = self._clock() - daemon.started_s
+            report = summarise_fleet(daemon, world.truths, state, reason, duration_s)
+            self._log.write(
+                "info", "finished", state=report.state, reason=reason, duration_s=duration_s
+            )
+        self._write(folder, report)
+        return report, folder, self._exit_code_of(state, daemon)
+
+    def _write(self, folder: Path | None, report: FleetReport) -> None:
+        if folder is None:
+            return
+        try:
+            report.write(folder / "report.json")
+        except UnwrittenFileError as error:
+            self._say(f"trouble: {error}")
+
+    def _refuse_what_is_no_port(self) -> None:
+        """``PortError`` where waiting would not help, and with ``once`` where nobody waits."""
+        for config in each_robot(self.config).values():
+            if config.serial.port == SIMULATED:
+                continue
+            try:
+                look_for_port(config.serial.port)
+            except PortNotReadyError:
+                if self._once:
+                    raise
+
+    def _open_journals(self, open_things: ExitStack) -> dict[str, Journal]:
+        """A journal for each robot, beside each other."""
+        journals = {}
+        for name, config in each_robot(self.config).items():
+            path = config.recording.journal
+            if path is None:
+                continue
+            journal = open_things.enter_context(Journal(path, owner_of(config, self._file)))
+            journals[name] = journal
+            for sentence in filter(None, (journal.remark, journal.trouble)):
+                self._log.write("warning", "trouble", reason=sentence)
+                self._say(f"{name}: {sentence}")
+        return journals
+
+    def _drive_all(self, daemon: FleetDaemon, missions: GiveMissions) -> tuple[State, str]:
+        limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
+        watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
+        teller = _Teller(self)
+        while True:
+            now = daemon.cycle()
+            missions.cycle()
+            teller.cycle(now)
+            watchdog.tick(self._clock())
+            if self.interrupt.is_set():
+                return State.STOPPED, self.interrupt_reason
+            if self._once and now.time_s > give_up_s and not daemon.has_met_its_devices:
+                reason = f"given up after {give_up_s:g} s without all robots and the camera"
+                return State.FAILED, f"{reason}: {now.sentence}"
+            if now.time_s > limit_s:
+                return State.FAILED, f"not done within {limit_s:g} s: {now.sentence}"
+            if self._once and missions.are_given and now.is_over:
+                return now.state, now.sentence
+
+    def _exit_code_of(self, state: State, daemon: FleetDaemon) -> int:
+        interrupted = self.interrupt.is_set()
+        if state is State.DONE or (interrupted and not self._once):
+            return DONE
+        if any(seat.pilot.no_path for seat in daemon.seats.values()):
+            return NO_PATH
+        return FAILED
+
+
+class _Teller:
+    """Says what is news of each robot, and once in a while where all are."""
+
+    def __init__(self, runner: FleetRunner) -> None:
+        self._runner = runner
+        self._said: dict[str, tuple[State, str]] = {}
+        self._said_s = -math.inf
+
+    def cycle(self, now: FleetState) -> None:
+        """After a cycle that ended with ``now``."""
+        runner = self._runner
+        for name, one in now.robots.items():
+            mission = one.mission
+            said = self._said.get(name)
+            news = said is None or said[0] is not mission.state
+            news |= (
+                said is not None and mission.state is not State.HOLDING and said[1] != one.sentence
+            )
+            if not news or not mission.stations:
+                continue
+            self._said[name] = mission.state, one.sentence
+            self._said_s = now.time_s
+            runner.say_line(
+                f"{now.time_s:6.1f} s  {name:<8} {mission.state.value:<8}  {one.sentence}"
+            )
+            runner.log_state(name, mission.state, one.sentence)
+        if now.time_s - self._said_s >= PROGRESS_EVERY_S and not now.is_over:
+            self._said_s = now.time_s
+            runner.say_line(f"{now.time_s:6.1f} s  {now.state.value:<8} {_to_go(now)}")
+
+
+def _to_go(now: FleetState) -> str:
+    """How far each robot has still to go."""
+    parts = []
+    for name, one in now.robots.items():
+        if one.to_go_m is not None and not one.mission.is_over:
+            parts.append(f"{name} {one.to_go_m:.2f} m to go")
+        elif one.mission.state is State.HOLDING:
+            parts.append(f"{name} holds")
+    return ", ".join(parts)
+
+
+def _of_nothing(config: Config, reason: str) -> FleetReport:
+    """Of a run that was ended before it had robots and a camera."""
+    return FleetReport("stopped", reason, 0.0, None, None, None, 0, {})
