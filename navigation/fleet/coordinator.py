@@ -25,7 +25,7 @@ from navigation.fleet.places_kept import Member, comes_too_near, places_kept
 from navigation.fleet.releases import Held, Release, release_of
 from navigation.fleet.request import FleetAnswer, FleetRequest, Promise, Taken, Traveller
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.mission.mission import State
+from navigation.mission.mission import State, Station
 from navigation.mission.running_plan import distance_to_polyline
 from planner.path import NoPath
 from planner.scene import FloatArray
@@ -59,6 +59,25 @@ class FleetOrders:
     """Who may not move now, and why."""
 
 
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What a refusal hung on: while it is the same, another plan would be refused too."""
+
+    revision: int
+    goals: frozenset[tuple[str, Station]]
+    at_rest: Mapping[str, tuple[float, float]]
+    """Where those are that do not drive."""
+
+    def is_like(self, other: Situation | None) -> bool:
+        """Whether nothing has changed but by noise."""
+        if other is None or (self.revision, self.goals) != (other.revision, other.goals):
+            return False
+        if self.at_rest.keys() != other.at_rest.keys():
+            return False
+        places = ((at, other.at_rest[name]) for name, at in self.at_rest.items())
+        return all(math.dist(here, there) < ON_TRACK_M for here, there in places)
+
+
 class Coordinator:
     """Keeps the promises, and where the fleet is between two plans."""
 
@@ -73,7 +92,7 @@ class Coordinator:
         self._asked: FleetRequest | None = None
         self._asked_ids: dict[str, int] = {}
         self._refused: dict[str, str] = {}
-        self._refused_in: object = None
+        self._refused_in: Situation | None = None
         self._stuck_since: dict[str, float] = {}
 
     def step(
@@ -91,7 +110,8 @@ class Coordinator:
         if self._gathering_s is None and self._asked is None:
             answers |= self._continued(members, revision)
             self._begin_round(now_s, members, revision, answers)
-        plan_again, request = (), None
+        plan_again: tuple[tuple[str, str], ...] = ()
+        request = None
         if self._gathering_s is not None:
             plan_again = tuple(
                 (name, self._why) for name, one in members.items() if one.state is State.DRIVING
@@ -185,7 +205,7 @@ class Coordinator:
         answers: dict[str, PlanAnswer],
     ) -> None:
         """Whether all have to stop and be planned together, and why."""
-        same = self._refused_in == self._situation(members, revision)
+        same = self._situation(members, revision).is_like(self._refused_in)
         for name, request in self._open.items():
             if name in answers:
                 continue
@@ -290,15 +310,18 @@ class Coordinator:
             )
         return answers
 
-    def _situation(self, members: Mapping[str, Member], revision: int) -> object:
-        """What a refusal hung on: while it is the same, another plan would be refused too."""
-        at_rest = frozenset(
-            (name, round(one.pose[0], 2), round(one.pose[1], 2))
+    def _situation(self, members: Mapping[str, Member], revision: int) -> Situation:
+        at_rest = {
+            name: one.pose[:2]
             for name, one in members.items()
             if one.pose is not None and not self._drives(name, one)
+        }
+        goals = frozenset(
+            (name, request.stations[0])
+            for name, request in self._open.items()
+            if name in self._refused
         )
-        goals = frozenset((name, request.stations[0]) for name, request in self._open.items())
-        return revision, at_rest, goals
+        return Situation(revision, goals, at_rest)
 
     def _drives(self, name: str, one: Member) -> bool:
         held = self.held.get(name)

@@ -35,7 +35,7 @@ from navigation.fleet.request import (
 from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from planner.fleet.dependencies import find_dependencies, is_live
-from planner.fleet.fleet_plan import FleetPlan
+from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
 from planner.motion.trajectory import TrajectoryError
 from planner.path import Limits, Path, Trajectory
 from planner.roadmap.roadmap import Roadmap
@@ -51,9 +51,13 @@ STANDS_M_S: Final = 1e-3
 """A waypoint that is slower is a stop."""
 TIME_LIMIT_S: Final = 3.0
 """Of one search; the robots stand meanwhile."""
+SEEDS: Final = 4
+"""Of a plan that would need its timing others are tried, from another beginning each."""
+LESS_ROOM: Final = 0.3
+"""Of the distance that bodies keep, where there is no plan with all of it."""
 ROUNDS: Final = 10
 """Of shortening: 40 ms with six robots."""
-NOT_LIVE: Final = "their paths form a full ring, in which each would wait for the next"
+NOT_LIVE: Final = "every plan that was found has robots wait for each other in a ring"
 
 
 def plan_promises(
@@ -86,31 +90,18 @@ def _try(
             gap_m = math.dist((one.station.x, one.station.y), (other.x_m, other.y_m))
             if gap_m < one.radius_m + other.radius_m:
                 return i, f"{other.name} is at its goal"
-    names = [one.name for one in moving]
-    sizes = _sizes(here, moving, keep_m)
-    plan = planner.plan_fleet(
-        here,
-        [one.start[:2] for one in moving],
-        [(one.station.x, one.station.y) for one in moving],
-        radii=sizes,
-        limits=[one.limits for one in moving],
-        time_limit_s=TIME_LIMIT_S,
-        improve=ROUNDS,
-    )
-    if not isinstance(plan, FleetPlan):
-        who = plan.blocking or tuple(range(len(moving)))
+    found = _ordered(here, moving, keep_m)
+    if isinstance(found, NoFleetPlan):
         around = f" around {_listed([one.name for one in taken])}" if taken else ""
-        return who[-1], f"{_with_names(plan.reason, names)}{around}"
-    tracks = [split_track(track, PIECE_M) for track in plan.tracks]
-    waits = find_dependencies(tracks, sizes)
-    if not is_live(tracks, waits):
-        return len(moving) - 1, f"{_listed(names)}: {NOT_LIVE}"
-    numbers = [point_numbers(track) for track in tracks]
+        who = found.blocking or tuple(range(len(moving)))
+        return who[-1], f"{_with_names(found.reason, [one.name for one in moving])}{around}"
+    tracks, waits = found
     promises = {}
+    numbers = [point_numbers(track) for track in tracks]
     for j, one in enumerate(moving):
         last = int(numbers[j][-1])
         gates = [
-            Gate(int(numbers[j][row]), names[i], _number(numbers[i], passed))
+            Gate(int(numbers[j][row]), moving[i].name, _number(numbers[i], passed))
             for i, passed, waiting, row in waits
             if waiting == j and row < len(numbers[j]) and numbers[j][row] < last
         ]
@@ -119,6 +110,39 @@ def _try(
         except TrajectoryError as error:
             return j, str(error)
     return promises
+
+
+def _ordered(
+    here: Roadmap, moving: Sequence[Traveller], keep_m: float
+) -> tuple[list[FloatArray], list[Dependency]] | NoFleetPlan:
+    """Tracks in short pieces, and an order at shared places in which nobody waits in a circle.
+
+    With less room between the bodies, and then from other beginnings, where there is none else.
+    """
+    refused: NoFleetPlan | None = None
+    for share, seed in ((1.0, 0), (LESS_ROOM, 0), *((1.0, seed) for seed in range(1, SEEDS))):
+        sizes = _sizes(here, moving, share * keep_m)
+        plan = planner.plan_fleet(
+            here,
+            [one.start[:2] for one in moving],
+            [(one.station.x, one.station.y) for one in moving],
+            radii=sizes,
+            limits=[one.limits for one in moving],
+            time_limit_s=TIME_LIMIT_S,
+            improve=ROUNDS,
+            seed=seed,
+        )
+        if isinstance(plan, FleetPlan):
+            tracks = [split_track(track, PIECE_M) for track in plan.tracks]
+            waits = find_dependencies(tracks, sizes)
+            if is_live(tracks, waits):
+                return tracks, waits
+            refused = refused or NoFleetPlan(NOT_LIVE)
+        elif seed == 0:
+            refused = plan
+            if share < 1.0:
+                return refused
+    return refused or NoFleetPlan(NOT_LIVE)
 
 
 def _promise(
@@ -160,7 +184,6 @@ def path_of(roadmap: Roadmap, points: FloatArray, one: Traveller) -> Path:
         robot_radius=one.radius_m,
         stations=(0, len(points) - 1),
         headings_rad=(None, one.station.heading_rad),
-        scene=roadmap.scene,
     )
 
 

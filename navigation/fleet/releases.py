@@ -36,7 +36,7 @@ class Held:
 class Release(NamedTuple):
     """How many targets may be sent, and the gate that ends them."""
 
-    count: int
+    targets: int
     gate: Gate | None
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
@@ -19,17 +19,16 @@ from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.request import FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes
-from navigation.loop.fleet.fleet_parts import FleetSurroundings, OneOfFleet
+from navigation.loop.fleet.fleet_parts import FleetSurroundings
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.other_robots import OtherRobots
 from navigation.loop.planner_news import PlannerNews
-from navigation.loop.reports import camera_reason, describe, to_go_m
+from navigation.loop.reports import camera_reason, to_go_m
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, Sight
-from navigation.mission.mission import Mission, MissionError, Station
 from navigation.recording.events import SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
@@ -103,7 +102,7 @@ class FleetDaemon:
         )
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self._recorder = recorder
-        self._lock = threading.Lock()
+        self.lock = threading.Lock()
         self.scene: Scene | None = None
         self._scene_doubt = SceneDoubt()
         self.processed = 0
@@ -118,7 +117,7 @@ class FleetDaemon:
         self._doubles: Mapping[int, str] = {}
         self._reopened = 0
         self._forget_latency = False
-        self._waits: Mapping[str, str] = {}
+        self.waits: Mapping[str, str] = {}
         self._cycles = self._ended = 0
         self._further_turns: dict[str, Callable[[], int]] = {}
         self._turned = threading.Condition()
@@ -175,66 +174,10 @@ class FleetDaemon:
         self._supervisor.add(name, part)
         self._further_turns[name] = turns
 
-    # Orders from people; ``robot`` is a name, None where all are meant.
-
-    def _chosen(self, robot: str | None) -> list[Seat]:
-        if robot is None:
-            return list(self.seats.values())
-        if robot not in self.seats:
-            raise MissionError(f"robot '{robot}': there are {', '.join(self.seats)}")
-        return [self.seats[robot]]
-
-    def of(self, robot: str) -> OneOfFleet:
-        """One robot, taking orders; ``MissionError`` where there is none of that name."""
-        (seat,) = self._chosen(robot)
-        return OneOfFleet(self, seat.name)
-
-    def give(self, stations: tuple[Station, ...], robot: str | None = None) -> None:
-        """A new mission for one robot; ``MissionError`` where it cannot be."""
-        if robot is None:
-            names = ", ".join(self.seats)
-            raise MissionError(f"there are several robots: say which one goes (--robot: {names})")
-        (seat,) = self._chosen(robot)
-        with self._lock:
-            seat.pilot.give(stations)
-
-    def restore(self, robot: str, mission: Mission) -> None:
-        """Go on with a robot's mission from its journal."""
-        with self._lock:
-            self.seats[robot].pilot.restore(mission)
-
-    def stop(self, reason: str, robot: str | None = None) -> None:
-        """Emergency stop of one or all: straight to the links, past every queue, then latched."""
-        chosen = self._chosen(robot)
-        for seat in chosen:
-            seat.link.estop()
-        with self._lock:
-            for seat in chosen:
-                seat.pilot.stop(reason)
-
-    def pause(self, robot: str | None = None) -> None:
-        """Hold where the robots are."""
-        chosen = self._chosen(robot)
-        with self._lock:
-            for seat in chosen:
-                seat.pilot.pause()
-
-    def resume(self, robot: str | None = None) -> None:
-        """End a pause; after a stop re-arm the robots, and the next time go on."""
-        chosen = self._chosen(robot)
-        with self._lock:
-            for seat in chosen:
-                seat.pilot.resume()
-            self._scene_doubt.accept()
-            self._forget_latency = True
-
-    def replan(self, robot: str | None = None) -> None:
-        """Plan again from where the robots are."""
-        chosen = self._chosen(robot)
-        with self._lock:
-            for seat in chosen:
-                self.coordinator.forget(seat.name)
-                seat.pilot.replan()
+    def accept_arena(self) -> None:
+        """A person says that arena and camera are as they are seen now."""
+        self._scene_doubt.accept()
+        self._forget_latency = True
 
     def settle(self) -> None:
         """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""
@@ -242,33 +185,6 @@ class FleetDaemon:
         self.camera.wake()
         with self._turned:
             self._turned.wait_for(lambda: self._ended >= wanted, SETTLE_S)
-
-    def describe(self, robot: str | None = None) -> dict[str, Any]:
-        """The present state as JSON takes it: of one robot, or of all by name."""
-        chosen = self._chosen(robot)
-        told = {seat.name: self._describe_one(seat) for seat in chosen}
-        if robot is not None:
-            return told[robot]
-        state = self.state
-        return {
-            "state": "starting" if state is None else state.state.value,
-            "reason": "" if state is None else state.sentence,
-            "robots": told,
-        }
-
-    def _describe_one(self, seat: Seat) -> dict[str, Any]:
-        with self._lock:
-            mission, pose = seat.pilot.mission, seat.pose
-        snapshot = seat.link.snapshot()
-        told = describe(
-            mission,
-            None if pose is None else (pose, self._clock() - pose.captured_s),
-            to_go_m(pose, seat.pilot.plan.targets, snapshot.executed),
-            snapshot,
-            self.camera.status(),
-            seat.evidence.latency_s,
-        )
-        return told | {"waits": self._waits.get(seat.name)}
 
     def turns(self) -> dict[str, int]:
         """For each stage a number that grows while it works, or waits for work as it should."""
@@ -355,7 +271,7 @@ class FleetDaemon:
         for seat in self.seats.values():
             path = seat.pilot.plan.path
             if path is not None:
-                with self._lock:
+                with self.lock:
                     seat.pilot.new_scene(self._fleet_planner.path_clearance_m(path.points))
 
     def _decide(
@@ -366,7 +282,7 @@ class FleetDaemon:
         seat.hears(snapshot, now_s, forget_latency=False)
         sight = self._sight(seat, now_s, failed)
         answer, seat.answer = seat.answer, None
-        with self._lock:
+        with self.lock:
             orders = seat.pilot.step(now_s, sight, seat.report(snapshot), answer)
         return orders, sight, snapshot
 
@@ -403,9 +319,9 @@ class FleetDaemon:
         }
         fleet = self.coordinator.step(now_s, members, self._news.known_revision, answer)
         for name, why in fleet.plan_again:
-            with self._lock:
+            with self.lock:
                 self.seats[name].pilot.replan(why)
-        self._waits = fleet.waits
+        self.waits = fleet.waits
         if fleet.request is not None:
             self._news.gets_request(now_s)
             self._planner.ask(fleet.request)
@@ -425,16 +341,14 @@ class FleetDaemon:
         robots = {
             name: self._state_of(seat, now_s, decided[name][2]) for name, seat in self.seats.items()
         }
-        return FleetState(
-            now_s - self.started_s, robots, dict(self._waits), self.coordinator.rounds
-        )
+        return FleetState(now_s - self.started_s, robots, dict(self.waits), self.coordinator.rounds)
 
     def _state_of(self, seat: Seat, now_s: float, snapshot: LinkSnapshot) -> DaemonState:
         mission = seat.pilot.mission
         return DaemonState(
             time_s=now_s - self.started_s,
             mission=mission,
-            sentence=self._waits.get(seat.name) or mission.reason,
+            sentence=self.waits.get(seat.name) or mission.reason,
             pose=seat.pose,
             link=snapshot,
             to_go_m=to_go_m(seat.pose, seat.pilot.plan.targets, snapshot.executed),

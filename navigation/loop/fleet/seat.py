@@ -157,7 +157,7 @@ class Seat:
         if self.pilot.plan.path is None or orders.measure_latency:  # a turn on the spot
             self.link.upload(mission_id, to_wire(targets))
             return
-        count = 0 if release is None else min(release.count, AHEAD)
+        count = 0 if release is None else min(release.targets, AHEAD)
         self._sent = mission_id, count
         self.plans.append(DrivenPlan(self.pilot.plan.path, self.pilot.plan.trajectory, now_s))
         self.link.upload(mission_id, to_wire(targets), True, count)
@@ -167,7 +167,7 @@ class Seat:
         mission_id, before = self._sent
         if release is None:
             return
-        count = min(release.count, self.pilot.plan.executed + AHEAD)
+        count = min(release.targets, self.pilot.plan.executed + AHEAD)
         if count > before:
             self._sent = mission_id, count
             self.link.release(mission_id, count)

@@ -18,6 +18,7 @@ from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.fleet.people import People
 from navigation.machine.sd_notify import Watchdog
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
@@ -56,7 +57,7 @@ class FleetRunner(Runner):
             for name, journal in journals.items():
                 daemon.seats[name].journal = journal
             socket = self._socket or default_socket()
-            control = open_things.enter_context(ControlServer(socket, daemon))
+            control = open_things.enter_context(ControlServer(socket, People(daemon)))
             daemon.look_after(
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
             )

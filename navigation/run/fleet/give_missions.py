@@ -14,6 +14,7 @@ import networkx as nx
 
 from navigation.config.values import Station as ConfiguredStation
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.people import People
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import Mission, Station
@@ -28,6 +29,7 @@ class GiveMissions:
 
     def __init__(self, daemon: FleetDaemon, say: Callable[[str], None]) -> None:
         self._daemon, self._say = daemon, say
+        self._people = People(daemon)
         self._until_s = daemon.world.clock() + ROBOT_PATIENCE_S
         self._left: dict[str, Mission] = {}
         for name, seat in daemon.seats.items():
@@ -36,7 +38,7 @@ class GiveMissions:
             if journalled is not None:
                 self._left[name] = journalled
             elif stations:
-                daemon.give(stations, name)
+                self._people.give(stations, name)
         self._tasks = daemon.config.tasks if not self._left else ()
         self.cycle()
 
@@ -54,7 +56,7 @@ class GiveMissions:
         if self._tasks and all(seat.pose is not None for seat in free.values()):
             stations = [_station(task) for task in self._tasks]
             for name, number in best_placed(_places(free), stations).items():
-                self._daemon.give((stations[number],), name)
+                self._people.give((stations[number],), name)
                 self._say(f"task {number + 1} goes to {name}")
             self._tasks = ()
 
@@ -74,7 +76,7 @@ class GiveMissions:
         self._say(
             f"{name} continues: {mission.visited} of {len(mission.stations)} stations were visited"
         )
-        self._daemon.restore(name, mission)
+        self._people.restore(name, mission)
 
 
 def _places(seats: Mapping[str, Seat]) -> dict[str, Vec]:
@@ -92,7 +94,7 @@ def best_placed(places: Mapping[str, Vec], stations: Sequence[Station]) -> dict[
 
     Exact (a matching of least weight); with fewer robots than stations some are left over.
     """
-    graph = nx.Graph()
+    graph: nx.Graph = nx.Graph()
     for name, place in places.items():
         for number, station in enumerate(stations):
             graph.add_edge(name, number, weight=-math.dist(place, (station.x, station.y)))
