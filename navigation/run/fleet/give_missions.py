@@ -94,7 +94,7 @@ def best_placed(places: Mapping[str, Vec], stations: Sequence[Station]) -> dict[
 
     Exact (a matching of least weight); with fewer robots than stations some are left over.
     """
-    graph: nx.Graph = nx.Graph()
+    graph: nx.Graph[str | int] = nx.Graph()
     for name, place in places.items():
         for number, station in enumerate(stations):
             graph.add_edge(name, number, weight=-math.dist(place, (station.x, station.y)))

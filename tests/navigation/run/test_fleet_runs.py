@@ -1,0 +1,123 @@
+"""Several robots through the whole running program, in virtual time and judged by ground truth."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from navigation.config import Config, load_config
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.fleet.people import People
+from navigation.mission.mission import Station
+from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
+
+
+def open_hall(*names: str, **simulation: object) -> Config:
+    """The alcove's robots, as many as there are names, in an arena without obstacles."""
+    starts = {"a": (0.3, 0.3, 0.0), "b": (2.1, 0.3, 180.0), "c": (1.2, 1.5, -90.0)}
+    goals = {"a": (2.1, 0.9), "b": (0.3, 0.9), "c": (1.2, 0.3)}
+    config = ALCOVE.model_dump(mode="json", exclude_none=True)
+    assert ALCOVE.camera.calibration is not None
+    config["robots"] = [{"name": name, "marker_id": i + 1} for i, name in enumerate(names)]
+    config["mission"]["robots"] = [
+        {"name": name, "stations": [dict(zip(("x_m", "y_m"), goals[name], strict=True))]}
+        for name in names
+    ]
+    config["simulation"]["arena_text"] = (
+        "#@ clearway.scene/1\n#@ units m\nL 3 (0.02,0.02) (0.02,0.06) (0.06,0.02)\n"
+    )
+    config["simulation"]["starts"] = [
+        {"name": n, **dict(zip(("x_m", "y_m", "heading_deg"), starts[n], strict=True))}
+        for n in names
+    ]
+    config["simulation"] |= simulation
+    return Config.model_validate(config, context={"folder": CONFIGS}, strict=False)
+
+
+def test_two_robots_meet_in_a_corridor_and_one_gives_way_in_the_niche() -> None:
+    report = run_fleet_virtually(ALCOVE)
+    assert report.state == "done"
+    assert {one.state for one in report.robots.values()} == {"done"}
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.005
+    assert report.min_clearance_m is not None
+    assert report.min_clearance_m > ALCOVE.robot.radius_m
+    assert all((one.goal_error_m or 1.0) < 0.01 for one in report.robots.values())
+
+
+def test_a_robot_whose_processor_dies_is_driven_around() -> None:
+    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+        world.bodies["c"].frozen = since_s > 2.0
+
+    report = run_fleet_virtually(open_hall("a", "b", "c", time_limit_s=80.0), meet=meet)
+    assert (report.robots["a"].state, report.robots["b"].state) == ("done", "done")
+    assert report.robots["c"].state == "failed"
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
+def once(at_s: float, order: Callable[[People], None]) -> Callable[[FleetDaemon, FleetState], bool]:
+    """A look at each cycle that gives one order at its time."""
+    given = []
+
+    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+        if now.time_s > at_s and not given:
+            given.append(at_s)
+            order(People(daemon))
+        return False
+
+    return look
+
+
+def test_stop_stops_all() -> None:
+    look = once(2.5, lambda people: people.stop("everybody stops"))
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=10.0), look=look)
+    assert {one.state for one in report.robots.values()} == {"stopped"}
+    assert all("everybody stops" in one.reason for one in report.robots.values())
+
+
+def test_one_that_is_stopped_alone_is_driven_around_by_the_other() -> None:
+    look = once(2.5, lambda people: people.stop("just this one", "b"))
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=60.0), look=look)
+    assert (report.robots["a"].state, report.robots["b"].state) == ("done", "stopped")
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
+def test_a_new_goal_while_another_drives_brings_both_to_their_goals() -> None:
+    look = once(3.0, lambda people: people.give((Station(0.3, 1.5), Station(0.6, 0.3)), "b"))
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), look=look)
+    assert report.state == "done"
+    assert report.robots["b"].stations_visited == 2
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
+def test_a_hidden_marker_keeps_its_place_and_its_robot_drives_on_when_it_is_seen() -> None:
+    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+        world.bodies["b"].troubles.marker_hidden = 3.0 < since_s < 7.0
+
+    report = run_fleet_virtually(open_hall("a", "b", time_limit_s=80.0), meet=meet)
+    assert report.state == "done"
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+
+
+def test_two_runs_are_the_same() -> None:
+    config = open_hall("a", "b", time_limit_s=4.0)
+    first, second = run_fleet_virtually(config), run_fleet_virtually(config)
+    assert first.as_json() == second.as_json()
+
+
+@pytest.mark.parametrize("name", ["fleet", "crossing", "alcove"])
+def test_every_fleet_that_is_shipped_has_a_robot_a_goal_and_a_start_each(name: str) -> None:
+    config = load_config(CONFIGS / f"{name}.yaml", {})
+    names = {one.name for one in config.robots}
+    assert names == {one.name for one in config.mission.robots}
+    assert config.simulation is not None
+    assert names == {one.name for one in config.simulation.starts}
