@@ -1,0 +1,141 @@
+"""Several robots in one configuration: each as if it were alone, and doubles are refused."""
+
+import pytest
+
+from navigation.config import parse_config
+from navigation.config.several.each_robot import each_robot, settled
+from tests.navigation.config.texts import problems_of, the_problem
+
+FLEET = """\
+arena:
+  bounds_m: [0, 0, 2.4, 1.8]
+camera:
+  source: simulated
+robot:
+  marker_id: 0
+  marker_size_m: 0.09
+  radius_m: 0.09
+  speed_m_s: 0.3
+robots:
+  - {name: ada, marker_id: 1, speed_m_s: 0.2}
+  - {name: bob, marker_id: 2, port: /dev/ttyUSB1, baud: 9600}
+mission:
+  robots:
+    - {name: ada, stations: [{x_m: 2.0, y_m: 0.3}]}
+    - {name: bob, stations: [{x_m: 0.4, y_m: 0.3}]}
+simulation:
+  arena_text: "C (1,1) 0.2"
+  starts:
+    - {name: ada, x_m: 0.2, y_m: 0.2}
+    - {name: bob, x_m: 2.0, y_m: 1.5}
+recording:
+  journal: kept/journal
+"""
+
+
+def test_each_robot_is_the_default_with_what_differs() -> None:
+    robots = each_robot(parse_config(FLEET))
+    assert list(robots) == ["ada", "bob"]
+    ada, bob = robots["ada"], robots["bob"]
+    assert (ada.robot.marker_id, ada.robot.speed_m_s, ada.robot.radius_m) == (1, 0.2, 0.09)
+    assert (bob.robot.marker_id, bob.robot.speed_m_s) == (2, 0.3)
+    assert (ada.serial.port, ada.serial.baud) == ("simulated", 115_200)
+    assert (bob.serial.port, bob.serial.baud) == ("/dev/ttyUSB1", 9600)
+    assert [(s.x_m, s.y_m) for s in ada.mission.stations] == [(2.0, 0.3)]
+    assert ada.simulation is not None
+    assert ada.simulation.start is not None
+    assert ada.simulation.start.x_m == 0.2
+    assert str(bob.recording.journal) == "kept/journal.bob"
+
+
+def test_simulated_robots_have_errors_of_their_own() -> None:
+    robots = each_robot(parse_config(FLEET)).values()
+    seeds = [one.simulation.seed for one in robots if one.simulation is not None]
+    assert len(set(seeds)) == 2
+
+
+def test_a_list_with_one_robot_is_that_robot_alone() -> None:
+    text = FLEET.replace("  - {name: bob, marker_id: 2, port: /dev/ttyUSB1, baud: 9600}\n", "")
+    text = text.replace("    - {name: bob, stations: [{x_m: 0.4, y_m: 0.3}]}\n", "")
+    text = text.replace("    - {name: bob, x_m: 2.0, y_m: 1.5}\n", "")
+    config = settled(parse_config(text))
+    assert config.robots == ()
+    assert (config.robot.marker_id, config.robot.speed_m_s) == (1, 0.2)
+    assert len(config.mission.stations) == 1
+    assert str(config.recording.journal) == "kept/journal"
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "message"),
+    [
+        (
+            ("name: bob, marker_id: 2", "name: ada, marker_id: 2"),
+            "robots[1].name",
+            "'ada' is the name of robots[0] already",
+        ),
+        (
+            ("marker_id: 2", "marker_id: 1"),
+            "robots[1].marker_id",
+            "1 is robots[0] (ada)'s already",
+        ),
+        (
+            ("marker_id: 1,", "marker_id: 1, port: /dev/ttyUSB1,"),
+            "robots[1].port",
+            "'/dev/ttyUSB1' is the port of robots[0] (ada) already: each needs its own",
+        ),
+        (
+            ("x_m: 0.4, y_m: 0.3", "x_m: 2.1, y_m: 0.3"),
+            "mission.robots[1].stations[0]",
+            "the goals of ada and bob are 0.1 m apart: must be >= 0.18, both radii together",
+        ),
+        (
+            ("x_m: 2.0, y_m: 1.5", "x_m: 0.2, y_m: 0.3"),
+            "simulation.starts[1]",
+            "the starts of ada and bob are 0.1 m apart: must be >= 0.18, both radii together",
+        ),
+        (
+            ("    - {name: ada, x_m: 0.2, y_m: 0.2}\n", ""),
+            "simulation.starts",
+            "needs the start of ada",
+        ),
+        (
+            ("mission:\n", "mission:\n  stations: [{x_m: 1.5, y_m: 0.3}]\n"),
+            "mission.stations",
+            "are one robot's: with several use mission.robots, by name, or tasks",
+        ),
+        (
+            ("speed_m_s: 0.2}", "track_m: 0.3}"),
+            "robots[0].track_m",
+            "must be <= 0.18, the body's width, not 0.3",
+        ),
+        (
+            ("recording:", "tasks: [{x_m: 1.5, y_m: 0.3}]\nrecording:"),
+            "tasks",
+            "1 tasks for 0 robots without stations of their own: one for each at most",
+        ),
+        (
+            ("speed_m_s: 0.3\n", "speed_m_s: 0.3\n  turns_on_spot: false\n"),
+            "robot.turns_on_spot",
+            "must be true where several robots are driven",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_said_at_its_place(
+    change: tuple[str, str], key: str, message: str
+) -> None:
+    assert change[0] in FLEET
+    assert (key, message) in problems_of(FLEET.replace(*change))
+
+
+def test_a_mission_of_a_robot_that_there_is_not_names_those_there_are() -> None:
+    text = FLEET.replace("{name: bob, stations", "{name: bop, stations")
+    assert the_problem(text) == (
+        "mission.robots[1].name",
+        "'bop' is none of robots: ada, bob",
+    )
+
+
+def test_a_goal_outside_the_arena_is_said_for_each_robot() -> None:
+    key, message = the_problem(FLEET.replace("x_m: 0.4, y_m: 0.3", "x_m: 2.39, y_m: 1.0"))
+    assert key == "mission.robots[1].stations[0].x_m"
+    assert "0.09..2.31" in message
