@@ -157,7 +157,7 @@ class Troubles:
     def meet(self, world: FleetVirtualWorld, since_s: float) -> None:
         """What is wrong at this moment."""
         for name, body in world.bodies.items():
-            body.frozen = since_s >= self.dies_s.get(name, math.inf)
+            body.off = since_s >= self.dies_s.get(name, math.inf)
             now = [
                 hidden
                 for begin_s, last_s, hidden in self.stalls[name]

@@ -34,9 +34,11 @@ class OtherRobots:
 
     def movers(self, now_s: float) -> tuple[Mover, ...]:
         """Each that was ever seen, carried on to now for as long as its velocity can be trusted."""
-        return tuple(self._mover(pose, now_s) for pose in self._last.values())
+        return tuple(mover_of(one, self._radii_m[one.id], now_s) for one in self._last.values())
 
-    def _mover(self, other: RobotPose, now_s: float) -> Mover:
-        age_s = now_s - other.captured_s
-        x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
-        return Mover(other.id, x, y, other.vx, other.vy, self._radii_m[other.id], age_s)
+
+def mover_of(other: RobotPose, radius_m: float, now_s: float) -> Mover:
+    """A robot that was seen, carried on to now for as long as its velocity can be trusted."""
+    age_s = now_s - other.captured_s
+    x, y, _ = other.at(now_s) if age_s < LOST_S else (other.x, other.y, 0.0)
+    return Mover(other.id, x, y, other.vx, other.vy, radius_m, age_s)

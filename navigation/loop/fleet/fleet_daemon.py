@@ -10,7 +10,7 @@ The clock is the world's. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
@@ -23,12 +23,13 @@ from navigation.loop.fleet.fleet_parts import FleetSurroundings
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.seat import Seat
-from navigation.loop.other_robots import OtherRobots
+from navigation.loop.other_robots import OtherRobots, mover_of
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.reports import camera_reason, to_go_m
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, Sight
+from navigation.mission.traffic import Mover
 from navigation.recording.events import SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
@@ -299,12 +300,21 @@ class FleetDaemon:
             clearance_m=clearance,
             failed=failed,
             camera_reason=camera_reason(self.camera.status()),
-            others=self.others.movers(now_s),
+            others=(*self.others.movers(now_s), *self._runaways(seat, now_s)),
             doubles=() if double is None else (double,),
             evidence=seat.evidence,
             scene_doubt=self._scene_doubt.hold,
             partner=seat.partner,
         )
+
+    def _runaways(self, seat: Seat, now_s: float) -> Iterator[Mover]:
+        """Robots that move although they may not: met like any stranger that drives by itself."""
+        for other in self.seats.values():
+            if other is seat or other.pose is None or other.may_move:
+                continue
+            mover = mover_of(other.pose, other.config.robot.radius_m, now_s)
+            if not mover.stands:
+                yield mover
 
     def _coordinate(
         self,

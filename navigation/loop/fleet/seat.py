@@ -59,6 +59,7 @@ class Seat:
         """The sentence that says which robot of the fleet is in the path."""
         self._limits = limits_of_robot(config)
         self._moved_s = math.inf
+        self._now_s = self._permitted_until_s = -math.inf
         self._sent: tuple[int, int] | None = None
         """The plan's mission on the wire, and how many of its targets may be sent."""
         self.clearance_m: float | None = None
@@ -117,6 +118,11 @@ class Seat:
         )
 
     @property
+    def may_move(self) -> bool:
+        """Whether its lease lets it move, or did a moment ago, so that it may still brake."""
+        return self._permitted_until_s >= self._now_s
+
+    @property
     def stop_s(self) -> float:
         """How long the robot can drive at most after it was seen last: lease, and brakes."""
         robot, safety = self.config.robot, self.config.safety
@@ -138,6 +144,9 @@ class Seat:
         self, orders: Orders, now_s: float, sight: Sight, release: Release | None
     ) -> None:
         """Send what the cycle has decided, of the plan no more than is released."""
+        self._now_s = now_s
+        if orders.permit:
+            self._permitted_until_s = now_s + self.stop_s
         self.orders.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
         if orders.estop:
             self._sent = None

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.config import Config
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest
@@ -44,14 +45,18 @@ class Body:
     robot: VirtualRobot
     troubles: Troubles = field(default_factory=Troubles)
     frozen: bool = False
-    """Its processor does nothing."""
+    """Its processor does nothing, and its wheels turn on as they did."""
+    off: bool = False
+    """It has no power."""
     stuck_at: TruePose | None = None
 
     def tick(self) -> None:
         """One millisecond."""
         loop, troubles = self.loop, self.troubles
         loop.knobs.cable = not (troubles.cable_out or troubles.port_broken)
-        loop.knobs.frozen = self.frozen
+        loop.knobs.frozen = self.frozen or self.off
+        if self.off:
+            loop.wheels = WheelSpeeds(0.0, 0.0, powered=False)
         if troubles.carried_to is not None:
             loop.drive.pose = TruePose(*troubles.carried_to)
             troubles.carried_to = None

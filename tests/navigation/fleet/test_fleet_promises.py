@@ -101,9 +101,7 @@ def test_a_goal_that_another_robot_stands_on_is_refused_by_name_and_the_others_d
     scene = scene_of()
     roadmap = planner.build_roadmap(scene, RADIUS_M)
     starts, goals = np.array([(0.3, 0.3), (1.7, 0.3)]), np.array([(0.3, 1.3), (1.7, 1.3)])
-    request = FleetRequest(
-        4, 2, travellers(starts, goals), (Taken("parked", 0.3, 1.25, RADIUS_M),)
-    )
+    request = FleetRequest(4, 2, travellers(starts, goals), (Taken("parked", 0.3, 1.25, RADIUS_M),))
     answer = plan_promises(roadmap, scene, request, KEEP_M)
     assert answer.refused == {"r0": "parked is at its goal"}
     assert set(answer.promises) == {"r1"}
