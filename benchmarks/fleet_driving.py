@@ -9,7 +9,8 @@ and wheels, in virtual time. Meanwhile every robot stalls at random for up to 5 
 nothing and hears nothing), all lines lose and damage frames, the camera loses a marker now and
 then, and one robot in ten dies for good. Judged by ground truth: a contact is a gap of bodies
 below 0 m; a deadlock is a living robot that is not at its goal in the end although a path was
-free.
+free. A robot that asks for a person (its emergency stop is latched) gets one after 2 s, who
+re-arms it; how often is counted.
 """
 
 from __future__ import annotations
@@ -27,6 +28,10 @@ from pathlib import Path
 import numpy as np
 
 from navigation.config import Config, parse_config
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.loop.fleet.people import People
+from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 
@@ -37,6 +42,11 @@ APART_M = 0.06
 STALLS_A_MINUTE = 3.0
 LONGEST_STALL_S = 5.0
 DIES = 0.1
+CALLED_S = 2.0
+"""A person comes to a robot that has stopped."""
+MOST_CALLS = 20
+LINGER_S = 3.0
+"""A run does not end before the person has come."""
 TIME_LIMIT_S = 150.0
 FAULTS = "drop=0.002,flip=0.0002"
 RATE_HZ = 15
@@ -55,6 +65,8 @@ class Outcome:
     min_clearance_m: float
     duration_s: float
     rounds: int
+    called: int
+    """How often a person had to re-arm a robot."""
     reason: str
     took_s: float
 
@@ -167,12 +179,36 @@ class Troubles:
             body.troubles.marker_hidden = any(now)
 
 
+class Person:
+    """Re-arms a living robot that has stopped for one, as its sentence asks for."""
+
+    def __init__(self, dead: set[str]) -> None:
+        self._dead = dead
+        self._last_s = dict[str, float]()
+        self.called = 0
+
+    def look(self, daemon: FleetDaemon, now: FleetState) -> bool:
+        """After each cycle; never ends the run."""
+        for name, one in now.robots.items():
+            waits = one.mission.state is State.STOPPED or (
+                one.mission.state is State.IDLE and one.mission.remaining
+            )
+            if name in self._dead or not waits or self.called >= MOST_CALLS:
+                continue
+            if now.time_s - self._last_s.setdefault(name, now.time_s) > CALLED_S:
+                self._last_s[name] = now.time_s
+                self.called += one.mission.state is State.STOPPED
+                People(daemon).resume(name)
+        return False
+
+
 def drive(seed: int, least: int, most: int) -> Outcome:
     """One arena from its start to its end."""
     config = config_of(seed, least, most)
     troubles = Troubles(config, seed)
     began_s = time.perf_counter()
-    report = run_fleet_virtually(config, meet=troubles.meet)
+    person = Person(set(troubles.dies_s))
+    report = run_fleet_virtually(config, meet=troubles.meet, look=person.look, linger_s=LINGER_S)
     living = [name for name in report.robots if name not in troubles.dies_s]
     return Outcome(
         seed=seed,
@@ -184,6 +220,7 @@ def drive(seed: int, least: int, most: int) -> Outcome:
         min_clearance_m=math.inf if report.min_clearance_m is None else report.min_clearance_m,
         duration_s=report.duration_s,
         rounds=report.rounds,
+        called=person.called,
         reason="; ".join(
             f"{name}: {report.robots[name].reason}"
             for name in living
@@ -205,11 +242,12 @@ def page(outcomes: list[Outcome]) -> str:
         "Made by `python -m benchmarks.fleet_driving`; see its text for what goes wrong meanwhile.",
         "",
         "| arenas | robots | dead | contacts | obstacles touched | living at their goals |"
-        " least gap, mm |",
-        "|---|---|---|---|---|---|---|",
+        " least gap, mm | person called |",
+        "|---|---|---|---|---|---|---|---|",
         f"| {len(outcomes)} | {sum(one.robots for one in outcomes)}"
         f" | {sum(one.dead for one in outcomes)} | {len(touched)} | {len(hit)}"
-        f" | {arrived} of {living} | {min(gaps) * 1e3:.1f} |",
+        f" | {arrived} of {living} | {min(gaps) * 1e3:.1f}"
+        f" | {sum(one.called for one in outcomes)} |",
         "",
         "| seed | robots | dead | arrived | least gap, mm | duration, s | plans | reason |",
         "|---|---|---|---|---|---|---|---|",

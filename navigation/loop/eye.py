@@ -47,6 +47,9 @@ class EyeSettings:
     """The markers of the robots that are driven."""
     bodies: Mapping[int, Body]
     """By marker id: the robots that are driven and the others."""
+    reach_m: float = 0.0
+    """How far a driven robot that is not seen may have come from where it was seen last: with
+    several, the arena is looked at all the same, but for the places where it may be."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +93,7 @@ class Eye:
         driven = self.settings.driven_ids
         if not all(i in self._last_seen for i in driven) or not any(i in poses for i in driven):
             return Glimpse(frame.captured_s, poses, None, None, self._doubles())
-        change = self._watcher.update(frame.image, self._body_discs())
+        change = self._watcher.update(frame.image, self._body_discs(poses))
         scene = None
         if change is not None or self._known is None:
             self._known = self._brought_up_to_date(change)
@@ -107,12 +110,17 @@ class Eye:
                 found[driven_id] = f"the robot's marker {driven_id} is seen at {where} at once"
         return found
 
-    def _body_discs(self) -> FloatArray:
+    def _body_discs(self, poses: Poses) -> FloatArray:
         """The pixels of every robot's body, where it was seen last."""
         bodies = self.settings.bodies
         return np.concatenate(
             [
-                body_discs_px(pose, bodies[i].radius_m, self.calibration, bodies[i].marker_height_m)
+                body_discs_px(
+                    pose,
+                    bodies[i].radius_m + (0.0 if i in poses else self.settings.reach_m),
+                    self.calibration,
+                    bodies[i].marker_height_m,
+                )
                 for i, pose in self._last_seen.items()
             ]
         )

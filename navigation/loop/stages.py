@@ -12,12 +12,12 @@ from typing import Final
 from firmware_protocol.wire.framing import wire_bytes
 from firmware_protocol.wire.messages import Status
 from navigation.config import Config, limits_of
-from navigation.config.sections import RobotSection
+from navigation.config.sections import RobotSection, SafetySection
 from navigation.loop.eye import Body, EyeSettings
 from navigation.loop.planning import PlanSettings
 from navigation.mission.cycle import PilotSettings
 from navigation.mission.mission import Station
-from navigation.mission.traffic import TrafficLimits
+from navigation.mission.traffic import REACTION_S, TrafficLimits
 from navigation.mission.watch import SafetyLimits
 from navigation.witness import WitnessLimits
 from navigation.witness.agreement import AgreementLimits
@@ -100,7 +100,19 @@ def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSett
         threshold=config.vision.threshold,
         driven_ids=tuple(one.marker_id for one in robots),
         bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
+        reach_m=max((reach_m(one, config.safety) for one in driven), default=0.0),
     )
+
+
+def stop_s(robot: RobotSection, safety: SafetySection) -> float:
+    """How long a robot can drive at most after it was seen last: lease, reaction and brakes."""
+    braking_s = robot.speed_m_s / robot.acceleration_m_s2
+    return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
+
+
+def reach_m(robot: RobotSection, safety: SafetySection) -> float:
+    """How far it can have come by then."""
+    return robot.speed_m_s * stop_s(robot, safety)
 
 
 def marked_robots(config: Config, driven: Sequence[RobotSection] = ()) -> list[MarkedRobot]:

@@ -21,12 +21,12 @@ from navigation.loop.fleet.fleet_planner import limits_of_robot
 from navigation.loop.parts import Link
 from navigation.loop.reports import robot_report
 from navigation.loop.robot_orders import RobotOrders
-from navigation.loop.stages import pilot_settings, witness_limits
+from navigation.loop.stages import pilot_settings, reach_m, stop_s, witness_limits
 from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
 from navigation.mission.mission import State
 from navigation.mission.pilot import Pilot
 from navigation.mission.targets import to_wire
-from navigation.mission.traffic import REACTION_S, STANDING_M_S
+from navigation.mission.traffic import STANDING_M_S
 from navigation.mission.trust import Level
 from navigation.shared.track import Track
 from navigation.witness import NO_EVIDENCE, Witness
@@ -111,7 +111,7 @@ class Seat:
             radius_m=robot.radius_m,
             limits=self._limits,
             max_deviation_m=self.config.safety.max_deviation_m,
-            reach_m=robot.speed_m_s * self.stop_s,
+            reach_m=reach_m(robot, self.config.safety),
             executed=self.pilot.plan.executed if self.pilot.plan.path is not None else None,
             request=orders.request,
             sentence=self.pilot.mission.reason,
@@ -125,9 +125,7 @@ class Seat:
     @property
     def stop_s(self) -> float:
         """How long the robot can drive at most after it was seen last: lease, and brakes."""
-        robot, safety = self.config.robot, self.config.safety
-        braking_s = robot.speed_m_s / robot.acceleration_m_s2
-        return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
+        return stop_s(self.config.robot, self.config.safety)
 
     def _stands(self, now_s: float, age_s: float, snapshot: LinkSnapshot) -> bool:
         if self.pose is None:

@@ -23,11 +23,13 @@ def run_fleet_virtually(
     *,
     meet: Callable[[FleetVirtualWorld, float], None] | None = None,
     look: Look | None = None,
+    linger_s: float = 0.0,
 ) -> FleetReport:
     """Drive the configured missions until all are over or the time limit; the run's report.
 
     ``meet`` is called every millisecond with the world and the time since the start, and may
-    change its troubles; ``look`` after each cycle, and ends the run where it is True.
+    change its troubles; ``look`` after each cycle, and ends the run where it is True. The run ends
+    ``linger_s`` after all missions are over.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
@@ -36,10 +38,14 @@ def run_fleet_virtually(
         world.meet = lambda since_s: meet(world, since_s)
     with FleetDaemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
         missions = GiveMissions(daemon, lambda _line: None)
+        under_way_s = 0.0
         while True:
             now = daemon.cycle()
             missions.cycle()
-            if (missions.are_given and now.is_over) or (look is not None and look(daemon, now)):
+            if not (missions.are_given and now.is_over):
+                under_way_s = now.time_s
+            over = under_way_s < now.time_s and now.time_s - under_way_s >= linger_s
+            if (look is not None and look(daemon, now)) or over:
                 state, reason = now.state, now.sentence
                 break
             if now.time_s > config.simulation.time_limit_s:
