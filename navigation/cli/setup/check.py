@@ -15,8 +15,11 @@ from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS, KnownRobot
 from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
 from navigation.config.secrets import hide
+from navigation.config.several.each_robot import each_robot
 
 if TYPE_CHECKING:
+    from navigation.config.values import Place
+    from navigation.simulator.arena import SimulatedArena
     from vision.calibration.calibration import Calibration
 
 
@@ -191,6 +194,7 @@ def _simulation_problems(config: Config) -> Iterator[tuple[Location, str]]:
                 f"has a clearance of {clearance:.3f} m: must be >= {need:g}, "
                 "robot.radius_m + planning.margin_m",
             )
+    yield from _places_of_each(config, arena)
 
 
 def summary(config: Config) -> Iterator[tuple[str, str]]:
@@ -200,6 +204,12 @@ def summary(config: Config) -> Iterator[tuple[str, str]]:
     width, height = camera.size_px
     yield "arena", f"{x1 - x0:g} x {y1 - y0:g} m"
     yield "camera", f"{camera.source}, {width}x{height}, {camera.rate_hz:g} frames/s"
+    robots = each_robot(config)
+    if robots:
+        yield from ((name, _in_short(one)) for name, one in robots.items())
+        count = len(config.tasks)
+        yield "tasks", f"{count or 'no'} task{'s' * (count != 1)}"
+        return
     yield (
         "robot",
         f"marker {robot.marker_id}, radius {robot.radius_m:g} m, up to {robot.speed_m_s:g} m/s",
@@ -216,6 +226,35 @@ def _who_stops_it(known: KnownRobot) -> str:
     if known.watchdog_s is None:
         return f"the {known.title} has no watchdog; nothing stops it when this computer dies"
     return f"the {known.title} stops by itself {known.watchdog_s:g} s after the last order"
+
+
+def _in_short(config: Config) -> str:
+    """One of several robots in a line."""
+    robot, count = config.robot, len(config.mission.stations)
+    return (
+        f"marker {robot.marker_id}, radius {robot.radius_m:g} m, up to {robot.speed_m_s:g} m/s, "
+        f"{config.serial.port}, {count or 'no'} station{'s' * (count != 1)}"
+    )
+
+
+def _places_of_each(config: Config, arena: SimulatedArena) -> Iterator[tuple[Location, str]]:
+    """Starts and stations of several robots that are not free."""
+    assert config.simulation is not None
+    places: list[tuple[Location, str, Place]] = [
+        (("simulation", "starts", i), one.name, one)
+        for i, one in enumerate(config.simulation.starts)
+    ]
+    places += [
+        (("mission", "robots", i, "stations", j), one.name, station)
+        for i, one in enumerate(config.mission.robots)
+        for j, station in enumerate(one.stations)
+    ]
+    robots = each_robot(config)
+    for where, name, place in places:
+        clearance = float(arena.clearances([[place.x_m, place.y_m]])[0])
+        if name in robots and clearance < robots[name].robot.radius_m:
+            need = robots[name].robot.radius_m
+            yield where, f"has a clearance of {clearance:.3f} m: must be >= {need:g} for {name}"
 
 
 def _unreadable(file: Path | None, error: OSError) -> str:

@@ -64,6 +64,8 @@ class FleetRunner(Runner):
             self._say(
                 f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
             )
+            if self._dashboard:
+                self._say("the page is of one robot: clearway status shows what several do")
             missions = GiveMissions(daemon, self._say)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=self.config.camera.source, port=ports)
