@@ -90,7 +90,7 @@ class Upload:
         return None
 
     def next_batch(self) -> Waypoints | None:
-        """The next frame's waypoints, None where the queue is full or all released ones are sent."""
+        """The next frame's waypoints, None where the queue is full or all released are sent."""
         end = min(self._next + BATCH, self._limit, self.released)
         full = end - self._next == BATCH or end == self.released
         # a frame that carries less than it could would cost the line more than it brings
