@@ -8,8 +8,8 @@
 - The control step, waypoints a second and the way to an emergency stop, in real time on this
   machine, and for a Pico by PICO, a factor that is stated and not measured.
 
-Needs MicroPython (``.ci/micropython``). Ends with 1 where a scenario fails or the heap grows. Writes
-benchmarks/results/micropython.md where nothing was left out.
+Needs MicroPython (``.ci/micropython``). Ends with 1 where a scenario fails or the heap grows.
+Writes benchmarks/results/micropython.md where nothing was left out.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from tests.support.wire.fault_witness import Witness
 RESULT = Path(__file__).parent / "results" / "micropython.md"
 PICO = 100
 """A Pico takes so many times as long as this machine: a clock of 133 MHz against about 3 GHz, four
-to five times the cycles for an instruction of an in-order core that fetches from flash. Assumed, not
-measured: no board was at hand."""
+to five times the cycles for an instruction of an in-order core that fetches from flash. Assumed,
+not measured: no board was at hand."""
 
 
 def faults(found: str, seeds: int, only: str) -> tuple[int, list[str]]:
@@ -133,21 +133,23 @@ def main() -> int:
     text = [
         "# The MicroPython robot under the real MicroPython",
         "",
-        "32-bit Unix port, heap locked in every call. `python -m benchmarks.micropython` makes this",
-        f"table again. A Pico by a factor of {PICO} that is assumed, not measured.",
+        "32-bit Unix port, heap locked in every call. `python -m benchmarks.micropython` makes",
+        f"this table again. A Pico by a factor of {PICO} that is assumed, not measured.",
         "",
         "| what | here | a Pico, scaled |",
         "|---|---|---|",
         f"| fault matrix, {options.seeds} seeds | {passed} of {passed + len(failed)} passed | |",
         f"| soak, minutes of virtual time over `{FAULTS}` | {options.minutes:g} | |",
         f"| waypoints of missions executed whole | {executed} | |",
-        f"| heap in use: first mission, last, KiB | {settled[0] / 1024:.1f}, {settled[-1] / 1024:.1f} | |",
+        "| heap in use: first mission, last, KiB | "
+        f"{settled[0] / 1024:.1f}, {settled[-1] / 1024:.1f} | |",
         f"| heap grown, bytes | {grown} | |",
         f"| control step, mean, us | {mean_us:.0f} | {mean_us * PICO:.0f} of 10,000 |",
         f"| control step, longest (this machine's pauses too), us | {longest_us} | |",
         f"| waypoints accepted and executed, at most, a second | {1e6 / max(mean_us, 1.0):.0f} "
         f"| {1e6 / max(mean_us * PICO, 1.0):.0f} |",
-        f"| emergency stop, frame to motors off, us | {stopped_s * 1e6:.0f} | {stopped_s * 1e6 * PICO:.0f} |",
+        f"| emergency stop, frame to motors off, us | {stopped_s * 1e6:.0f} | "
+        f"{stopped_s * 1e6 * PICO:.0f} |",
     ]
     print("\n".join([*text, *failed]))
     if not options.only and options.seeds >= 5 and options.minutes >= 10.0:

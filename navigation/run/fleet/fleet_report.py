@@ -22,7 +22,7 @@ from navigation.run.report import Report
 from navigation.run.summary import HasTruth, summarise
 from navigation.shared.whole_file import write_whole
 from navigation.simulator.truth import Truth
-from planner.fleet.track_kernels import nearest_pair
+from planner.fleet.motions.track_kernels import nearest_pair
 from planner.roadmap.roadmap import Roadmap
 
 
