@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
+from navigation.config.known_robots import CLEARWAY
 from navigation.config.marks import Location
 from navigation.config.sections import RobotEntry
 from navigation.config.several.each_robot import robot_of, serial_of
@@ -38,6 +39,15 @@ def names_markers_and_ports_differ(robots: Any, serial: Any, other_robots: Any) 
             yield where, f"'{port}' is the port of {ports[port]} already: each needs its own"
         if port != SIMULATED:
             ports.setdefault(port, f"robots[{index}] ({entry.name})")
+
+
+def drivers_are_ours(robots: Any, robot: Any) -> _Found:
+    """Of several robots each has our firmware: drivers of others are for one robot so far."""
+    if len(robots) > 1 and robot.driver != CLEARWAY:
+        yield (
+            ("robot", "driver"),
+            f"'{robot.driver}' drives one robot; several need 'clearway', our firmware",
+        )
 
 
 def names_are_known(robots: Any, mission: Any, simulation: Any) -> _Found:
