@@ -36,7 +36,7 @@ AWAY_S = (0.2, 0.7, 1.5, 3.0, 6.0)
 CLEARWAY = """
 import json, sys, time
 from navigation.config.sections import CameraSection
-from navigation.run.device_settings import device_settings
+from navigation.run.devices.device_settings import device_settings
 from vision.camera.v4l2.device import DeviceCamera
 settings = device_settings(CameraSection(source=0))
 camera = DeviceCamera(sys.argv[1], time.monotonic, 30.0, (1280, 960), settings)

@@ -27,7 +27,7 @@ class Voice:
 
     def tell(self, line: str) -> None:
         """A line that must be read: on stderr where stdout takes no more."""
-        from navigation.config.secrets import hide
+        from navigation.config.secrecy.secrets import hide
 
         if not self._say_on_stdout(hide(line)):
             complain(line)
@@ -48,7 +48,7 @@ class Voice:
 
 def complain(line: str) -> None:
     """A line on stderr, if that can be, without any secret."""
-    from navigation.config.secrets import hide  # only those who say something need it
+    from navigation.config.secrecy.secrets import hide  # only those who say something need it
 
     line = hide(line)
     with contextlib.suppress(OSError, ValueError):  # nobody is left who could be told

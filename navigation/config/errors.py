@@ -15,8 +15,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from navigation.config.marks import Document, Location, Mark
-from navigation.config.secret_places import masked
-from navigation.config.secrets import SECRET_KEY, hide
+from navigation.config.secrecy.secret_places import masked
+from navigation.config.secrecy.secrets import SECRET_KEY, hide
 
 LONGEST_LINE = 100
 """Of a longer line only the part around the mistake is shown."""

@@ -17,7 +17,7 @@ from typing import Final
 
 from navigation.config.errors import ConfigError
 from navigation.config.load import parse_config, read_source
-from navigation.config.secret_places import masked
+from navigation.config.secrecy.secret_places import masked
 from navigation.config.sections import Config
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 

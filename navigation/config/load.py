@@ -19,8 +19,8 @@ from navigation.config.checks import CHECKS
 from navigation.config.errors import ConfigError, Problem, in_order, mark_of, problems_of
 from navigation.config.marks import Document, Location, read_document
 from navigation.config.overrides import override, sourced
-from navigation.config.secret_places import secrets_in_environment, secrets_in_source
-from navigation.config.secrets import learn
+from navigation.config.secrecy.secret_places import secrets_in_environment, secrets_in_source
+from navigation.config.secrecy.secrets import learn
 from navigation.config.sections import Config
 
 MOST_BYTES: Final = 2_000_000

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from navigation.config.secrets import hide_in
+from navigation.config.secrecy.secrets import hide_in
 from navigation.control.order_thread import Job
 
 MOST_BYTES: Final = 65_536

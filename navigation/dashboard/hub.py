@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
 
-from navigation.config.secrets import hide_in
+from navigation.config.secrecy.secrets import hide_in
 from navigation.dashboard.admission.access import Gate, Role
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import Attention

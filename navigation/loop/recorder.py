@@ -21,7 +21,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
-from navigation.config.secrets import hide, hide_in
+from navigation.config.secrecy.secrets import hide, hide_in
 from navigation.mission.mission import State
 from navigation.recording.events import (
     Counted,

@@ -20,13 +20,13 @@ from typing import Final
 
 from navigation.config import Config
 from navigation.config.last_good import LastGood, state_folder
-from navigation.config.secret_places import (
+from navigation.config.secrecy.secret_places import (
     log_without_secrets,
     secrets_in_environment,
     secrets_in_source,
     without_secrets,
 )
-from navigation.config.secrets import HIDDEN, SECRET_KEY, hide_in, known, learn
+from navigation.config.secrecy.secrets import HIDDEN, SECRET_KEY, hide_in, known, learn
 from navigation.machine.doctor import Finding
 
 MOST_RECORDING_BYTES: Final = 20_000_000

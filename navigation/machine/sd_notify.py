@@ -18,7 +18,7 @@ import socket
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from navigation.config.secrets import hide
+from navigation.config.secrecy.secrets import hide
 from navigation.shared.outside import printable
 
 KEEPALIVES_A_PERIOD: Final = 4

@@ -12,7 +12,7 @@ from typing import Any, Final
 from pydantic import TypeAdapter
 
 from navigation.config import Config
-from navigation.config.secrets import hide_in
+from navigation.config.secrecy.secrets import hide_in
 from navigation.mission.cycle import PlanRequest
 from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
 from planner.formats.scene_text import write_scene_text

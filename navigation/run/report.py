@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from navigation.config.secrets import hide_in
+from navigation.config.secrecy.secrets import hide_in
 from navigation.mission.running_plan import distance_to_polyline
 from navigation.shared.whole_file import write_whole
 from planner.scene import FloatArray

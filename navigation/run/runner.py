@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navigation.config import Config
-from navigation.config.secrets import hide
+from navigation.config.secrecy.secrets import hide
 from navigation.config.sections import SIMULATED
 from navigation.control import ControlServer, default_socket
 from navigation.journal.journal import Journal, owner_of

@@ -19,8 +19,8 @@ from navigation.config.sections import SIMULATED, RobotSection
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.run.device_settings import device_settings
-from navigation.run.driven import driver_of, link_of, twin_of
+from navigation.run.devices.device_settings import device_settings
+from navigation.run.devices.driven import driver_of, link_of, twin_of
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of

@@ -14,7 +14,7 @@ from navigation.config.errors import ConfigError, Problem, in_order, mark_of
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS, KnownRobot
 from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
-from navigation.config.secrets import hide
+from navigation.config.secrecy.secrets import hide
 from navigation.config.several.each_robot import each_robot
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import click
 
 from navigation.cli.options import format_option
-from navigation.config.secrets import hide, hide_in
+from navigation.config.secrecy.secrets import hide, hide_in
 
 if TYPE_CHECKING:
     from navigation.config import Config

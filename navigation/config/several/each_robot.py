@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from navigation.config.sections import Config, RobotEntry, RobotSection, SerialSection
+from navigation.config.robot_entries import RobotEntry
+from navigation.config.sections import Config, RobotSection, SerialSection
 
 _OF_SERIAL = ("port", "baud")
 

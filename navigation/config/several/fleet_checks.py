@@ -9,7 +9,7 @@ from typing import Any
 
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.marks import Location
-from navigation.config.sections import RobotEntry
+from navigation.config.robot_entries import RobotEntry
 from navigation.config.several.each_robot import robot_of, serial_of
 from navigation.config.values import Place
 

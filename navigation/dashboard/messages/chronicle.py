@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 from typing import Any, Final
 
-from navigation.config.secrets import hide
+from navigation.config.secrecy.secrets import hide
 from navigation.dashboard.messages.rings import Ring
 from navigation.loop.daemon_state import DaemonState
 from navigation.mission.trust import Level

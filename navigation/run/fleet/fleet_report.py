@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from navigation.config.secrets import hide_in
+from navigation.config.secrecy.secrets import hide_in
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.parts import Frames

@@ -19,8 +19,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.config import ConfigError, parse_config, secrets
-from navigation.config.secret_places import masked, secrets_in_source, without_secrets
-from navigation.config.secrets import HIDDEN, Redactor, hide, hide_in, learn
+from navigation.config.secrecy.secret_places import masked, secrets_in_source, without_secrets
+from navigation.config.secrecy.secrets import HIDDEN, Redactor, hide, hide_in, learn
 from navigation.machine.bundle import write_bundle
 from navigation.machine.logs import EventLog
 from navigation.recording.json_bodies import configuration_body

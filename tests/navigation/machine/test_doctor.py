@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from navigation.config.secret_places import without_secrets
-from navigation.config.secrets import HIDDEN
+from navigation.config.secrecy.secret_places import without_secrets
+from navigation.config.secrecy.secrets import HIDDEN
 from navigation.machine import doctor
 from navigation.machine.doctor import Finding, worst
 from tests.support.pictures import call

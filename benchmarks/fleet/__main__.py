@@ -37,7 +37,7 @@ import planner
 from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 
 LIMIT_S = 30.0
-HERE = Path(__file__).parents[1]
+HERE = Path(__file__).parents[2]
 
 
 def data_folder(given: str | None) -> Path:

@@ -17,7 +17,7 @@ from navigation.config.sections import Config
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import save_calibration
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def _init(tmp_path: Path, *options: str) -> Path:

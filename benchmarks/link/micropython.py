@@ -1,6 +1,6 @@
 """The MicroPython robot under the real MicroPython: faults, a soak, times.
 
-    python -m benchmarks.micropython [--seeds 5] [--minutes 10] [--only TEXT]
+    python -m benchmarks.link.micropython [--seeds 5] [--minutes 10] [--only TEXT]
 
 - The fault matrix in virtual time, every scenario over the seeds, the heap locked in every call.
 - A soak: missions over a bad line with a trouble a minute; the heap in use after a collection, at
@@ -28,7 +28,7 @@ from tests.support.robots.micropython_robot import MicroRobot, Process
 from tests.support.wire.fault_scenarios import SCENARIOS, robot_maker
 from tests.support.wire.fault_witness import Witness
 
-RESULT = Path(__file__).parent / "results" / "micropython.md"
+RESULT = Path(__file__).parents[1] / "results" / "micropython.md"
 PICO = 100
 """A Pico takes so many times as long as this machine: a clock of 133 MHz against about 3 GHz, four
 to five times the cycles for an instruction of an in-order core that fetches from flash. Assumed,
@@ -133,8 +133,8 @@ def main() -> int:
     text = [
         "# The MicroPython robot under the real MicroPython",
         "",
-        "32-bit Unix port, heap locked in every call. `python -m benchmarks.micropython` makes",
-        f"this table again. A Pico by a factor of {PICO} that is assumed, not measured.",
+        "32-bit Unix port, heap locked in every call; made by",
+        f"`python -m benchmarks.link.micropython`. A Pico by a factor of {PICO} that is assumed, not measured.",
         "",
         "| what | here | a Pico, scaled |",
         "|---|---|---|",

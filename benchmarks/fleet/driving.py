@@ -1,6 +1,6 @@
 """Several robots through the daemon in virtual time: contacts, deadlocks, and who arrives.
 
-    python -m benchmarks.fleet_driving [--arenas 20] [--seed 1] [--robots 2-12] [--processes 1]
+    python -m benchmarks.fleet.driving [--arenas 20] [--seed 1] [--robots 2-12] [--processes 1]
         [--output benchmarks/results/fleet_driving.md]
 
 Each arena is drawn at random: walls and discs, starts and goals anywhere in the free space. Its
@@ -239,7 +239,7 @@ def page(outcomes: list[Outcome]) -> str:
     lines = [
         "# Several robots through the daemon",
         "",
-        "Made by `python -m benchmarks.fleet_driving`; see its text for what goes wrong meanwhile.",
+        "Made by `python -m benchmarks.fleet.driving`; see its text for what goes wrong meanwhile.",
         "",
         "| arenas | robots | dead | contacts | obstacles touched | living at their goals |"
         " least gap, mm | person called |",

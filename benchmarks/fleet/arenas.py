@@ -1,6 +1,6 @@
 """Several robots among obstacles: random arenas, crossings, new goals, and what company costs.
 
-    python -m benchmarks.fleet_arenas [--arenas 300] [--output benchmarks/results/fleet_arenas.md]
+    python -m benchmarks.fleet.arenas [--arenas 300] [--output benchmarks/results/fleet_arenas.md]
 
 Random arenas are 3 m by 2 m with up to eight round obstacles and 2 to 12 robots of their own radii,
 5 to 12 cm, from and to random places. In a crossing of two corridors of one robot's width eight
@@ -31,7 +31,7 @@ from planner.fleet.execution import releases
 from planner.fleet.motions.track_kernels import least_distance
 from planner.scene import Bounds, CircleRecord, PolygonRecord, Scene, SceneObject, Segment
 
-LABORATORY = Path(__file__).parents[1] / "configs/arenas/laboratory.txt"
+LABORATORY = Path(__file__).parents[2] / "configs/arenas/laboratory.txt"
 RADIUS_M = 0.105
 """Of a robot in the laboratory, with its margin (``configs/tour.yaml``)."""
 Place = tuple[float, float]
@@ -268,7 +268,7 @@ def main() -> None:
     if options.output is not None:
         options.output.write_text(
             "# Several robots among obstacles\n\n"
-            "`python -m benchmarks.fleet_arenas --output benchmarks/results/fleet_arenas.md`\n\n"
+            "`python -m benchmarks.fleet.arenas --output benchmarks/results/fleet_arenas.md`\n\n"
             + "\n".join(lines)
             + "\n"
         )

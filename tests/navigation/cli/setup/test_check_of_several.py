@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from navigation.cli.setup.check import command, load_checked
 from navigation.config import ConfigError
 
-CONFIGS = Path(__file__).parents[3] / "configs"
+CONFIGS = Path(__file__).parents[4] / "configs"
 
 
 def test_every_robot_has_its_line() -> None:

@@ -18,7 +18,13 @@ from typing import Final
 import yaml
 
 from navigation.config.marks import compose
-from navigation.config.secrets import HIDDEN, SECRET_KEY, Redactor, known, secrets_of_address
+from navigation.config.secrecy.secrets import (
+    HIDDEN,
+    SECRET_KEY,
+    Redactor,
+    known,
+    secrets_of_address,
+)
 
 _KEY_LINE: Final = re.compile(
     rf"{SECRET_KEY.pattern}[\w-]{{0,64}}[\"']?[ \t]{{0,64}}(?:\n[ \t]{{0,64}})?[:=]"

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.figures.__main__ import FIGURES
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 
 
 def test_every_figure_stands_in_a_document_and_was_drawn() -> None:

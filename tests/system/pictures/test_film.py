@@ -8,7 +8,7 @@ import numpy as np
 import planner
 from benchmarks.figures.film import MOST_BYTES, Film, film_svg
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SVG = "{http://www.w3.org/2000/svg}"
 
 

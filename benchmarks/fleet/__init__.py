@@ -1,0 +1,1 @@
+"""Several robots: beside Continuous-CBS, among obstacles, and driven through the daemon."""

@@ -1,0 +1,1 @@
+"""What no outgoing text may show: which words are secret, and where they are in a file."""
