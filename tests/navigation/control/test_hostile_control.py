@@ -227,9 +227,6 @@ def test_an_order_that_fails_in_the_program_is_answered_and_the_next_is_taken(
     assert_a_stop_is_taken(server, robot)
 
 
-# What they keep back.
-
-
 def test_a_stop_passes_hundreds_of_clients_that_drip(server: ControlServer, robot: Robot) -> None:
     with flood("unix", str(server.path), 300):
         assert wait_until(lambda: server.refused > 300), "they are dropped and come again"
