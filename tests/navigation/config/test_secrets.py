@@ -18,7 +18,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation.config import ConfigError, parse_config, secrets
+from navigation.config import ConfigError, parse_config
+from navigation.config.secrecy import secrets
 from navigation.config.secrecy.secret_places import masked, secrets_in_source, without_secrets
 from navigation.config.secrecy.secrets import HIDDEN, Redactor, hide, hide_in, learn
 from navigation.machine.bundle import write_bundle

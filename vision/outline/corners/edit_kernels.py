@@ -267,7 +267,7 @@ def _try_line(border, outline, edges, run, blur, costs, change):
     rows, stays, points = change.rows, change.stays, change.points
     lo = stays[1] + outline.ranges[begin, 0] - outline.breaks[begin]
     hi = stays[2] + outline.ranges[last, 1] - edge_end(outline.breaks, edges, border.n, last)
-    if hi > 2 * border.n:
+    if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # no such points: an edge that was never fitted
         return HUGE
     line = rows[1]
     fit_line(border.x, border.y, lo, hi, 1, line)
