@@ -89,6 +89,8 @@ def _options(command: click.Command, ctx: click.Context) -> Iterator[str]:
         if isinstance(option, click.Argument) or record is None or of_all:
             continue
         names, meaning = record
+        if "--help" in option.opts:  # which of its names a command has kept depends on its caller
+            names = "-h, --help"
         yield from (".TP", f".B {_escaped(names)}", _plain(meaning))
 
 

@@ -98,6 +98,10 @@ def cache_folder(source_folder: Path) -> Path:
 
 def prepare_kernels() -> None:
     """Called once, before the first kernel is defined."""
+    # Numba (0.60 to 0.68 at least) remembers what it could not infer for as long as a compilation
+    # lasts, and sometimes takes for such what it could: the fourth number of a tuple, deep in the
+    # fit of outlines, has no type then, and the kernel is refused.
+    CONFIG.DISABLE_TYPEINFER_FAIL_CACHE = 1
     processor = choose_processor(os.environ)
     caching.CacheImpl._locator_classes.insert(0, KernelLocator)
     load_lightly(KernelLocator)

@@ -86,7 +86,7 @@ def test_a_clicked_goal_is_previewed_then_sent_and_the_robot_arrives(
     assert live.state is not State.DRIVING, "nothing is sent before it is said so"
     length_m = float((preview.text_content() or "").split(" m")[0])
     assert length_m >= math.dist((x, y), goal) - 0.02
-    expect(page.locator(".draft-path")).to_be_attached()
+    expect(page.locator("#overlay .draft-path")).to_be_attached()
     keep(page, "preview")
     page.locator("#send").click()
     expect(page.locator("#mission-state")).to_have_text("Driving", timeout=20_000)

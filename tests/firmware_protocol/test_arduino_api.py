@@ -29,9 +29,12 @@ SANE = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"
 LATE_S = 0.2
 """What this machine may be late by."""
 
-pytestmark = pytest.mark.skipif(
-    not (shutil.which("g++") and shutil.which("make")), reason="needs g++ and make"
-)
+pytestmark = [
+    pytest.mark.timed,  # the program has to keep up with the clock
+    pytest.mark.skipif(
+        not (shutil.which("g++") and shutil.which("make")), reason="needs g++ and make"
+    ),
+]
 
 
 @pytest.fixture(scope="module")

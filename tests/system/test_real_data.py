@@ -143,7 +143,11 @@ def _ros_picture(file: Path) -> tuple[np.ndarray, float, np.ndarray]:
 
 def test_places_of_a_ros_map_that_are_no_places_are_told(real_data: Path) -> None:
     file = real_data / "maps" / "tb3_sandbox.yaml"
-    for start, words in (("-100,0", "outside"), ("-9,-9", "inside obstacle"), ("0,0", "obstacle")):
+    for start, words in (
+        ("-100,0", "outside"),
+        ("-9,-9", "unknown part"),
+        ("-0.975,-0.025", "obstacle"),
+    ):
         told = call("plan", file, f"--start={start}", "--goal", "1,1.8", "--radius", "0.15")
         assert told.code == 3
         assert words in told.err

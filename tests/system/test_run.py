@@ -271,7 +271,7 @@ def test_leaving_in_mid_run_leaves_a_robot_that_stands(config: Config, world: Wo
 
 def test_a_robot_that_is_not_in_view_is_held_and_that_is_said(config: Config, world: World) -> None:
     assert world.truth is not None
-    world._pose_now = lambda: (-5.0, -5.0, 0.0)  # type: ignore[method-assign]
+    world.pose_now = lambda: (-5.0, -5.0, 0.0)  # type: ignore[method-assign]
     with Daemon(config, world, first_mission_id=7) as daemon:
         daemon.give(stations_of(config))
         frames = cycle_until(daemon, lambda now: daemon.processed >= 20)
@@ -288,7 +288,7 @@ def test_a_robot_lost_from_view_stops_and_goes_on_when_seen_again(
 ) -> None:
     assert world.truth is not None
     robot, hidden = world.truth.robot, [False]
-    world._pose_now = (  # type: ignore[method-assign]
+    world.pose_now = (  # type: ignore[method-assign]
         lambda: (-5.0, -5.0, 0.0) if hidden[0] else robot.pose()
     )
     with Daemon(config, world, first_mission_id=7) as daemon:

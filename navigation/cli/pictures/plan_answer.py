@@ -41,6 +41,8 @@ STAGES = (
     "render",
     "total",
 )
+DRAWING = "render"
+"""The stage that there is only where a picture was asked for."""
 NO_LIMITS = "neither pictures nor maps say what the robot can drive"
 
 
@@ -76,7 +78,11 @@ class PlanAnswer:
         }
         measured = {
             "counts": {name: self.counts.get(name) for name in COUNTS},
-            "timings_ms": {name: _rounded(self.timings_ms.get(name)) for name in STAGES},
+            "timings_ms": {
+                name: _rounded(self.timings_ms.get(name))
+                for name in STAGES
+                if name != DRAWING or name in self.timings_ms
+            },
             "remarks": list(self.remarks),
         }
         return common | self._result() | measured

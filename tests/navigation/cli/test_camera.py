@@ -38,7 +38,8 @@ def node(tmp_path: Path) -> Path:
 
 @NEEDS_GCC
 def test_a_device_s_table_sentences_and_section(node: Path) -> None:
-    files = jpegs(node.parent, (1280, 960))
+    # one picture: several in turn are a light that flickers
+    files = jpegs(node.parent, (1280, 960)).split(":")[0]
     done = camera(node, "--seconds", "2", V4L2_JPEGS=files)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from navigation.control import carry_out
+from navigation.control.orders import SCHEMA
 from navigation.mission.mission import MissionError, Station
 
 
@@ -54,14 +55,18 @@ class Fleet(Robot):
 def test_an_order_reaches_the_robot_that_it_names(order: str) -> None:
     fleet = Fleet()
     answer = carry_out({"order": order, "robot": "bob"}, fleet)
-    assert answer == {"ok": True, "name": "bob"}
+    assert answer == {"schema": SCHEMA, "ok": True, "name": "bob"}
     assert (fleet.orders, fleet.robots["ada"].orders) == ([], [])
     assert fleet.robots["bob"].orders == [order]
 
 
 def test_a_stop_without_a_name_is_for_all() -> None:
     fleet = Fleet()
-    assert carry_out({"order": "stop", "reason": "now"}, fleet) == {"ok": True, "name": "all"}
+    assert carry_out({"order": "stop", "reason": "now"}, fleet) == {
+        "schema": SCHEMA,
+        "ok": True,
+        "name": "all",
+    }
     assert fleet.orders == ["stop now"]
 
 

@@ -120,3 +120,8 @@ def test_no_kernels_arithmetic_depends_on_who_calls_it_first() -> None:
         [sys.executable, "-c", INHERITS], capture_output=True, text=True, cwd=ROOT, timeout=120
     )
     assert (told.returncode, told.stdout) == (0, ""), told.stdout + told.stderr
+
+
+def test_numba_does_not_remember_what_it_could_not_infer() -> None:
+    """It takes for such what it could, deep in the fit of outlines, and refuses the kernel."""
+    assert kernel_locator.CONFIG.DISABLE_TYPEINFER_FAIL_CACHE == 1

@@ -127,7 +127,7 @@ def test_a_plan_as_json_has_every_field_and_keeps_the_radius(arena, capsys):
     assert answer["reason"] is None
     assert answer["widest_radius"] is None
     assert list(answer["counts"]) == COUNTS
-    assert list(answer["timings_ms"]) == STAGES
+    assert list(answer["timings_ms"]) == [stage for stage in STAGES if stage != "render"]
     assert answer["counts"]["generators"] > answer["counts"]["vertices"] == 5
 
 
@@ -210,8 +210,8 @@ def test_a_picture_is_planned_in_its_pixels(tmp_path, capsys):
     answer = strict_json(capsys.readouterr().out)
     assert answer["units"] == "px"
     assert min(y for _, y in answer["path"]) < 60 - 9
-    missing = [stage for stage in STAGES if answer["timings_ms"][stage] is None]
-    assert missing == ["render"]  # nothing was drawn
+    assert None not in answer["timings_ms"].values()
+    assert "render" not in answer["timings_ms"], "nothing was drawn"
     assert answer["counts"]["border_pixels"] > 400
     assert plan(*base, "--polarity", "light") == 3
 
