@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import operator
-import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,6 +14,7 @@ from planner.fleet.fleet_plan import FleetPlan, NoFleetPlan
 from planner.fleet.search.fleet_search import ROUNDS, Effort, search, touching
 from planner.fleet.search.team import make_graph, make_robot
 from planner.scene import FloatArray
+from planner.shared.search_clock import search_clock_s
 
 
 def plan_on_graph(
@@ -55,14 +55,14 @@ def plan_on_graph(
 
 
 def check_effort(time_limit_s: float, improve: int, seed: int) -> Effort:
-    """The effort, with the process's own clock; ``ValueError`` on what makes no sense."""
+    """The effort, with a clock of this process; ``ValueError`` on what makes no sense."""
     limit = _positive("time_limit_s", time_limit_s)
     rounds, number = operator.index(improve), operator.index(seed)
     if rounds < 0:
         raise ValueError(f"improve = {rounds}: must be >= 0")
     if number < 0:
         raise ValueError(f"seed = {number}: must be >= 0")
-    return Effort(limit, rounds, number, time.monotonic)
+    return Effort(limit, rounds, number, search_clock_s)
 
 
 def _shared(what: str, chosen: Sequence[int]) -> NoFleetPlan | None:

@@ -14,7 +14,7 @@ from tests.browser.live import Live, live_config
 from tests.browser.pages import HERE, THERE, Keep, OpenPage
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.timed]  # it drives in real time
 
 
 def test_the_page_shows_the_arena_and_the_picture_moves(

@@ -137,7 +137,9 @@ def test_a_lens_alone_is_saved_for_later_and_no_calibration_to_drive_by(
     both = tmp_path / "both.yaml"
     arguments = ["--points", str(points), "-o", str(both)]
     assert run(["calibrate", str(pictures), *BOARD, *arguments]) == 0
-    np.testing.assert_array_equal(load_calibration(both).camera_matrix, found.camera_matrix)
+    # but for the order of sums, which is that of the threads
+    again = load_calibration(both).camera_matrix
+    np.testing.assert_allclose(again, found.camera_matrix, rtol=1e-6)
 
 
 def test_a_board_larger_than_named_is_refused(
