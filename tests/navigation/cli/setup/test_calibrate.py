@@ -30,6 +30,12 @@ def seen_from(turn: tuple[float, float, float], height: float = 1.5) -> Calibrat
     return Calibration.from_camera(SIZE, CAMERA, LENS, pose)
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a command writes without being told where is not the project's."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("board")
