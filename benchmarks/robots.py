@@ -196,7 +196,7 @@ def wait_until(holds: Callable[[], bool], seconds: float = 20.0) -> bool:
     while time.monotonic() < end_s:
         if holds():
             return True
-        time.sleep(0.005)
+        time.sleep(0.005)  # the robot behind the port is another process
     return False
 
 

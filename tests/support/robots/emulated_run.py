@@ -34,15 +34,21 @@ def short_configuration(folder: Path, command: Sequence[str]) -> Path:
     return file
 
 
-def assert_run_reaches_its_goal(folder: Path, command: Sequence[str]) -> None:
-    """A whole run, to both stations and exactly."""
+def assert_run_reaches_its_goal(
+    folder: Path, command: Sequence[str], *, in_lockstep: bool = True
+) -> None:
+    """A whole run, to both stations and exactly.
+
+    A processor that is not in lockstep with the simulation can be late on a busy machine: a new
+    plan, after the robot has proved itself, then leaves waypoints of the old one.
+    """
     file = short_configuration(folder, command)
     told = call("run", file, "--once", "--report", folder / "report.json")
     assert (told.code, told.err) == (0, ""), told
     report = json.loads((folder / "report.json").read_text())
     assert (report["state"], report["stations_visited"]) == ("done", 2)
     assert report["waypoints_executed"] >= 4
-    if report["replans"] == 0:  # else a busy machine was late, and the robot proved itself
+    if in_lockstep or report["replans"] == 0:
         assert report["waypoints_executed"] == report["waypoints_sent"]
     assert report["ground_truth"]
     assert report["goal_error_m"] < 0.02
