@@ -105,6 +105,24 @@ def robot(start: Callable[..., Program], at: str = START) -> Program:
     return start("robot", *arguments)
 
 
+def port_of(robot: Program) -> str:
+    """The pseudo-terminal that it says it answers on."""
+    robot.says(r"/dev/pts/\d+")
+    found = re.search(r"/dev/pts/\d+", robot.said)
+    assert found is not None
+    return found.group()
+
+
+@contextlib.contextmanager
+def taken(port: str) -> Iterator[None]:
+    """Holds pseudo-terminals until that one is in use, so that the next to open gets another."""
+    with contextlib.ExitStack() as held:
+        while not Path(port).exists():
+            for end in os.openpty():
+                held.callback(os.close, end)
+        yield
+
+
 WAITS = r"waiting for the robot: serial port runs/robot: there is no such device; .*plugged in"
 
 
@@ -126,12 +144,10 @@ def test_a_robot_that_is_plugged_in_later_is_waited_for_and_driven(
     first.end()
     program.says(r"(?s)waiting for the robot.*waiting for the robot")
     x_m, y_m, heading_rad = PoseReader(folder / "runs" / "robot.pose").read()
-    taken = os.openpty()  # so that the second robot's port is another one
-    second = robot(start, f"{x_m},{y_m},{math.degrees(heading_rad)}")
-    program.says(r" done ")
-    assert second.said.splitlines()[0] != first.said.splitlines()[0]
-    for end in taken:
-        os.close(end)
+    with taken(port_of(first)):
+        second = robot(start, f"{x_m},{y_m},{math.degrees(heading_rad)}")
+        program.says(r" done ")
+        assert port_of(second) != port_of(first)
     assert program.end() == 0, program.said
 
 
