@@ -35,12 +35,13 @@ run: $(VENV)/.installed ## the whole loop on a simulated arena
 	$(BIN)/clearway run $(CONFIG) --once
 
 # A worker takes one file of tests after the other, slow ones first; there is one worker more than
-# cores, as many tests wait for a robot that drives. Tests of time run alone.
+# cores, as many tests wait for a child. What drives in real time, and tests of time, run alone,
+# and once more where the machine stumbled: what fails twice fails.
 WORKERS ?= $(shell expr $$(nproc) + 1)
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.installed-dev ## every test
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder -m "not timed"
-	$(BIN)/python -m pytest -m timed $(TIMED)
+	$(BIN)/python -m pytest -m timed --reruns 1 $(TIMED)
 
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
 	$(BIN)/python -m pytest --cov --cov-report=term-missing

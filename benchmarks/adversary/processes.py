@@ -36,6 +36,8 @@ class Process:
         paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
         environment = {
             **os.environ,
+            # byte code cut off by a limit on files would stay, and break every later start
+            "PYTHONDONTWRITEBYTECODE": "1",
             "PYTHONPATH": os.pathsep.join(paths),
             "PYTHONUNBUFFERED": "1",
             "OPENCV_LOG_LEVEL": "SILENT",

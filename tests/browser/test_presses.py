@@ -13,7 +13,7 @@ from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.live import Live
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]

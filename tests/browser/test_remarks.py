@@ -11,6 +11,8 @@ from tests.browser.acting import click_at, send_to, wait_for_picture
 from tests.browser.live import Live
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.timed  # a robot drives in real time
+
 OpenPage = Callable[..., Page]
 WITHIN_THE_MARGIN = (0.097, 0.75)
 """Between the radius of 0.09 m and the margin of 0.015 m from the arena's edge."""

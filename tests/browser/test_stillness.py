@@ -12,7 +12,7 @@ from playwright.sync_api import Page
 from tests.browser.acting import wait_for_picture
 from tests.browser.live import Live
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]

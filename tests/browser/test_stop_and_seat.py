@@ -11,7 +11,7 @@ from tests.browser.live import Live
 from tests.browser.pages import HERE, Keep, OpenPage, drive
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 
 @pytest.mark.parametrize("by", ["click", "key", "key on a focused button", "finger"])

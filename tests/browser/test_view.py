@@ -11,6 +11,8 @@ from playwright.sync_api import Page, expect
 from tests.browser.acting import click_at, drag, on_screen, wait_for_picture
 from tests.browser.live import Live
 
+pytestmark = pytest.mark.timed  # a robot drives in real time
+
 OpenPage = Callable[..., Page]
 Keep = Callable[[Page, str], Path]
 HERE, THERE = (0.25, 0.75), (0.30, 1.50)

@@ -26,7 +26,7 @@ from benchmarks.adversary.run import prepare, run_attack
 from navigation.simulator.arena import SimulatedArena
 from planner.formats.scene_io import read_scene_text
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 SPEED_M_S, BRAKING_M_S2 = 0.3, 0.5
 PERMITS_S = [0.1 * n for n in range(51)]

@@ -26,7 +26,7 @@ from navigation.simulator.shared_pose import PoseReader
 from tests.support.pictures import call
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = Path(sys.executable).with_name("clearway")

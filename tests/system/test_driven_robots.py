@@ -23,6 +23,8 @@ from navigation.run.kernels.warm_up import warm_up
 from tests.support.pictures import call
 from tests.support.waiting import wait_until
 
+pytestmark = pytest.mark.timed  # a robot drives in real time
+
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = Path(sys.executable).with_name("clearway")
 NEAR = {

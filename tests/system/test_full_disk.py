@@ -17,7 +17,7 @@ from navigation.config import load_config
 from navigation.journal.journal import Journal, Owner
 from navigation.run.kernels.warm_up import warm_up
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = [sys.executable, "-c", "from navigation.cli.main import main; main()"]
@@ -42,7 +42,12 @@ def config(tmp_path: Path) -> Path:
 def start(config: Path, *more: str, **options: object) -> subprocess.Popen[str]:
     socket = config.parent / "c.sock"
     arguments = ["run", str(config), "--once", "--no-dashboard", "--socket", str(socket), *more]
-    environment = {**os.environ, "XDG_STATE_HOME": str(config.parent / "state")}
+    # byte code that is cut off by a limit would stay, and break every later start
+    environment = {
+        **os.environ,
+        "XDG_STATE_HOME": str(config.parent / "state"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
     return subprocess.Popen(
         [*PROGRAM, *arguments], stderr=subprocess.PIPE, text=True, env=environment, **options
     )  # type: ignore[call-overload]

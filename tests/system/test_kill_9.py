@@ -15,7 +15,7 @@ import pytest
 from navigation.config import load_config
 from navigation.run.kernels.warm_up import warm_up
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PROGRAM = Path(sys.executable).with_name("clearway")

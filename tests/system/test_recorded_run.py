@@ -13,7 +13,7 @@ import pytest
 
 from tests.support.pictures import call
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 

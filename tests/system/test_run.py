@@ -31,7 +31,7 @@ from navigation.run.world import World
 from planner.scene import Scene
 from tests.support.pictures import call
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.timed  # a robot drives in real time
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 MISSION = """mission:
