@@ -9,12 +9,11 @@ Rules
 
 from __future__ import annotations
 
-import json
-import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
+from navigation.config.editing.in_text import EditError, value_text, with_values
 from navigation.config.load import parse_config, read_source
 from navigation.config.sections import Config
 from navigation.machine.camera_findings import FLICKERS, SHARP_SHARE, SMEARED_PX, Judged
@@ -28,8 +27,6 @@ from vision.camera.v4l2.controls import (
     Listed,
 )
 from vision.camera.v4l2.modes import rank_modes
-
-_KEY: Final = re.compile(r"(\s+)([A-Za-z_]\w*)\s*:(.*)")
 
 
 class SectionError(ValueError):
@@ -93,14 +90,19 @@ def _exposure_ms(judged: Judged, has: Listed) -> float | str:
 
 def section_text(section: Mapping[str, Any]) -> str:
     """The section as a configuration has it."""
-    lines = [f"  {key}: {_value(value)}" for key, value in section.items()]
+    lines = [f"  {key}: {value_text(value)}" for key, value in section.items()]
     return "\n".join(["camera:", *lines]) + "\n"
 
 
 def write_section(file: Path, section: Mapping[str, Any]) -> Config:
     """Put a section's keys into a configuration; raises ``SectionError`` and leaves it then."""
     text = read_source(file)
-    changed = _replaced(text, section, file)
+    try:
+        changed = with_values(text, {("camera", key): value for key, value in section.items()})
+    except EditError as error:
+        raise SectionError(
+            f"{file}: {error}; put it there by hand:\n" + section_text(section)
+        ) from None
     config = parse_config(changed, str(file), file.parent, {})
     got = config.camera.model_dump(mode="json")
     for key, value in section.items():
@@ -111,39 +113,3 @@ def write_section(file: Path, section: Mapping[str, Any]) -> Config:
             )
     write_whole(file, changed)
     return config
-
-
-def _replaced(text: str, section: Mapping[str, Any], file: Path) -> str:
-    lines = text.splitlines()
-    begin = next((n for n, line in enumerate(lines) if re.match(r"camera:\s*(#.*)?$", line)), None)
-    if begin is None:
-        raise SectionError(
-            f"{file}: has no section 'camera:' on lines of its own; put it there by hand:\n"
-            + section_text(section)
-        )
-    end = begin + 1
-    while end < len(lines) and (not lines[end].strip() or lines[end][0] in " \t#"):
-        end += 1
-    last, indent, left = begin, "  ", dict(section)
-    for n in range(begin + 1, end):
-        found = _KEY.match(lines[n])
-        if found is None:
-            continue
-        indent, key, rest = found.groups()
-        last = n
-        if key in left:
-            comment = re.search(r"\s+#.*$", rest)
-            told = f"{indent}{key}: {_value(left.pop(key))}"
-            kept = comment.group().strip() if comment else ""
-            lines[n] = f"{told:<40}{kept}" if kept else told
-    lines[last + 1 : last + 1] = [f"{indent}{key}: {_value(v)}" for key, v in left.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _value(value: Any) -> str:
-    """As YAML's core schema reads it back; JSON is a part of it."""
-    if isinstance(value, str) and re.fullmatch(r"[A-Za-z_./][\w./:-]*", value):
-        return value
-    if isinstance(value, float) and value == int(value):
-        return str(int(value))
-    return json.dumps(value)

@@ -116,19 +116,23 @@ def test_a_written_section_keeps_comments_and_other_keys(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("camera:\n", "camera: {source: simulated}\nx:\n"),
-        ("  rate_hz: 30\n", "  rate_hz:\n    30\n"),
+        ("  rate_hz: 30\n", "  rate_hz: &rate 30\n  noise_grey: *rate\n"),
+        ("  rate_hz: 30\n", "  rate_hz: [30]\n  x: 1\n"),
     ],
 )
-def test_a_file_that_cannot_be_changed_by_lines_is_left_as_it_is(
-    tmp_path: Path, old: str, new: str
-) -> None:
+def test_a_file_that_cannot_be_changed_is_left_as_it_is(tmp_path: Path, old: str, new: str) -> None:
     file = tmp_path / "arena.yaml"
     file.write_text(SIMULATION.replace(old, new))
     before = file.read_text()
     with pytest.raises(ValueError, match=r"arena\.yaml"):
         write_section(file, {"source": "simulated", "rate_hz": 25.0})
     assert file.read_text() == before
+
+
+def test_a_section_on_one_line_and_a_value_below_its_key_are_changed_too(tmp_path: Path) -> None:
+    file = tmp_path / "arena.yaml"
+    file.write_text(SIMULATION.replace("  rate_hz: 30\n", "  rate_hz:\n    30\n"))
+    assert write_section(file, {"rate_hz": 25.0}).camera.rate_hz == 25.0
 
 
 def test_the_section_s_text_is_a_configuration_s() -> None:

@@ -1,0 +1,206 @@
+"""Values put into the text of a configuration: comments, order and the other keys stay.
+
+Rules
+- A value is written as JSON, which is a part of YAML, words without quotes where YAML allows it.
+- ``None`` takes a key away, so that its default holds again.
+- What came of it is read again and compared with what was meant: a text that this editor cannot
+  change rightly (anchors, block scalars, lists on lines of their own) is refused, never spoilt.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+from collections.abc import Mapping
+from typing import Any, Final, TypeAlias
+
+import yaml
+
+from navigation.config.marks import Location, compose, read_document
+
+Words: TypeAlias = tuple[str, ...]
+"""A key's place: ``("camera", "gain")``."""
+
+COMMENT_COLUMN: Final = 40
+_PLAIN: Final = re.compile(r"[A-Za-z_./][\w./:-]*")
+
+
+class EditError(ValueError):
+    """A value cannot be put into this text; the message says which, and what to do."""
+
+
+def with_values(text: str, changes: Mapping[Words, Any]) -> str:
+    """The text with these values at their keys; ``EditError`` where that cannot be done.
+
+    ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key".
+    """
+    wanted = read_document(text).data
+    if not isinstance(wanted, dict):
+        raise EditError("the configuration is no text of sections; correct it in the file")
+    wanted = copy.deepcopy(wanted)
+    changed = text if text.endswith("\n") else text + "\n"
+    for where, value in changes.items():
+        changed = _with_value(changed, where, value)
+        _put(wanted, where, value)
+    got = read_document(changed)
+    if got.defects or not _is_same(got.data, wanted):
+        names = ", ".join(".".join(where) for where in changes)
+        raise EditError(f"{names}: cannot be changed in this text without harm; edit the file")
+    return changed
+
+
+def value_text(value: Any) -> str:
+    """A value as YAML's core schema reads it back; JSON is a part of it."""
+    if isinstance(value, str) and _PLAIN.fullmatch(value) and read_document(value).data == value:
+        return value
+    if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
+        return str(int(value))
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(value_text(item) for item in value) + "]"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key}: {value_text(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, str):
+        quoted: str = yaml.safe_dump(
+            value, default_style='"', allow_unicode=True, width=len(value) * 10 + 10
+        )
+        return quoted.rstrip("\n")
+    return json.dumps(value)
+
+
+def _with_value(text: str, where: Words, value: Any) -> str:
+    """One change; the deepest mapping that is there takes the rest as its own key."""
+    node = compose(text)
+    assert isinstance(node, yaml.MappingNode)
+    for depth, key in enumerate(where):
+        entry = _entry(node, key)
+        if entry is None:
+            return text if value is None else _added(text, node, where[depth:], value)
+        name, held = entry
+        if depth == len(where) - 1:
+            if value is None:
+                return _removed(text, node, name, held)
+            return _replaced(text, name, held, value)
+        if not isinstance(held, yaml.MappingNode):
+            rest = _nested(where[depth + 1 :], value)
+            return text if value is None else _replaced(text, name, held, rest)
+        node = held
+    return text
+
+
+def _entry(node: yaml.MappingNode, key: str) -> tuple[yaml.Node, yaml.Node] | None:
+    return next((pair for pair in node.value if pair[0].value == key), None)
+
+
+def _end_of(node: yaml.Node) -> int:
+    """Where a node's own text ends: PyYAML lets a block reach to what comes after its comments."""
+    if not isinstance(node, yaml.CollectionNode) or node.flow_style or not node.value:
+        return int(node.end_mark.index)
+    last = node.value[-1]
+    parts = last if isinstance(last, tuple) else (last,)
+    return max(_end_of(part) for part in parts)
+
+
+def _nested(where: Words, value: Any) -> Any:
+    for key in reversed(where):
+        value = {key: value}
+    return value
+
+
+def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
+    """Another value behind the key; a comment on the same line keeps its column where it can."""
+    begin, end = held.start_mark.index, _end_of(held)
+    if begin == end:  # nothing stood there
+        begin = end = text.index(":", name.end_mark.index) + 1
+        return f"{text[:begin]} {value_text(value)}{text[end:]}"
+    while text[end - 1] in "\n ":  # a text of several lines has the last one's end too
+        end -= 1
+    told = value_text(value)
+    gap = re.match(r" +(?=#)", text[end:])
+    if gap is None:
+        return f"{text[:begin]}{told}{text[end:]}"
+    line = begin - (text.rfind("\n", 0, begin) + 1)
+    before = line + (end - begin) + len(gap.group())
+    space = " " * max(2, before - line - len(told))
+    return f"{text[:begin]}{told}{space}{text[end + len(gap.group()) :]}"
+
+
+def _added(text: str, node: yaml.MappingNode, where: Words, value: Any) -> str:
+    """A new key at the end of a mapping."""
+    if node.flow_style:
+        inside = node.end_mark.index - 1
+        comma = ", " if node.value else ""
+        pair = f"{where[0]}: {value_text(_nested(where[1:], value))}"
+        return f"{text[:inside].rstrip()}{comma}{pair}{text[inside:]}"
+    if node.start_mark.column == 0 and len(where) > 1:  # a section of its own
+        line = f"{where[1]}: {value_text(_nested(where[2:], value))}"
+        return f"{text.rstrip()}\n\n{where[0]}:\n  {line}\n"
+    at = _end_of(node)
+    while text[at - 1] in "\n ":
+        at -= 1
+    end = text.find("\n", at)
+    indent = " " * node.value[0][0].start_mark.column
+    pair = f"{where[0]}: {value_text(_nested(where[1:], value))}"
+    return f"{text[:end]}\n{indent}{pair}{text[end:]}"
+
+
+def _removed(text: str, node: yaml.MappingNode, name: yaml.Node, held: yaml.Node) -> str:
+    """Without a key; a mapping that loses its last one is empty, and still there."""
+    if len(node.value) == 1:
+        return (
+            f"{text[: node.start_mark.index]}{{}}{text[node.end_mark.index :]}"
+            if (node.flow_style)
+            else _emptied(text, node)
+        )
+    end = max(_end_of(held), name.end_mark.index)
+    if node.flow_style:
+        number = [pair[0] for pair in node.value].index(name)
+        if number + 1 < len(node.value):
+            return (
+                text[: name.start_mark.index] + text[node.value[number + 1][0].start_mark.index :]
+            )
+        return text[: _end_of(node.value[number - 1][1])] + text[end:]
+    while text[end - 1] in "\n ":
+        end -= 1
+    begin = text.rfind("\n", 0, name.start_mark.index) + 1
+    return text[:begin] + text[text.find("\n", end) + 1 :]
+
+
+def _emptied(text: str, node: yaml.MappingNode) -> str:
+    begin = text.rfind("\n", 0, node.start_mark.index) + 1
+    end = _end_of(node)
+    while text[end - 1] in "\n ":
+        end -= 1
+    line_end = text.find("\n", end) + 1
+    colon = text.rfind(":", 0, begin)
+    return f"{text[: colon + 1]} {{}}{text[colon + 1 : begin]}{text[line_end:]}"
+
+
+def _put(data: dict[str, Any], where: Words, value: Any) -> None:
+    for key in where[:-1]:
+        inner = data.get(key)
+        if not isinstance(inner, dict):
+            if value is None:
+                return
+            inner = data[key] = {}
+        data = inner
+    if value is None:
+        data.pop(where[-1], None)
+    else:
+        data[where[-1]] = value
+
+
+def _is_same(got: Any, wanted: Any) -> bool:
+    """Equal as data, where 1 and 1.0 are one number and True is none."""
+    if isinstance(got, dict) and isinstance(wanted, dict):
+        return got.keys() == wanted.keys() and all(_is_same(got[k], wanted[k]) for k in got)
+    if isinstance(got, list) and isinstance(wanted, list | tuple):
+        return len(got) == len(wanted) and all(map(_is_same, got, wanted))
+    return isinstance(got, bool) is isinstance(wanted, bool) and bool(got == wanted)
+
+
+def present_value(data: Any, where: Location) -> Any:
+    """What stands in the data at a key; None where nothing does."""
+    for key in where:
+        data = data.get(key) if isinstance(data, dict) and isinstance(key, str) else None
+    return data
