@@ -21,6 +21,8 @@ from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
 from navigation.dashboard.messages.palette import stylesheet
 from navigation.dashboard.metrics import metrics_text
 from navigation.dashboard.orders import give
+from navigation.dashboard.settings.desk import Desk
+from navigation.dashboard.settings.routes import settings_routes
 from navigation.dashboard.viewer import Viewer
 
 MOST_BODY_BYTES: Final = 4096
@@ -44,8 +46,8 @@ HEADERS: Final = {
 }
 
 
-def make_app(hub: Hub) -> ASGIApp:
-    """The whole application around a hub."""
+def make_app(hub: Hub, desk: Desk | None = None) -> ASGIApp:
+    """The whole application around a hub; without a desk it has no settings."""
     pages = _Pages(hub)
     routes = [
         *[Route(address, pages.show) for address in pages.files],
@@ -53,6 +55,7 @@ def make_app(hub: Hub) -> ASGIApp:
         Route("/api/stop", pages.stop, methods=["POST"]),
         Route("/metrics", pages.metrics),
         Route("/healthz", pages.health),
+        *settings_routes(hub, desk),
         WebSocketRoute("/live", pages.live),
     ]
     return _Gatekeeper(Starlette(routes=routes), hub.gate)

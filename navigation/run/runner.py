@@ -47,6 +47,7 @@ from navigation.shared.supervisor import Part
 
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
+    from navigation.dashboard.settings.desk import Desk
     from navigation.loop.recorder import Recorder
 
 DONE, FAILED, NO_PATH = 0, 1, 3
@@ -108,6 +109,10 @@ class Runner:
         self._notifier = notifier or Notifier(None)
         self._watchdog_s = watchdog_s
         self.interrupt_reason = "interrupted"
+        self.desk: Desk | None = None
+        """Where the page changes the configuration; set before `run`."""
+        self.waits = False
+        """For orders, instead of driving the configured mission."""
         self.is_warming_up = False
         self._say: Callable[[str], None] = lambda line: say(hide(line))
         self._say_address = say if show_token else self._say
@@ -218,6 +223,7 @@ class Runner:
                 clock=self._clock,
                 own_token=token,
                 show_token=self._show_token or (token is not None and not in_journal),
+                desk=self.desk,
             )
         )
 
@@ -280,7 +286,7 @@ class Runner:
             daemon.restore(left)
             return
         stations = stations_of(self.config)
-        if stations:
+        if stations and not self.waits:
             daemon.give(stations, any_order=self.config.mission.order == "best")
 
     def _drive(self, daemon: Daemon, recorder: Recorder | None) -> tuple[State, str]:

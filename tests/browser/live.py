@@ -9,9 +9,11 @@ import time
 from pathlib import Path
 from types import TracebackType
 
+from navigation.cli.setup.check import file_problems
 from navigation.config import Config, parse_config
 from navigation.dashboard import Dashboard, ShownDaemon
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.settings.desk import Around, Desk
 from navigation.loop.daemon import Daemon
 from navigation.mission.mission import State
 from navigation.run.kernels.warm_up import warm_up
@@ -48,6 +50,7 @@ class Live:
         self._thread = threading.Thread(target=self._cycle, name="control loop")
         self._dashboard: Dashboard | None = None
         self._port = config.dashboard.port
+        self._desk: Desk | None = None
 
     def __enter__(self) -> Live:
         warm_up(self.config, self.said.append)
@@ -79,12 +82,22 @@ class Live:
         shown = ShownDaemon(self.daemon)
         shown.config = self.config.model_copy(update={"dashboard": section})
         self._dashboard = Dashboard(
-            shown, say=self.said.append, own_token=self.own_token, show_token=True
+            shown,
+            say=self.said.append,
+            own_token=self.own_token,
+            show_token=True,
+            desk=self._desk,
         ).__enter__()
         assert self._dashboard.url is not None, self.said
         self._port = int(self._dashboard.url.split(":")[2].split("/")[0])
         # the thread needs a moment to make its event loop
         assert wait_until(lambda: self._dashboard is not None and self._dashboard.hub is not None)
+
+    def serve_settings(self, file: Path, state: Path) -> None:
+        """Let the page change a file from the next `bring_back` on; this run goes on as it is."""
+        self._desk = Desk(
+            Around(file, state, {}, file_problems, lambda: ([], []), reload=lambda: None)
+        )
 
     @property
     def hub(self) -> Hub:

@@ -19,6 +19,7 @@ from navigation.cli.voice import Voice, complain
 
 if TYPE_CHECKING:
     from navigation.config import Config
+    from navigation.dashboard.settings.desk import Desk
     from navigation.machine.logs import EventLog, Level
     from navigation.run.fleet.fleet_report import FleetReport
     from navigation.run.report import Report
@@ -95,6 +96,7 @@ def command(
     loaded: Config | None = load_or_go_back(config, last_good, log)
     log.write("info", "started", config=str(config), version=version("clearway"))
     notifier = Notifier.from_environment(os.environ)
+    waits = False
     while loaded is not None:
         loaded = settled(loaded)
         fleet = len(loaded.robots) > 1
@@ -115,11 +117,14 @@ def command(
             watchdog_s=watchdog_period_s(os.environ),
         )
         reload = _Reload(config, loaded, runner, log)
+        runner.waits = waits
+        if not no_dashboard:
+            runner.desk = _desk(config, reload)
         with signals_heard(runner, reload):
             done, folder, exit_code = (
                 runner.run_fleet() if isinstance(runner, FleetRunner) else _run_one(runner)
             )
-        loaded = reload.fresh
+        loaded, waits = reload.fresh, reload.from_the_page
     if report is not None:
         try:
             done.write(report)
@@ -162,13 +167,38 @@ def load_or_go_back(file: Path, last_good: bool, log: EventLog) -> Config:
     return config
 
 
+def _desk(config: Path, reload: _Reload) -> Desk:
+    """Where the page changes the configuration of this run."""
+    from navigation.cli.setup.check import file_problems
+    from navigation.cli.setup.devices import cameras_here, serial_ports
+    from navigation.config.last_good import state_folder
+    from navigation.dashboard.settings.desk import Around, Desk
+
+    return Desk(
+        Around(
+            file=config,
+            state=state_folder(os.environ),
+            environment=os.environ,
+            file_problems=file_problems,
+            devices=lambda: (
+                [camera["path"] for camera in cameras_here()],
+                [port["path"] for port in serial_ports()],
+            ),
+            reload=reload.ask_from_the_page,
+        )
+    )
+
+
 class _Reload:
-    """What SIGHUP does: read the file, and end the run in order where it says something new."""
+    """What SIGHUP and the page's settings do: read the file, and end the run in order where it
+    says something new."""
 
     def __init__(self, file: Path, present: Config, runner: Runner, log: EventLog) -> None:
         from navigation.run.reload import Reloader
 
         self.fresh: Config | None = None
+        self.from_the_page = False
+        """Asked for by somebody who changed settings, and gave no order to drive."""
         self._runner, self._log = runner, log
         self.reloader = Reloader(
             file,
@@ -177,6 +207,16 @@ class _Reload:
             say=self._say,
             good=self._restart,
         )
+
+    def ask(self) -> None:
+        """Read the file soon, and begin again as at the start."""
+        self.from_the_page = False
+        self.reloader.ask()
+
+    def ask_from_the_page(self) -> None:
+        """Read the file soon, and begin again without driving anywhere."""
+        self.from_the_page = True
+        self.reloader.ask()
 
     def _say(self, level: Level, sentence: str) -> None:
         complain(f"clearway: {sentence}")
@@ -216,7 +256,7 @@ def signals_heard(runner: Runner, reload: _Reload | None = None) -> Iterator[Non
         if reload is None:
             ask(number, frame)
         else:
-            reload.reloader.ask()
+            reload.ask()
 
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     before[signal.SIGHUP] = signal.signal(signal.SIGHUP, read_again)

@@ -9,6 +9,7 @@ import { Log } from "./log.js";
 import { MissionPanel } from "./mission.js";
 import { Picture } from "./picture.js";
 import { Seat } from "./seat.js";
+import { Settings } from "./settings.js";
 import { Stage } from "./stage.js";
 import { Stop } from "./stop.js";
 import { View } from "./view.js";
@@ -26,6 +27,7 @@ const goal = new Goal(stage, connection, seat, say);
 new MissionPanel(connection, seat, say);
 new Health(connection);
 new Log(connection);
+const settings = new Settings(connection, seat);
 
 // What was refused, until the next order.
 function say(text) {
@@ -85,7 +87,7 @@ byId("theme").addEventListener("click", () => {
 
 // Keys for everywhere but text fields; the space bar is stop.js's.
 addEventListener("keydown", (event) => {
-  if (event.target.matches("input:not([type=checkbox])") || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.target.matches("input:not([type=checkbox]), select") || event.ctrlKey || event.metaKey || event.altKey) return;
   const layer = LAYERS[Number(event.key) - 1];
   if (layer) layers.toggle(layer);
   else if (event.key === "?") keys.toggle();
@@ -93,6 +95,7 @@ addEventListener("keydown", (event) => {
   else if (event.key === "-") view.zoom(1 / 1.4);
   else if (event.key === "0") stage.show(null);
   else if (event.key === "Escape" && keys.isOpen) keys.close();
+  else if (event.key === "Escape" && settings.isOpen) settings.close();
   else if (event.key === "Escape") goal.clear();
   else if (event.key === "t" || event.key === "T") seat.toggle();
   else if (event.key === "Enter" && !event.target.matches("button, a, input")) goal.submit();

@@ -10,6 +10,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from navigation.dashboard import Dashboard
 from navigation.dashboard.messages.packed import unpack
+from navigation.dashboard.settings.desk import Desk
 from tests.support.runs.shown import FakeDaemon
 from tests.support.waiting import wait_until
 
@@ -21,10 +22,10 @@ KEY = "0123456789abcdef"
 class Site:
     """A dashboard of a daemon that only shows."""
 
-    def __init__(self, daemon: FakeDaemon) -> None:
+    def __init__(self, daemon: FakeDaemon, desk: Desk | None = None) -> None:
         self.daemon = daemon
         self.said: list[str] = []
-        self.dashboard = Dashboard(daemon, say=self.said.append)
+        self.dashboard = Dashboard(daemon, say=self.said.append, desk=desk)
 
     def __enter__(self) -> "Site":
         self.dashboard.__enter__()

@@ -1,0 +1,187 @@
+"""The desk where the configuration is read, checked and saved; the page's routes are its visitors.
+
+Rules
+- Nothing is saved that `clearway check` would refuse, and nothing over a file that has changed
+  since the visitor read it.
+- Before each save the text that was there is kept; `undo` puts the newest kept one back.
+- What was saved is taken over as by a reload: the run ends in order and begins again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import takewhile
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from navigation.config import Config
+from navigation.config.editing.form import Key, TypedError, form, form_keys
+from navigation.config.editing.in_text import EditError, Words, with_values
+from navigation.config.errors import ConfigError, key_name
+from navigation.config.load import parse_config, read_source
+from navigation.config.marks import Location
+from navigation.config.secrecy.secrets import hide
+from navigation.shared.whole_file import UnwrittenFileError, write_whole
+
+MOST_KEPT: Final = 20
+"""Earlier texts; older ones are removed."""
+MOST_CHANGES: Final = 500
+
+
+class RefusedError(ValueError):
+    """What was asked cannot be done; the message says why."""
+
+
+class Around(NamedTuple):
+    """What the desk needs of the program."""
+
+    file: Path
+    """The configuration that runs."""
+    state: Path
+    """The program's state folder: earlier texts are kept in it."""
+    environment: Mapping[str, str]
+    """Overrides, as at the start."""
+    file_problems: Callable[[Config], Iterable[tuple[Location, str]]]
+    """What is wrong with the files that a configuration names."""
+    devices: Callable[[], tuple[Sequence[str], Sequence[str]]]
+    """The cameras and the serial ports that are plugged in, by their paths."""
+    reload: Callable[[], None]
+    """Takes over what the file says now."""
+
+
+class Desk:
+    """Reads, checks and saves one configuration; every method may be called from any thread."""
+
+    def __init__(self, around: Around) -> None:
+        self._around = around
+        self._file = around.file.absolute()
+        digest = hashlib.sha256(str(self._file).encode()).hexdigest()[:8]
+        self._lock = threading.Lock()
+        self._kept = around.state / "settings" / f"{self._file.stem}-{digest}"
+
+    def show(self) -> dict[str, Any]:
+        """The form, and what it was made from; ``ConfigError`` where the file cannot be read."""
+        text = read_source(self._file)
+        return {
+            "file": self._file.name,
+            "base": _digest(text),
+            "sections": form(text, self._keys()),
+            "earlier": len(self._earlier()),
+        }
+
+    def check(self, typed: Mapping[str, str]) -> list[dict[str, str]]:
+        """What is wrong with these values: each a ``key`` ("" for none) and a ``sentence``."""
+        return self._changed(read_source(self._file), typed)[1]
+
+    def save(self, typed: Mapping[str, str], base: str) -> str:
+        """Put the values into the file and take it over; the sentence that says what was done.
+
+        ``RefusedError`` where that is impossible; the file is as it was then.
+        """
+        with self._lock:
+            self._save(typed, base)
+        self._around.reload()
+        return f"saved {', '.join(sorted(typed))} in {self._file.name}"
+
+    def _save(self, typed: Mapping[str, str], base: str) -> None:
+        text = read_source(self._file)
+        if _digest(text) != base:
+            raise RefusedError(
+                f"{self._file.name} was changed by somebody else since: read it again first"
+            )
+        changed, problems = self._changed(text, typed)
+        if problems:
+            raise RefusedError("; ".join(one["sentence"] for one in problems))
+        if changed == text:
+            raise RefusedError("nothing has changed")
+        try:
+            self._keep(text)
+            write_whole(self._file, changed)
+        except (OSError, UnwrittenFileError) as error:
+            raise RefusedError(f"not saved: {error}") from None
+
+    def undo(self) -> str:
+        """Put the newest earlier text back and take it over; ``RefusedError`` without one."""
+        with self._lock:
+            self._put_back()
+        self._around.reload()
+        return f"the last change of {self._file.name} is undone"
+
+    def _put_back(self) -> None:
+        earlier = self._earlier()
+        if not earlier:
+            raise RefusedError("there is no earlier text to go back to")
+        try:
+            text = earlier[-1].read_text(encoding="utf-8")
+            parse_config(text, self._file.name, self._file.parent, self._around.environment)
+            write_whole(self._file, text)
+            earlier[-1].unlink()
+        except (ConfigError, OSError, UnwrittenFileError) as error:
+            raise RefusedError(f"not put back: {hide(str(error))}") from None
+
+    def _keys(self) -> list[Key]:
+        cameras, ports = self._around.devices()
+        return list(form_keys(cameras, ports))
+
+    def _changed(self, text: str, typed: Mapping[str, str]) -> tuple[str, list[dict[str, str]]]:
+        """The text with the values, and what is wrong with it."""
+        if len(typed) > MOST_CHANGES:
+            raise RefusedError(f"more than {MOST_CHANGES} changes")
+        keys = {key.name: key for key in self._keys()}
+        values: dict[Words, Any] = {}
+        problems: list[dict[str, str]] = []
+        for name, words in typed.items():
+            key = keys.get(name)
+            if key is None or key.only_shown:
+                why = "there is no such key" if key is None else key.only_shown
+                problems.append(_problem(name, f"{name}: {why}"))
+                continue
+            try:
+                values[key.where] = key.value_of(words)
+            except TypedError as error:
+                problems.append(_problem(name, str(error)))
+        try:
+            changed = with_values(text, values)
+        except EditError as error:
+            return text, [*problems, _problem("", str(error))]
+        return changed, [*problems, *self._problems_of(changed)]
+
+    def _problems_of(self, text: str) -> list[dict[str, str]]:
+        """As `clearway check` finds them."""
+        folder, name = self._file.parent, self._file.name
+        try:
+            config = parse_config(text, name, folder, self._around.environment)
+        except ConfigError as error:
+            found = [(one.where, "" if one.is_secret else one.message) for one in error.problems]
+        else:
+            found = list(self._around.file_problems(config))
+        return [
+            _problem(_field_of(where), hide(f"{key_name(where)}: {what}" if where else what))
+            for where, what in found
+        ]
+
+    def _earlier(self) -> list[Path]:
+        return sorted(self._kept.glob("*.yaml"))
+
+    def _keep(self, text: str) -> None:
+        self._kept.mkdir(mode=0o700, parents=True, exist_ok=True)
+        earlier = self._earlier()
+        number = int(earlier[-1].stem) + 1 if earlier else 1
+        write_whole(self._kept / f"{number:06d}.yaml", text, private=True)
+        for old in self._earlier()[:-MOST_KEPT]:
+            old.unlink(missing_ok=True)
+
+
+def _field_of(where: Location) -> str:
+    """The name of the field in which a place is typed: a list is one field."""
+    return key_name(tuple(takewhile(lambda part: isinstance(part, str), where)))
+
+
+def _problem(key: str, sentence: str) -> dict[str, str]:
+    return {"key": key, "sentence": sentence}
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,87 @@
+"""The settings' form in a real browser, against a desk over a copy of the shipped simulation."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from playwright.sync_api import Page, expect
+
+from navigation.config.load import load_config
+from tests.browser.acting import wait_for_picture
+from tests.browser.live import CONFIGS, Live
+from tests.support.waiting import wait_until
+
+pytestmark = pytest.mark.timed  # the simulation behind the page runs in real time
+
+OpenPage = Callable[..., Page]
+Keep = Callable[[Page, str], Path]
+
+
+@pytest.fixture
+def file(live: Live, tmp_path: Path) -> Path:
+    """The configuration that the page may change."""
+    shutil.copytree(CONFIGS, tmp_path / "etc")
+    file = tmp_path / "etc" / "simulation.yaml"
+    live.take_away()
+    live.serve_settings(file, tmp_path / "state")
+    live.bring_back()
+    return file
+
+
+def test_a_value_is_checked_while_it_is_typed_saved_and_taken_back(
+    open_page: OpenPage, live: Live, file: Path, keep: Keep
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.locator("#settings-open").click()
+    rate = page.get_by_label("rate_hz", exact=True).first
+    expect(rate).to_have_value("30")
+    rate.fill("-3")
+    expect(rate).to_have_attribute("aria-invalid", "true")
+    expect(page.locator("[data-key='camera.rate_hz'] .problem")).to_contain_text("must be > 0")
+    page.locator("#settings-save").click(force=True)  # it says why it does nothing
+    expect(page.locator("#settings-said")).to_contain_text("Something is wrong")
+    keep(page, "settings_wrong")
+    rate.fill("25")
+    expect(rate).to_have_attribute("aria-invalid", "false")
+    expect(page.locator("#settings-save")).to_have_attribute("aria-disabled", "false")
+    page.locator("#settings-save").click()
+    expect(page.locator("#settings-said")).to_contain_text("Saved camera.rate_hz")
+    assert load_config(file, {}).camera.rate_hz == 25.0
+    page.locator("#settings-undo").click()
+    expect(page.locator("#settings-said")).to_contain_text("is undone")
+    assert load_config(file, {}).camera.rate_hz == 30.0
+
+
+@pytest.mark.parametrize("size", [(1400, 900), (390, 844), (700, 450)])
+def test_stop_is_never_covered_by_the_settings(
+    open_page: OpenPage, live: Live, file: Path, size: tuple[int, int]
+) -> None:
+    page = open_page(viewport={"width": size[0], "height": size[1]})
+    wait_for_picture(page)
+    page.locator("#settings-open").click()
+    expect(page.locator("#settings")).to_be_visible()
+    page.locator("#stop").click(timeout=2000)
+    assert wait_until(lambda: live.daemon.link.snapshot().estopped)
+
+
+def test_keys_are_found_by_their_meaning_and_the_form_by_keyboard(
+    open_page: OpenPage, live: Live, file: Path
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.locator("#settings-open").focus()
+    page.keyboard.press("Enter")
+    expect(page.locator("#settings-close")).to_be_focused()
+    page.locator("#settings-find").fill("mains")
+    expect(page.get_by_label("mains_hz", exact=True)).to_be_visible()
+    expect(page.get_by_label("radius_m", exact=True).first).to_be_hidden()
+    page.locator("#settings-close").focus()
+    page.keyboard.press("Escape")
+    expect(page.locator("#settings")).to_be_hidden()
+    expect(page.locator("#settings-open")).to_be_focused()

@@ -1,0 +1,249 @@
+"""The configuration on the page: what is told, what is refused, what is saved and taken back."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from navigation.cli.setup.check import file_problems
+from navigation.config.load import load_config
+from navigation.dashboard.settings.desk import MOST_KEPT, Around, Desk, RefusedError
+from navigation.mission.mission import State
+from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Site
+from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+SECRET = "a-secret-of-some-length"
+
+
+class Office:
+    """A desk over a copy of the shipped simulation, and how often it asked for a reload."""
+
+    def __init__(self, folder: Path) -> None:
+        shutil.copytree(CONFIGS, folder / "etc")
+        self.file = folder / "etc" / "simulation.yaml"
+        self.file.write_text(f"{self.file.read_text()}\ndashboard:\n  token: {SECRET}\n")
+        self.reloads = 0
+        self.state = folder / "state"
+        self.desk = Desk(
+            Around(
+                file=self.file,
+                state=self.state,
+                environment={},
+                file_problems=file_problems,
+                devices=lambda: (["/dev/v4l/by-id/usb-a"], ["/dev/serial/by-id/usb-b"]),
+                reload=self._reload,
+            )
+        )
+
+    def _reload(self) -> None:
+        self.reloads += 1
+
+    @property
+    def base(self) -> str:
+        return str(self.desk.show()["base"])
+
+    def fields(self) -> dict[str, dict[str, Any]]:
+        sections = self.desk.show()["sections"]
+        return {key["key"]: key for section in sections for key in section["keys"]}
+
+
+@pytest.fixture
+def office(tmp_path: Path) -> Office:
+    return Office(tmp_path)
+
+
+@pytest.fixture
+def open_page(office: Office) -> Iterator[Site]:
+    with Site(FakeDaemon(roadmap=laboratory()), office.desk) as site:
+        yield site
+
+
+def post(site: Site, address: str, token: str = "", **body: object) -> tuple[int, Any]:
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    code, text, _ = site.get(address, "POST", json.dumps(body).encode(), **headers)
+    return code, json.loads(text) if code == 200 else text
+
+
+# The desk.
+
+
+def test_every_key_is_told_with_what_it_is_and_secrets_are_not(office: Office) -> None:
+    fields = office.fields()
+    assert fields["camera.rate_hz"]["value"] == "30"
+    assert fields["camera.rate_hz"]["limits"] == {"above": 0, "most": 1000}
+    assert fields["arena.bounds_m"]["value"] == "0, 0, 2.4, 1.8"
+    assert fields["planning.margin"]["choices"] == ["relaxed", "strict"]
+    assert fields["camera.source"]["choices"] == ["simulated", "/dev/v4l/by-id/usb-a"]
+    assert fields["serial.port"]["choices"] == ["simulated", "/dev/serial/by-id/usb-b"]
+    assert SECRET not in json.dumps(office.desk.show())
+    assert fields["dashboard.token"]["value"] == "(not shown)"
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "dashboard.token", "dashboard.host", "safety.lease_s", "simulation.robot.emulator",
+        "recording.runs_dir", "camera.calibration", "mission.stations", "nothing.at_all",
+    ],
+)  # fmt: skip
+def test_what_the_page_may_not_change_is_refused(office: Office, key: str) -> None:
+    before = office.file.read_text()
+    (problem,) = office.desk.check({key: "1"})
+    assert problem["key"] == key
+    with pytest.raises(RefusedError, match=key.replace(".", r"\.")):
+        office.desk.save({key: "1"}, office.base)
+    assert office.file.read_text() == before
+    assert office.reloads == 0
+
+
+@pytest.mark.parametrize(
+    ("key", "typed", "words"),
+    [
+        ("camera.rate_hz", "fast", "must be a number"),
+        ("camera.rate_hz", "-3", "> 0"),
+        ("planning.margin", "lax", "must be one of relaxed, strict, not lax"),
+        ("camera.source", "/etc/passwd", "must be one of simulated, /dev/v4l/by-id/usb-a"),
+        ("serial.port", "socket://example.org:80", "must be one of simulated"),
+        ("arena.bounds_m", "0, 0, 2.4", "arena.bounds_m[3]: is missing"),
+        ("camera.gain", "{a: 1}", "is no value"),
+        ("camera.gain", "1\nserial: {port: /dev/x}", "is no value"),
+        ("camera.gain", "x" * 501, "more than 500 characters"),
+        ("robot.radius_m", "", "missing"),
+    ],
+)
+def test_what_is_wrong_is_said_at_its_key(office: Office, key: str, typed: str, words: str) -> None:
+    problems = office.desk.check({key: typed})
+    assert any(words in one["sentence"] and one["key"] == key for one in problems), problems
+
+
+def test_a_save_changes_the_keys_and_nothing_else(office: Office) -> None:
+    before = office.file.read_text()
+    said = office.desk.save({"camera.rate_hz": "25", "planning.margin": "strict"}, office.base)
+    assert said == "saved camera.rate_hz, planning.margin in simulation.yaml"
+    assert office.reloads == 1
+    config = load_config(office.file, {})
+    assert (config.camera.rate_hz, config.planning.margin) == (25.0, "strict")
+    gone = set(before.splitlines()) - set(office.file.read_text().splitlines())
+    assert gone == {"  rate_hz: 30"}
+
+
+def test_an_emptied_field_has_its_default(office: Office) -> None:
+    office.desk.save({"camera.rate_hz": " "}, office.base)
+    assert "rate_hz: 30\n" not in office.file.read_text().split("simulation:")[0]
+    assert load_config(office.file, {}).camera.rate_hz == 30.0
+
+
+def test_the_last_save_is_undone_and_the_one_before(office: Office) -> None:
+    first = office.file.read_text()
+    office.desk.save({"camera.rate_hz": "25"}, office.base)
+    second = office.file.read_text()
+    office.desk.save({"camera.rate_hz": "20"}, office.base)
+    office.desk.undo()
+    assert office.file.read_text() == second
+    office.desk.undo()
+    assert office.file.read_text() == first
+    assert office.reloads == 4
+    with pytest.raises(RefusedError, match="no earlier text"):
+        office.desk.undo()
+
+
+def test_a_file_that_somebody_else_has_changed_is_not_written_over(office: Office) -> None:
+    base = office.base
+    office.file.write_text(office.file.read_text() + "# mine\n")
+    with pytest.raises(RefusedError, match="changed by somebody else"):
+        office.desk.save({"camera.rate_hz": "25"}, base)
+    assert office.file.read_text().endswith("# mine\n")
+
+
+def test_earlier_texts_are_private_and_few(office: Office) -> None:
+    for rate in range(MOST_KEPT + 5):
+        office.desk.save({"camera.rate_hz": str(10 + rate)}, office.base)
+    kept = sorted(office.state.rglob("*.yaml"))
+    assert len(kept) == MOST_KEPT
+    assert {file.stat().st_mode & 0o777 for file in kept} == {0o600}
+
+
+def test_what_clearway_check_would_refuse_is_refused(office: Office) -> None:
+    (office.file.parent / "simulation_calibration.yaml").unlink()
+    problems = office.desk.check({"camera.rate_hz": "25"})
+    assert [one["key"] for one in problems] == ["camera.calibration"]
+
+
+# The addresses.
+
+
+def test_settings_are_read_checked_and_saved_over_the_page(open_page: Site, office: Office) -> None:
+    code, text, _ = open_page.get("/api/settings")
+    assert code == 200
+    base = json.loads(text)["base"]
+    changes = {"camera.rate_hz": "25"}
+    assert post(open_page, "/api/settings/check", changes=changes) == (
+        200,
+        {"ok": True, "problems": []},
+    )
+    _, told = post(open_page, "/api/settings/save", changes=changes, base=base, key=KEY)
+    assert told == {"ok": False, "error": "take the arena first"}
+    with open_page.live() as page:
+        page.join(name="Ada")
+        page.send(type="take", id=1)
+        assert page.hear("answer")["ok"]
+        _, told = post(open_page, "/api/settings/save", changes=changes, base=base, key=KEY)
+        assert told["ok"], told
+        assert load_config(office.file, {}).camera.rate_hz == 25.0
+        _, told = post(open_page, "/api/settings/undo", key=KEY)
+        assert told["ok"], told
+    assert office.reloads == 2
+    assert open_page.dashboard.hub is not None
+    last = open_page.dashboard.hub.chronicle.log.last
+    assert last is not None
+
+
+@pytest.mark.parametrize("state", set(State) - {State.IDLE, State.DONE, State.FAILED})
+def test_nothing_is_saved_while_a_mission_is_under_way_or_the_robot_is_stopped(
+    open_page: Site, office: Office, state: State
+) -> None:
+    daemon = open_page.daemon
+    daemon.describe = lambda: {"state": state.value}  # type: ignore[method-assign]
+    with open_page.live() as page:
+        page.join()
+        page.send(type="take", id=1)
+        page.hear("answer")
+        for address in ("save", "undo"):
+            _, told = post(
+                open_page, f"/api/settings/{address}",
+                changes={"camera.rate_hz": "25"}, base=office.base, key=KEY,
+            )  # fmt: skip
+            assert not told["ok"]
+            assert "no mission is under way" in told["error"]
+    assert office.reloads == 0
+
+
+@pytest.mark.parametrize("token", ["", VIEWER, "wrong-token-of-length"])
+def test_settings_are_for_operators(office: Office, token: str) -> None:
+    with Site(FakeDaemon(shown_config(token=TOKEN, viewer_token=VIEWER)), office.desk) as site:
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        code, text, _ = site.get("/api/settings", **headers)
+        assert code in (401, 403), text
+        for address in ("check", "save", "undo"):
+            assert post(site, f"/api/settings/{address}", token, changes={})[0] in (401, 403)
+    assert office.reloads == 0
+
+
+@pytest.mark.parametrize(
+    ("body", "code"),
+    [(b"[]", 400), (b"\xff", 400), (b"{" * 100_000, 413), (b'{"changes": 3}', 200)],
+)
+def test_strange_bodies_are_refused(open_page: Site, body: bytes, code: int) -> None:
+    got, text, _ = open_page.get("/api/settings/check", "POST", body)
+    assert got == code
+    assert code != 200 or not json.loads(text)["ok"]
+
+
+def test_a_run_without_a_file_has_no_settings(quiet_site: Site) -> None:
+    assert quiet_site.get("/api/settings")[0] == 404
