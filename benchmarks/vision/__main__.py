@@ -20,7 +20,7 @@ from benchmarks.vision.corners import corner_table
 from benchmarks.vision.counts import count_table, ramp_table
 from benchmarks.vision.cover import cover_table
 from benchmarks.vision.regions import region_table
-from benchmarks.vision.rounds import arc_table, circle_table
+from benchmarks.vision.rounds import arc_table, circle_table, stepped_table
 from benchmarks.vision.speed import speed_table
 
 
@@ -41,6 +41,7 @@ def main() -> None:
     tables: dict[str, Callable[[], list[str]]] = {
         "corners": lambda: corner_table(count, cells),
         "circles": lambda: circle_table(count, cells),
+        "stepped": lambda: stepped_table(count, cells),
         "arcs": lambda: arc_table(count, cells),
         "cover": lambda: cover_table(count, cells),
         "counts": lambda: count_table(count, cells),
@@ -52,7 +53,7 @@ def main() -> None:
     results.parent.mkdir(exist_ok=True)
     asked = [one for one in options.only.split(",") if one] or list(tables)
     for name in asked:
-        table = f"{count} scenes a cell.\n\n" if name not in ("ramps", "speed") else ""
+        table = f"{count} scenes a cell.\n\n" if name not in ("ramps", "stepped", "speed") else ""
         table += "\n".join(tables[name]())
         print(f"## {name}\n\n{table}\n", flush=True)
         if cells:

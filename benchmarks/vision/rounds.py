@@ -65,6 +65,46 @@ def circles(picture: np.ndarray, radius: float) -> dict[str, tuple[float, float,
     }
 
 
+def stepped_disc(radius: int, blur: float, noise: float, rng: np.random.Generator) -> np.ndarray:
+    """A disc drawn without anti-aliasing, then blurred (sigma, px), with noise in grey levels."""
+    size = 2 * radius + 40
+    picture = np.full((size, size), 220, np.uint8)
+    cv2.circle(picture, (size // 2, size // 2), radius, 30, -1)
+    grey = cv2.GaussianBlur(picture.astype(float), (0, 0), blur)
+    if noise > 0.0:
+        grey += rng.normal(0.0, noise, grey.shape)
+    return np.clip(np.rint(grey), 0, 255).astype(np.uint8)
+
+
+def stepped_table(count: int, cells: list[str]) -> list[str]:
+    """Discs of ``stepped_disc``, radii 5 to 200: how many are one circle; at most 20 a radius."""
+    count = min(count, 20)
+    lines = [
+        "| blur, noise | radius 5 | 8 to 30 | 40 to 80 | 100 to 200 | all |",
+        "|---|---|---|---|---|---|",
+    ]
+    groups = ((5,), (8, 12, 16, 20, 30), (40, 60, 80), (100, 150, 200))
+    for blur in (0.7, 1.0, 1.5, 2.0):
+        for noise in (0.0, 2.0, 4.0, 8.0):
+            cell = f"{blur}, {noise:.0f}"
+            if not wanted(cell.replace(" ", ""), cells):
+                continue
+            shares = []
+            for group in groups:
+                right = 0
+                for radius in group:
+                    for i in range(count):
+                        rng = np.random.default_rng([SEED, i, radius, int(noise)])
+                        scene = extract(stepped_disc(radius, blur, noise, rng))
+                        records = [r for o in scene.objects for r in o.records]
+                        right += len(records) == 1 and isinstance(records[0], CircleRecord)
+                shares.append((right, len(group) * count))
+            shares.append((sum(s[0] for s in shares), sum(s[1] for s in shares)))
+            row = " | ".join(f"{right / drawn:.0%}" for right, drawn in shares)
+            lines.append(f"| {cell} | {row} |")
+    return lines
+
+
 def arc_table(count: int, cells: list[str]) -> list[str]:
     """Discs with a piece cut off: the arc that is left, against a circle through everything."""
     lines = [

@@ -9,6 +9,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -18,10 +19,18 @@ from numpy.typing import NDArray
 from vision.binarise.binary import Binary
 from vision.borders import contour_kernels as kernels
 from vision.borders.edge_kernels import edge_points
+from vision.borders.staircase_kernels import follow_staircase
 from vision.shared.scratch import Room
 
 LAPLACIAN = np.array([[0, -1, 0], [-1, 4, -1], [0, -1, 0]], dtype=np.float32)
 """The mask M of the paper's section 3.1."""
+STEEPEST = 0.3989
+"""The slope of a step that only the profile's own smoothing made wide: derived, the density of a
+normal distribution of sigma 1 in its middle."""
+LEAST_SLOPE, MOST_SLOPE = 0.05, 0.4
+"""Slopes that are believed: chosen, a blur of 8 px and none."""
+LEAST_VARIANCE = 0.08
+"""Square pixels that light spreads by at least: derived, a pixel's own width has 1 / 12."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,12 +73,25 @@ class EdgePoints:
 
     ``slope`` is the smoothed profile's mean step at the edge as a share of the contrast;
     ``crispness`` the share of slanted cracks where black meets white without grey.
+    ``staircase``: what points have in common with the pixels' staircase, and what that has in
+    all, square pixels (see ``vision.borders.staircase_kernels``).
     """
 
     points: NDArray[np.float64]
     starts: NDArray[np.int64]
     slope: float
     crispness: float
+    staircase: tuple[float, float]
+
+    @property
+    def blur_px(self) -> float:
+        """How far light spreads at an edge (sigma), in pixels, besides a pixel's own width."""
+        return blur_of(self.slope)
+
+
+def blur_of(slope: float) -> float:
+    """The blur (sigma, pixels) of edges whose smoothed profile has such a slope."""
+    return math.sqrt(max((STEEPEST / slope) ** 2 - 1.0, LEAST_VARIANCE))
 
 
 def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
@@ -121,4 +143,6 @@ def locate_edges(binary: Binary, borders: Borders, room: Room | None = None) -> 
         borders.starts,
         room.take("points", 2 * most, np.float64).reshape(most, 2),
     )
-    return EdgePoints(points, starts, float(slope), float(crispness))
+    slope = min(max(float(slope), LEAST_SLOPE), MOST_SLOPE)
+    staircase = follow_staircase(points, starts, blur_of(slope))
+    return EdgePoints(points, starts, slope, float(crispness), staircase)

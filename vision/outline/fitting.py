@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vision.borders.contours import Borders, EdgePoints
 from vision.outline.drawn.separation_kernels import runs_between_two_greys
-from vision.outline.fit.edge_prices import edge_prices
+from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices
 from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
 from vision.outline.limit_kernels import allow_losses, longest_of
@@ -31,7 +31,8 @@ it would hide true corners there, and hardly spares a false one."""
 QUIET_PX, NOISY_PX = 0.1, 0.2
 """From where to where in the noise of a point the one becomes the other."""
 STAIRCASE_PX = 0.5
-"""Deviation that costs nothing in a picture of black and white only."""
+"""Deviation that costs nothing in a picture of black and white only, or blurred after it was one:
+derived, a pixel's centre is no farther off the border that it was rounded from."""
 
 
 class Tolerance(NamedTuple):
@@ -59,23 +60,34 @@ class Tolerance(NamedTuple):
 
 def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     """The tolerance that a picture's noise (grey levels), contrast and edges call for."""
-    slope = min(max(edges.slope, 0.05), 0.4)
-    spread = SMOOTHING * noise / (slope * max(contrast, 1.0))
+    spread = SMOOTHING * noise / (edges.slope * max(contrast, 1.0))
+    sigma = float(np.hypot(FLOOR_PX, spread))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
-    blur = float(np.sqrt(max((0.3989 / slope) ** 2 - 1.0, 0.08)))
+    blur = edges.blur_px
     noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
     calm = CALM_PX + (NOISY_CALM_PX - CALM_PX) * noisy
     # noise outweighs what little of the bend is left so far out
     loud = min(1.0, spread / 0.15)
     return Tolerance(
         crisp=crisp > 0.5,
-        dead_zone_px=calm + (STAIRCASE_PX - calm) * crisp,
-        sigma_px=float(np.hypot(FLOOR_PX, spread)),
+        dead_zone_px=calm + (STAIRCASE_PX - calm) * max(crisp, staircase_share(edges, sigma)),
+        sigma_px=sigma,
         spread_px=spread,
         blur_px=blur,
         guard_px=max(1.0, (2.1 - 1.1 * loud) * blur),
         trim_px=max(1.0, (2.1 - 0.65 * loud) * blur),
     )
+
+
+def staircase_share(edges: EdgePoints, sigma_px: float) -> float:
+    """How much of the pixels' staircase is left at edges with grey: 0 .. 1.
+
+    Points cost their squares, as in a fit: beside the staircase they have to cost less than beside
+    none, by what one more line would have to save.
+    """
+    common, whole = edges.staircase
+    saved = (2.0 * common - whole) / sigma_px**2
+    return min(common / whole, 1.0) if saved > LEAST_LINE else 0.0
 
 
 def is_drawing(grey: NDArray[Any], borders: Borders) -> bool:

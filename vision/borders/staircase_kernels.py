@@ -1,0 +1,149 @@
+"""Whether edge points still follow the pixels' staircase, though there is grey between them.
+
+Rules and units
+- Pixels, centres at integers. A drawing without grey that was blurred afterwards keeps the steps of
+  its pixels wherever they are longer than the blur is wide: its border is the staircase, rounded
+  along itself, and lies up to half a pixel off what was drawn.
+- Where points follow each other a column (or a row) apart, a parabola through a stretch of them
+  predicts the one in its middle. What lies between pixels is drawn where it is, and the point does
+  not leave the parabola. What was rounded to pixels has the point where the rounded parabola is,
+  blurred. The two are compared by their squares.
+- Noise favours neither: over a stretch that rises by a pixel it meets every phase of the staircase
+  alike. A stretch that rises less says nothing and is not asked.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from planner.scene.compile_options import LEAF, OWNING, SUMS
+
+NARROWEST, WIDEST = 4, 16
+"""Points on either side that a parabola is fitted to, at least and at most: chosen, by
+``tests/vision/borders/test_staircase.py``, over discs of 20 to 200 px."""
+COURSE, WIDER = 28.0, 0.75
+"""A course of so many points has the narrowest stretches: derived, the octants of a circle of
+20 px. In wider courses stretches grow by this power of the radius, and a parabola leaves the
+circle by the same everywhere: derived, by w^4 / (8 r^3)."""
+NARROW = 4.5
+"""Points on either side at such a course, were there no least: chosen, by the same test."""
+TAILS = 2.5
+"""Standard deviations at which blur along the border is cut off: chosen, 1 % lies beyond."""
+RISE_PX = 1.0
+"""How much a stretch has to rise: derived, a step."""
+ASTRAY_PX = 0.6
+"""From here on a point is beside a corner: chosen, half a pixel is what rounding does, and a little
+is left for noise."""
+
+
+@njit(**OWNING)
+def follow_staircase(points, starts, blur):
+    """How much of the pixels' staircase is in the points (k, 2) of borders, from ``starts`` on.
+
+    ``blur``: how far light spreads at an edge, pixels. Returns the sum of what points leave their
+    parabola by times what the staircase does, and the sum of the latter's squares, square pixels:
+    their quotient is 0 for what was drawn with grey, and 1 for what was not. O(points).
+    """
+    longest = 0
+    for b in range(starts.shape[0] - 1):
+        longest = max(longest, starts[b + 1] - starts[b])
+    work = np.empty((3, longest + 1))
+    reach = math.ceil(TAILS * blur)
+    taps = np.empty(2 * reach + 1)
+    total = 0.0
+    for k in range(-reach, reach + 1):
+        taps[k + reach] = math.exp(-0.5 * (k / blur) ** 2)
+        total += taps[k + reach]
+    taps /= total
+    shared = 0.0
+    squares = 0.0
+    for b in range(starts.shape[0] - 1):
+        border = points[starts[b] : starts[b + 1]]
+        n = border.shape[0]
+        for axis in range(2):
+            begin = _first_break(border, axis)
+            k = 0
+            while k < n:
+                count = _course(border, axis, begin + k, n - k)
+                if count > 2 * (NARROWEST + reach):
+                    for i in range(count):
+                        work[0, i] = border[(begin + k + i) % n, 1 - axis]
+                    more, most = _compare(work, count, taps, reach)
+                    shared += more
+                    squares += most
+                k += max(count - 1, 1)
+    return shared, squares
+
+
+@njit(**LEAF)
+def _steps_alike(border, axis, k):
+    """Whether points k - 1, k and k + 1 follow each other a pixel apart along the axis."""
+    n = border.shape[0]
+    here = border[k % n, axis]
+    before = here - border[(k - 1) % n, axis]
+    return abs(before) == 1.0 and border[(k + 1) % n, axis] - here == before
+
+
+@njit(**LEAF)
+def _first_break(border, axis):
+    """A point at which no course goes on."""
+    for k in range(border.shape[0]):
+        if not _steps_alike(border, axis, k):
+            return k
+    return 0
+
+
+@njit(**LEAF)
+def _course(border, axis, begin, most):
+    """How many points from ``begin`` on follow each other a pixel apart; at most one more."""
+    n = border.shape[0]
+    if abs(border[(begin + 1) % n, axis] - border[begin % n, axis]) != 1.0:
+        return 1
+    count = 2
+    while count <= most and _steps_alike(border, axis, begin + count - 1):
+        count += 1
+    return count
+
+
+@njit(**SUMS)
+def _compare(work, count, taps, reach):
+    """The sums of ``follow_staircase`` over one course, in the first row of ``work``."""
+    course = work[0]
+    smooth = work[1]
+    rounded = work[2]
+    width = int(NARROW * (count / COURSE) ** WIDER)
+    width = min(max(width, NARROWEST), WIDEST)
+    size = 2 * width + 1
+    # what a parabola through so many points has in its middle: a sum of weights a - b j^2
+    second = width * (width + 1.0) * size / 3.0
+    fourth = second * (3.0 * width * width + 3.0 * width - 1.0) / 5.0
+    scale = 1.0 / (size * fourth - second * second)
+    a = fourth * scale
+    b = second * scale
+    for i in range(width, count - width):
+        value = 0.0
+        for j in range(-width, width + 1):
+            value += (a - b * j * j) * course[i + j]
+        smooth[i] = value
+        rounded[i] = math.floor(value) + 0.5
+    shared = 0.0
+    squares = 0.0
+    for i in range(width + reach, count - width - reach):
+        first = course[i - width]
+        middle = course[i]
+        last = course[i + width]
+        rise = max(abs(first - last), max(abs(first - middle), abs(last - middle)))
+        away = middle - smooth[i]
+        if rise < RISE_PX or abs(away) >= ASTRAY_PX:
+            continue
+        stair = -smooth[i]
+        for j in range(2 * reach + 1):
+            stair += taps[j] * rounded[i + j - reach]
+        shared += away * stair
+        squares += stair * stair
+    return shared, squares
