@@ -44,6 +44,8 @@ class Family:
     """The chance of an obstacle to be faint."""
     noise: tuple[float, float] = (0.0, 4.0)
     texture: str = "none"
+    cables: bool = False
+    """Whether a cable of half the obstacles' contrast lies across the picture, which is faint."""
 
 
 FAMILIES = {
@@ -64,6 +66,11 @@ FAMILIES = {
     "cloth": Family("ramp", faint=0.2, texture="cloth"),
     "joints": Family("ramp", faint=0.0, texture="joints"),
     "grain": Family("shadow", faint=0.0, texture="grain"),
+    "cables": Family(cables=True),
+    "cables, ramp": Family("ramp", cables=True),
+    "cables, noise": Family(cables=True, noise=(4.0, 8.0)),
+    "cables, joints": Family(cables=True, texture="joints"),
+    "dark joints": Family(texture="dark joints"),
 }
 
 
@@ -77,6 +84,19 @@ def shape(x: float, y: float, radius: float, rng: np.random.Generator) -> Grey:
     along, across = radius * np.cos(angles), radius * flat * np.sin(angles)
     c, s = math.cos(turn), math.sin(turn)
     return np.stack([x + c * along - s * across, y + s * along + c * across], axis=1)
+
+
+def cable(rng: np.random.Generator) -> Grey:
+    """The outline (2 n, 2) of a cable of 2 px that hangs across the middle row of cells."""
+    width, height = SIZE
+    x = np.linspace(rng.uniform(20.0, 150.0), width - rng.uniform(20.0, 150.0), 60)
+    wave, begin = rng.uniform(60.0, 160.0), rng.uniform(0.0, math.tau)
+    high = rng.uniform(4.0, 25.0)
+    y = 0.5 * height + high * np.sin(begin + x / wave * math.tau)
+    slope = high / wave * math.tau * np.cos(begin + x / wave * math.tau)
+    across = np.stack([-slope, np.ones_like(slope)]) / np.hypot(1.0, slope)
+    middle = np.stack([x, y])
+    return np.concatenate([(middle + across).T, (middle - across).T[::-1]])
 
 
 def light_of(kind: str, rng: np.random.Generator) -> Grey:
@@ -111,8 +131,9 @@ def texture_of(kind: str, rng: np.random.Generator) -> Grey:
         wide = rng.uniform(0.6, 1.5)
         weave = cv2.GaussianBlur(rng.normal(0.0, 1.0, floor.shape), (0, 0), wide)
         return np.asarray(floor + rng.uniform(0.01, 0.03) * weave / weave.std())
-    if kind == "joints":
-        depth, pitch = rng.uniform(0.05, 0.14), int(rng.integers(36, 70))
+    if kind in ("joints", "dark joints"):
+        depths = (0.05, 0.14) if kind == "joints" else (0.14, 0.22)
+        depth, pitch = rng.uniform(*depths), int(rng.integers(36, 70))
         for k in range(int(rng.integers(1, 4))):
             floor[int(rng.integers(pitch)) % pitch + k :: pitch] = 1.0 - depth
         return floor
@@ -141,6 +162,8 @@ def drawn(family: Family, rng: np.random.Generator) -> Drawn:
     dark = rng.uniform(0.1, 0.4)
     obstacles, faint = [], []
     for cell in rng.permutation(COLUMNS * ROWS)[: int(rng.integers(0, 10))]:
+        if family.cables and cell // COLUMNS == ROWS // 2:
+            continue
         x = (cell % COLUMNS + 0.5) * width / COLUMNS + rng.uniform(-12.0, 12.0)
         y = (cell // COLUMNS + 0.5) * height / ROWS + rng.uniform(-12.0, 12.0)
         cover = coverage([shape(x, y, rng.uniform(14.0, 42.0), rng)], SIZE, lines=4)
@@ -152,9 +175,23 @@ def drawn(family: Family, rng: np.random.Generator) -> Drawn:
         seen = seen * (1.0 - share * cover)
         obstacles.append(cover >= 0.5)
         faint.append(bool(is_faint))
+    if family.cables:
+        cover = coverage([cable(rng)], SIZE, lines=4)
+        seen = seen * (1.0 - 0.5 * (1.0 - dark) * cover)
+        obstacles.append(cover >= 0.5)
+        faint.append(True)
     grey = cv2.GaussianBlur(seen, (0, 0), rng.uniform(*family.blur_px)) * light * floor
     grey += rng.normal(0.0, noise, grey.shape)
     return Drawn(np.clip(np.rint(grey), 0, 255).astype(np.uint8), obstacles, faint)
+
+
+def thin_edge(cover: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The pixels (h, w) beside an obstacle where it is no more than 4 px wide; else none."""
+    inside = cover.astype(np.uint8)
+    if cv2.erode(inside, np.ones((5, 5), np.uint8)).any():
+        return np.zeros_like(cover)
+    wider = cv2.dilate(inside, np.ones((3, 3), np.uint8))
+    return np.asarray((wider != 0) & ~cover)
 
 
 def looked_at(one: Drawn) -> tuple[list[bool], int]:
@@ -171,10 +208,15 @@ def looked_at(one: Drawn) -> tuple[list[bool], int]:
         common = np.bincount(labels[cover], minlength=count)
         common[0] = 0
         best = int(common.argmax())
-        both = int(cover.sum()) + areas[best] - common[best]
+        # what is thin may be a pixel wider, and a pixel off
+        edge = thin_edge(cover)
+        beside = np.bincount(labels[edge], minlength=count)[best]
+        both = int(cover.sum()) + areas[best] - common[best] - beside
         found.append(bool(common[best] > 0.5 * both))
         # a part of an obstacle is no obstacle beside it
-        false -= set(np.flatnonzero(common > 0.5 * areas).tolist())
+        near = common + np.bincount(labels[edge], minlength=count)
+        near[0] = 0
+        false -= set(np.flatnonzero(near > 0.5 * areas).tolist())
         false -= {best} if found[-1] else set()
     return found, len(false)
 

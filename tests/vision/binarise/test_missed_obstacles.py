@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
+from benchmarks.vision import grey_shapes
+from benchmarks.vision.regions import FAMILIES, drawn, looked_at
 from planner.scene import CircleRecord
 from tests.support.drawn.render import coverage, draw, outline_points, polygon
 from vision import extract
@@ -83,3 +85,38 @@ def test_a_faint_line_that_is_left_out_is_said() -> None:
     (said,) = [remark for remark in binary.remarks if "faint" in remark]
     assert "1 faint region was" in said
     assert "(20, 300) px" in said
+
+
+@pytest.mark.parametrize(("family", "least"), [("cables", 8), ("cables, ramp", 7)])
+def test_a_cable_of_half_the_contrast_is_an_obstacle(family: str, least: int) -> None:
+    """2 px thin: 19 of 20 were taken for joints of the floor."""
+    found = 0
+    for seed in range(10):
+        one = drawn(FAMILIES[family], np.random.default_rng([5, seed]))
+        hits, false = looked_at(one)
+        found += hits[-1]
+        assert all(hits[:-1]), f"seed {seed}"
+        assert not false, f"seed {seed}"
+    assert found >= least
+
+
+def test_joints_of_a_floor_are_no_cables() -> None:
+    for seed in range(10):
+        one = drawn(FAMILIES["joints"], np.random.default_rng([6, seed]))
+        assert looked_at(one)[1] == 0, f"seed {seed}"
+
+
+@pytest.mark.parametrize(
+    ("family", "look", "seed"),
+    [
+        ("bar", (0.7, 5.0), 17),
+        ("bar", (1.5, 5.0), 26),
+        ("pointed", (1.5, 5.0), 15),
+        ("pointed", (1.5, 5.0), 44),
+    ],
+)
+def test_a_wall_is_an_obstacle_though_blur_rounds_its_ends(
+    family: str, look: tuple[float, float], seed: int
+) -> None:
+    """Its short sides have less of a step than the long ones: it was no obstacle at all."""
+    assert count(grey_shapes.drawn(family, look, seed)[1]) == 1

@@ -10,9 +10,10 @@ Rules and units
   for.
 - A lens blurs all borders alike. In a picture out of focus no edge is sharp over ``REACH`` pixels,
   and steps are looked at in a picture half as large, whose blur is half as wide.
-- A region is real where its border stands out of the noise (``SIGMAS``) on all sides, is sharp
-  (``LEAST_SHARP``), and is of the stuff that the others are (``FAINT``); or else thick, with a
-  border that has ``LEAST_SHARE`` of the light: the joints of a floor look like faint walls.
+- A region is real where its border stands out of the noise (``SIGMAS``) on all sides but short
+  ones, is sharp (``LEAST_SHARP``), and is of the stuff that the others are (``FAINT``); or else
+  thick, with a border that has ``LEAST_SHARE`` of the light, or ``THIN_SHARE``: the joints of a
+  floor look like faint cables.
 """
 
 from __future__ import annotations
@@ -59,12 +60,19 @@ noise."""
 FAINT = 0.5
 """What a border has to have of the share that most of them have, to be of the same stuff, and each
 of its sides of its own: chosen, half-way between that and none."""
+SHORT_SIDE = 0.15
+"""Share of a border's pairs from which one of its sides is asked: chosen, tips of triangles that
+blur rounds have 0.13, and whole bars were no obstacles for their ends."""
 LEAST_SHARE = 0.1
 """Share of the light that a faint border has at least: chosen, for an obstacle of 180 on a floor of
 215 has 0.11."""
 THICK_PX = 3.0
 """How far the middle of a faint obstacle lies from its border at least: chosen, joints are
 thinner."""
+THIN_SHARE = 0.15
+"""Share of the light that the border of a faint and thin one has at least: chosen, cables of half
+the contrast have 0.12 to 0.3, joints of a floor 0.1 (``benchmarks.vision.regions --tuning``: 60 of
+80 cables found; 44 with 0.18, and 69 with 0.12, where a soft step has as much)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +197,9 @@ class Judge:
         stand_out = steps >= self.noise * chance
         stand_out &= pairs > 0
         shares = steps / np.maximum(light, 1.0)
-        around = (sides[0] + 3.0 * error >= FAINT * shares[:, None] * sides[1]).all(axis=1)
+        weak = sides[0] + 3.0 * error < FAINT * shares[:, None] * sides[1]
+        # a wall's end is no longer than what blur rounds
+        around = ~(weak & (sides[3] >= SHORT_SIDE * pairs[:, None])).any(axis=1)
         sharp = sides[2] >= LEAST_SHARP * steps
         return Regions(shares, pairs, stand_out & around, beyond, sharp, labels)
 
@@ -215,12 +225,11 @@ def faint_obstacles(regions: Regions, inside: NDArray[Any]) -> NDArray[np.bool_]
     ``inside`` (h, w) is not 0 where they are looked for.
     """
     found = regions.stand_out & regions.sharp & (regions.shares >= LEAST_SHARE)
-    # found     found &= regions.beyond > 0.0= regions.beyond > 0.0
     if found[1:].any():
         away = cv2.distanceTransform(inside, cv2.DIST_L2, 3)
         thick = np.zeros(found.size, dtype=np.bool_)
         thick[regions.labels[away >= THICK_PX]] = True
-        found &= thick
+        found &= thick | (regions.shares >= THIN_SHARE)
     return found
 
 

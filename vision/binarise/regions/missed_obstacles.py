@@ -7,7 +7,7 @@ Rules and units
   what lies below one of them is an obstacle too where it touches nothing of the mask, and where
   its border is sharp, stands out of the noise and has at least ``LEAST_SHARE`` of the light: a
   shadow's rim is soft, and noise has less.
-- What is thin besides is left out: the joints of a floor look like faint walls.
+- What is thin besides has to have ``THIN_SHARE``: the joints of a floor look like faint cables.
 """
 
 from __future__ import annotations
