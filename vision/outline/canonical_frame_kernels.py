@@ -23,15 +23,15 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.outline_types import Place
 
 APART = 7
-"""A border's share between points that are compared: no usual symmetry's."""
+"""A border's share between points that are compared: chosen, no usual symmetry has it."""
 NEITHER = 1e-10
-"""A skewness below this share of what it could be is rounding: the border is its own mirror
-image."""
+"""A skewness below this share of what it could be is rounding: chosen, thousands of sums round by
+1e-12 in all. The border is its own mirror image then."""
 
 STEPS, CRISP_STEPS = 2.0**32, 2.0**20
-"""To so many parts of a pixel points are rounded: what is equal but for its place in the picture
-stays equal, and ties are decided alike everywhere. Without grey a point is the middle between two
-pixels, but for what the smoothing's weights lack of one."""
+"""To so many parts of a pixel points are rounded: chosen, powers of two, exact. What is equal but
+for its place in the picture stays equal, and ties are decided alike everywhere. Without grey a
+point is the middle between two pixels, but for what the smoothing's weights lack of one."""
 
 
 @njit(**SUMS)

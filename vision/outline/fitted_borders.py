@@ -8,14 +8,18 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+# defined: kinds of an edge
 LINE: Final = 0
+# defined: the same
 ARC_CW: Final = 1
+# defined: the same
 ARC_CCW: Final = 2
-"""Kinds of an edge."""
+# defined: kinds of a border
 POLYGON: Final = 0
+# defined: the same
 CIRCLE: Final = 1
 TINY: Final = 2
-"""Kinds of a border; TINY has too few points for a fit."""
+"""Too few points for a fit: defined."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,14 +22,15 @@ from vision.outline.outline_types import CrackPixels, Prices
 from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
-"""The noise left by the profile's five-pixel Gaussian."""
+"""The noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
 FLOOR_PX = 0.05
-"""The smallest spread of edge points that is believed: lenses, prints and edges are no lines."""
+"""The smallest spread of edge points that is believed: chosen, lenses, prints and edges are no
+lines."""
 CALM_PX, NOISY_CALM_PX = 0.12, 0.06
-"""Deviation that costs nothing in a picture with grey; less of it where noise moves points much:
-it would hide true corners there, and hardly spares a false one."""
+"""Deviation that costs nothing in a picture with grey (chosen); less of it where noise moves points
+much: it would hide true corners there, and hardly spares a false one."""
 QUIET_PX, NOISY_PX = 0.1, 0.2
-"""From where to where in the noise of a point the one becomes the other."""
+"""From where to where in the noise of a point the one becomes the other: chosen."""
 STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only, or blurred after it was one:
 derived, a pixel's centre is no farther off the border that it was rounded from."""

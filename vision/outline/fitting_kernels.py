@@ -64,30 +64,31 @@ from vision.outline.partition_kernels import partition
 from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write_circle
 
 FEWEST = 10
-"""Points of the smallest border that is fitted."""
+"""Points of the smallest border that is fitted: chosen."""
 LOOKS = 2
-"""Times that a border is broken into edges: the second time by more careful rules, where the first
-did not find edges that cover it."""
+"""Times that a border is broken into edges (defined): the second time by more careful rules, where
+the first did not find edges that cover it."""
 STRICTER_BY = 0.1
-"""Without grey: the share of a deviation that costs as much then."""
+"""Without grey: the share of a deviation that costs as much then: chosen."""
 CALMER_BY, FINER_BY = 0.25, 0.4
 """With grey: by how much less deviation is free then, and by how much nearer to each other the
-places are where the border may break."""
+places are where the border may break: chosen."""
 ROUNDER_BY = 0.85
-"""With grey: by how much cheaper an arc is then. It is no dearer than two chords that pass for
-it."""
+"""With grey: by how much cheaper an arc is then: chosen. It is no dearer than two chords that pass
+for it."""
 QUIET_PX = 0.1
-"""With grey: the noise of a point up to which a second look tells."""
+"""With grey: the noise of a point up to which a second look tells: chosen."""
 CHEAP = 3.0
-"""A circle that costs no more than so many lines is not compared with other edges."""
+"""A circle that costs no more than so many lines is not compared with other edges: chosen, as
+many as enclose something."""
 NO_BLUR = 0.0
-"""Without grey no corner is rounded."""
+"""Without grey no corner is rounded: defined."""
 SURE = 0.5
-"""Pixels by which the last check is stricter than the search."""
+"""Pixels by which the last check is stricter than the search: chosen."""
 HELD_AREA = 400
-"""Pixels from which an object drawn again covers its own, whether or not it is round."""
+"""Pixels from which an object drawn again covers its own, whether or not it is round: chosen."""
 NONE, ONE = np.int64(0), np.int64(1)
-"""Typed, so that kernels are compiled for numbers and not once more for these."""
+"""Defined: typed, so that kernels are compiled for numbers, not once more for these."""
 
 
 @njit(**LEAF, forceinline=True)

@@ -18,20 +18,21 @@ from planner.scene.compile_options import LEAF, OWNING
 from vision.outline.fit.outline_kernels import STRAY_PX
 from vision.outline.outline_types import Limits
 
-TANGENT_PX = 0.05
-CRISP_TANGENT_PX = 0.3
-"""By how much two smoothly joined edges may miss or cross each other, noise aside."""
+TANGENT_PX, CRISP_TANGENT_PX = 0.05, 0.3
+"""With and without grey (chosen), by how much two smoothly joined edges may miss or cross each
+other, noise aside."""
 CUT_PX = 0.7
-"""Blur's worth of a missing corner pixel: the sides still meet where they would with it."""
+"""Blur's worth of a missing corner pixel: chosen, the sides still meet where they would with it."""
 MOST_PX = 1.0
-"""How far an edge may leave a border without noise: less than the pixel that is promised."""
+"""How far an edge may leave a border without noise: chosen, the pixel that is promised."""
 CALM_LOSS_PX = 0.02
-"""Deviation that does not count as area lost."""
+"""Deviation that does not count as area lost: chosen."""
 CHORD_PX, CRISP_CHORD_PX = 0.2, 0.34
-"""How far a chord of a ragged stretch may leave its border points: without grey no farther than
-half a pixel along the axis at 45 degrees."""
+"""How far a chord of a ragged stretch may leave its border points: chosen, without grey no farther
+than half a pixel along the axis at 45 degrees."""
 LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
-"""Area that an object's edges may lose, as a share of its own, and in pixels."""
+"""Area that an object's edges may lose, as a share of its own, and in pixels: chosen,
+the promise of the page on outlines."""
 
 
 @njit(**LEAF)

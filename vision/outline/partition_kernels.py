@@ -24,28 +24,29 @@ from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 
 FAILED = 4.0
-"""A stretch between two seeds that is no line costs as many."""
+"""A stretch between two seeds that is no line costs as many: chosen."""
 NEAR_MISS = 1.6
-"""Share of the worst deviation up to which an arc is worth turning between the pixels."""
+"""Share of the worst deviation up to which an arc is worth turning between the pixels: chosen."""
 SPAN = 160
-"""At most so many seeds in one stretch."""
+"""At most so many seeds in one stretch: chosen, a bound on the work."""
 TURN = 6
-"""Points on either side of a seed that tell how sharply its border turns."""
+"""Points on either side of a seed that tell how sharply its border turns: chosen."""
 CORNER = 1.2
-"""Turn in radians from which a seed is surely a corner: a cap of 10 px radius turns by 0.6, and a
-staircase turns sharply by itself."""
+"""Turn in radians from which a seed is surely a corner: chosen, a cap of 10 px radius turns by
+0.6, and a staircase turns sharply by itself."""
 FAILURES = 3
-"""A stretch that has failed so often with one end is not extended further."""
+"""A stretch that has failed so often with one end is not extended further: chosen, it only spares
+work."""
 ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
-"""What a stretch may be: a line or an arc, an arc, neither."""
+"""What a stretch may be: defined, a line or an arc, an arc, neither."""
 ROUNDING = 1e-9
-"""A partition begun elsewhere may cost as much, but for the order of its sums."""
+"""A partition begun elsewhere may cost as much, but for the order of its sums: chosen."""
 ROUND_SEEDS = 12
-"""At most so many seeds on a border that is nearly a circle and no polygon: it turns evenly, and a
-break beside an arc moves to its place when the edges are fitted."""
+"""At most so many seeds on a border that is nearly a circle and no polygon: chosen, it turns
+evenly, and a break beside an arc moves to its place when the edges are fitted."""
 NO_LINE, NO_CIRCLE = 2.0, 3.0
 """In worst deviations: how far a seed may lie from the chord, or from the circle through both
-ends and the middle, of a stretch that might be a line or an arc."""
+ends and the middle, of a stretch that might be a line or an arc (chosen)."""
 
 
 @njit(**LEAF)

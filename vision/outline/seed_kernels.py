@@ -15,7 +15,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 
 SNAP = 4
-"""Points by which a seed moves to the middle of its corner."""
+"""Points by which a seed moves to the middle of its corner: chosen."""
 
 
 @njit(**LEAF)

@@ -32,20 +32,20 @@ from vision.outline.fit.shape_kernels import (
 from vision.outline.fitted_borders import LINE
 
 CIRCLE_LOSS = 1.3
-"""How much more than its edges might a circle may lose that spares them all."""
+"""How much more than its edges might a circle may lose that spares them all: chosen."""
 INWARDS, LOUD_PX = 0.31, 0.15
 """Blur moves the half-way level of a circle inwards by half its variance over the radius; a blur
 that is read off profiles along rows and columns, which meet a circle aslant, looks so much wider
 that it is less than a third (measured). Less with noise, and nothing from this spread on (too)."""
 ROUGH = 64
-"""Points that tell most other shapes from a circle."""
+"""Points that tell most other shapes from a circle: chosen, it only spares work."""
 REFINEMENTS = np.int64(8)
-"""Rounds of Gauss-Newton."""
+"""Rounds of Gauss-Newton: chosen, a bound on the work."""
 THIRDS = np.int64(3)
-"""Arcs that a circle is cut into where it does not separate its pixels: each turns by less than
-half a circle."""
+"""Arcs that a circle is cut into where it does not separate its pixels: derived, each turns by
+less than half a circle."""
 NONE, ONE = np.int64(0), np.int64(1)
-"""Typed, so that kernels are compiled for numbers and not once more for these."""
+"""Defined: typed, so that kernels are compiled for numbers, not once more for these."""
 
 
 @njit(**LEAF)

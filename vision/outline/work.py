@@ -13,7 +13,7 @@ import numpy as np
 from vision.outline.outline_types import Fitted, Memory
 
 LEAST = 16
-"""So long are rows at least: a few sums of a stretch, or a corner, need that."""
+"""So long are rows at least: chosen, a few sums of a stretch, or a corner, need that."""
 
 
 class _Kept(threading.local):

@@ -23,9 +23,10 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 CHECKS = 6
-"""Times that the finished edges are compared with the border."""
+"""Times that the finished edges are compared with the border: chosen, a bound on the work."""
 RAGGED_SHARE, CRISP_RAGGED_SHARE = 0.15, 0.03
-"""Area lost per point from which a stretch counts as ragged, where its border loses too much."""
+"""Area lost per point from which a stretch counts as ragged, where its border loses too much:
+chosen."""
 
 
 @njit(**LEAF)

@@ -20,7 +20,7 @@ from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 FIRST = np.int64(0)
-"""Typed, so that kernels are compiled for numbers and not once more for this."""
+"""Defined: typed, so that kernels are compiled for numbers and not once more for this."""
 
 
 @njit(**LEAF, forceinline=False)

@@ -22,15 +22,17 @@ from vision.outline.fitted_borders import LINE
 
 LOST_AXIS_PX = 0.505
 """Along a pixel's axis, how far from the middle between two pixels' centres an edge may run
-before a pixel counts as lost."""
+before a pixel counts as lost: chosen, half a pixel and a hundredth of that."""
 NARROW_PX, LONGEST_TIP_PX = 0.75, 12.0
-"""Half the width of a tip without a pixel's centre, and how far it may reach back."""
+"""Half the width of a tip without a pixel's centre, and how far it may reach back: chosen, a little
+more than half a pixel's diagonal; ``vision.outline.check.stray_kernels.TIP_PX``."""
 BESIDE_OTHER_PX = 0.5
-"""A point farther from its edge may lie at a neighbouring one."""
+"""A point farther from its edge may lie at a neighbouring one: chosen, half a pixel."""
 TIP_STRAY_PX = 1.0
-"""The border of a tip stays as near to its edges; what is farther off is no tip."""
+"""The border of a tip stays as near to its edges: chosen, a pixel. What is farther off is no
+tip."""
 TIP_PX = 2.5
-"""Within this distance of a corner pixels are too coarse to tell where its sides run."""
+"""Within this distance of a corner pixels are too coarse to tell where its sides run: chosen."""
 
 
 @njit(**LEAF)

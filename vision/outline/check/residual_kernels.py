@@ -21,12 +21,12 @@ from vision.outline.fit.outline_kernels import distance_to_edge
 from vision.outline.fitted_borders import ARC_CCW, LINE
 
 NEAR_ENDS = 4
-"""Points at either end of an edge that may be nearer to its neighbour."""
+"""Points at either end of an edge that may be nearer to its neighbour: chosen."""
 BESIDE_PX = 0.4
-"""A point farther from its edge may be its neighbour's."""
+"""A point farther from its edge may be its neighbour's: chosen."""
 ROUNDING = math.sqrt(2.0 / math.pi)
 """At a corner that turns by an angle, blur moves the border off it by so many times its sigma and
-the sine of half the angle: the mean of |x| under a Gaussian, as in
+the sine of half the angle: derived, the mean of |x| under a Gaussian, as in
 ``vision.outline.corners.blurred_corner_kernels``."""
 
 

@@ -26,12 +26,15 @@ from vision.outline.fitted_borders import LINE
 
 TIP_PX, TIP_BASE_PX = 12.0, 2.0
 """How long a pointed corner's sides may be where they leave the border by more than ``STRAY_PX``,
-and how far apart where they begin to. A tip reaches as far back as the blur's sigma over the
-sine of half its angle: these are 10 degrees at a sigma of 1 px. No robot fits into its base."""
+and how far apart where they begin to. A tip reaches as far back as the blur's sigma over the sine
+of half its angle: these are 10 degrees at a sigma of 1 px (chosen). No robot fits into its
+base."""
 EVERY_PX = 2.0
-"""Points of an edge so far apart are looked for beside the border."""
+"""Points of an edge so far apart are looked for beside the border: chosen, as far as
+``STRAY_PX``."""
 LONGEST = 4.0
-"""What is longer than so many of its stretch's points, and a tip at either end, is not its edge."""
+"""What is longer than so many of its stretch's points, and a tip at either end, is not its edge:
+chosen."""
 
 
 @njit(**LEAF)

@@ -23,11 +23,13 @@ from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE
 
 CORNER_ROOM = 8
+"""Numbers of a corner's row: defined."""
 ALONG_X, ALONG_Y, STEEPNESS, TURN = 4, 5, 6, 7
+"""Where in it they are: defined."""
 REACH = 4.0
-"""Farther from a joint, in sigmas of the blur, nothing is rounded."""
+"""Farther from a joint, in sigmas of the blur, nothing is rounded: chosen."""
 PER_SIGMA = 32
-"""Entries of the table for a sigma: linear between them, it is right to 5e-5 of the blur."""
+"""Entries of the table for a sigma: chosen, linear between them it is right to 5e-5 of the blur."""
 
 
 def _excess(t: float) -> float:
@@ -39,6 +41,7 @@ def _excess(t: float) -> float:
 LAST = REACH * PER_SIGMA
 """Where the table ends, and the excess is none."""
 EXCESS = np.array([_excess(k / PER_SIGMA) for k in range(int(REACH * PER_SIGMA) + 2)])
+"""The table: derived, see above."""
 
 
 @njit(**LEAF)

@@ -16,9 +16,10 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 
 SHALLOW = 0.03
-"""Sine of the angle below which two lines are taken for one."""
+"""Sine of the angle below which two lines are taken for one: chosen, 1.7 degrees."""
 TURN = 6
-"""Points on either side of a break that tell where its border comes from and goes to."""
+"""Points on either side of a break that tell where its border comes from and goes to:
+chosen."""
 
 
 @njit(**LEAF)

@@ -42,10 +42,11 @@ from vision.outline.fit.shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.outline_types import Run
 
 CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
-"""What may take the place of a run of edges: the corner of the two that stay, one line through all
-their points, a line square to both at the end of a wall, an arc that touches both. Typed, so that
-kernels are compiled for numbers and not once more for these."""
+"""What may take the place of a run of edges (defined): the corner of the two that stay, one line
+through all their points, a line square to both at the end of a wall, an arc that touches both.
+Typed, so that kernels are compiled for numbers and not once more for these."""
 KINDS = 4
+"""So many of them: defined."""
 SHARES = 0.0, 1.0, 1.0, 1.5
 """Their prices in lines. A fillet has one free number, a line and its break have two: between the
 line that it is dearer than and the two that it saves, so that a bevel stays straight (chosen)."""
@@ -60,7 +61,7 @@ FLAT = 0.25
 """An arc that turns by less (radians) may be a line that took some of the arcs at its ends: up to
 60 px long it rises by less than 2 px (chosen)."""
 FEWEST = 3
-"""Lines that enclose something; with an arc it is one less."""
+"""Lines that enclose something: derived, two do not; with an arc it is one less."""
 
 
 @njit(**LEAF)

@@ -23,11 +23,12 @@ from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.outline_types import Blur, Change, Edits
 
 ROUNDS = 16
-"""Times that an outline is edited at most, so that the search has a bound: nearly all take two."""
+"""Times that an outline is edited at most, so that the search has a bound: chosen,
+nearly all take two."""
 LEFT = 3
-"""Points that an edge keeps between two edits: two would lie on any line."""
+"""Points that an edge keeps between two edits: derived, two would lie on any line."""
 MOVED = 16
-"""Points by which an edge may be longer between two edits: these look for an end among
+"""Points by which an edge may be longer between two edits: derived, these look for an end among
 ``vision.outline.corners.wall_end_kernels.AROUND`` points beyond it, on either side, and no more."""
 
 

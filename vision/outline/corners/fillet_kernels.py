@@ -29,10 +29,10 @@ LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
 """Between which angles the lines of a rounded corner turn (chosen): where they turn less their
 corner is ill-known, where they turn more its fillet is far from it."""
 PIXEL_BLUR_PX = 0.2887
-"""The spread (sigma) of a pixel's own width: 1 / sqrt(12)."""
+"""The spread (sigma) of a pixel's own width: derived, 1 / sqrt(12)."""
 ROUNDED_PX, ROUNDED_BY = 1.5, 2.5
-"""A fillet's tangents are at least so long, and so many times the blur: blur rounds a sharp corner
-as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
+"""A fillet's tangents are at least so long, and so many times the blur: chosen, blur rounds a
+sharp corner as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
 ANCHOR_FROM, ANCHOR_TO = 0.3, 0.7
 """The part of a line that surely is none of the arcs at its ends (chosen)."""
 LOOKS, ASTRAY = 6, 2.0
@@ -45,7 +45,8 @@ degrees. Half the variance from the one that is read off profiles along rows and
 meet a border aslant and end before a wide blur does, and from its square (measured: right to a
 twelfth for discs at blurs of 0.5 .. 2)."""
 OWN = 3
-"""Points that a fillet and the lines beside it have for themselves: two would lie on any line."""
+"""Points that a fillet and the lines beside it have for themselves: derived, two would lie on any
+line."""
 STEPS, REFITS = 8, 3
 """Steps of Gauss-Newton for a radius, which settles in four; times that the lines beside a fillet
 are fitted again (chosen: bounds on the work)."""

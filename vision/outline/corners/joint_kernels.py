@@ -30,15 +30,17 @@ from vision.outline.fit.shape_kernels import (
 )
 
 ROUNDS = 4
-"""Times that edges are fitted, each with the corners of the time before."""
+"""Times that edges are fitted, each with the corners of the time before: chosen, a bound on the
+work."""
 REFINEMENTS, EVERY = np.int64(8), np.int64(1)
-"""Rounds of Gauss-Newton; a fit takes every point."""
+"""Rounds of Gauss-Newton (chosen: a bound on the work); a fit takes every point."""
 STRAIGHT_PX = 0.05
-"""An arc that rises less over its chord is a line: no edge point is known better."""
+"""An arc that rises less over its chord is a line: chosen, no edge point is known better."""
 SMOOTH_SLIDE = 24
-"""Points by which a break beside an arc may move to where the fits of both sides are best."""
+"""Points by which a break beside an arc may move to where the fits of both sides are best:
+chosen."""
 SLIDE = 8
-"""Points by which a break may move towards its corner at a time."""
+"""Points by which a break may move towards its corner at a time: chosen."""
 
 
 @njit(**LEAF)

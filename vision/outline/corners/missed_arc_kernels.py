@@ -15,13 +15,15 @@ from planner.scene.primitive_kernels import successor
 from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 
 BENT_PX, BENT_BY = 0.15, 2.0
-"""A bent line's arc rises so high over its chord, and so many times the noise of a point more: a
-line through it is off by a third of that, as much as the points' spread is believed at least."""
+"""A bent line's arc rises so high over its chord, and so many times the noise of a point more:
+chosen, a line through it is off by a third of that, as much as the points' spread is believed at
+least."""
 BETTER_BY = 0.5
 """Share of the line's residual that its arc leaves (chosen)."""
 LEAST = 7
-"""Points that tell a bend: more than twice the numbers of a circle."""
+"""Points that tell a bend: chosen, more than twice the numbers of a circle."""
 EVERY = 1
+"""A fit takes every point: defined."""
 SHALLOW = 0.9
 """Cosine of the turn up to which two lines may be two chords of one arc: 26 degrees (chosen)."""
 AS_GOOD_PX = 0.02

@@ -29,16 +29,16 @@ AROUND = 6
 """Points on either side of what lies between among which the wall's end is: its half width, and
 what blur rounds (chosen)."""
 SHARP_BY, SHARP_PX = 2.2, 0.5
-"""A sharp tip's border is no wider than so many times the blur's sigma, and so much more. The
-half-way level alone would be where it is 1.35 sigma wide."""
+"""A sharp tip's border is no wider than so many times the blur's sigma, and so much more
+(chosen). The half-way level alone would be where it is 1.35 sigma wide."""
 PLAIN_BY, PLAIN_PX = 2.0, 2.5
 """A side is seen by the search from so many times what blur rounds at a corner on, both its ends,
-and the points of its fit."""
+and the points of its fit: chosen."""
 SHORTEST = 2
-"""Points of the shortest side: they make a line."""
+"""Points of the shortest side: derived, they make a line."""
 SQUARE_PX = 1.5
-"""By how much one end of a side may lie behind the other and still be taken for square: the few
-points amid its corners cannot tell."""
+"""By how much one end of a side may lie behind the other and still be taken for square: chosen,
+the few points amid its corners cannot tell."""
 
 
 @njit(**LEAF)

@@ -23,11 +23,12 @@ LINE_CHANCE = 18.0
 that keeps false corners below 1 % at blur 1.5 and noise 20 (0.4 % measured; with 10 it were
 1.5 %): from 19 on, polygons with corners of 150 degrees begin to pass for arcs at noise 20."""
 LEAST_LINE = 10.0
+"""A line's price where there is hardly noise: chosen, one point more than three sigma off."""
 SHARES = 1.0, 2.2, 1.8
-"""A line, an arc and a whole circle in lines: an arc replaces two lines and a corner, and a
+"""A line, an arc and a whole circle in lines: chosen, an arc replaces two lines and a corner, and a
 little, since a polygon of short sides is nearly round."""
 CRISP_SHARES = 1.0, 2.0, 1.6
-"""The same without grey, where a small arc is hardly more than its staircase."""
+"""The same without grey: chosen, a small arc there is hardly more than its staircase."""
 
 
 def edge_prices(

@@ -20,8 +20,11 @@ from planner.scene.compile_options import SUMS
 from vision.outline.fit.shape_kernels import put_line, taubin
 
 FIRST, BEHIND, ROUND_BEHIND, ORIGIN_X, ORIGIN_Y = 0, 1, 2, 3, 4
+"""Where in the sums a stretch and its origin are: defined."""
 X, Y, XX, XY, YY, XZ, YZ, ZZ = 5, 6, 7, 8, 9, 10, 11, 12
+"""And where each sum is: defined."""
 ROOM = 13
+"""So many in all: defined."""
 
 
 @njit(**SUMS)

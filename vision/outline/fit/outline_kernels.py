@@ -19,15 +19,15 @@ from planner.scene.primitive_kernels import TAU, successor
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 
 FLATTEST_PX = 1e-3
-"""An arc that rises less above its chord is a line."""
+"""An arc that rises less above its chord is a line: chosen, a fiftieth of what a point is known."""
 STRAY_PX = 2.0
-"""How far a written outline and its border may be apart, but for a pointed corner that blur rounded
-back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
+"""How far a written outline and its border may be apart (chosen), but for a pointed corner that
+blur rounded back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
 (``vision.outline.limit_kernels.MOST_PX``), and there is a point for every row or column of a
 border only: what ``tests/support/drawn/outline_judge.py`` fails, which allows 3 px, fails here
 (``python -m benchmarks.outlines``)."""
 TURNS = 8
-"""Steps in which an arc's points are looked at for its turning sense."""
+"""Steps in which an arc's points are looked at for its turning sense: chosen."""
 
 
 @njit(**LEAF)

@@ -16,12 +16,16 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 
 HALF = 0.5
-"""Along a pixel's axis, how far an edge may leave the middle between two pixels' centres."""
+"""Along a pixel's axis, how far an edge may leave the middle between two pixels' centres:
+derived."""
 SEPARATION_STEPS = 12
+"""Times that it is turned or moved: chosen, a bound on the work."""
 SEPARATION_MARGIN = 0.03
-"""How much nearer than half a pixel an edge is pulled to the points that it must not leave."""
+"""How much nearer than half a pixel an edge is pulled to the points that it must not leave:
+chosen."""
 ACTIVE_PX = 0.15
-"""Points so near to their limit take part when an edge is turned between the pixels."""
+"""Points so near to their limit take part when an edge is turned between the pixels:
+chosen."""
 
 
 @njit(**SUMS)

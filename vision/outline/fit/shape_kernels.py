@@ -23,15 +23,15 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 
 HUGE = 1e18
-"""The cost of what may not be."""
+"""The cost of what may not be: defined."""
 BEATEN = 1e12
-"""The cost of what is dearer than the best known."""
+"""The cost of what is dearer than the best known: defined."""
 CHUNK = 32
-"""Points after which a cost is compared with its bound."""
+"""Points after which a cost is compared with its bound: chosen, it only spares work."""
 FLATTEST_RADIUS_PX = 1e6
-"""A circle of a larger radius is a line."""
+"""A circle of a larger radius is a line: chosen, beyond any picture."""
 SETTLED_PX = 1e-6
-"""A circle that moves less has converged."""
+"""A circle that moves less has converged: chosen, far below what points are known to."""
 
 
 @njit(**SUMS)
