@@ -18,9 +18,7 @@ MOST_FILES = 15
 MOST_FILE_LINES = 400
 LEAST_FILE_LINES = 40
 TUNED = ("vision/outline/", "vision/binarise/")
-"""Where numbers have been tuned most."""
-SOURCED = ("vision/outline/drawn/", "vision/binarise/")
-"""Where each has its source."""
+"""Where numbers have been tuned most: each has its source."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,13 +54,12 @@ def figures(root: Path) -> list[Figure]:
         "import circles between folders": circles(shipped),
     }
     numbers = list(named_numbers(file for file in shipped if str(file.path).startswith(TUNED)))
-    found["named numbers of drawn outlines and binarisation without a source"] = [
+    found["named numbers of outlines and binarisation without a source"] = [
         str(one) for one in unsourced(shipped)
     ]
     uncounted = {
         "named numbers of outlines and binarisation": numbers,
-        "of these measured, chosen or without a source": [one for one in numbers if one.tuned],
-        "of these without a source": [one for one in numbers if not one.source],
+        "of these measured or chosen": [one for one in numbers if one.tuned],
     }
     short = counts.short_kernel_files(shipped, LEAST_FILE_LINES)
     return [
@@ -74,5 +71,5 @@ def figures(root: Path) -> list[Figure]:
 
 def unsourced(files: Iterable[File]) -> list[NamedNumber]:
     """The named numbers without a source in the folders where each has one."""
-    some = (file for file in files if str(file.path).startswith(SOURCED))
+    some = (file for file in files if str(file.path).startswith(TUNED))
     return [one for one in named_numbers(some) if not one.source]

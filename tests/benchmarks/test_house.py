@@ -275,7 +275,7 @@ def test_named_numbers_are_counted_with_the_word_for_their_source(tmp_path: Path
     assert str(found[-1]) == "vision/a.py:9: F (no source)"
 
 
-def test_every_named_number_of_binarisation_and_drawn_outlines_has_its_source(
+def test_every_named_number_of_binarisation_and_outlines_has_its_source(
     shipped: list[File],
 ) -> None:
     assert [str(one) for one in unsourced(shipped)] == []
