@@ -3,8 +3,9 @@
 Rules and units
 - A picture's scene is in pixels, centres at integers, y down, its bounds the picture's edges.
 - With a calibration the edge points are mapped to the floor before anything is fitted, into
-  rectified pixels of the nominal size, so that tolerances stay in pixels; the records come
-  out in metres, y up, inside the bounds that the caller gives.
+  rectified pixels of the nominal size, each border shrunk to its size in the picture, so that
+  tolerances stay in pixels; the records come out in metres, y up, inside the bounds that the
+  caller gives.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
 from vision.paper.paper import paper_objects
 from vision.records.placement import Calibration, Placement, drop_outside, ignored_pixels
 from vision.records.records import build_objects, find_specks
+from vision.records.unseen import blind_of, unseen_objects, with_unseen, without_blind
 from vision.shared.scratch import Room
 
 Mode: TypeAlias = Literal["exact", "paper"]
@@ -69,6 +71,9 @@ def extract(
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
     clock = _StopWatch()
     image = as_array(image)
+    blind = blind_of(calibration)
+    if blind is not None:
+        image = without_blind(image, blind)
     skip = ignored_pixels(ignore, image)
     binary = binarise_by_colour(
         image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
@@ -81,18 +86,24 @@ def extract(
     clock.lap("contours")
     tolerance = tolerance_of(edges, binary.noise, binary.contrast)
     placement = Placement.of(calibration, bounds, binary.size)
+    rectified = placement.rectified(edges.points)
+    stretches = placement.stretches(edges.points, rectified, edges.starts)
     fitted = fit_edges(
-        placement.rectified(edges.points),
+        rectified / np.repeat(stretches, np.diff(edges.starts))[:, None],
         edges.starts,
         borders,
         tolerance,
         separate=calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)),
-    )
+    ).stretched(stretches)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, remarks = drop_outside(objects, placement)
     clock.lap("geometry")
-    return _scene(binary, objects, placement, borders.pixels, clock, (*specks.remarks, *remarks))
+    scene = _scene(binary, objects, placement, borders.pixels, clock, (*specks.remarks, *remarks))
+    if blind is None:
+        return scene
+    unseen = unseen_objects(calibration, placement.bounds, extract)
+    return with_unseen(scene, unseen, float(blind.mean()))
 
 
 def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:

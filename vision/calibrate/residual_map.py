@@ -77,7 +77,8 @@ def _draw_axes(picture: Image, calibration: Calibration, places_m: FloatArray) -
         for number in np.arange(first[axis], last[axis] + 1.0):
             line = np.empty((len(along), 2))
             line[:, axis], line[:, other] = number * step, along
-            pixels = np.rint(calibration.image_from_arena(line)).astype(np.int32)
+            seen = calibration.image_from_arena(line)
+            pixels = np.rint(seen[np.isfinite(seen[:, 0])]).astype(np.int32)
             thick = 2 if number == 0.0 else 1
             cv2.polylines(picture, [pixels], False, _GRID, thick, cv2.LINE_AA)
             at = _inside(picture, pixels)

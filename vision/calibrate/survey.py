@@ -128,8 +128,10 @@ def fit_arena(
     _refuse_outside(survey, size)
     camera = lens.camera_matrix if lens is not None else nominal_camera_matrix(size)
     distortion = lens.distortion if lens is not None else np.zeros(5)
-    plane = Calibration(size, camera, distortion, _ANY_FLOOR)
+    model = lens.model if lens is not None else "brown"
+    plane = Calibration(size, camera, distortion, _ANY_FLOOR, lens_model=model)
     ideal = plane.undistort_points(survey.pixels)
+    _refuse_folded(survey, ideal)
     homography, used = _robust_homography(ideal, survey.places_m)
     _refuse_mirrored(homography, ideal[used])
     residuals = _left_out_residuals(ideal, survey.places_m, used)
@@ -151,6 +153,7 @@ def fit_arena(
         lens.rms_px if lens is not None else None,
         None if n < 5 else rms_m,
         tuple(remarks),
+        lens_model=model,
     )
     return ArenaFit(calibration, survey, residuals, tuple(bool(u) for u in used))
 
@@ -197,6 +200,12 @@ def _refuse_outside(survey: Survey, size: tuple[int, int]) -> None:
             raise CalibrationError(
                 f"{name}: the pixel ({x:g}, {y:g}) must lie in the picture of {width}x{height}"
             )
+
+
+def _refuse_folded(survey: Survey, ideal: FloatArray) -> None:
+    for name, (x, y), there in zip(survey.names, survey.pixels, ideal, strict=True):
+        if not np.isfinite(there).all():
+            raise CalibrationError(f"{name}: the lens shows no ray at the pixel ({x:g}, {y:g})")
 
 
 def _homography(pixels: FloatArray, places: FloatArray) -> FloatArray | None:

@@ -6,8 +6,8 @@ Rules and units
 - The arena is in metres, x right, y up, z towards the camera; its floor is z = 0. Seen from
   above it is never mirrored: a calibration that mirrors is refused.
 - ``arena_from_pixel`` is the homography from undistorted pixels to the floor.
-- The lens model is Brown's with up to five terms in OpenCV's order (k1, k2, p1, p2, k3), in
-  coordinates normalised by the camera matrix.
+- The lens model is Brown's or OpenCV's fisheye model (``vision.calibration.lens_model``). What no
+  ray within the lens's reach is seen at, and what lies behind the floor's horizon, is NaN.
 - A point at height h over p is seen where a point of the floor at c + (p - c) H / (H - h)
   would be, with c the point below the camera and H the camera's height, whatever its tilt.
 """
@@ -21,12 +21,25 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from planner.scene import printable
+from planner.scene import Bounds, printable
+from vision.calibration.lens_model import (
+    MODELS,
+    MOST_TERMS,
+    STRAIGHT,
+    LensArrays,
+    bent,
+    folds,
+    lens_arrays,
+)
 
 FloatArray = NDArray[np.float64]
 
-_MIN_STRETCH = 1e-3
-"""The lens model counts as folded where its Jacobian's determinant falls below this."""
+LEAST_SHOWN = 0.5
+"""Of a picture that a lens folds in, so much has to be shown once: what folds so early is a wrong
+file rather than a lens."""
+_MOST_TILT_RAD = math.radians(45.0)
+"""Between the middle of a picture with a horizon in it and the floor's normal: beyond it the camera
+looks along the floor, not at it."""
 
 
 class CalibrationError(ValueError):
@@ -40,7 +53,8 @@ class CalibrationError(ValueError):
 class Calibration:
     """A camera over an arena.
 
-    ``size`` (width, height) px; ``camera_matrix`` (3, 3) without skew; ``distortion`` (5,);
+    ``size`` (width, height) px; ``camera_matrix`` (3, 3) without skew; ``distortion`` (5,) of
+    ``lens_model`` ``brown``, fewer are padded, or exactly (4,) of ``fisheye``;
     ``arena_from_pixel`` (3, 3), scaled so that its last element is 1 or its norm is;
     ``camera_center_m`` (x, y, height) in the arena, None where it is unknown: then nothing
     above the floor can be placed. ``lens_rms_px`` and ``arena_rms_m`` are the residuals it
@@ -56,6 +70,9 @@ class Calibration:
     lens_rms_px: float | None = None
     arena_rms_m: float | None = None
     remarks: tuple[str, ...] = ()
+    lens_model: str = "brown"
+    lens: LensArrays = field(init=False, repr=False, compare=False)
+    _front: float = field(init=False, repr=False, compare=False)
     _pixel_from_arena: FloatArray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -67,19 +84,17 @@ class Calibration:
             raise CalibrationError("camera_matrix: the focal lengths must be > 0")
         if np.any(camera[[0, 1, 2, 2], [1, 0, 0, 1]] != 0.0) or camera[2, 2] != 1.0:
             raise CalibrationError("camera_matrix: must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
-        given = np.asarray(self.distortion, dtype=np.float64).reshape(-1)
-        if given.size > 5:
-            raise CalibrationError(f"distortion: {given.size} terms: must be at most 5")
-        lens = _matrix("distortion", np.pad(given, (0, 5 - given.size)), (5,))
+        distortion = _terms(self.lens_model, self.distortion)
         homography = _matrix("arena_from_pixel", self.arena_from_pixel, (3, 3))
         for name, value in (
             ("camera_matrix", camera),
-            ("distortion", lens),
+            ("distortion", distortion),
             ("arena_from_pixel", homography),
+            ("lens", lens_arrays(self.lens_model, camera, distortion)),
         ):
             object.__setattr__(self, name, value)
         _refuse_fold(self)
-        _refuse_mirror(self)
+        object.__setattr__(self, "_front", _front_of(self))
         inverse = np.array(np.linalg.inv(homography), dtype=np.float64)
         inverse.setflags(write=False)
         object.__setattr__(self, "_pixel_from_arena", inverse)
@@ -112,6 +127,7 @@ class Calibration:
         camera_matrix: ArrayLike,
         distortion: ArrayLike,
         camera_from_arena: ArrayLike,
+        lens_model: str = "brown",
     ) -> Calibration:
         """From a camera of known lens and pose; ``camera_from_arena`` is (3, 4), [R | t]."""
         camera = np.asarray(camera_matrix, dtype=np.float64)
@@ -124,11 +140,16 @@ class Calibration:
             np.asarray(distortion, dtype=np.float64),
             _scaled(np.asarray(np.linalg.inv(pixel_from_arena), dtype=np.float64)),
             (float(center[0]), float(center[1]), float(center[2])),
+            lens_model=lens_model,
         )
 
     def arena_from_image(self, points_px: ArrayLike, height_m: float = 0.0) -> FloatArray:
-        """Raw pixels (n, 2) to metres (n, 2) of what is ``height_m`` above the floor."""
-        floor = _apply(self.arena_from_pixel, self.undistort_points(points_px))
+        """Raw pixels (n, 2) to metres (n, 2) of what is ``height_m`` above the floor.
+
+        NaN for pixels that look at no floor: the lens folds there, or they lie behind the horizon.
+        """
+        ideal = self.undistort_points(points_px)
+        floor = _apply(self.arena_from_pixel, ideal, self._front)
         if height_m == 0.0:
             return floor
         foot, shrink = self._parallax(height_m)
@@ -144,12 +165,12 @@ class Calibration:
         return np.asarray(lift @ self.arena_from_pixel)
 
     def image_from_arena(self, points_m: ArrayLike, height_m: float = 0.0) -> FloatArray:
-        """Metres (n, 2) at ``height_m`` above the floor to raw pixels (n, 2)."""
+        """Metres (n, 2) at ``height_m`` above the floor to raw pixels (n, 2); NaN out of sight."""
         points = _points(points_m)
         if height_m != 0.0:
             foot, shrink = self._parallax(height_m)
             points = foot + (points - foot) / shrink
-        return self.distort_points(_apply(self._pixel_from_arena, points))
+        return self.distort_points(_apply(self._pixel_from_arena, points, self._front))
 
     @property
     def metres_per_pixel(self) -> float:
@@ -159,24 +180,41 @@ class Calibration:
         (ax, ay), (bx, by) = (around[1] - around[0]) / 2.0, (around[3] - around[2]) / 2.0
         return math.sqrt(abs(ax * by - ay * bx))
 
+    @property
+    def blind(self) -> NDArray[np.bool_] | None:
+        """The pixels (h, w) that show no floor to drive on; None where every pixel does."""
+        from vision.calibration.blind import blind_pixels
+
+        return blind_pixels(self)
+
+    def blind_plan(self, bounds: Bounds) -> tuple[NDArray[np.bool_], Calibration] | None:
+        """What of the bounds is not seen, (h, w) as a plan with its calibration; None for none."""
+        from vision.calibration.blind import blind_plan
+
+        plan = blind_plan(self, bounds)
+        if plan is None:
+            return None
+        (x, y), step = plan.first_m, plan.step_m
+        size = (plan.blind.shape[1], plan.blind.shape[0])
+        floor = np.array([[step, 0.0, x], [0.0, -step, y], [0.0, 0.0, 1.0]])
+        return plan.blind, Calibration(size, nominal_camera_matrix(size), np.zeros(5), floor)
+
     def undistort_points(self, points_px: ArrayLike) -> FloatArray:
-        """Raw pixels (n, 2) to undistorted ones, by Newton's method on the lens model."""
+        """Raw pixels (n, 2) to undistorted ones, by Newton's method; NaN where the lens folds."""
         raw = _points(points_px)
-        if not self.distortion.any():
+        if self.lens.model == STRAIGHT:
             return raw.copy()
         # Imported late: a plan to scale has no lens and needs no compiled code.
         from vision.calibration.calibration_kernels import undistort_all
 
-        k = self.camera_matrix
-        camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
-        return undistort_all(np.array(raw, order="C"), camera, self.distortion)
+        return undistort_all(np.array(raw, order="C"), self.lens)
 
     def distort_points(self, points_px: ArrayLike) -> FloatArray:
-        """Undistorted pixels (n, 2) to raw ones."""
+        """Undistorted pixels (n, 2) to raw ones; NaN beyond the lens's reach."""
         ideal = _points(points_px)
-        if not self.distortion.any():
+        if self.lens.model == STRAIGHT:
             return ideal.copy()
-        return self._pixels(_lens(self._normalised(ideal), self.distortion)[0])
+        return self._pixels(bent(self.lens, self._normalised(ideal)))
 
     def _normalised(self, pixels: FloatArray) -> FloatArray:
         k = self.camera_matrix
@@ -226,26 +264,10 @@ def camera_center(
     return float(center[0]), float(center[1]), float(center[2])
 
 
-def _lens(
-    points: FloatArray, terms: FloatArray
-) -> tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
-    """Brown's model on normalised points (n, 2), with the Jacobian's (xx, xy = yx, yy)."""
-    k1, k2, p1, p2, k3 = terms
-    x, y = points[:, 0], points[:, 1]
-    r2 = x * x + y * y
-    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3))
-    moved = np.empty_like(points)
-    moved[:, 0] = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
-    moved[:, 1] = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
-    xx = radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x
-    yy = radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x
-    xy = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
-    return moved, (xx, xy, yy)
-
-
-def _apply(homography: FloatArray, points: FloatArray) -> FloatArray:
+def _apply(homography: FloatArray, points: FloatArray, front: float) -> FloatArray:
+    """The points moved; NaN behind the camera, where the third coordinate is not ``front``."""
     moved = points @ homography[:, :2].T + homography[:, 2]
+    moved[~(moved[:, 2] * front > 0.0)] = np.nan
     return np.asarray(moved[:, :2] / moved[:, 2:])
 
 
@@ -274,43 +296,64 @@ def _scaled(homography: FloatArray) -> FloatArray:
     return np.asarray(homography / (last if abs(last) > 1e-6 * size else size))
 
 
-def _border_of_picture(size: tuple[int, int]) -> FloatArray:
+def _terms(model: str, distortion: ArrayLike) -> FloatArray:
+    """The lens's terms, checked: Brown's padded to five, the fisheye's exactly four."""
+    if model not in MODELS:
+        raise CalibrationError(f"lens_model: {str(model)[:24]!r}: must be {' or '.join(MODELS)}")
+    given = np.asarray(distortion, dtype=np.float64).reshape(-1)
+    most = MOST_TERMS[model]
+    if model == "fisheye" and given.size != most:
+        raise CalibrationError(f"distortion: {given.size} terms: the fisheye model has {most}")
+    if given.size > most:
+        raise CalibrationError(f"distortion: {given.size} terms: must be at most {most}")
+    return _matrix("distortion", np.pad(given, (0, most - given.size)), (most,))
+
+
+def _sample_of_picture(size: tuple[int, int]) -> FloatArray:
+    """Pixels (n, 2) all over the picture, those of its rim among them, its middle the first."""
     width, height = size
-    xs, ys = np.linspace(-0.5, width - 0.5, 9), np.linspace(-0.5, height - 0.5, 9)
-    rim = [(x, y) for x in xs for y in (ys[0], ys[-1])] + [
-        (x, y) for y in ys for x in (xs[0], xs[-1])
-    ]
-    return np.array(rim)
+    xs, ys = np.linspace(-0.5, width - 0.5, 33), np.linspace(-0.5, height - 0.5, 33)
+    grid = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
+    return np.vstack([[((width - 1) / 2.0, (height - 1) / 2.0)], grid])
 
 
 def _refuse_fold(calibration: Calibration) -> None:
-    """A lens model whose Jacobian vanishes within the picture has no inverse there."""
-    if not calibration.distortion.any():
+    """A lens that folds keeps what it shows once, where that is the middle and the larger part."""
+    if calibration.lens.model == STRAIGHT:
         return
-    rim = _border_of_picture(calibration.size)
-    reached = calibration.undistort_points(rim)
-    back = calibration.distort_points(reached)
-    center = calibration.camera_matrix[:2, 2]
-    rays = center + (reached - center) * np.linspace(0.0, 1.0, 33)[:, None, None]
-    xx, xy, yy = _lens(calibration._normalised(rays.reshape(-1, 2)), calibration.distortion)[1]
-    folded = bool(np.any((xx * yy - xy * xy < _MIN_STRETCH) | (xx + yy <= 0.0)))
-    if folded or not np.abs(back - rim).max() < 1e-3:
-        raise CalibrationError("distortion: the lens model folds within the picture")
+    shown = np.isfinite(calibration.undistort_points(_sample_of_picture(calibration.size))[:, 0])
+    share = float(shown[1:].mean())
+    if not shown[0] or (folds(calibration.lens) and share < LEAST_SHOWN):
+        raise CalibrationError(
+            f"distortion: the lens model folds within the picture: it shows {100.0 * share:.0f} %"
+            f" of it once, must show its middle and {100.0 * LEAST_SHOWN:.0f} %"
+        )
 
 
-def _refuse_mirror(calibration: Calibration) -> None:
-    """The floor must be in front of the camera all over the picture, and y must point up."""
+def _front_of(calibration: Calibration) -> float:
+    """The sign of the homography's third coordinate in front of the camera.
+
+    Raises ``CalibrationError`` where y would not point up, and for a camera that looks along the
+    floor.
+    """
     h = calibration.arena_from_pixel
     norm = float(np.linalg.norm(h[:2, :2]))
     determinant = float(np.linalg.det(h))
     if norm == 0.0 or abs(determinant) < 1e-12 * norm * norm * abs(h[2, 2]):
         raise CalibrationError("arena_from_pixel: does not map the picture onto a plane")
-    rim = calibration.undistort_points(_border_of_picture(calibration.size))
-    depth = rim @ h[2, :2] + h[2, 2]
-    if not (np.all(depth > 0.0) or np.all(depth < 0.0)):
-        raise CalibrationError("arena_from_pixel: the floor's horizon lies within the picture")
-    if determinant * depth[0] > 0.0:
+    ideal = calibration.undistort_points(_sample_of_picture(calibration.size))
+    depth = ideal[np.isfinite(ideal[:, 0])] @ h[2, :2] + h[2, 2]
+    front = float(np.sign(depth[0]))
+    if not np.all(depth * front > 0.0):
+        k = calibration.camera_matrix
+        normal = h[2] @ k
+        ray = np.linalg.solve(k, np.array([*ideal[0], 1.0]))
+        cosine = abs(float(normal @ ray)) / float(np.linalg.norm(normal) * np.linalg.norm(ray))
+        if cosine < math.cos(_MOST_TILT_RAD):
+            raise CalibrationError("arena_from_pixel: the floor's horizon lies within the picture")
+    if determinant * front > 0.0:
         raise CalibrationError(
             "arena_from_pixel: mirrors the arena; seen from above, x must point right when y "
             "points up: check the signs of the surveyed points"
         )
+    return front

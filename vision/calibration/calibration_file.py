@@ -1,6 +1,7 @@
 """Calibrations as YAML files, with errors that name file, line and column.
 
 The keys are those of ``vision.calibration.calibration.Calibration``; ``schema`` names the format.
+A file without ``lens_model`` holds Brown's.
 Unknown keys are errors, as a misspelt one would be ignored for ever.
 """
 
@@ -27,11 +28,11 @@ MOST_BYTES = 1 << 24
 _ROWS = {"camera_matrix": (3, 3), "arena_from_pixel": (3, 3)}
 _REQUIRED = ("schema", "size", "camera_matrix", "distortion", "arena_from_pixel")
 _LENS_REQUIRED = _REQUIRED[:-1]
-_OPTIONAL = ("camera_center_m", "lens_rms_px", "arena_rms_m", "remarks")
+_OPTIONAL = ("lens_model", "camera_center_m", "lens_rms_px", "arena_rms_m", "remarks")
 _HEADER = """\
 # Clearway: where pixels become metres. Pixel centres at integers; arena in metres, y up.
-# camera_matrix and distortion (k1, k2, p1, p2, k3): the lens. arena_from_pixel: undistorted
-# pixels to the arena's floor. camera_center_m: x, y and height of the camera in the arena.
+# The lens: camera_matrix, distortion (brown: k1, k2, p1, p2, k3; fisheye: k1, k2, k3, k4).
+# arena_from_pixel: undistorted pixels to its floor. camera_center_m: the camera's x, y, height.
 """
 _LENS_HEADER = """\
 # Clearway: a camera's lens, not yet placed above an arena: calibrate --lens FILE --points ...
@@ -54,6 +55,7 @@ def save_lens(
     camera_matrix: FloatArray,
     distortion: FloatArray,
     rms_px: float,
+    lens_model: str = "brown",
 ) -> None:
     """Write a lens alone; raises ``CalibrationError`` where that is impossible."""
     values = {
@@ -61,6 +63,7 @@ def save_lens(
         "size": list(size),
         "camera_matrix": camera_matrix.tolist(),
         "distortion": distortion.tolist(),
+        "lens_model": lens_model,
         "lens_rms_px": float(rms_px),
     }
     body = yaml.safe_dump(values, sort_keys=False, default_flow_style=None, width=100)
@@ -83,6 +86,7 @@ def calibration_text(calibration: Calibration) -> str:
         "size": list(calibration.size),
         "camera_matrix": calibration.camera_matrix.tolist(),
         "distortion": calibration.distortion.tolist(),
+        "lens_model": calibration.lens_model,
         "arena_from_pixel": calibration.arena_from_pixel.tolist(),
         "camera_center_m": None if center is None else [float(v) for v in center],
         "lens_rms_px": calibration.lens_rms_px,
@@ -152,18 +156,18 @@ def parse_calibration(
 
 
 def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
-    size = _numbers(nodes["size"], name, "size", (2,))
+    size = _numbers(nodes["size"], name, "size", 2)
     if any(v != int(v) for v in size):
         raise CalibrationError(f"{_where(name, nodes['size'])}: size: must be whole pixels")
     center = _optional(nodes, "camera_center_m")
-    center_m = None if center is None else _numbers(center, name, "camera_center_m", (3,))
+    center_m = None if center is None else _numbers(center, name, "camera_center_m", 3)
     if center_m is not None and not center_m[2] > 0.0:
         raise CalibrationError(f"{_where(name, center)}: camera_center_m: the height must be > 0")
     try:
         return Calibration(
             size=(int(size[0]), int(size[1])),
             camera_matrix=_rows(nodes["camera_matrix"], name, "camera_matrix"),
-            distortion=np.array(_numbers(nodes["distortion"], name, "distortion", range(6))),
+            distortion=np.array(_numbers(nodes["distortion"], name, "distortion", None)),
             arena_from_pixel=_rows(nodes["arena_from_pixel"], name, "arena_from_pixel")
             if "arena_from_pixel" in nodes
             else np.array(_NO_FLOOR),
@@ -171,6 +175,9 @@ def _build(nodes: Mapping[str, yaml.Node], name: str) -> Calibration:
             lens_rms_px=_residual(nodes, name, "lens_rms_px"),
             arena_rms_m=_residual(nodes, name, "arena_rms_m"),
             remarks=_remarks(nodes, name),
+            lens_model=_text(nodes["lens_model"], name, "lens_model")
+            if "lens_model" in nodes
+            else "brown",
         )
     except CalibrationError as error:
         # A value that only the whole calibration shows to be wrong starts with its key.
@@ -218,15 +225,13 @@ def _number(node: yaml.Node, name: str, key: str) -> float:
     return value
 
 
-def _numbers(
-    node: yaml.Node, name: str, key: str, lengths: tuple[int, ...] | range
-) -> tuple[float, ...]:
+def _numbers(node: yaml.Node, name: str, key: str, length: int | None) -> tuple[float, ...]:
+    """A list of numbers, of any length where ``length`` is None."""
     if not isinstance(node, yaml.SequenceNode):
         raise CalibrationError(f"{_where(name, node)}: {key}: must be a list of numbers")
-    if len(node.value) not in lengths:
-        limit = f"at most {lengths[-1]}" if len(lengths) > 1 else f"{lengths[0]}"
+    if length is not None and len(node.value) != length:
         raise CalibrationError(
-            f"{_where(name, node)}: {key}: {len(node.value)} numbers: must be {limit}"
+            f"{_where(name, node)}: {key}: {len(node.value)} numbers: must be {length}"
         )
     return tuple(_number(item, name, key) for item in node.value)
 
@@ -235,7 +240,7 @@ def _rows(node: yaml.Node, name: str, key: str) -> FloatArray:
     rows, columns = _ROWS[key]
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != rows:
         raise CalibrationError(f"{_where(name, node)}: {key}: must be {rows} rows of {columns}")
-    return np.array([_numbers(row, name, key, (columns,)) for row in node.value])
+    return np.array([_numbers(row, name, key, columns) for row in node.value])
 
 
 def _optional(nodes: Mapping[str, yaml.Node], key: str) -> yaml.Node | None:

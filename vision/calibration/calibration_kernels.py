@@ -1,51 +1,124 @@
-"""The compiled loop of ``vision.calibration.calibration``: Brown's lens model inverted.
+"""The compiled loops of ``vision.calibration.calibration``: a lens undone.
 
-Raw and undistorted pixels, centres at integers. ``camera`` is (fx, fy, cx, cy), ``lens``
-(k1, k2, p1, p2, k3).
+Raw and undistorted pixels, centres at integers; ``lens`` as
+``vision.calibration.lens_model.lens_arrays`` gives it. NaN for a pixel that no ray within the
+lens's reach is seen at.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
+from vision.calibration.lens_model import FISHEYE, STRAIGHT, LensArrays
+
+_MOST_STEPS = 50
+_DONE, _GOOD = 1e-12, 1e-9
+"""Normalised units: where Newton's method stops, and what it must have reached."""
+_MOST_OVERSHOOT = 1.02
+"""Of the reach: so far beyond it Brown's Jacobian is still positive definite."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def undistort(
-    x_px: float, y_px: float, camera: NDArray[np.float64], lens: NDArray[np.float64]
-) -> tuple[float, float]:
-    """One raw pixel to an undistorted one, by Newton's method on Brown's model."""
+def undistort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]:
+    """One raw pixel to an undistorted one."""
+    if lens.model == STRAIGHT:
+        return x_px, y_px
+    camera = lens.camera
     tx, ty = (x_px - camera[2]) / camera[0], (y_px - camera[3]) / camera[1]
-    k1, k2, p1, p2, k3 = lens[0], lens[1], lens[2], lens[3], lens[4]
-    x, y = tx, ty
-    for _ in range(20):
-        r2 = x * x + y * y
-        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-        slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3))
-        ex = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) - tx
-        ey = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y - ty
-        if abs(ex) < 1e-12 and abs(ey) < 1e-12:
-            break
-        a = radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x
-        d = radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x
-        b = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
-        determinant = a * d - b * b
-        if abs(determinant) < 1e-3:
-            determinant = 1.0
-        x -= (d * ex - b * ey) / determinant
-        y -= (a * ey - b * ex) / determinant
+    if lens.model == FISHEYE:
+        x, y = _undo_fisheye(tx, ty, lens.terms, lens.reach)
+    else:
+        x, y = _undo_brown(tx, ty, lens.terms, lens.reach)
     return x * camera[0] + camera[2], y * camera[1] + camera[3]
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def undistort_all(
-    points: NDArray[np.float64], camera: NDArray[np.float64], lens: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _undo_fisheye(
+    tx: float, ty: float, terms: NDArray[np.float64], reach: float
+) -> tuple[float, float]:
+    """Newton's method on theta_d(theta), which grows, kept between bounds that close in."""
+    wanted = math.hypot(tx, ty)
+    if wanted < _DONE:
+        return tx, ty
+    low, high = 0.0, math.atan(reach)
+    if wanted > _angle_seen(high, terms):
+        return math.nan, math.nan
+    angle = min(wanted, high)
+    error = math.inf
+    for _ in range(_MOST_STEPS):
+        error = _angle_seen(angle, terms) - wanted
+        if abs(error) < _DONE:
+            break
+        if error > 0.0:
+            high = angle
+        else:
+            low = angle
+        a2 = angle * angle
+        slope = 5.0 * terms[1] + a2 * (7.0 * terms[2] + a2 * 9.0 * terms[3])
+        angle -= error / (1.0 + a2 * (3.0 * terms[0] + a2 * slope))
+        if not low <= angle <= high:
+            angle = 0.5 * (low + high)
+    if abs(error) > _GOOD:
+        return math.nan, math.nan
+    ratio = math.tan(angle) / wanted
+    return tx * ratio, ty * ratio
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _angle_seen(angle: float, terms: NDArray[np.float64]) -> float:
+    """theta_d."""
+    a2 = angle * angle
+    even = 1.0 + a2 * (terms[0] + a2 * (terms[1] + a2 * (terms[2] + a2 * terms[3])))
+    return float(angle * even)
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _undo_brown(
+    tx: float, ty: float, terms: NDArray[np.float64], reach: float
+) -> tuple[float, float]:
+    """Newton's method; a step that leaves the reach, or comes no nearer, is halved."""
+    k1, k2, p1, p2, k3 = terms[0], terms[1], terms[2], terms[3], terms[4]
+    limit = _MOST_OVERSHOOT * reach
+    shrink = min(1.0, reach / max(math.hypot(tx, ty), _DONE))
+    x, y = tx * shrink, ty * shrink
+    step_x = step_y = 0.0
+    before = error = math.inf
+    for _ in range(_MOST_STEPS):
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        ex = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) - tx
+        ey = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y - ty
+        error = max(abs(ex), abs(ey))
+        if error < _DONE:
+            break
+        if (r2 > limit * limit or error > before) and before > _GOOD:
+            step_x, step_y = 0.5 * step_x, 0.5 * step_y
+            x, y = x + step_x, y + step_y
+            continue
+        before = error
+        slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3))
+        a = radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x
+        d = radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x
+        b = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
+        determinant = a * d - b * b
+        if not determinant > 0.0:
+            return math.nan, math.nan
+        step_x, step_y = (d * ex - b * ey) / determinant, (a * ey - b * ex) / determinant
+        x, y = x - step_x, y - step_y
+    if error > _GOOD or x * x + y * y > reach * reach:
+        return math.nan, math.nan
+    return x, y
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def undistort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.float64]:
     """Raw pixels (n, 2) to undistorted ones."""
     found = np.empty_like(points)
     for i in range(len(points)):
-        found[i, 0], found[i, 1] = undistort(points[i, 0], points[i, 1], camera, lens)
+        found[i, 0], found[i, 1] = undistort(points[i, 0], points[i, 1], lens)
     return found

@@ -100,7 +100,8 @@ def body_discs_px(
     """Discs (k, 3) of x, y, radius in raw pixels that cover a robot's body in the picture.
 
     The body is a cylinder from the floor to ``top_height_m``: seen from one point, each layer
-    is a disc that lies a little farther from the picture's foot than the one below.
+    is a disc that lies a little farther from the picture's foot than the one below. None where the
+    lens shows no layer whole: an unseen body is unknown ground.
     """
     x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
     angles = np.linspace(0.0, math.tau, 16, endpoint=False)
@@ -109,6 +110,9 @@ def body_discs_px(
         calibration.image_from_arena(np.vstack([[(0.0, 0.0)], ring]) + np.array([x, y]), h)
         for h in (0.0, top_height_m)
     )
+    floor, top = (top if np.isnan(floor).any() else floor), (floor if np.isnan(top).any() else top)
+    if np.isnan(floor).any():
+        return np.empty((0, 3))
     radii = [float(np.linalg.norm(p[1:] - p[0], axis=1).max()) for p in (floor, top)]
     # Discs half a radius apart leave less than 4 % of a radius uncovered between them.
     length = float(np.linalg.norm(top[0] - floor[0]))

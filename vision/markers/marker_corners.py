@@ -7,7 +7,9 @@ Rules and units
   the gradient); a line through these points by total least squares is the side. A line uses
   the whole side, so it is far better than looking for each corner.
 - The points are undistorted before a line is fitted: a lens bends a long side by more than
-  the accuracy sought.
+  the accuracy sought. A wide lens's undistorted pixels are stretched many times at its rim, and not
+  alike in all directions: lines are fitted in a frame in which the marker's corners lie as in the
+  raw picture, so that a pixel's error is one of a pixel everywhere.
 - A marker whose side is partly covered, or no straight edge, is refused: a corner would be
   invented otherwise.
 """
@@ -16,9 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from vision.calibration.calibration import Calibration, FloatArray
+from vision.calibration.lens_model import STRAIGHT
 from vision.camera.camera import Image
 from vision.markers.marker_kernels import fit_sides
 
@@ -57,8 +61,6 @@ def refine_quad(
     seen_px = np.ascontiguousarray(corners_px, dtype=np.float64)
     side_px = float(np.linalg.norm(np.roll(seen_px, -1, axis=0) - seen_px, axis=1).mean())
     widest = max(1.5, 0.75 * side_px / cells)
-    k = calibration.camera_matrix
-    camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
     corners = ideal = seen_px
     roughness_px = 0.0
     for turn in range(_ROUNDS):
@@ -66,19 +68,42 @@ def refine_quad(
         reach_px = min(4.0 if turn == 0 else 3.0, widest)
         if not _inside(corners, reach_px, grey):
             return Refused("it touches the picture's edge")
-        lines, seen = fit_sides(grey, corners, reach_px, camera, calibration.distortion)
+        frame = _frame_at(corners, calibration)
+        if frame is None:
+            return Refused("it lies where the lens folds")
+        lines, seen = fit_sides(grey, corners, reach_px, calibration.lens, frame)
         if seen.min() < _MIN_SEEN:
             return Refused("a side is partly hidden or has no contrast")
         found = _intersections(lines)
         if found is None:
             return Refused("two of its sides are parallel")
-        ideal, corners = found, calibration.distort_points(found)
-        if np.abs(corners - seen_px).max() > max(4.0, 0.15 * side_px):
+        ideal = moved(np.asarray(np.linalg.inv(frame), dtype=np.float64), found)
+        corners = calibration.distort_points(ideal)
+        if not np.abs(corners - seen_px).max() <= max(4.0, 0.15 * side_px):
             return Refused("its sides do not meet near its corners")
         roughness_px = float(np.sqrt(np.mean(lines[:, 3] ** 2)))
     if roughness_px > _MAX_ROUGHNESS_PX:
         return Refused(f"its sides are not straight ({roughness_px:.2f} px)")
     return RefinedQuad(ideal, roughness_px)
+
+
+def _frame_at(corners: FloatArray, calibration: Calibration) -> FloatArray | None:
+    """The homography (3, 3) that takes undistorted corners to raw ones; None where a lens folds."""
+    if calibration.lens.model == STRAIGHT:
+        return np.eye(3)
+    ideal = calibration.undistort_points(corners)
+    if not np.isfinite(ideal).all():
+        return None
+    # What it is exactly does not matter: its inverse leads back.
+    frame = cv2.getPerspectiveTransform(ideal.astype(np.float32), corners.astype(np.float32))
+    usable = np.isfinite(frame).all() and abs(float(np.linalg.det(frame))) > 0.0
+    return np.ascontiguousarray(frame, dtype=np.float64) if usable else None
+
+
+def moved(homography: FloatArray, points: FloatArray) -> FloatArray:
+    """Points (n, 2) through a homography (3, 3)."""
+    there = points @ homography[:, :2].T + homography[:, 2]
+    return np.asarray(there[:, :2] / there[:, 2:])
 
 
 def _intersections(lines: FloatArray) -> FloatArray | None:

@@ -1,7 +1,7 @@
 """The compiled loops of ``vision.markers.marker_corners``: edge points and lines along a marker's
 sides.
 
-Raw pixels, centres at integers. ``camera`` is (fx, fy, cx, cy), ``lens`` (k1, k2, p1, p2, k3).
+Raw pixels, centres at integers; ``lens`` as ``vision.calibration.lens_model`` has it.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
 from vision.calibration.calibration_kernels import undistort
+from vision.calibration.lens_model import LensArrays
 
 _ENDS = 0.1  # share of a side left out at each end: the neighbouring side's blur reaches there
 _STEP_PX = 0.5
@@ -24,13 +25,14 @@ def fit_sides(
     grey: NDArray[np.uint8],
     corners: NDArray[np.float64],
     reach_px: float,
-    camera: NDArray[np.float64],
-    lens: NDArray[np.float64],
+    lens: LensArrays,
+    frame: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The four sides of the quadrilateral ``corners`` (4, 2), which must lie inside ``grey``.
 
-    Returns lines (4, 4) in undistorted pixels, a, b, c, rms with a x + b y = c, and for each
-    side (4,) the share of its profiles that show an edge.
+    ``frame`` (3, 3) is a homography of undistorted pixels, in which lines are fitted. Returns lines
+    (4, 4) there, a, b, c, rms with a x + b y = c, and for each side (4,) the share of its profiles
+    that show an edge and have a ray.
     """
     lines = np.zeros((4, 4))
     seen = np.zeros(4)
@@ -56,13 +58,15 @@ def fit_sides(
     enough = max(_MIN_CONTRAST, 0.4 * np.median(steps))
     for side in range(4):
         use = (steps[side] > enough) & (np.abs(shifts[side]) < 0.8 * reach_px)
+        for i in range(count):
+            x, y = undistort(points[side, i, 0], points[side, i, 1], lens)
+            w = frame[2, 0] * x + frame[2, 1] * y + frame[2, 2]
+            use[i] = use[i] and w == w  # a pixel without a ray is NaN
+            points[side, i, 0] = (frame[0, 0] * x + frame[0, 1] * y + frame[0, 2]) / w
+            points[side, i, 1] = (frame[1, 0] * x + frame[1, 1] * y + frame[1, 2]) / w
         seen[side] = use.sum() / count
         if use.sum() < 4:
             continue
-        for i in range(count):
-            x, y = undistort(points[side, i, 0], points[side, i, 1], camera, lens)
-            points[side, i, 0] = x
-            points[side, i, 1] = y
         _fit_line(points[side], use, lines[side])
     return lines, seen
 

@@ -75,23 +75,36 @@ def fit_pattern(
     local = (corners_m - center) / unit_m
     state = np.zeros(UNKNOWNS)
     state[:6] = _affine(local, cells)
-    cell_px = unit_m * math.sqrt(2.0) / cells / calibration.metres_per_pixel
+    seen_px = calibration.image_from_arena(corners_m, height_m)
+    metric = _metric(seen_px.mean(axis=0), unit_m, calibration, height_m)
+    if metric is None:
+        return None
+    cell_px = float(np.linalg.norm(np.roll(seen_px, -1, axis=0) - seen_px, axis=1).mean()) / cells
     pixels = _pixels(grey, local, center, unit_m, cells, calibration, height_m, state, cell_px)
     if len(pixels) < 8 * UNKNOWNS:
         return None
-    state[6] = _START_BLUR_PX / cell_px
+    state[6] = _START_BLUR_PX
     dark, light = np.percentile(pixels[:, 2], (15.0, 85.0))
     state[7], state[10] = dark, light - dark
     pixels = _on_paper(pixels, state, cells, cell_px)
     if len(pixels) < 8 * UNKNOWNS:
         return None
-    if not _settle(pixels, bits, state, cell_px):
+    if not _settle(pixels, bits, state, metric):
         return None
     found = _corners(state, cells)
-    moved_px = float(np.abs(found - local).max()) * unit_m / calibration.metres_per_pixel
-    if moved_px > _MAX_MOVE_PX:
-        return None
-    return np.asarray(center + unit_m * found)
+    placed = np.asarray(center + unit_m * found)
+    moved_px = np.abs(calibration.image_from_arena(placed, height_m) - seen_px).max()
+    return placed if moved_px <= _MAX_MOVE_PX else None
+
+
+def _metric(
+    middle_px: FloatArray, unit_m: float, calibration: Calibration, height_m: float
+) -> FloatArray | None:
+    """J J^T (2, 2) of the plane, in units of the marker's size, by raw pixels at its middle."""
+    steps = np.array([(0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5)])
+    around = calibration.arena_from_image(middle_px + steps, height_m) / unit_m
+    jacobian = np.column_stack([around[0] - around[1], around[2] - around[3]])
+    return jacobian @ jacobian.T if np.isfinite(jacobian).all() else None
 
 
 def _on_paper(pixels: FloatArray, state: FloatArray, cells: int, cell_px: float) -> FloatArray:
@@ -116,12 +129,15 @@ def _on_paper(pixels: FloatArray, state: FloatArray, cells: int, cell_px: float)
     return pixels
 
 
-def _settle(pixels: FloatArray, bits: FloatArray, state: FloatArray, cell_px: float) -> bool:
+def _settle(pixels: FloatArray, bits: FloatArray, state: FloatArray, metric: FloatArray) -> bool:
     """Gauss-Newton until nothing moves; whether the pattern is there. Changes ``state``."""
+    # cells that a pixel crosses, along u and along v
+    per_px = max(math.sqrt(p @ metric @ p) for p in (state[:2], state[3:5]))
+    most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
     matrix, right = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
     limit = math.inf
     for _ in range(_MOST_STEPS):
-        rms = normal_equations(pixels, bits, state, limit, matrix, right)
+        rms = normal_equations(pixels, bits, state, limit, metric, matrix, right)
         limit = _HUBER * rms
         try:
             step = np.linalg.solve(matrix, right)
@@ -132,7 +148,7 @@ def _settle(pixels: FloatArray, bits: FloatArray, state: FloatArray, cell_px: fl
         # A step over more than a cell would land on the next grid line.
         size = float(np.abs(step[:6]).max())
         state += step * min(1.0, 0.5 / max(size, 1e-12))
-        state[6] = min(max(state[6], _LEAST_BLUR_PX / cell_px), _MOST_BLUR_CELLS)
+        state[6] = min(max(state[6], _LEAST_BLUR_PX), most_blur_px)
         if size < _DONE_CELLS:
             break
     else:
@@ -165,13 +181,11 @@ def _pixels(
         return np.empty((0, 3))
     x0, y0 = (max(0, math.floor(v) - 1) for v in seen.min(axis=0))
     x1, y1 = np.minimum(np.ceil(seen.max(axis=0)) + 1, ends).astype(int).tolist()
-    k = calibration.camera_matrix
-    camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
     shrink = np.diag([1.0 / unit_m, 1.0 / unit_m, 1.0])
     shrink[:2, 2] = -center / unit_m
     plane = np.ascontiguousarray(shrink @ calibration.plane_from_pixel(height_m))
     return collect_pixels(
-        grey, (x0, y0, x1, y1), camera, calibration.distortion, plane, state[:6], cells, rim,
+        grey, (x0, y0, x1, y1), calibration.lens, plane, state[:6], cells, rim,
         (x1 - x0 + 1) * (y1 - y0 + 1) // _MOST_PIXELS + 1,
     )  # fmt: skip
 

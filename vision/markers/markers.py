@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from vision.calibration.blind import coarsest_pixel_m
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Frame, Image
 from vision.markers import marker_corners, marker_pattern
@@ -194,6 +195,8 @@ class MarkerTracker:
             return None
         marker = marker_pose(expected, robot)
         center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
+        if not np.isfinite(center).all():
+            return None
         side_px = self._side_px(robot)
         reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - last_s)
         half = 1.1 * side_px + 8.0 + reach_m / self._calibration.metres_per_pixel
@@ -231,7 +234,9 @@ class MarkerTracker:
 
     def _search(self, grey: Image, refusals: list[str]) -> dict[int, list[_Sighting]]:
         """Every robot's sightings in the whole picture, with another recipe each time."""
-        smallest = min(self._side_px(robot) for robot in self._robots.values())
+        # where the picture is coarsest: a wide lens shows its rim many times smaller
+        least_m = min(robot.marker_size_m for robot in self._robots.values())
+        smallest = least_m / coarsest_pixel_m(self._calibration)
         factor = 2 if smallest >= 2.0 * _COARSE_SIDE_PX and min(grey.shape) > 1 else 1
         picture = grey
         if factor > 1:
@@ -274,6 +279,9 @@ class MarkerTracker:
         calibration, height_m = self._calibration, robot.marker_height_m
         sides_px = calibration.distort_points(quad.corners_px)
         corners = calibration.arena_from_image(sides_px, height_m)
+        if not np.isfinite(corners).all():
+            refusals.append(f"marker {robot.id}: it lies where no floor is seen")
+            return None
         whole = fit_pattern(grey, corners, self._bits[robot.id], calibration, height_m)
         corners = corners if whole is None else whole
         corners_px = calibration.image_from_arena(corners, height_m)

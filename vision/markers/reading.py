@@ -180,6 +180,8 @@ def _placed(
     if calibration is None:
         return corners_px, remark, None, None
     corners = calibration.arena_from_image(corners_px, height_m)
+    if not np.isfinite(corners).all():
+        return corners_px, remark or "it lies where no floor is seen", None, None
     if not remark:
         whole = fit_pattern(grey, corners, bits, calibration, height_m)
         if whole is not None:

@@ -26,6 +26,7 @@ from planner.scene import (
     record_edges,
 )
 from vision.errors import PictureError
+from vision.records.unseen import blind_of
 
 
 class Calibration(Protocol):
@@ -81,7 +82,11 @@ class Placement:
         scale = float(calibration.metres_per_pixel)
         if bounds is not None:
             return cls("m", _as_bounds(bounds), True, scale, calibration)
-        seen = calibration.arena_from_image(np.array(whole.corners()))
+        blind = blind_of(calibration)
+        rim = np.array(whole.corners())
+        if blind is not None:
+            rim = np.argwhere(~blind)[:, ::-1].astype(np.float64)
+        seen = calibration.arena_from_image(rim)
         low, high = seen.min(axis=0), seen.max(axis=0)
         derived = Bounds(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
         return cls("m", derived, False, scale, calibration)
@@ -97,6 +102,30 @@ class Placement:
             return points
         metres = self.calibration.arena_from_image(points)
         return np.stack([metres[:, 0] / self.scale, metres[:, 1] / -self.scale], axis=1)
+
+    def stretches(
+        self,
+        points: NDArray[np.float64],
+        rectified: NDArray[np.float64],
+        starts: NDArray[np.int64],
+    ) -> NDArray[np.float64]:
+        """For each border (b,) how much longer it is in rectified pixels than in the picture.
+
+        A lens shows the same length of floor smaller towards its rim: what a fit may miss there is
+        still a matter of the picture's own pixels.
+        """
+        if self.calibration is None:
+            return np.ones(len(starts) - 1)
+        lengths = []
+        for line in (rectified, points):
+            steps = np.hypot(*(np.roll(line, -1, axis=0) - line).T)
+            # a border's last step would lead to the next one's first point
+            steps[starts[1:][starts[1:] > starts[:-1]] - 1] = 0.0
+            total = np.concatenate([[0.0], np.cumsum(steps)])
+            lengths.append(total[starts[1:]] - total[starts[:-1]])
+        ratio = np.ones(len(starts) - 1)
+        np.divide(lengths[0], lengths[1], out=ratio, where=(lengths[1] > 0.0) & (lengths[0] > 0.0))
+        return ratio
 
 
 def ignored_pixels(

@@ -24,6 +24,7 @@ from vision.camera.camera import Image
 from vision.doubts import doubts_about, with_doubts
 from vision.errors import PictureError
 from vision.pipeline import extract
+from vision.records.unseen import blind_of, unseen_objects
 from vision.watch.change import Rectangle
 
 _MARGIN_PX = 12
@@ -40,6 +41,7 @@ _MOST_SHARE = 0.5
 """Of the picture; beyond it the whole picture is as quick."""
 
 _Box = tuple[int, int, int, int]
+_NOWHERE: _Box = (0, 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +51,7 @@ class _Part:
     whole: Calibration
     x: int
     y: int
+    blind: NDArray[np.bool_] | None
 
     @property
     def metres_per_pixel(self) -> float:
@@ -74,7 +77,14 @@ class KnownScene:
     @classmethod
     def of(cls, scene: Scene, calibration: Calibration) -> KnownScene:
         """A scene as ``vision.extract`` gives it. O(records)."""
-        return cls(scene, calibration, _boxes_of(scene.objects, calibration))
+        unseen = unseen_objects(calibration, scene.bounds, extract)
+        hidden = {o.records for o in unseen}
+        boxes = _boxes_of(scene.objects, calibration)
+        # unseen ground is no part of any picture, and stays whatever changes there
+        found = zip(scene.objects, boxes, strict=True)
+        return cls(
+            scene, calibration, tuple(_NOWHERE if o.records in hidden else b for o, b in found)
+        )
 
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """The scene of ``image``, where that differs in ``rectangles`` only.
@@ -109,13 +119,15 @@ class KnownScene:
 
     def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
         x0, y0, x1, y1 = part
+        blind = blind_of(self.calibration)
+        part_blind = None if blind is None else blind[y0:y1, x0:x1]
         try:
             return extract(
                 image[y0:y1, x0:x1],
                 polarity=how.polarity,
                 method="fixed",
                 threshold=how.threshold,
-                calibration=_Part(self.calibration, x0, y0),
+                calibration=_Part(self.calibration, x0, y0, part_blind),
                 bounds=self.scene.bounds,
             )
         except PictureError:
@@ -149,9 +161,12 @@ def _boxes_of(objects: Sequence[SceneObject], calibration: Calibration) -> tuple
     outlines = [_outline_points(obj) for obj in objects]
     starts = np.cumsum([0, *(len(o) for o in outlines[:-1])])
     seen = calibration.image_from_arena(np.concatenate(outlines))
-    low = np.floor(np.minimum.reduceat(seen, starts)).astype(int)
-    high = np.ceil(np.maximum.reduceat(seen, starts)).astype(int) + 1
     width, height = calibration.size
+    hidden = ~np.isfinite(seen)
+    low = np.minimum.reduceat(np.where(hidden, np.inf, seen), starts)
+    high = np.maximum.reduceat(np.where(hidden, -np.inf, seen), starts)
+    low = np.floor(low.clip(-1, (width, height))).astype(int)
+    high = np.ceil(high.clip(-1, (width, height))).astype(int) + 1
     low, high = np.maximum(low, 0), np.minimum(high, (width, height))
     return tuple((x0, y0, x1, y1) for x0, y0, x1, y1 in np.hstack([low, high]).tolist())
 

@@ -22,6 +22,9 @@ from vision.markers.markers import RobotPose
 RIM = 0.04
 """How much of the arena's longer side is shown around it."""
 
+OUT_OF_SIGHT_PX = -100.0
+"""What no pixel shows is looked up here, outside every picture."""
+
 
 class TopView:
     """Warps and packs pictures of one camera; the warp is worked out once."""
@@ -43,7 +46,8 @@ class TopView:
         x = self.window.x_min + (np.arange(width) + 0.5) * self.metres_per_pixel
         y = self.window.y_max - (np.arange(height) + 0.5) * self.metres_per_pixel
         floor = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-        source = calibration.image_from_arena(floor).astype(np.float32).reshape(height, width, 2)
+        seen = np.nan_to_num(calibration.image_from_arena(floor), nan=OUT_OF_SIGHT_PX)
+        source = seen.astype(np.float32).reshape(height, width, 2)
         whole, part = cv2.convertMaps(source[..., 0], source[..., 1], cv2.CV_16SC2)
         return np.asarray(whole, dtype=np.int16), np.asarray(part, dtype=np.uint16)
 

@@ -1,0 +1,143 @@
+"""How a lens bends a picture: Brown's model and OpenCV's fisheye model, and how far each reaches.
+
+Rules and units
+- Normalised coordinates x = X / Z, y = Y / Z of the camera, Z along its view; ``r`` their radius.
+- ``brown`` (D. C. Brown, Close-range camera calibration, 1971): up to five terms in OpenCV's order
+  (k1, k2, p1, p2, k3). ``fisheye`` (J. Kannala and S. S. Brandt, A generic camera model, 2006, as
+  OpenCV has it): four terms (k1, k2, k3, k4); a ray at the angle theta to the view is seen at the
+  radius theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+- Either is undone within a disc of normalised radius ``reach`` alone. There Brown's Jacobian, which
+  is symmetric, is positive definite: the map is the gradient of a convex function, so that no two
+  rays share a pixel. There theta_d grows with theta. Beyond it a lens folds, or looks sideways.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+MODELS = ("brown", "fisheye")
+MOST_TERMS = {"brown": 5, "fisheye": 4}
+STRAIGHT, BROWN, FISHEYE = 0, 1, 2
+"""What kernels branch on; ``STRAIGHT`` is Brown's model with no term."""
+
+LEAST_STRETCH = 1.0 / 30.0
+"""A lens folds where it shrinks a length by more than this against the picture's middle: a thing
+of 30 px is one pixel there, and soon none."""
+MOST_ANGLE_RAD = math.radians(89.9)
+"""To the view: a pinhole's picture has no place for 90 degrees. 0.1 degrees are half a pixel."""
+_MOST_RADIUS = 20.0
+"""Brown's model is asked no farther: 87 degrees to the view."""
+_ANGLES, _DIRECTIONS = 1801, 48
+
+
+class LensArrays(NamedTuple):
+    """A lens as kernels take it.
+
+    ``model`` is ``STRAIGHT``, ``BROWN`` or ``FISHEYE``; ``camera`` (4,) fx, fy, cx, cy in pixels;
+    ``terms`` (5,), unused ones 0; ``reach`` the normalised radius up to which it can be undone.
+    """
+
+    model: int
+    camera: FloatArray
+    terms: FloatArray
+    reach: float
+
+
+def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> LensArrays:
+    """The arrays of a lens; ``camera_matrix`` (3, 3), ``terms`` as the model has them."""
+    k = camera_matrix
+    camera = np.array([k[0, 0], k[1, 1], k[0, 2], k[1, 2]])
+    given = np.asarray(terms, dtype=np.float64)
+    five = np.pad(given, (0, 5 - given.size))
+    for array in (camera, five):
+        array.setflags(write=False)
+    if model == "fisheye":
+        return LensArrays(FISHEYE, camera, five, math.tan(_fisheye_reach_rad(five)))
+    if not five.any():
+        return LensArrays(STRAIGHT, camera, five, math.inf)
+    return LensArrays(BROWN, camera, five, _brown_reach(five))
+
+
+def folds(lens: LensArrays) -> bool:
+    """Whether the lens turns back somewhere, and not only looks sideways there."""
+    if lens.model == FISHEYE:
+        return math.atan(lens.reach) < MOST_ANGLE_RAD - 1e-9
+    return lens.model == BROWN and lens.reach < _MOST_RADIUS
+
+
+def bent(lens: LensArrays, points: FloatArray) -> FloatArray:
+    """Where a lens puts normalised points (n, 2); NaN for those beyond its reach."""
+    if lens.model == STRAIGHT:
+        return points.copy()
+    radius = np.hypot(points[:, 0], points[:, 1])
+    if lens.model == FISHEYE:
+        angle = np.arctan(radius)
+        ratio = np.ones_like(radius)
+        np.divide(_fisheye(angle, lens.terms), radius, out=ratio, where=radius > 0.0)
+        moved = points * ratio[:, None]
+    else:
+        moved = _brown(points, lens.terms)
+    moved[~(radius <= lens.reach)] = np.nan
+    return np.asarray(moved)
+
+
+def _fisheye(angle: FloatArray, terms: FloatArray) -> FloatArray:
+    k1, k2, k3, k4, _ = terms
+    a2 = angle * angle
+    return np.asarray(angle * (1.0 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4)))))
+
+
+def _brown(points: FloatArray, terms: FloatArray) -> FloatArray:
+    k1, k2, p1, p2, k3 = terms
+    x, y = points[:, 0], points[:, 1]
+    r2 = x * x + y * y
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    moved = np.empty_like(points)
+    moved[:, 0] = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+    moved[:, 1] = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+    return moved
+
+
+def _fisheye_reach_rad(terms: FloatArray) -> float:
+    """The largest angle up to which theta_d grows; a step of 0.05 degrees on the safe side."""
+    k1, k2, k3, k4, _ = terms
+    angle = np.linspace(0.0, MOST_ANGLE_RAD, _ANGLES)
+    a2 = angle * angle
+    slope = 1.0 + a2 * (3.0 * k1 + a2 * (5.0 * k2 + a2 * (7.0 * k3 + a2 * 9.0 * k4)))
+    return float(angle[_before_the_first(slope < LEAST_STRETCH)])
+
+
+def _brown_reach(terms: FloatArray) -> float:
+    """The radius of the disc in which the Jacobian's smaller eigenvalue is large enough."""
+    radii = np.concatenate([np.linspace(0.0, 2.0, 401), np.linspace(2.0, _MOST_RADIUS, 361)[1:]])
+    last = _before_the_first(_least_stretch(radii, terms) < LEAST_STRETCH)
+    if last == len(radii) - 1:
+        return _MOST_RADIUS
+    finer = np.linspace(radii[last], radii[last + 1], 401)
+    return float(finer[_before_the_first(_least_stretch(finer, terms) < LEAST_STRETCH)])
+
+
+def _least_stretch(radii: FloatArray, terms: FloatArray) -> FloatArray:
+    """The smaller eigenvalue of Brown's Jacobian, the least over all directions, (n,)."""
+    k1, k2, p1, p2, k3 = terms
+    turn = np.linspace(0.0, math.tau, _DIRECTIONS, endpoint=False)[:, None]
+    x, y = radii * np.cos(turn), radii * np.sin(turn)
+    r2 = radii * radii
+    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3))
+    xx = radial + x * x * slope + 2.0 * p1 * y + 6.0 * p2 * x
+    yy = radial + y * y * slope + 6.0 * p1 * y + 2.0 * p2 * x
+    xy = x * y * slope + 2.0 * p1 * x + 2.0 * p2 * y
+    least = 0.5 * (xx + yy) - np.hypot(0.5 * (xx - yy), xy)
+    return np.asarray(least.min(axis=0))
+
+
+def _before_the_first(bad: NDArray[np.bool_]) -> int:
+    """The index before the first that is bad; the last one where none is."""
+    return max(int(np.argmax(bad)) - 1, 0) if bad.any() else len(bad) - 1
