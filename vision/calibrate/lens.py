@@ -1,7 +1,8 @@
-"""The lens from pictures of a board: camera matrix and up to five distortion terms.
+"""The lens from pictures of a board: camera matrix and distortion terms, of either model.
 
 Rules
-- Zhang's method as OpenCV implements it; the number of terms is the one that the Bayesian
+- Brown's model by Zhang's method as OpenCV implements it, the fisheye's by
+  ``vision.calibrate.fisheye``; the number of terms is the one that the Bayesian
   information criterion prefers, as terms that the pictures do not determine do harm outside.
 - Pictures that fit badly are named and left out, the worst first, and never more than a third.
 - A focal length that the pictures do not determine (all taken from straight above) is an
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.calibrate.board import BoardView
+from vision.calibrate.fisheye import fit_fisheye
 from vision.calibration.calibration import CalibrationError, FloatArray
 
 MIN_VIEWS = 3
@@ -43,14 +45,18 @@ _TERMS = {
     5: 0,
 }
 """Number of terms (none; k1; k1 k2; k1 k2 p1 p2; all five) and OpenCV's flags for it."""
+TERMS = {"brown": tuple(_TERMS), "fisheye": (0, 1, 2, 4)}
+"""Numbers of terms that a model may be fitted with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """``camera_matrix`` (3, 3), ``distortion`` (5,), rms over all corners, and what was left out.
+    """``camera_matrix`` (3, 3), ``distortion`` (5,), of model ``fisheye`` (4,), rms over all
+    corners, and what was left out.
 
     ``terms`` is how many distortion terms were estimated; ``used`` the pictures' names with the
-    rms of each; ``remarks`` are plain sentences.
+    rms of each; ``remarks`` are plain sentences; ``left_out_px`` each model's residual on views
+    left out, where models were compared.
     """
 
     size: tuple[int, int]
@@ -60,10 +66,16 @@ class Lens:
     terms: int
     used: tuple[tuple[str, float], ...]
     remarks: tuple[str, ...]
+    model: str = "brown"
+    left_out_px: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Fit:
+class LensFit:
+    """One fit: ``view_px`` (v,) the rms of each view, ``focal_spread`` relative, ``turn_deg`` the
+    largest angle between two boards.
+    """
+
     rms_px: float
     camera_matrix: FloatArray
     distortion: FloatArray
@@ -72,20 +84,27 @@ class _Fit:
     turn_deg: float
 
 
-def estimate_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
+def estimate_lens(
+    views: Sequence[BoardView], terms: int | None = None, model: str = "brown"
+) -> Lens:
     """The lens from at least three views of a board.
 
-    ``terms``: 0, 1, 2, 4 or 5 distortion terms; None chooses. Raises ``CalibrationError``
-    where there are too few pictures or they do not determine the lens.
+    ``terms``: 0, 1, 2, 4 or, of Brown's ``model``, 5 distortion terms; None chooses. Raises
+    ``CalibrationError`` where there are too few pictures or they do not determine the lens.
     """
-    if terms is not None and terms not in _TERMS:
-        raise CalibrationError(f"distortion terms = {terms}: must be 0, 1, 2, 4 or 5")
+    if model not in TERMS:
+        raise CalibrationError(f"lens model {model!r}: must be {' or '.join(TERMS)}")
+    if terms is not None and terms not in TERMS[model]:
+        *few, last = map(str, TERMS[model])
+        said = f"must be {', '.join(few)} or {last}" + ("" if model == "brown" else " (fisheye)")
+        raise CalibrationError(f"distortion terms = {terms}: {said}")
     good, remarks = _same_size(views)
     if len(good) < MIN_VIEWS:
         raise CalibrationError(
             f"{len(good)} usable pictures of the board: must be at least {MIN_VIEWS}"
         )
-    fit = _fit(good, 2)
+    fit = fit_lens(good, 2, model)
+    start = fit.camera_matrix
     most_left_out = len(good) // 3
     while len(good) > MIN_VIEWS and most_left_out > 0:
         worst = int(np.argmax(fit.view_px))
@@ -98,9 +117,9 @@ def estimate_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
         )
         del good[worst]
         most_left_out -= 1
-        fit = _fit(good, 2)
-    chosen = terms if terms is not None else _best_terms(good)
-    fit = _fit(good, chosen)
+        fit = fit_lens(good, 2, model, start)
+    chosen = terms if terms is not None else _best_terms(good, model, start)
+    fit = fit_lens(good, chosen, model, start)
     if fit.focal_spread > _UNKNOWN_FOCAL or fit.turn_deg < _LEAST_TURN_DEG:
         raise CalibrationError(
             "the pictures do not determine the focal length: take some with the board tilted "
@@ -120,6 +139,7 @@ def estimate_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
         chosen,
         used,
         tuple(remarks),
+        model,
     )
 
 
@@ -136,18 +156,50 @@ def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
     return [v for v in views if v.size == common], remarks
 
 
-def _best_terms(views: Sequence[BoardView]) -> int:
+def _best_terms(views: Sequence[BoardView], model: str, start: FloatArray) -> int:
     """The number of terms with the smallest Bayesian information criterion."""
     values = 2 * sum(len(v.corners_px) for v in views)
 
     def criterion(terms: int) -> float:
-        rms_px = max(_fit(views, terms).rms_px, 1e-6)
+        rms_px = max(fit_lens(views, terms, model, start).rms_px, 1e-6)
         return values * math.log(rms_px * rms_px) + terms * math.log(values)
 
-    return min(_TERMS, key=criterion)
+    return min(TERMS[model], key=criterion)
 
 
-def _fit(views: Sequence[BoardView], terms: int) -> _Fit:
+def fit_lens(
+    views: Sequence[BoardView],
+    terms: int,
+    model: str = "brown",
+    start: FloatArray | None = None,
+) -> LensFit:
+    """One fit to all views, with so many terms; raises ``CalibrationError`` where none comes.
+
+    ``start``: a camera matrix (3, 3) near the fisheye's, which saves looking for one.
+    """
+    return _fit_fisheye(views, terms, start) if model == "fisheye" else _fit_brown(views, terms)
+
+
+def _fit_fisheye(views: Sequence[BoardView], terms: int, start: FloatArray | None) -> LensFit:
+    near = None if start is None else start[[0, 1, 0, 1], [0, 1, 2, 2]]
+    found = fit_fisheye(views, terms, near)
+    fx, fy, cx, cy = found.camera.tolist()
+    squares = (found.errors**2).sum(axis=1)
+    if not (fx > 0.0 and fy > 0.0 and np.isfinite(squares).all()):
+        raise CalibrationError("the lens cannot be estimated from these pictures as a fisheye")
+    starts = np.cumsum([0, *(len(v.corners_px) for v in views[:-1])])
+    counts = np.diff([*starts, len(squares)])
+    return LensFit(
+        float(np.sqrt(squares.mean())),
+        np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]),
+        found.terms,
+        found.focal_spread_px / fx,
+        np.sqrt(np.add.reduceat(squares, starts) / counts),
+        _largest_turn_deg([cv2.Rodrigues(pose[:3])[0] for pose in found.poses]),
+    )
+
+
+def _fit_brown(views: Sequence[BoardView], terms: int) -> LensFit:
     boards = [np.column_stack([v.points_m, np.zeros(len(v.points_m))]) for v in views]
     try:
         rms, matrix, lens, turns, _, spreads, _, view_px = cv2.calibrateCameraExtended(
@@ -163,7 +215,7 @@ def _fit(views: Sequence[BoardView], terms: int) -> _Fit:
     camera = np.asarray(matrix, dtype=np.float64)
     if not (np.isfinite(camera).all() and math.isfinite(rms)):
         raise CalibrationError("the lens cannot be estimated from these pictures")
-    return _Fit(
+    return LensFit(
         float(rms),
         camera,
         np.asarray(lens, dtype=np.float64).reshape(-1)[:5],

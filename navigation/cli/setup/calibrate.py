@@ -38,6 +38,13 @@ _LIVE_SECONDS = 120.0
 @click.option(
     "--terms", type=click.Choice(["0", "1", "2", "4", "5"]), help="Distortion terms; default: best."
 )
+@click.option(
+    "--lens-model",
+    type=click.Choice(["auto", "brown", "fisheye"]),
+    default="auto",
+    show_default=True,
+    help="The lens's model; auto: what fits pictures left out better.",
+)
 @click.option("--lens", "lens_file", type=_FILE, help="Take the lens from this calibration.")
 @click.option("--points", type=_FILE, help="Surveyed points of the arena: px,py,x_m,y_m lines.")
 @click.option("--floor-picture", type=_FILE, help="A picture of the arena with the board on it.")
@@ -62,6 +69,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     marker_mm: float | None,
     dictionary: str | None,
     terms: str | None,
+    lens_model: str,
     lens_file: Path | None,
     points: Path | None,
     floor_picture: Path | None,
@@ -93,7 +101,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
     lens = None
     if spec is not None and (pictures or camera is not None):
         taken = _read_all(pictures) if pictures else _take_live(str(camera), spec)
-        lens = _lens(taken, spec, None if terms is None else int(terms))
+        lens = _lens(taken, spec, None if terms is None else int(terms), lens_model)
     if lens_file is not None:
         lens = _known_lens(lens_file)
     if points is None and floor_picture is None:
@@ -220,14 +228,15 @@ def _moved(last: BoardView | None, view: BoardView) -> bool:
     return bool(moved.mean() > 0.05 * max(view.size))
 
 
-def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) -> Lens:
+def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None, model: str) -> Lens:
     from vision.calibrate.board import find_boards
     from vision.calibrate.lens import estimate_lens
+    from vision.calibrate.lens_choice import choose_lens
 
     views, without = find_boards(taken, spec)
     for missing in without:
         click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
-    lens = estimate_lens(views, terms)
+    lens = choose_lens(views, terms) if model == "auto" else estimate_lens(views, terms, model)
     for remark in lens.remarks:
         click.echo(remark, err=True)
     fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]
@@ -235,13 +244,25 @@ def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None) ->
         f"lens: {lens.rms_px:.3f} px rms over {len(lens.used)} pictures, "
         f"focal length {fx:.1f}, {fy:.1f} px, {lens.terms} distortion terms"
     )
+    if lens.left_out_px and not any(math.isfinite(rms_px) for _, rms_px in lens.left_out_px):
+        click.echo(
+            f"model: {lens.model}; four pictures and more show which fits: --lens-model says which",
+            err=True,
+        )
+    elif lens.left_out_px:
+        both = ", ".join(f"{name} {_rms(rms_px)}" for name, rms_px in lens.left_out_px)
+        click.echo(f"model: {lens.model}; on pictures left out by turns: {both}")
     return lens
+
+
+def _rms(rms_px: float) -> str:
+    return f"{rms_px:.3f} px rms" if math.isfinite(rms_px) else "no fit"
 
 
 def _save_lens_alone(lens: Lens, output: Path) -> None:
     from vision.calibration.calibration_file import save_lens
 
-    save_lens(output, lens.size, lens.camera_matrix, lens.distortion, lens.rms_px)
+    save_lens(output, lens.size, lens.camera_matrix, lens.distortion, lens.rms_px, lens.model)
     click.echo(f"written: {output}, the lens alone: without --points or --floor-picture the")
     click.echo(f"arena is not placed; --lens {output} with one of them places it")
 
@@ -253,10 +274,11 @@ def _known_lens(path: Path) -> Lens:
     from vision.calibrate.lens import Lens
     from vision.calibration.calibration import CalibrationError, nominal_camera_matrix
     from vision.calibration.calibration_file import load_lens
+    from vision.calibration.lens_model import STRAIGHT
 
     known = load_lens(path)
     supposed = np.array_equal(known.camera_matrix, nominal_camera_matrix(known.size))
-    if known.lens_rms_px is None and supposed and not known.distortion.any():
+    if known.lens_rms_px is None and supposed and known.lens.model == STRAIGHT:
         raise CalibrationError(
             f"{path}: has no lens: it was made without pictures of a board, "
             "and its focal length is supposed"
@@ -265,7 +287,9 @@ def _known_lens(path: Path) -> Lens:
     for index, term in enumerate(known.distortion.tolist(), start=1):
         terms = index if term != 0.0 else terms
     rms_px = known.lens_rms_px if known.lens_rms_px is not None else 0.0
-    return Lens(known.size, known.camera_matrix, known.distortion, rms_px, terms, (), ())
+    return Lens(
+        known.size, known.camera_matrix, known.distortion, rms_px, terms, (), (), known.lens_model
+    )
 
 
 def _survey(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -150,7 +151,12 @@ def _arena_is_seen(config: Config, calibration: Calibration) -> Iterator[tuple[L
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
     width, height = calibration.size
     for (x, y), (column, row) in zip(corners, calibration.image_from_arena(corners), strict=True):
-        if not (-0.5 <= column <= width - 0.5 and -0.5 <= row <= height - 0.5):
+        if math.isnan(column):
+            yield (
+                ("arena", "bounds_m"),
+                f"the corner ({x:g}, {y:g}) is out of sight: the lens folds, or looks elsewhere",
+            )
+        elif not (-0.5 <= column <= width - 0.5 and -0.5 <= row <= height - 0.5):
             yield (
                 ("arena", "bounds_m"),
                 f"the corner ({x:g}, {y:g}) lies at pixel ({column:.0f}, {row:.0f}), "

@@ -1,0 +1,87 @@
+"""Which model a lens follows: the one that foretells views it has not seen.
+
+Rules
+- Views are left out by turns, a fifth at a time; the lens is fitted to the others, and only the
+  pose of those left out. A model that bends to what it is shown fails there.
+- Brown's model stays where the fisheye's is not better by a fiftieth: narrow lenses are both.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from vision.calibrate.board import BoardView
+from vision.calibrate.fisheye import pose_errors
+from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens, fit_lens
+from vision.calibration.calibration import CalibrationError, FloatArray
+from vision.calibration.lens_model import MODELS
+
+_FOLDS = 5
+_BETTER = 0.98
+"""Of Brown's residual, below which the fisheye's model is taken."""
+
+
+def choose_lens(views: Sequence[BoardView], terms: int | None = None) -> Lens:
+    """The lens of the model with the smaller residual on views that were left out.
+
+    ``Lens.left_out_px`` holds both residuals, rms px, infinite for a model that fits nothing.
+    Raises ``CalibrationError`` where neither model can be fitted.
+    """
+    lenses: dict[str, Lens] = {}
+    refusals: dict[str, CalibrationError] = {}
+    for model in MODELS:
+        try:
+            lenses[model] = estimate_lens(views, terms, model)
+        except CalibrationError as error:
+            refusals[model] = error
+    if not lenses:
+        raise refusals[MODELS[0]]
+    names = {name for lens in lenses.values() for name, _ in lens.used}
+    size = next(iter(lenses.values())).size
+    used = [v for v in views if v.name in names and v.size == size]
+    residuals = {m: left_out_px(used, lenses[m]) if m in lenses else math.inf for m in MODELS}
+    better = residuals["fisheye"] < _BETTER * residuals["brown"]
+    chosen = "fisheye" if better or "brown" not in lenses else "brown"
+    if chosen not in lenses:
+        raise refusals[chosen]
+    return replace(lenses[chosen], left_out_px=tuple(residuals.items()))
+
+
+def left_out_px(views: Sequence[BoardView], lens: Lens) -> float:
+    """The rms of the corners of views that the lens was not fitted to; infinite without a fit."""
+    squares: list[FloatArray] = []
+    for fold in range(min(_FOLDS, len(views))):
+        rest = [v for i, v in enumerate(views) if i % _FOLDS != fold]
+        if len(rest) < MIN_VIEWS:
+            return math.inf
+        try:
+            fit = fit_lens(rest, lens.terms, lens.model, lens.camera_matrix)
+        except CalibrationError:
+            return math.inf
+        for view in views[fold::_FOLDS]:
+            errors = _view_errors(view, fit.camera_matrix, fit.distortion, lens.model)
+            if errors is None:
+                return math.inf
+            squares.append((errors**2).sum(axis=1))
+    return float(np.sqrt(np.concatenate(squares).mean())) if squares else math.inf
+
+
+def _view_errors(
+    view: BoardView, matrix: FloatArray, terms: FloatArray, model: str
+) -> FloatArray | None:
+    """The errors (n, 2) of a view's corners with the pose that fits it best."""
+    if model == "fisheye":
+        camera = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]])
+        return pose_errors(view, camera, terms)
+    space = np.column_stack([view.points_m, np.zeros(len(view.points_m))])
+    found, turn, shift = cv2.solvePnP(space, view.corners_px, matrix, terms)
+    if not found:
+        return None
+    seen, _ = cv2.projectPoints(space, turn, shift, matrix, terms)
+    errors = seen.reshape(-1, 2) - view.corners_px
+    return errors if np.isfinite(errors).all() else None
