@@ -6,9 +6,9 @@ Units as in `config_sections`: SI in the names, angles in degrees, pictures in p
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, ValidationInfo, field_validator
 
 from navigation.config.values import (
     MOST_FLEET,
@@ -34,7 +34,7 @@ from navigation.config.values import (
 
 
 class SimulatedCameraSection(Section):
-    """The simulated camera: a pinhole with lens distortion above the arena."""
+    """The simulated camera: a pinhole with lens distortion, or a fisheye, above the arena."""
 
     position_m: tuple[Metres, Metres, Length] = Field(
         default=(1.155, 0.975, 2.5), description="[x, y, height] of the lens"
@@ -48,8 +48,12 @@ class SimulatedCameraSection(Section):
         default=(5.3, -3.8),
         description="principal point against the picture's centre: [right, down]",
     )
-    distortion: tuple[Number, Number, Number, Number, Number] = Field(
-        default=(-0.08, 0.02, 0.0004, -0.0003, 0.0), description="OpenCV's [k1, k2, p1, p2, k3]"
+    lens_model: Literal["brown", "fisheye"] = Field(
+        default="brown", description="whose distortion: Brown's, or OpenCV's fisheye model"
+    )
+    distortion: tuple[Number, ...] = Field(
+        default=(-0.08, 0.02, 0.0004, -0.0003, 0.0),
+        description="OpenCV's [k1, k2, p1, p2, k3], or a fisheye's [k1, k2, k3, k4]",
     )
     blur_px: Annotated[NotNegative, Field(le=100)] = Field(
         default=0.6, description="sigma of the lens's blur"
@@ -63,6 +67,17 @@ class SimulatedCameraSection(Section):
     latency_s: Annotated[NotNegative, Field(le=10)] = Field(
         default=0.0, description="from the exposure to the program"
     )
+
+    @field_validator("distortion")
+    @classmethod
+    def _terms_of_the_model(
+        cls, terms: tuple[float, ...], info: ValidationInfo
+    ) -> tuple[float, ...]:
+        model = info.data.get("lens_model", "brown")
+        wanted = {"brown": 5, "fisheye": 4}[model]
+        if len(terms) != wanted:
+            raise ValueError(f"{len(terms)} numbers: must be {wanted}, as lens_model is {model}")
+        return terms
 
 
 class SimulatedRobotSection(Section):

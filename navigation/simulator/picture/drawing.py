@@ -51,6 +51,9 @@ RAY_STEP_PX = 4
 """A power of two below 32, as OpenCV's linear look-up has 32 steps a pixel. Between the nodes
 of a mild lens (1e-4 px of bend a pixel) the linear rays are within 1e-3 px."""
 
+FAR = 1e6
+"""A ray that meets nothing that is drawn."""
+
 _NO_MAP = np.empty(0, dtype=np.float32)
 """Tells OpenCV's remap that the first map holds x and y."""
 
@@ -78,6 +81,9 @@ class ArenaPainter:
         width, height = pinhole.size_px
         self.rays = _rays(pinhole)
         self.light = _light(width, height, look.light_fall)
+        unlit = ~np.isfinite(self.rays[:, :, 0])
+        self.light[unlit] = 0.0
+        self.rays[unlit] = FAR
 
     def picture(self, scene: Scene) -> Image:
         """The arena without robots and without noise, (h, w); raises ``SceneError`` for
@@ -293,8 +299,13 @@ def _filled(rings: list[FloatArray], shape: tuple[int, int]) -> Image:
 
 
 def _rays(pinhole: Pinhole) -> FloatImage:
-    """Every pixel's ray (h, w, 2): exact every ``RAY_STEP_PX``, linear between."""
+    """Every pixel's ray (h, w, 2): exact every ``RAY_STEP_PX``, linear between; a fisheye's all
+    exact, NaN where there is none.
+    """
     width, height = pinhole.size_px
+    if pinhole.lens_model == "fisheye":
+        pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1)
+        return pinhole.rays(pixels.astype(np.float64)).reshape(height, width, 2).astype(np.float32)
     x = np.arange(0, width + RAY_STEP_PX, RAY_STEP_PX)
     y = np.arange(0, height + RAY_STEP_PX, RAY_STEP_PX)
     nodes = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2).astype(np.float64)

@@ -2,7 +2,9 @@
 
 Frames: arena (metres, x right, y up, z towards the camera), camera (x right, y down, z along
 the view) and image (pixels, centres at integers). Distortion follows OpenCV's model of five
-terms: k1, k2, p1, p2, k3 on normalised coordinates (Brown, 1966).
+terms: k1, k2, p1, p2, k3 on normalised coordinates (Brown, 1966), or its fisheye model of four
+terms on the angle to the view (Kannala and Brandt, 2006). It is written here once more, and not
+taken from the vision that is to be judged by it.
 """
 
 from __future__ import annotations
@@ -21,14 +23,21 @@ UNDISTORT_STEPS = 20
 """Newton steps when a distorted point is traced back; 4 suffice for mild lenses."""
 UNDISTORT_TOLERANCE = 1e-13
 SLOPE_STEP = 1e-6
+TINY = 1e-300
+"""Stands in for a radius of 0."""
+FISHEYE_TABLE = 4001
+FISHEYE_MOST_RAD = math.radians(89.95)
+FISHEYE_LEAST_GROWTH = 0.02
+"""A fisheye's picture ends where it shrinks a length by more than 50."""
 
 
 @dataclass(frozen=True, slots=True)
 class Pinhole:
     """Where pixels look.
 
-    ``size_px`` (w, h); ``matrix`` (3, 3); ``distortion`` (5,); ``camera_from_arena`` (3, 3)
-    rotation; ``position_m`` (3,) of the lens. Arrays are read-only.
+    ``size_px`` (w, h); ``matrix`` (3, 3); ``distortion`` (5,), or (4,) where ``lens_model`` is
+    ``fisheye``; ``camera_from_arena`` (3, 3) rotation; ``position_m`` (3,) of the lens. Arrays are
+    read-only.
     """
 
     size_px: tuple[int, int]
@@ -36,6 +45,7 @@ class Pinhole:
     distortion: FloatArray
     camera_from_arena: FloatArray
     position_m: FloatArray
+    lens_model: str = "brown"
 
     def __post_init__(self) -> None:
         for name in ("matrix", "distortion", "camera_from_arena", "position_m"):
@@ -44,19 +54,30 @@ class Pinhole:
             object.__setattr__(self, name, array)
 
     def image_from_arena(self, points_m: FloatArray, height_m: float = 0.0) -> FloatArray:
-        """Pixels (n, 2) of arena points (n, 2) at one height, or of points (n, 3)."""
+        """Pixels (n, 2) of arena points (n, 2) at one height, or of points (n, 3).
+
+        What a fisheye does not show lies on the rim of what it shows.
+        """
         points = np.asarray(points_m, dtype=np.float64)
         points = points.reshape(-1, points.shape[-1])
         if points.shape[1] == 2:
             points = np.column_stack([points, np.full(len(points), height_m)])
         in_camera = (points - self.position_m) @ self.camera_from_arena.T
-        distorted = distort(in_camera[:, :2] / in_camera[:, 2:], self.distortion)
+        if self.lens_model == "fisheye":
+            distorted = fisheye_distort(in_camera, self.distortion)
+        else:
+            distorted = distort(in_camera[:, :2] / in_camera[:, 2:], self.distortion)
         return distorted @ self.matrix[:2, :2].T + self.matrix[:2, 2]
 
     def rays(self, points_px: FloatArray) -> FloatArray:
-        """Normalised camera coordinates (n, 2), free of distortion, that pixels look along."""
+        """Normalised camera coordinates (n, 2), free of distortion, that pixels look along.
+
+        NaN outside what a fisheye shows.
+        """
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
         distorted = (points - self.matrix[:2, 2]) @ np.linalg.inv(self.matrix[:2, :2]).T
+        if self.lens_model == "fisheye":
+            return fisheye_undistort(distorted, self.distortion)
         return undistort(distorted, self.distortion)
 
     def arena_from_image(self, points_px: FloatArray, height_m: float = 0.0) -> FloatArray:
@@ -84,7 +105,9 @@ class Pinhole:
         """What a perfect calibration of this camera would find."""
         shift = -self.camera_from_arena @ self.position_m
         pose = np.column_stack([self.camera_from_arena, shift])
-        return Calibration.from_camera(self.size_px, self.matrix, self.distortion, pose)
+        return Calibration.from_camera(
+            self.size_px, self.matrix, self.distortion, pose, self.lens_model
+        )
 
 
 def distort(undistorted: FloatArray, terms: FloatArray) -> FloatArray:
@@ -120,6 +143,47 @@ def undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
     raise ValueError("the lens distortion cannot be undone: the picture folds over")
 
 
+def fisheye_distort(in_camera: FloatArray, terms: FloatArray) -> FloatArray:
+    """Where a fisheye puts points (n, 3) of the camera's frame, normalised (n, 2)."""
+    angles, _ = _fisheye_curve(terms)
+    across = np.hypot(in_camera[:, 0], in_camera[:, 1])
+    angle = np.minimum(np.arctan2(across, in_camera[:, 2]), angles[-1])
+    radius = _angle_seen(angle, terms)
+    return np.asarray(in_camera[:, :2] * (radius / np.maximum(across, TINY))[:, None])
+
+
+def fisheye_undistort(distorted: FloatArray, terms: FloatArray) -> FloatArray:
+    """The inverse of `fisheye_distort` as rays (n, 2); NaN beyond its rim.
+
+    By looking the angle up in a table of the curve, and two of Newton's steps from there.
+    """
+    angles, seen = _fisheye_curve(terms)
+    radius = np.hypot(distorted[:, 0], distorted[:, 1])
+    angle = np.interp(radius, seen, angles)
+    for _ in range(3):
+        by = (_angle_seen(angle + SLOPE_STEP, terms) - _angle_seen(angle - SLOPE_STEP, terms)) / (
+            2.0 * SLOPE_STEP
+        )
+        angle = angle - (_angle_seen(angle, terms) - radius) / by
+    rays = distorted * (np.tan(angle) / np.maximum(radius, TINY))[:, None]
+    rays[~(radius < seen[-1])] = np.nan
+    return np.asarray(rays)
+
+
+def _angle_seen(angle: FloatArray, terms: FloatArray) -> FloatArray:
+    squares = angle * angle
+    return np.asarray(angle * (1.0 + np.polyval([*terms[::-1], 0.0], squares)))
+
+
+def _fisheye_curve(terms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Angles to the view and where they are seen, up to where the lens folds, or 90 degrees."""
+    angles = np.linspace(0.0, FISHEYE_MOST_RAD, FISHEYE_TABLE)
+    seen = _angle_seen(angles, terms)
+    grows = np.diff(seen) > FISHEYE_LEAST_GROWTH * np.diff(angles)
+    count = len(angles) if grows.all() else int(np.argmin(grows)) + 1
+    return angles[:count], seen[:count]
+
+
 def pinhole_of(config: Config) -> Pinhole:
     """The simulated camera of a configuration that has a section ``simulation``."""
     if config.simulation is None:
@@ -142,8 +206,9 @@ def _pinhole(camera: SimulatedCameraSection, size_px: tuple[int, int]) -> Pinhol
     looking_down = np.diag([1.0, -1.0, -1.0])
     rotation = _rotation(2, turn) @ _rotation(1, about_y) @ _rotation(0, about_x) @ looking_down
     return Pinhole(
-        size_px, matrix, np.array(camera.distortion), rotation, np.array(camera.position_m)
-    )
+        size_px, matrix, np.array(camera.distortion), rotation, np.array(camera.position_m),
+        camera.lens_model,
+    )  # fmt: skip
 
 
 def _rotation(axis: int, angle_rad: float) -> FloatArray:

@@ -38,6 +38,30 @@ def test_a_run_in_virtual_time_reaches_its_goal_as_one_in_real_time_does() -> No
     assert report.frames.dropped == 0
 
 
+def test_a_run_under_a_fisheye_reaches_its_goal_as_well() -> None:
+    """A lens of 175 degrees, 1.2 m above the floor; the robot is seen at 50 degrees to its view."""
+    base = short_config(NEAR)
+    assert base.simulation is not None
+    lens = {"lens_model": "fisheye", "distortion": (-0.02, 0.004, -0.002, 0.0003)}
+    camera = {
+        **base.simulation.camera.model_dump(), **lens,
+        "focal_px": 420.0, "centre_offset_px": (5.3, -3.8), "position_m": (1.155, 0.975, 1.2),
+    }  # fmt: skip
+    report = run_virtually(
+        short_config(
+            NEAR,
+            simulation={"camera": camera},
+            camera={"size_px": (1280, 960)},
+            robot={"marker_size_m": 0.12},
+        )
+    )
+    assert (report.state, report.stations_visited) == ("done", 2)
+    assert report.goal_error_m is not None
+    assert report.goal_error_m < 0.005
+    assert report.min_clearance_m is not None
+    assert report.min_clearance_m >= 0.09
+
+
 def test_a_run_in_virtual_time_is_the_same_every_time() -> None:
     config = short_config(NEAR[:1])
     assert run_virtually(config).to_json() == run_virtually(config).to_json()
