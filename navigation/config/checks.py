@@ -122,6 +122,23 @@ def dictionary_size(name: str) -> int:
     return _APRILTAG_SIZES[kind] if kind in _APRILTAG_SIZES else int(kind)
 
 
+def _floor_markers_can_be_told_apart(
+    arena: Any, robot: Any, robots: Any, other_robots: Any
+) -> _Found:
+    seen = {one.marker_id for one in (robot, *other_robots)}
+    seen |= {one.marker_id for one in robots}
+    size = dictionary_size(robot.dictionary)
+    for index, one in enumerate(arena.floor_markers):
+        where: Location = ("arena", "floor_markers", index, "marker_id")
+        if one.marker_id in seen:
+            yield where, f"{one.marker_id} is a robot's or another floor marker's"
+        if one.marker_id >= size:
+            yield where, f"must be < {size} in {robot.dictionary}, not {one.marker_id}"
+        if one.heading_deg is not None and one.place_m is None:
+            yield ("arena", "floor_markers", index, "heading_deg"), "needs place_m beside it"
+        seen.add(one.marker_id)
+
+
 def _speeds_agree(robot: Any, planning: Any) -> _Found:
     if planning.slow_speed_m_s > robot.speed_m_s:
         limit = robot.speed_m_s
@@ -235,13 +252,19 @@ def _simulated_robots_are_known(other_robots: Any, simulation: Any) -> _Found:
             )
 
 
-def _obstacles_appear_before_they_vanish(simulation: Any) -> _Found:
-    for index, one in enumerate(() if simulation is None else simulation.obstacles):
-        if one.until_s is not None and one.until_s <= one.from_s:
-            yield (
-                ("simulation", "obstacles", index, "until_s"),
-                f"must be > {one.from_s:g}, its from_s, not {one.until_s:g}",
-            )
+def _happenings_end_after_they_begin(simulation: Any) -> _Found:
+    if simulation is None:
+        return
+    for where, happenings in (
+        (("simulation", "obstacles"), simulation.obstacles),
+        (("simulation", "camera", "knocks"), simulation.camera.knocks),
+    ):
+        for index, one in enumerate(happenings):
+            if one.until_s is not None and one.until_s <= one.from_s:
+                yield (
+                    (*where, index, "until_s"),
+                    f"must be > {one.from_s:g}, its from_s, not {one.until_s:g}",
+                )
 
 
 def _each_robot_fits(arena: Any, robot: Any, robots: Any, planning: Any) -> _Found:
@@ -308,6 +331,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robot", "serial"), _driver_can_drive_it),
     (("robot", "robots", "other_robots"), _robots_differ),
     (("robot", "other_robots"), _dictionary_holds_the_markers),
+    (("arena", "robot", "robots", "other_robots"), _floor_markers_can_be_told_apart),
     (("robot", "planning"), _speeds_agree),
     (("robot", "planning"), _spacing_is_fine_enough),
     (("arena", "robot"), _robot_fits_into_the_arena),
@@ -326,7 +350,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("camera", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
     (("other_robots", "simulation"), _simulated_robots_are_known),
-    (("simulation",), _obstacles_appear_before_they_vanish),
+    (("simulation",), _happenings_end_after_they_begin),
     (("safety",), _lease_outlives_the_pose),
     (("dashboard",), _strangers_need_a_token),
 )

@@ -22,6 +22,7 @@ from navigation.config.values import (
     MOST_FLEET,
     MOST_ROBOTS,
     MOST_STATIONS,
+    ArenaSection,
     Count,
     Degrees,
     DriverUnits,
@@ -30,7 +31,6 @@ from navigation.config.values import (
     Fraction,
     Kelvin,
     Length,
-    Metres,
     NeighbourFile,
     NotNegative,
     Number,
@@ -82,14 +82,6 @@ Source = Annotated[int | str, BeforeValidator(_source)]
 Preference = Annotated[
     float | Literal["clearance", "length", "balanced"], BeforeValidator(_preference)
 ]
-
-
-class ArenaSection(Section):
-    """The rectangle the robot may use; its sides are walls."""
-
-    bounds_m: tuple[Metres, Metres, Metres, Metres] = Field(
-        description="[x_min, y_min, x_max, y_max] of the free space"
-    )
 
 
 class CameraSection(Section):
@@ -281,6 +273,11 @@ class SafetySection(Section):
         default=0.25,
         description="hold when the camera's pictures are older than this when they arrive, as "
         "driving shows; beyond 0.15 s the robot drives more slowly",
+    )
+    camera_moved_px: Annotated[NotNegative, Field(le=100)] = Field(
+        default=2.0,
+        description="hold when the picture's fixed points have moved by this: the camera was "
+        "knocked; 0: it is not watched",
     )
     odometry_error: Fraction = Field(
         default=0.04,

@@ -33,6 +33,23 @@ from navigation.config.values import (
 )
 
 
+class SimulatedKnockSection(Section):
+    """A knock against the simulated camera: it hangs otherwise from then on."""
+
+    from_s: NotNegative = Field(description="when, after the beginning")
+    until_s: Positive | None = Field(
+        default=None, description="when it is put back as it was; empty: never"
+    )
+    shift_m: tuple[Metres, Metres, Metres] = Field(
+        default=(0.0, 0.0, 0.0), description="[x, y, height] by which the lens is moved"
+    )
+    tilt_deg: tuple[Degrees, Degrees] = Field(
+        default=(0.0, 0.0),
+        description="by which it leans: [about x, about y]; a degree is focal_px / 57 pixels",
+    )
+    turn_deg: Degrees = Field(default=0.0, description="by which it is turned about its own axis")
+
+
 class SimulatedCameraSection(Section):
     """The simulated camera: a pinhole with lens distortion, or a fisheye, above the arena."""
 
@@ -66,6 +83,11 @@ class SimulatedCameraSection(Section):
     )
     latency_s: Annotated[NotNegative, Field(le=10)] = Field(
         default=0.0, description="from the exposure to the program"
+    )
+    knocks: tuple[SimulatedKnockSection, ...] = Field(
+        default=(),
+        max_length=MOST_HAPPENINGS,
+        description="knocks against it; where they overlap the later one counts",
     )
 
     @field_validator("distortion")

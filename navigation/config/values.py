@@ -138,6 +138,36 @@ class Station(Place):
         return None if self.heading_deg is None else wrapped_rad(self.heading_deg)
 
 
+class FloorMarkerSection(Section):
+    """A marker that lies on the floor, by which the camera's place is watched."""
+
+    marker_id: Count = Field(description="its number, in robot.dictionary")
+    size_m: Length = Field(description="side of its black square")
+    place_m: tuple[Metres, Metres] | None = Field(
+        default=None,
+        description="[x, y] of its centre, needed to renew the anchoring; empty: where it is seen "
+        "when a run begins",
+    )
+    heading_deg: Degrees | None = Field(
+        default=None,
+        description="where its right side points to, degrees; with it all four corners anchor",
+    )
+
+
+class ArenaSection(Section):
+    """The rectangle the robot may use; its sides are walls."""
+
+    bounds_m: tuple[Metres, Metres, Metres, Metres] = Field(
+        description="[x_min, y_min, x_max, y_max] of the free space"
+    )
+    floor_markers: tuple[FloorMarkerSection, ...] = Field(
+        default=(),
+        max_length=MOST_ROBOTS,
+        description="markers that lie on the floor, best outside the bounds, and tell whether the "
+        "camera was knocked; without three of them corners in the picture do",
+    )
+
+
 def wrapped_rad(heading_deg: float) -> float:
     """Degrees as radians in (-pi, pi]."""
     turned = math.remainder(math.radians(heading_deg), math.tau)

@@ -99,7 +99,7 @@ class Daemon:
         self.pose: RobotPose | None = None
         self.plans: deque[DrivenPlan] = deque(maxlen=PLANS_KEPT)
         self.sightings = Track()
-        self._scene_doubt = SceneDoubt()
+        self._scene_doubt = SceneDoubt(floor_markers=bool(config.arena.floor_markers))
         self.processed = 0
         self.state: DaemonState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
@@ -306,11 +306,10 @@ class Daemon:
         self._frame, self._poses = frame, glimpse.poses
         self._doubles = tuple(glimpse.doubles.values())
         self.others.see(glimpse.poses)
+        self.troubles |= self._scene_doubt.look(glimpse)
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene
-            self._scene_doubt.see(glimpse.scene)
-            self.troubles["arena"] = self._scene_doubt.remark or ""
             points = None if self.pilot.plan.path is None else self.pilot.plan.path.points
             self._news.gets_scene()
             self._planner.see(glimpse.scene, self._revision, points)

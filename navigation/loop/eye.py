@@ -20,6 +20,7 @@ from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.marker_search import grey_of
 from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px
+from vision.watch.camera_place import CameraPlace, PlaceReport
 from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import KnownScene
 
@@ -62,17 +63,26 @@ class Glimpse:
     change: Change | None
     doubles: Mapping[int, str] = field(default_factory=dict)
     """By marker id: a sentence where a driven robot's marker is seen twice."""
+    place: PlaceReport | None = None
+    """Whether the camera is where it was; None where nobody watches that."""
 
 
 class Eye:
-    """Keeps the trackers and the picture of the arena without its robots."""
+    """Keeps the trackers and the picture of the arena without its robots.
+
+    ``camera_place`` watches whether the camera stays where it is; it outlives an eye.
+    """
 
     def __init__(
-        self, calibration: Calibration, tracker: MarkerTracker, settings: EyeSettings
+        self,
+        calibration: Calibration,
+        tracker: MarkerTracker,
+        settings: EyeSettings,
+        camera_place: CameraPlace | None = None,
     ) -> None:
         self.calibration = calibration
         self.settings = settings
-        self._tracker = tracker
+        self._tracker, self._camera_place = tracker, camera_place
         self._watcher = SceneWatcher()
         self._last_seen: dict[int, RobotPose] = {}
         self._known: KnownScene | None = None
@@ -90,15 +100,25 @@ class Eye:
         poses = {pose.id: pose for pose in self._tracker.update(frame)}
         tell(poses)
         self._last_seen.update(poses)
+        place = self._look_at_camera_place(frame, poses)
         driven = self.settings.driven_ids
         if not all(i in self._last_seen for i in driven) or not any(i in poses for i in driven):
-            return Glimpse(frame.captured_s, poses, None, None, self._doubles())
+            return Glimpse(frame.captured_s, poses, None, None, self._doubles(), place)
         change = self._watcher.update(frame.image, self._body_discs(poses))
         scene = None
         if change is not None or self._known is None:
             self._known = self._brought_up_to_date(change)
             scene = self._known.scene
-        return Glimpse(frame.captured_s, poses, scene, change, self._doubles())
+        return Glimpse(frame.captured_s, poses, scene, change, self._doubles(), place)
+
+    def _look_at_camera_place(self, frame: Frame, poses: Poses) -> PlaceReport | None:
+        """Its points are learned once the robots were seen: none of them is on a robot."""
+        if self._camera_place is None:
+            return None
+        discs = self._body_discs(poses) if self._last_seen else None
+        return self._camera_place.look(
+            frame.image, discs, frame.captured_s, may_learn=self._known is not None
+        )
 
     def _doubles(self) -> dict[int, str]:
         """Driven robots' markers in two places: nobody knows which of them it is."""

@@ -23,6 +23,7 @@ from navigation.witness import WitnessLimits
 from navigation.witness.agreement import AgreementLimits
 from planner.scene import Bounds
 from vision.markers.markers import MarkedRobot
+from vision.watch.camera_place import FloorMarker, PlaceSettings
 
 SETTLE_S: Final = 0.4
 RETRY_S: Final = 1.0
@@ -101,6 +102,17 @@ def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSett
         driven_ids=tuple(one.marker_id for one in robots),
         bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
         reach_m=max((reach_m(one, config.safety) for one in driven), default=0.0),
+    )
+
+
+def place_settings(config: Config) -> PlaceSettings:
+    """What says whether the camera is where it was."""
+    markers = tuple(FloorMarker(one.marker_id, one.place_m) for one in config.arena.floor_markers)
+    return PlaceSettings(
+        bounds_m=Bounds(*config.arena.bounds_m),
+        markers=markers,
+        dictionary=config.robot.dictionary,
+        limit_px=config.safety.camera_moved_px,
     )
 
 

@@ -14,11 +14,12 @@ from typing import Protocol
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.loop.eye import Eye, Glimpse
-from navigation.loop.stages import eye_settings, marked_robots
+from navigation.loop.stages import eye_settings, marked_robots, place_settings
 from navigation.shared.supervisor import in_words
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker, RobotPose
+from vision.watch.camera_place import CameraPlace
 
 
 class KnowsLatency(Protocol):
@@ -47,6 +48,7 @@ class VisionStage:
         self._driven = tuple(driven)
         self._witness, self._clock = witness, clock
         self._failure: str | None = None
+        self._camera_place = CameraPlace(calibration, place_settings(config), clock())
         self.eye = self._open_eye()
         self.look_s: float | None = None
 
@@ -55,7 +57,7 @@ class VisionStage:
         return self._failure
 
     def restart(self) -> None:
-        """A new eye, that knows of nothing that the last one saw."""
+        """A new eye, that knows of nothing that the last one saw but where the camera was."""
         self.eye = self._open_eye()
         self._failure = None
 
@@ -82,7 +84,8 @@ class VisionStage:
         robots = marked_robots(self._config, self._driven)
         rolling_s = self._config.camera.rolling_shutter_ms / 1000.0
         tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary, rolling_s)
-        return Eye(self._calibration, tracker, eye_settings(self._config, self._driven))
+        settings = eye_settings(self._config, self._driven)
+        return Eye(self._calibration, tracker, settings, self._camera_place)
 
     def _dated(self, frame: Frame) -> Frame:
         """The frame with the time at which it was exposed, as far as that is known.

@@ -6,6 +6,7 @@ report asks for the truth. Units: metres, radians, seconds.
 
 from __future__ import annotations
 
+import math
 import random
 import shlex
 import time
@@ -16,6 +17,7 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED, RobotSection
+from navigation.config.simulation import SimulatedKnockSection
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
@@ -25,6 +27,7 @@ from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera
+from navigation.simulator.picture.knocked_camera import Knock, KnockedCamera
 from navigation.simulator.picture.pinhole import pinhole_of
 from navigation.simulator.robot import SimulatedRobot
 from navigation.simulator.settings import (
@@ -200,8 +203,8 @@ def camera_over(
     wait: Callable[[float], None] = time.sleep,
     doubles: Sequence[Callable[[], tuple[float, float, float]]] = (),
     fleet: Sequence[tuple[RobotSection, Callable[[], tuple[float, float, float]]]] = (),
-) -> SimulatedCamera:
-    """The simulated camera above an arena in which things happen.
+) -> Camera:
+    """The simulated camera above an arena in which things happen, to the camera itself too.
 
     ``doubles`` say where other things with the robot's own marker are; ``fleet`` where each of
     several driven robots is.
@@ -212,19 +215,38 @@ def camera_over(
 
     now_s = clock() - began_s
     past = [arena for from_s, arena in arenas if from_s <= now_s]
-    return make_camera(
-        config,
-        past[-1],
-        pose_now,
-        clock,
-        wait,
+
+    def hanging(knock: SimulatedKnockSection | None) -> SimulatedCamera:
+        return make_camera(
+            config,
+            past[-1],
+            pose_now,
+            clock,
+            wait,
+            [
+                follow(tracks[one.marker_id]) if one.marker_id in tracks else None
+                for one in config.other_robots
+            ],
+            [(began_s + from_s, arena.scene) for from_s, arena in arenas if from_s > now_s],
+            doubles,
+            fleet,
+            knock,
+        )
+
+    knocks = () if config.simulation is None else config.simulation.camera.knocks
+    if not knocks:
+        return hanging(None)
+    return KnockedCamera(
+        hanging(None),
         [
-            follow(tracks[one.marker_id]) if one.marker_id in tracks else None
-            for one in config.other_robots
+            Knock(
+                began_s + one.from_s,
+                math.inf if one.until_s is None else began_s + one.until_s,
+                hanging(one),
+            )
+            for one in sorted(knocks, key=lambda one: one.from_s)
         ],
-        [(began_s + from_s, arena.scene) for from_s, arena in arenas if from_s > now_s],
-        doubles,
-        fleet,
+        clock,
     )
 
 

@@ -132,7 +132,7 @@ def fit_arena(
     plane = Calibration(size, camera, distortion, _ANY_FLOOR, lens_model=model)
     ideal = plane.undistort_points(survey.pixels)
     _refuse_folded(survey, ideal)
-    homography, used = _robust_homography(ideal, survey.places_m)
+    homography, used = robust_homography(ideal, survey.places_m)
     _refuse_mirrored(homography, ideal[used])
     residuals = _left_out_residuals(ideal, survey.places_m, used)
     remarks = list(lens.remarks) if lens is not None else []
@@ -222,9 +222,14 @@ def _errors(homography: FloatArray, pixels: FloatArray, places: FloatArray) -> F
     return np.asarray(moved[:, :2] / moved[:, 2:] - places)
 
 
-def _robust_homography(
+def robust_homography(
     pixels: FloatArray, places: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """The homography from undistorted pixels (n, 2) to places (n, 2), and which points agree.
+
+    Fewer than ``CHECKED_POINTS`` all count. Raises ``CalibrationError`` where they determine none
+    or contradict one another.
+    """
     n = len(pixels)
     everything = np.ones(n, dtype=np.bool_)
     plain = _homography(pixels, places)

@@ -90,6 +90,17 @@ def find_markers(
     return tuple(sorted(_best_of_each(found), key=lambda m: (m.dictionary, m.id)))
 
 
+def crossing(corners: FloatArray) -> tuple[float, float]:
+    """Where the diagonals of a quadrilateral (4, 2) cross: the square's centre, in perspective."""
+    a, b, c, d = corners
+    across, along = c - a, d - b
+    turn = across[0] * along[1] - across[1] * along[0]
+    gap = b - a
+    share = (gap[0] * along[1] - gap[1] * along[0]) / turn
+    x, y = a + share * across
+    return float(x), float(y)
+
+
 def read_dictionary(file: Path) -> cv2.aruco.Dictionary:
     """A dictionary from a file in OpenCV's format; ``MarkerError`` where it is none."""
     book = cv2.aruco.Dictionary()

@@ -105,7 +105,7 @@ class FleetDaemon:
         self._recorder = recorder
         self.lock = threading.Lock()
         self.scene: Scene | None = None
-        self._scene_doubt = SceneDoubt()
+        self._scene_doubt = SceneDoubt(floor_markers=bool(config.arena.floor_markers))
         self.processed = 0
         self.state: FleetState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
@@ -242,11 +242,10 @@ class FleetDaemon:
         self.processed += 1
         self._frame, self._poses, self._doubles = frame, glimpse.poses, glimpse.doubles
         self.others.see(glimpse.poses)
+        self.troubles |= self._scene_doubt.look(glimpse)
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene
-            self._scene_doubt.see(glimpse.scene)
-            self.troubles["arena"] = self._scene_doubt.remark or ""
             self._news.gets_scene()
             self._planner.see(glimpse.scene, self._revision, None)
         if self._recorder is not None:

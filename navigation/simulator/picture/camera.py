@@ -24,6 +24,8 @@ from numpy.typing import NDArray
 
 from navigation.config import Config
 from navigation.config.sections import MarkerSection, RobotSection
+from navigation.config.simulation import SimulatedKnockSection
+from navigation.config.values import FloorMarkerSection
 from navigation.simulator.arena import SimulatedArena
 from navigation.simulator.picture.drawing import ArenaPainter, Look, RobotPainter
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
@@ -37,6 +39,8 @@ Wait: TypeAlias = Callable[[float], None]
 
 NOISE_MARGIN_PX = 128
 """The noise bank is this much larger than a picture, so that windows of it all differ."""
+FLOOR_MARKER_RADII = 0.95
+"""A marker on the floor is a disc of so many sides of it: a cell of white is around it."""
 NOISY_PX = 64
 """With so many pixels that noise changes, on an average, two pictures' noise is never the same:
 a picture without any comes once in e^64."""
@@ -44,7 +48,10 @@ a picture without any comes once in e^64."""
 
 @dataclass(frozen=True, slots=True)
 class SimulatedBody:
-    """A robot to draw: its marker and its body, and where it stands at any moment."""
+    """A robot to draw: its marker and its body, and where it stands at any moment.
+
+    One that ``lies`` is a marker on the floor: it belongs to the arena and never moves.
+    """
 
     marker_id: int
     marker_size_m: float
@@ -53,6 +60,7 @@ class SimulatedBody:
     dictionary: str
     marker_turn_rad: float
     pose_now: PoseNow
+    lies: bool = False
 
 
 class SimulatedCamera:
@@ -77,14 +85,17 @@ class SimulatedCamera:
         seed: int = 0,
     ) -> None:
         self._arena_painter = ArenaPainter(pinhole, look)
-        self._robot_painters = [
+        painters = [
             RobotPainter(
                 pinhole, look, self._arena_painter, _marker_picture(body), body.radius_m,
                 body.marker_size_m, body.marker_height_m, body.marker_turn_rad,
             )
             for body in bodies
         ]  # fmt: skip
-        self._bodies = tuple(bodies)
+        both = list(zip(painters, bodies, strict=True))
+        self._lying = [(painter, body.pose_now()) for painter, body in both if body.lies]
+        self._robot_painters = [painter for painter, body in both if not body.lies]
+        self._bodies = tuple(body for body in bodies if not body.lies)
         self._clock, self._wait = clock, wait
         self._period_s, self._latency_s = 1.0 / rate_hz, latency_s
         self._look = look
@@ -96,7 +107,7 @@ class SimulatedCamera:
         self._state: SourceState = "closed"
         self._next_s = 0.0
         self._sequence = 0
-        self._background = self._arena_painter.picture(scene)
+        self._background = self._drawn(scene)
         self._to_come: list[tuple[float, Image]] = []
 
     @property
@@ -155,15 +166,22 @@ class SimulatedCamera:
 
     def set_scene(self, scene: Scene) -> None:
         """Show another scene from the next frame on; any thread may call."""
-        background = self._arena_painter.picture(scene)
+        background = self._drawn(scene)
         with self._lock:
             self._background = background
 
     def follow(self, scenes: Sequence[tuple[float, Scene]]) -> None:
         """Show other scenes, each from its moment of the clock on; they are drawn here."""
-        drawn = [(from_s, self._arena_painter.picture(scene)) for from_s, scene in scenes]
+        drawn = [(from_s, self._drawn(scene)) for from_s, scene in scenes]
         with self._lock:
             self._to_come = sorted(drawn, key=lambda item: item[0])
+
+    def _drawn(self, scene: Scene) -> Image:
+        """The arena with what lies on its floor."""
+        picture = self._arena_painter.picture(scene)
+        for painter, pose in self._lying:
+            painter.paint(picture, pose)
+        return picture
 
     def render(self, poses: Sequence[TruePose], rng: np.random.Generator | None) -> Image:
         """The picture (h, w) with the robots at ``poses``; without noise where ``rng`` is None."""
@@ -237,6 +255,12 @@ def _marker_picture(body: SimulatedBody) -> Image:
     return np.asarray(cv2.aruco.generateImageMarker(dictionary, body.marker_id, cells))
 
 
+def _lying_at(marker: FloorMarkerSection) -> PoseNow:
+    x, y = marker.place_m or (0.0, 0.0)
+    pose = (x, y, float(np.deg2rad(marker.heading_deg or 0.0)))
+    return lambda: pose
+
+
 def make_camera(
     config: Config,
     arena: SimulatedArena,
@@ -247,8 +271,9 @@ def make_camera(
     scenes: Sequence[tuple[float, Scene]] = (),
     doubles: Sequence[PoseNow] = (),
     fleet: Sequence[tuple[RobotSection, PoseNow]] = (),
+    knock: SimulatedKnockSection | None = None,
 ) -> SimulatedCamera:
-    """The simulated camera of a configuration.
+    """The simulated camera of a configuration, where a ``knock`` has left it.
 
     ``others`` say where each of ``config.other_robots`` is, None: not there; without them none
     is drawn. ``scenes`` take the arena's place, each from its moment of the clock on.
@@ -256,7 +281,7 @@ def make_camera(
     ``fleet`` is all of them, in place of the robot.
     Raises ``ValueError`` without a section ``simulation`` and for another number of robots.
     """
-    pinhole = pinhole_of(config)
+    pinhole = pinhole_of(config, knock)
     assert config.simulation is not None
     settings = config.simulation.camera
     robot = config.robot
@@ -277,6 +302,14 @@ def make_camera(
             robot.dictionary, turn, pose,
         )
         for one, pose, turn in seen
+    ]  # fmt: skip
+    bodies += [
+        SimulatedBody(
+            one.marker_id, one.size_m, 0.0, FLOOR_MARKER_RADII * one.size_m, robot.dictionary,
+            0.0, _lying_at(one), lies=True,
+        )
+        for one in config.arena.floor_markers
+        if one.place_m is not None
     ]  # fmt: skip
     look = Look(settings.blur_px, settings.noise_grey, settings.light_fall, config.vision.polarity)
     camera = SimulatedCamera(

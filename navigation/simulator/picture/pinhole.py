@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navigation.config import Config
-from navigation.config.simulation import SimulatedCameraSection
+from navigation.config.simulation import SimulatedCameraSection, SimulatedKnockSection
 from planner.scene import FloatArray
 from vision.calibration.calibration import Calibration
 
@@ -184,11 +184,25 @@ def _fisheye_curve(terms: FloatArray) -> tuple[FloatArray, FloatArray]:
     return angles[:count], seen[:count]
 
 
-def pinhole_of(config: Config) -> Pinhole:
-    """The simulated camera of a configuration that has a section ``simulation``."""
+def pinhole_of(config: Config, knock: SimulatedKnockSection | None = None) -> Pinhole:
+    """The simulated camera of a configuration that has a section ``simulation``.
+
+    With a ``knock`` it is where that has left it.
+    """
     if config.simulation is None:
         raise ValueError("the configuration has no section 'simulation'")
-    return _pinhole(config.simulation.camera, config.camera.size_px)
+    camera = config.simulation.camera
+    if knock is not None:
+        x, y, height = (a + b for a, b in zip(camera.position_m, knock.shift_m, strict=True))
+        about_x, about_y = (a + b for a, b in zip(camera.tilt_deg, knock.tilt_deg, strict=True))
+        camera = camera.model_copy(
+            update={
+                "position_m": (x, y, height),
+                "tilt_deg": (about_x, about_y),
+                "turn_deg": camera.turn_deg + knock.turn_deg,
+            }
+        )
+    return _pinhole(camera, config.camera.size_px)
 
 
 def _pinhole(camera: SimulatedCameraSection, size_px: tuple[int, int]) -> Pinhole:

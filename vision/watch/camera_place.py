@@ -1,0 +1,343 @@
+"""Whether the camera is where it was: the common movement of the picture's fixed points.
+
+Rules and units
+- Fixed points are the configured floor markers; where fewer than ``LEAST_POINTS`` of them are
+  seen, the corners of ``vision.watch.fixed_points`` too. They are learned from one picture and
+  watched from the next on; one that trembles is left out.
+- The camera has moved when more than half of the points that are seen have moved. A single one
+  that was kicked away or covered is said as such.
+- Where markers have configured places, they must be seen there when they are learned: else the
+  camera was moved while nobody watched.
+- A sentence changes only when what it says does: it is shown, logged and recorded. Raw pixels,
+  metres, seconds of the frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.scene import Bounds
+from vision.calibration.calibration import Calibration, FloatArray
+from vision.camera.camera import Image
+from vision.markers.reading import Marker, crossing, find_markers
+from vision.watch.drift import LEAST_NOISE_PX, DriftTest, of_most
+from vision.watch.fixed_points import (
+    CORNER,
+    MARKER_HALF_PX,
+    FixedPoint,
+    PointMeter,
+    Readings,
+    corners_of,
+    point_at,
+)
+
+LEAST_POINTS = 3
+"""Of two that disagree nobody knows which one has moved."""
+LEARNED_FRAMES = 30
+LEARN_AGAIN_S = 2.0
+"""Between two searches for markers that were lost; a search takes some 20 ms."""
+MOST_NOISE_PX = 0.3
+"""Of one point, along each axis; corners in a picture with noise of 2.5 grey levels have 0.03."""
+_SAID_AGAIN = 0.25
+"""A movement that has changed by this part, and by half a pixel, is said again."""
+_NAMED = 4
+_NO_DISCS = np.empty((0, 3))
+
+
+@dataclass(frozen=True, slots=True)
+class FloorMarker:
+    """A marker that lies on the floor; ``place_m`` is its centre's, None where nobody measured."""
+
+    id: int
+    place_m: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceSettings:
+    """What is watched: ``limit_px`` is how far the camera may move; 0 watches nothing."""
+
+    bounds_m: Bounds
+    markers: tuple[FloorMarker, ...]
+    dictionary: str
+    limit_px: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceReport:
+    """What a frame says of the camera's place; every sentence is empty while there is no cause."""
+
+    moved: str = ""
+    """The camera has moved."""
+    lost: str = ""
+    """More than half of the fixed points are not seen: it has moved far, or they are hidden."""
+    remarks: tuple[str, ...] = ()
+    """Single points that moved or vanished, and a camera that cannot be watched."""
+    moved_px: float | None = None
+    """How far more than half of the points are seen from where they were, in this frame."""
+
+
+NOTHING_KNOWN = PlaceReport()
+
+
+class CameraPlace:
+    """Learns the fixed points of one picture and watches them in all that follow.
+
+    ``began_s`` is the moment that its sentences count from.
+    """
+
+    def __init__(
+        self, calibration: Calibration, settings: PlaceSettings, began_s: float = 0.0
+    ) -> None:
+        self._calibration, self._settings = calibration, settings
+        self._meter: PointMeter | None = None
+        self._zero: FloatArray = np.empty((0, 2))
+        """What `PointMeter` reads where the point belongs: not 0 where it was learned elsewhere."""
+        self._learned: list[Readings] | None = []
+        self._began_s = self._last_s = began_s
+        self._misplaced = False
+        self._tried_s = -np.inf
+        self._unseen_ids: tuple[int, ...] = ()
+        self._said: dict[str, tuple[float, str]] = {}
+        self._reset(0)
+
+    @property
+    def points(self) -> tuple[FixedPoint, ...]:
+        """What is watched; empty before it is learned."""
+        return () if self._meter is None else self._meter.points
+
+    def look(
+        self, grey: Image, discs: FloatArray | None, captured_s: float, *, may_learn: bool
+    ) -> PlaceReport:
+        """Measure a frame (h, w); ``discs`` (k, 3) is what robots cover, as far as that is known.
+
+        With ``may_learn`` the first frame's points are learned: the robots' places are known.
+        """
+        settings = self._settings
+        if settings.limit_px <= 0.0:
+            return NOTHING_KNOWN
+        discs = _NO_DISCS if discs is None else discs
+        if self._meter is None and may_learn:
+            self._learn(grey, discs, captured_s)
+        elif self._lost.moved[0] and captured_s > self._tried_s + LEARN_AGAIN_S:
+            self._learn(grey, discs, captured_s, by_places=True)
+        if self._meter is None or len(self.points) < LEAST_POINTS:
+            return self._report(None)
+        readings = self._meter.measure(grey, discs)
+        passed_s, self._last_s = captured_s - self._last_s, captured_s
+        away = np.hypot(*(readings.moved_px - self._zero).T)
+        open_to_see = np.count_nonzero(~readings.covered)
+        seen = np.count_nonzero(readings.seen)
+        most = of_most(away[readings.seen]) if seen >= LEAST_POINTS else None
+        gone = np.nan if open_to_see < LEAST_POINTS else np.inf if 2 * seen < open_to_see else 0.0
+        self._camera.update(np.array([np.nan if most is None else most]), passed_s, captured_s)
+        self._lost.update(np.array([gone]), passed_s, captured_s)
+        self._each.update(np.where(readings.seen, away, np.nan), passed_s, captured_s)
+        unseen = np.where(readings.covered, np.nan, np.where(readings.seen, 0.0, np.inf))
+        self._gone.update(unseen, passed_s, captured_s)
+        self._measure_noise(readings)
+        return self._report(most, away)
+
+    # Learning.
+
+    def _reset(self, count: int, noise_px: float = LEAST_NOISE_PX) -> None:
+        limit_px = max(self._settings.limit_px, 1e-9)
+        self._camera = DriftTest(1, limit_px, noise_px)
+        self._lost, self._gone = DriftTest(1, limit_px), DriftTest(count, limit_px)
+        self._each = DriftTest(count, limit_px, noise_px)
+
+    def _learn(
+        self, grey: Image, discs: FloatArray, now_s: float, *, by_places: bool = False
+    ) -> None:
+        """Take the points of this picture; ``by_places``: only if markers' places judge them."""
+        self._last_s = self._tried_s = now_s
+        points, offsets = self._floor_markers(grey)
+        placed = np.isfinite(offsets[:, 0])
+        judged = np.count_nonzero(placed) >= LEAST_POINTS
+        if by_places and not judged:
+            return
+        seen_ids = set(_marker_ids(points))
+        self._unseen_ids = tuple(sorted({m.id for m in self._settings.markers} - seen_ids))
+        away = np.hypot(*offsets[placed].T)
+        self._misplaced = bool(judged) and of_most(away) > self._settings.limit_px
+        if self._misplaced:
+            points = [point for point, known in zip(points, placed, strict=True) if known]
+            self._zero = -offsets[placed]
+        else:
+            if len(points) < LEAST_POINTS:
+                points += corners_of(grey, discs, self._calibration, self._settings.bounds_m)
+            self._zero = np.zeros((len(points), 2))
+        self._meter, self._learned = PointMeter(points), []
+        self._reset(len(points))
+        if self._misplaced:
+            self._camera.begin_moved(now_s)
+            self._each.begin_moved(now_s)
+
+    def _floor_markers(self, grey: Image) -> tuple[list[FixedPoint], FloatArray]:
+        """Those in the picture, and how far (n, 2) each is seen from its configured place."""
+        wanted = {one.id: one.place_m for one in self._settings.markers}
+        if not wanted:
+            return [], np.empty((0, 2))
+        found = find_markers(grey, self._settings.dictionary, calibration=self._calibration)
+        ids = [marker.id for marker in found]
+        # of two with one number nobody knows which one is meant
+        markers = [m for m in found if m.id in wanted and ids.count(m.id) == 1]
+        points = [point for m in markers if (point := _marker_point(grey, m)) is not None]
+        return points, self._offsets(points, [wanted[i] for i in _marker_ids(points)])
+
+    def _offsets(
+        self, points: Sequence[FixedPoint], expected: Sequence[tuple[float, float] | None]
+    ) -> FloatArray:
+        """How far (n, 2) markers are seen from their configured places; NaN for those without."""
+        offsets = np.full((len(points), 2), np.nan)
+        for i, (point, place) in enumerate(zip(points, expected, strict=True)):
+            if place is not None:
+                offsets[i] = point.place_px - self._calibration.image_from_arena([place])[0]
+        return offsets
+
+    def _measure_noise(self, readings: Readings) -> None:
+        """After the first second: points that tremble, or come and go, are left out."""
+        if self._learned is None or self._meter is None:
+            return
+        if self._camera.sums[0] > 0.0 or self._lost.sums[0] > 0.0:
+            self._learned = []  # whatever moves now is not noise
+            return
+        self._learned.append(readings)
+        if len(self._learned) < LEARNED_FRAMES:
+            return
+        moved = np.stack([one.moved_px for one in self._learned])
+        covered = np.stack([one.covered for one in self._learned])
+        self._learned = None
+        known = ~covered.any(axis=0)
+        steady = np.ones(len(self.points), dtype=np.bool_)
+        for i in np.flatnonzero(known).tolist():
+            seen = moved[np.isfinite(moved[:, i, 0]), i]
+            noise_px = float(seen.std(axis=0).max()) if len(seen) > LEARNED_FRAMES // 2 else np.inf
+            steady[i] = noise_px <= MOST_NOISE_PX
+        if steady.all():
+            return
+        kept = [point for point, stays in zip(self.points, steady, strict=True) if stays]
+        self._unseen_ids = tuple(
+            sorted({*self._unseen_ids, *_marker_ids(self.points)} - {*_marker_ids(kept)})
+        )
+        self._meter, self._zero = PointMeter(kept), self._zero[steady]
+        self._reset(len(kept))
+
+    # Saying.
+
+    def _report(self, most_px: float | None, away_px: FloatArray | None = None) -> PlaceReport:
+        remarks = []
+        count = len(self.points)
+        if self._meter is not None and count < LEAST_POINTS:
+            remarks.append(
+                f"a knocked camera would not be noticed: {count} fixed point{'s' * (count != 1)} "
+                f"in the picture, at least {LEAST_POINTS} are needed: lay floor markers "
+                "(arena.floor_markers)"
+            )
+        if self._unseen_ids:
+            numbers = ", ".join(map(str, self._unseen_ids))
+            plural = "s" * (len(self._unseen_ids) != 1)
+            remarks.append(
+                f"floor marker{plural} {numbers}: not seen steadily when the camera's place was "
+                "learned, and not watched"
+            )
+        if away_px is None:
+            return PlaceReport(remarks=tuple(remarks))
+        moved, lost = bool(self._camera.moved[0]), bool(self._lost.moved[0])
+        said = set()
+        if moved:
+            said.add("moved")
+            self._say_moved(most_px, away_px)
+        if lost:
+            said.add("lost")
+            self._say_lost()
+        if not moved and not lost:
+            said |= self._say_single(away_px)
+        self._said = {key: what for key, what in self._said.items() if key in said}
+        singles = [text for key, (_, text) in self._said.items() if key not in ("moved", "lost")]
+        return PlaceReport(
+            self._said["moved"][1] if moved else "",
+            self._said["lost"][1] if lost else "",
+            (*remarks, *singles),
+            most_px,
+        )
+
+    def _say_moved(self, most_px: float | None, away_px: FloatArray) -> None:
+        before = self._said.get("moved")
+        limit_px = 0.5 * self._settings.limit_px
+        size_px = most_px or 0.0
+        if before is not None:
+            change_px = abs(size_px - before[0])
+            if size_px < limit_px or change_px <= max(0.5, _SAID_AGAIN * before[0]):
+                return  # on its way back, or as far away as was said
+        which = [p for p, px in zip(self.points, away_px, strict=True) if px > limit_px]
+        size_mm = 1000.0 * size_px * self._calibration.metres_per_pixel
+        when = self._into_the_run(self._camera.since_s[0])
+        self._said["moved"] = (
+            size_px,
+            f"the camera has moved: {len(which)} of {len(self.points)} fixed points "
+            f"({_listed(which)}) are seen {size_px:.1f} px ({size_mm:.0f} mm on the floor) or "
+            f"more from their places, since {'before the run' if self._misplaced else when}: put "
+            "the camera back, or renew its anchoring by clearway reanchor",
+        )
+
+    def _say_lost(self) -> None:
+        if "lost" in self._said:
+            return
+        count = int(np.count_nonzero(self._gone.moved))
+        self._said["lost"] = (
+            0.0,
+            f"{count} of {len(self.points)} fixed points are not seen where they were, since "
+            f"{self._into_the_run(self._lost.since_s[0])}: the camera was knocked, or they are "
+            "hidden",
+        )
+
+    def _say_single(self, away_px: FloatArray) -> set[str]:
+        """Floor markers that moved by themselves or are hidden; corners may be anything's."""
+        said = set()
+        for i, point in enumerate(self.points):
+            if point.marker_id is None:
+                continue
+            if self._each.moved[i]:
+                key = f"moved {i}"
+                since = self._into_the_run(self._each.since_s[i])
+                text = f"was moved by {away_px[i]:.1f} px, since {since}: put it back"
+                if not np.isfinite(away_px[i]):
+                    text = f"was moved, since {since}: put it back"
+            elif self._gone.moved[i]:
+                key = f"gone {i}"
+                text = f"is not seen, since {self._into_the_run(self._gone.since_s[i])}"
+            else:
+                continue
+            said.add(key)
+            self._said.setdefault(key, (0.0, f"{point.name} {text}; the camera has not moved"))
+        return said
+
+    def _into_the_run(self, at_s: float) -> str:
+        return f"{at_s - self._began_s:.1f} s into the run"
+
+
+def _marker_point(grey: Image, marker: Marker) -> FixedPoint | None:
+    """A floor marker as a fixed point; None at the picture's edge."""
+    from_diagonals = crossing(marker.corners_px)
+    side_px = float(np.linalg.norm(marker.corners_px[1] - marker.corners_px[0]))
+    half_px = max(4, min(MARKER_HALF_PX, round(0.5 * side_px)))
+    return point_at(grey, from_diagonals, f"floor marker {marker.id}", half_px, marker.id)
+
+
+def _marker_ids(points: Sequence[FixedPoint]) -> list[int]:
+    return [point.marker_id for point in points if point.marker_id is not None]
+
+
+def _listed(points: Sequence[FixedPoint]) -> str:
+    """Floor markers by their numbers, corners by their places; many are cut short."""
+    markers = ", ".join(map(str, _marker_ids(points)[:_NAMED]))
+    corners = [p.name.removeprefix(CORNER) for p in points if p.marker_id is None]
+    said = f"floor marker{'s' * (len(_marker_ids(points)) > 1)} {markers}" if markers else ""
+    if corners:
+        at = f"corner{'s' * (len(corners) > 1)} {CORNER}{', '.join(corners[:_NAMED])}"
+        said = f"{said}, {at}" if said else at
+    hidden = len(points) - min(len(_marker_ids(points)), _NAMED) - min(len(corners), _NAMED)
+    return f"{said} and {hidden} more" if hidden else said
