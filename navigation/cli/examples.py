@@ -69,6 +69,10 @@ EXAMPLES: dict[str, Example] = {
         " --floor-picture floor.png -o calibration.yaml",
         "Calibrate lens and floor from pictures of a printed board.",
     ),
+    "reanchor": Example(
+        "clearway reanchor arena.yaml floor.png",
+        "Place the camera anew by the floor markers in a picture.",
+    ),
     "marker": Example(
         "clearway marker 7 --size-mm 90 -o marker.pdf",
         "Write marker 7 as a page that prints at true size.",

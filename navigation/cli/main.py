@@ -67,6 +67,7 @@ COMMANDS: dict[str, Listed] = {
     "status": Listed(".running.orders:status", "What the running daemon is doing."),
     "check": Listed(".setup.check:command", "Check a configuration; report every error."),
     "calibrate": Listed(".setup.calibrate:command", "Calibrate a camera from pictures."),
+    "reanchor": Listed(".setup.reanchor:command", "Place a moved camera by the floor markers."),
     "marker": Listed(".setup.marker:command", "A robot marker or a board to print."),
     "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
     "camera": Listed(".setup.camera:command", "What a camera can do, and what it delivers."),

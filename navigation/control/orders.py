@@ -10,7 +10,7 @@ Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Protocol, runtime_checkable
 
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
@@ -64,8 +64,19 @@ class HasRobots(Protocol):
         ...
 
 
+@runtime_checkable
+class CanReanchor(Protocol):
+    """A daemon whose camera may be placed anew."""
+
+    @property
+    def reanchor(self) -> Callable[[], Sequence[str]] | None:
+        """Does it, and says what was found, or MissionError; None where a run cannot."""
+        ...
+
+
 def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
     """Do what a request asks for; the answer, never an exception for a bad request."""
+    further: dict[str, Any] = {}
     try:
         daemon = _meant(request, daemon)
         match request.get("order"):
@@ -79,15 +90,25 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
                 daemon.resume()
             case "replan":
                 daemon.replan()
+            case "reanchor":
+                further["anchoring"] = list(_reanchor(daemon))
             case "status":
                 pass
             case other:
                 raise ControlError(
-                    f"order {in_short(other)}: must be go, stop, pause, resume, replan or status"
+                    f"order {in_short(other)}: must be go, stop, pause, resume, replan, reanchor "
+                    "or status"
                 )
     except (ControlError, MissionError) as error:
         return {"ok": False, "error": str(error)}
-    return {"schema": SCHEMA, "ok": True, **daemon.describe()}
+    return {"schema": SCHEMA, "ok": True, **daemon.describe(), **further}
+
+
+def _reanchor(daemon: Commanded) -> Sequence[str]:
+    how = daemon.reanchor if isinstance(daemon, CanReanchor) else None
+    if how is None:
+        raise ControlError("reanchor: this run cannot place its camera anew")
+    return how()
 
 
 def _meant(request: Mapping[str, Any], daemon: Commanded) -> Commanded:

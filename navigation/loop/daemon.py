@@ -111,6 +111,7 @@ class Daemon:
         self._evidence = NO_EVIDENCE
         self._poses: Mapping[int, RobotPose] = {}
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
+        self.reanchor: Callable[[], list[str]] | None = None
         self.started_s = self._clock()
         self._revision = 0
         self._frame_s = -math.inf

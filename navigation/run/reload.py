@@ -1,7 +1,8 @@
 """Reading the configuration again while a run goes on: a broken file changes nothing.
 
 SIGHUP asks for it (`systemctl reload clearway`). The file is read in a thread of its own, so
-that the control loop goes on; a good one is handed over, of a bad one every error is told.
+that the control loop goes on; a good one is handed over, of a bad one every error is told. So is
+the calibration that it names: another one there is news, too.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ class Reloader:
     ) -> None:
         self._file, self._present = file, present
         self._load, self._say, self._good = load, say, good
+        self._calibration = _calibration_in(present)
         self._asked = threading.Event()
         self._thread: threading.Thread | None = None
         self._lock = threading.Lock()
@@ -65,7 +67,8 @@ class Reloader:
         except ConfigError as error:
             self._say("error", f"the run continues with the last good configuration:\n{error}")
             return
-        if config == self._present:
+        calibration = _calibration_in(config)
+        if config == self._present and calibration == self._calibration:
             self._say("info", f"{self._file} was read again: nothing has changed")
             return
         names = [
@@ -73,6 +76,17 @@ class Reloader:
             for name in Config.model_fields
             if getattr(config, name) != getattr(self._present, name)
         ]
-        self._present = config
+        if calibration != self._calibration and "camera" not in names:
+            names.append("the calibration")
+        self._present, self._calibration = config, calibration
         self._say("info", f"{self._file} was read again: {', '.join(names)} changed")
         self._good(config)
+
+
+def _calibration_in(config: Config) -> bytes:
+    """What the calibration's file holds; nothing where there is none, or it cannot be read."""
+    file = config.camera.calibration
+    try:
+        return b"" if file is None else file.read_bytes()
+    except OSError:
+        return b""

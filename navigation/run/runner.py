@@ -31,6 +31,7 @@ from navigation.loop.stages import stations_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import State
+from navigation.run.anchoring import renew_while_running
 from navigation.run.attendance import Attendance
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.report import Report
@@ -44,6 +45,7 @@ from navigation.run.summary import (
 )
 from navigation.run.world import World
 from navigation.shared.supervisor import Part
+from vision.camera.camera import Frame
 
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
@@ -114,6 +116,8 @@ class Runner:
         self.waits = False
         """For orders, instead of driving the configured mission."""
         self.is_warming_up = False
+        self.reload: Callable[[], None] | None = None
+        """Reads the configuration again, and what it names; None where nothing was read."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
         self._say_address = say if show_token else self._say
         self._clock = clock
@@ -143,6 +147,7 @@ class Runner:
                     recorder=recorder,
                 )
             )
+            daemon.reanchor = lambda: self.reanchor(daemon.state.frame if daemon.state else None)
             control = open_things.enter_context(ControlServer(socket, daemon))
             daemon.look_after(
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
@@ -314,6 +319,12 @@ class Runner:
         if daemon.pilot.no_path:
             return NO_PATH
         return DONE if interrupted and not daemon.pilot.mission.stations else FAILED
+
+    def reanchor(self, frame: Frame | None) -> list[str]:
+        """Place the camera anew by its newest picture; what to say of it, or ``MissionError``."""
+        told = renew_while_running(self.config, frame, self.reload)
+        self._log.write("warning", "anchoring", reason="; ".join(told))
+        return told
 
     def say_line(self, line: str) -> None:
         """A line for people."""

@@ -7,7 +7,7 @@ Rules and units
 - The camera has moved when more than half of the points that are seen have moved. A single one
   that was kicked away or covered is said as such.
 - Where markers have configured places, they must be seen there when they are learned: else the
-  camera was moved while nobody watched.
+  camera was moved while nobody watched, or nobody can tell, which holds the robot as well.
 - A sentence changes only when what it says does: it is shown, logged and recorded. Raw pixels,
   metres, seconds of the frames.
 """
@@ -98,6 +98,7 @@ class CameraPlace:
         self._learned: list[Readings] | None = []
         self._began_s = self._last_s = began_s
         self._misplaced = False
+        self._unclear = ""
         self._tried_s = -np.inf
         self._unseen_ids: tuple[int, ...] = ()
         self._said: dict[str, tuple[float, str]] = {}
@@ -119,10 +120,9 @@ class CameraPlace:
         if settings.limit_px <= 0.0:
             return NOTHING_KNOWN
         discs = _NO_DISCS if discs is None else discs
-        if self._meter is None and may_learn:
+        wanted = may_learn if self._meter is None else bool(self._lost.moved[0])
+        if wanted and captured_s > self._tried_s + LEARN_AGAIN_S:
             self._learn(grey, discs, captured_s)
-        elif self._lost.moved[0] and captured_s > self._tried_s + LEARN_AGAIN_S:
-            self._learn(grey, discs, captured_s, by_places=True)
         if self._meter is None or len(self.points) < LEAST_POINTS:
             return self._report(None)
         readings = self._meter.measure(grey, discs)
@@ -138,7 +138,10 @@ class CameraPlace:
         unseen = np.where(readings.covered, np.nan, np.where(readings.seen, 0.0, np.inf))
         self._gone.update(unseen, passed_s, captured_s)
         self._measure_noise(readings)
-        return self._report(most, away)
+        report = self._report(most, away)
+        if self._misplaced and not report.moved and not report.lost:
+            self._meter, self._tried_s = None, -np.inf  # it is back: all markers count again
+        return report
 
     # Learning.
 
@@ -148,21 +151,23 @@ class CameraPlace:
         self._lost, self._gone = DriftTest(1, limit_px), DriftTest(count, limit_px)
         self._each = DriftTest(count, limit_px, noise_px)
 
-    def _learn(
-        self, grey: Image, discs: FloatArray, now_s: float, *, by_places: bool = False
-    ) -> None:
-        """Take the points of this picture; ``by_places``: only if markers' places judge them."""
+    def _learn(self, grey: Image, discs: FloatArray, now_s: float) -> None:
+        """Take the points of this picture; again only where markers' places judge them."""
         self._last_s = self._tried_s = now_s
         points, offsets = self._floor_markers(grey)
         placed = np.isfinite(offsets[:, 0])
-        judged = np.count_nonzero(placed) >= LEAST_POINTS
-        if by_places and not judged:
+        away = np.hypot(*offsets[placed].T)
+        in_place = len(away) > 0 and of_most(away) <= self._settings.limit_px
+        misplaced = len(away) >= LEAST_POINTS and not in_place
+        if self._meter is not None and len(away) < LEAST_POINTS:
             return
         seen_ids = set(_marker_ids(points))
         self._unseen_ids = tuple(sorted({m.id for m in self._settings.markers} - seen_ids))
-        away = np.hypot(*offsets[placed].T)
-        self._misplaced = bool(judged) and of_most(away) > self._settings.limit_px
-        if self._misplaced:
+        self._unclear = self._why_unclear(away, in_place or misplaced)
+        if self._unclear:
+            return
+        self._misplaced = misplaced
+        if misplaced:
             points = [point for point, known in zip(points, placed, strict=True) if known]
             self._zero = -offsets[placed]
         else:
@@ -171,9 +176,21 @@ class CameraPlace:
             self._zero = np.zeros((len(points), 2))
         self._meter, self._learned = PointMeter(points), []
         self._reset(len(points))
-        if self._misplaced:
+        if misplaced:
             self._camera.begin_moved(now_s)
             self._each.begin_moved(now_s)
+
+    def _why_unclear(self, away_px: FloatArray, is_clear: bool) -> str:
+        """Why too few surveyed markers are seen to tell where the camera is; empty where it is."""
+        surveyed = sum(one.place_m is not None for one in self._settings.markers)
+        if is_clear or (not len(away_px) and surveyed < LEAST_POINTS):
+            return ""
+        where = f", {away_px.max():.1f} px from where they belong" if len(away_px) else ""
+        return (
+            f"{len(away_px)} of {surveyed} floor markers are seen{where}: whether the camera is "
+            f"where it was calibrated takes one in its place, or {LEAST_POINTS} that tell where it "
+            "is now"
+        )
 
     def _floor_markers(self, grey: Image) -> tuple[list[FixedPoint], FloatArray]:
         """Those in the picture, and how far (n, 2) each is seen from its configured place."""
@@ -244,7 +261,7 @@ class CameraPlace:
                 "learned, and not watched"
             )
         if away_px is None:
-            return PlaceReport(remarks=tuple(remarks))
+            return PlaceReport(lost=self._unclear, remarks=tuple(remarks))
         moved, lost = bool(self._camera.moved[0]), bool(self._lost.moved[0])
         said = set()
         if moved:

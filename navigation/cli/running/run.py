@@ -207,6 +207,7 @@ class _Reload:
             say=self._say,
             good=self._restart,
         )
+        runner.reload = self.reloader.ask
 
     def ask(self) -> None:
         """Read the file soon, and begin again as at the start."""

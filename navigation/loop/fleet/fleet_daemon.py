@@ -205,6 +205,11 @@ class FleetDaemon:
         return all(seat.pilot.has_met_its_devices for seat in self.seats.values())
 
     @property
+    def frame(self) -> Frame | None:
+        """The newest picture; any thread may look."""
+        return self._frame
+
+    @property
     def roadmap(self) -> Roadmap | None:
         """The newest roadmap of the smallest robot, for pictures."""
         return self._fleet_planner.roadmap

@@ -5,7 +5,7 @@ Any thread may give them; the next cycle acts on them. Metres, radians, seconds.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
@@ -19,6 +19,7 @@ class People:
 
     def __init__(self, daemon: FleetDaemon) -> None:
         self._daemon, self._seats = daemon, daemon.seats
+        self.reanchor: Callable[[], list[str]] | None = None
 
     def _chosen(self, robot: str | None) -> list[Seat]:
         if robot is None:

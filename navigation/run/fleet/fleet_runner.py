@@ -57,7 +57,9 @@ class FleetRunner(Runner):
             for name, journal in journals.items():
                 daemon.seats[name].journal = journal
             socket = self._socket or default_socket()
-            control = open_things.enter_context(ControlServer(socket, People(daemon)))
+            people = People(daemon)
+            people.reanchor = lambda: self.reanchor(daemon.frame)
+            control = open_things.enter_context(ControlServer(socket, people))
             daemon.look_after(
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
             )

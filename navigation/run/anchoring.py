@@ -1,0 +1,116 @@
+"""The camera's place renewed from the floor markers: pictures in, the calibration's file rewritten.
+
+The file is there whole or not at all, and what it was before is kept beside it, named after the
+moment. Metres, pixels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from navigation.config import Config
+from navigation.config.values import wrapped_rad
+from navigation.mission.mission import MissionError
+from navigation.shared.whole_file import UnwrittenFileError, write_whole
+from vision.calibrate.reanchor import Anchor, Reanchored, reanchor
+from vision.calibration.calibration import CalibrationError
+from vision.calibration.calibration_file import calibration_text, parse_calibration, read_text
+from vision.camera.camera import Frame, Image
+from vision.markers.marker_search import MarkerError
+from vision.markers.reading import find_markers
+
+
+class AnchoringError(ValueError):
+    """The anchoring cannot be renewed; the message says what is missing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Renewed:
+    """What was found, the file that was written, and where the one before it is kept."""
+
+    found: Reanchored
+    file: Path
+    backup: Path
+
+    def lines(self) -> list[str]:
+        """All of it as people read it."""
+        found = self.found
+        used = sum(one.used for one in found.residuals)
+        told = [
+            f"floor marker {one.id}: {one.rms_px:.2f} px{'' if one.used else ', left out'}"
+            for one in found.residuals
+        ]
+        told += [f"floor marker {one}: not seen" for one in found.missing]
+        told.append(
+            f"anchored by {used} floor markers, {found.rms_px:.2f} px rms; the picture had moved "
+            f"by {found.moved_px:.1f} px"
+        )
+        told.append(f"written: {self.file}; the one before: {self.backup}")
+        return told
+
+
+def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
+    """Place the camera of a configuration anew by what its pictures show of the floor markers.
+
+    Raises ``AnchoringError`` where the configuration names no file or no markers, and for what
+    the pictures do not show.
+    """
+    file = config.camera.calibration
+    if file is None:
+        raise AnchoringError(
+            "camera.calibration names no file: there is no lens to keep; make one by clearway "
+            "calibrate"
+        )
+    anchors = [
+        Anchor(
+            one.marker_id,
+            one.place_m,
+            one.size_m,
+            None if one.heading_deg is None else wrapped_rad(one.heading_deg),
+        )
+        for one in config.arena.floor_markers
+        if one.place_m is not None
+    ]
+    if not anchors:
+        raise AnchoringError("arena.floor_markers: none has a place_m, so none says where it lies")
+    try:
+        before = read_text(file)
+        calibration = parse_calibration(before, str(file))
+        seen = [
+            {
+                marker.id: marker.corners_px
+                for marker in find_markers(
+                    picture, config.robot.dictionary, calibration=calibration
+                )
+            }
+            for picture in pictures
+        ]
+        found = reanchor(calibration, anchors, seen)
+        backup = file.with_name(f"{file.stem}.{now:%Y%m%d-%H%M%S}{file.suffix}")
+        write_whole(backup, before)
+        write_whole(file, calibration_text(found.calibration))
+    except (CalibrationError, MarkerError, UnwrittenFileError) as error:
+        raise AnchoringError(str(error)) from error
+    return Renewed(found, file, backup)
+
+
+def renew_while_running(
+    config: Config, frame: Frame | None, reload: Callable[[], None] | None
+) -> list[str]:
+    """Renew by the newest picture of a run, and have the run take it over; what to say of it.
+
+    Raises ``MissionError`` where that cannot be, as any other order that is refused.
+    """
+    if frame is None:
+        raise MissionError("no picture has come from the camera yet")
+    try:
+        told = renew(config, [frame.image], datetime.now()).lines()
+    except AnchoringError as error:
+        raise MissionError(str(error)) from None
+    if reload is None:
+        return [*told, "start the run again: it still has the calibration before"]
+    reload()
+    return [*told, "the run begins again with it"]
