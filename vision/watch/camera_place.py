@@ -159,7 +159,7 @@ class CameraPlace:
         away = np.hypot(*offsets[placed].T)
         in_place = len(away) > 0 and of_most(away) <= self._settings.limit_px
         misplaced = len(away) >= LEAST_POINTS and not in_place
-        if self._meter is not None and len(away) < LEAST_POINTS:
+        if self._meter is not None and len(away) < LEAST_POINTS:  # what was learned is better
             return
         seen_ids = set(_marker_ids(points))
         self._unseen_ids = tuple(sorted({m.id for m in self._settings.markers} - seen_ids))

@@ -1,0 +1,113 @@
+"""The anchoring renewed: what is refused changes no file, and a run takes over what was written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from navigation.config import Config, load_config
+from navigation.control.orders import carry_out
+from navigation.mission.mission import MissionError, Station
+from navigation.run.anchoring import AnchoringError, renew, renew_while_running
+from navigation.run.reload import Reloader
+from vision.camera.camera import Frame
+
+EMPTY = np.full((960, 1280), 200, dtype=np.uint8)
+NOW = datetime(2026, 1, 2)
+MARKERS = [{"marker_id": 20 + i, "size_m": 0.1, "place_m": (0.1 * i, 0.0)} for i in range(4)]
+
+
+def with_markers(config: Config, markers: Sequence[Mapping[str, Any]]) -> Config:
+    values = config.model_dump()
+    values["arena"]["floor_markers"] = markers
+    return Config.model_validate(values)
+
+
+def test_what_is_missing_is_said_and_nothing_is_written(config_file: Path) -> None:
+    config = load_config(config_file, {})
+    file = config.camera.calibration
+    assert file is not None
+    before = sorted(file.parent.iterdir())
+    with pytest.raises(AnchoringError, match="none has a place_m"):
+        renew(config, [EMPTY], NOW)
+    with pytest.raises(AnchoringError, match=r"0 floor markers .* not seen: 20, 21, 22, 23"):
+        renew(with_markers(config, MARKERS), [EMPTY], NOW)
+    with pytest.raises(AnchoringError, match="640x480"):
+        renew(with_markers(config, MARKERS), [EMPTY[:480, :640]], NOW)
+    assert sorted(file.parent.iterdir()) == before
+    camera = config.camera.model_copy(update={"calibration": None, "metres_per_pixel": 0.002})
+    with pytest.raises(AnchoringError, match="names no file"):
+        renew(config.model_copy(update={"camera": camera}), [EMPTY], NOW)
+
+
+def test_a_run_refuses_as_it_refuses_any_order(config_file: Path) -> None:
+    config = load_config(config_file, {})
+    with pytest.raises(MissionError, match="no picture"):
+        renew_while_running(config, None, None)
+    with pytest.raises(MissionError, match="place_m"):
+        renew_while_running(config, Frame(EMPTY, 0.0, 0, "test"), None)
+
+
+class Daemon:
+    """Takes the order to renew its anchoring, or cannot."""
+
+    def __init__(self, told: list[str] | None) -> None:
+        self.reanchor = None if told is None else self._reanchor
+        self._told = told or []
+
+    def _reanchor(self) -> list[str]:
+        if not self._told:
+            raise MissionError("no picture has come from the camera yet")
+        return self._told
+
+    def give(self, stations: tuple[Station, ...]) -> None: ...
+
+    def stop(self, reason: str) -> None: ...
+
+    def pause(self) -> None: ...
+
+    def resume(self) -> None: ...
+
+    def replan(self) -> None: ...
+
+    def settle(self) -> None: ...
+
+    def describe(self) -> Mapping[str, Any]:
+        return {"state": "holding"}
+
+
+def test_the_order_is_answered_with_what_was_found_or_why_not() -> None:
+    answer = carry_out({"order": "reanchor"}, Daemon(["anchored"]))
+    assert (answer["ok"], answer["anchoring"], answer["state"]) == (True, ["anchored"], "holding")
+    refused = carry_out({"order": "reanchor"}, Daemon([]))
+    assert refused == {"ok": False, "error": "no picture has come from the camera yet"}
+    cannot = carry_out({"order": "reanchor"}, Daemon(None))
+    assert "this run cannot place its camera anew" in cannot["error"]
+
+
+def test_a_calibration_that_was_written_anew_is_taken_over_by_a_reload(config_file: Path) -> None:
+    said: list[str] = []
+    fresh: list[Config] = []
+    config = load_config(config_file, {})
+    reloader = Reloader(
+        config_file,
+        config,
+        load=lambda path: load_config(path, {}),
+        say=lambda _, sentence: said.append(sentence),
+        good=fresh.append,
+    )
+    file = config.camera.calibration
+    assert file is not None
+    file.write_text(file.read_text().replace("remarks: []", "remarks: [anchored anew]"))
+    reloader.ask()
+    reloader.join(20.0)
+    assert fresh == [config]
+    assert "the calibration changed" in said[0]
+    reloader.ask()
+    reloader.join(20.0)
+    assert "nothing has changed" in said[1]
