@@ -16,10 +16,10 @@ from navigation.config.values import wrapped_rad
 from navigation.mission.mission import MissionError
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 from vision.calibrate.reanchor import Anchor, Reanchored, reanchor
-from vision.calibration.calibration import CalibrationError
+from vision.calibration.calibration import Calibration, CalibrationError, FloatArray
 from vision.calibration.calibration_file import calibration_text, parse_calibration, read_text
 from vision.camera.camera import Frame, Image
-from vision.markers.marker_search import MarkerError
+from vision.markers.marker_search import MarkerError, grey_of
 from vision.markers.reading import find_markers
 
 
@@ -79,15 +79,7 @@ def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
     try:
         before = read_text(file)
         calibration = parse_calibration(before, str(file))
-        seen = [
-            {
-                marker.id: marker.corners_px
-                for marker in find_markers(
-                    picture, config.robot.dictionary, calibration=calibration
-                )
-            }
-            for picture in pictures
-        ]
+        seen = [_corners(picture, config.robot.dictionary, calibration) for picture in pictures]
         found = reanchor(calibration, anchors, seen)
         backup = file.with_name(f"{file.stem}.{now:%Y%m%d-%H%M%S}{file.suffix}")
         write_whole(backup, before)
@@ -95,6 +87,15 @@ def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
     except (CalibrationError, MarkerError, UnwrittenFileError) as error:
         raise AnchoringError(str(error)) from error
     return Renewed(found, file, backup)
+
+
+def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[int, FloatArray]:
+    """The corners of every marker in a picture, by id; one that is there twice is left out."""
+    grey = grey_of(picture).view()
+    grey.setflags(write=False)  # as a run's pictures are: the kernels are compiled for one kind
+    found = find_markers(grey, dictionary, calibration=calibration)
+    ids = [marker.id for marker in found]
+    return {marker.id: marker.corners_px for marker in found if ids.count(marker.id) == 1}
 
 
 def renew_while_running(

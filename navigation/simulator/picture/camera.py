@@ -135,6 +135,11 @@ class SimulatedCamera:
         self._state = "running"
         self._next_s = self._clock()
 
+    def continue_after(self, other: SimulatedCamera) -> None:
+        """Start giving frames when the other one would have given its next, which is closed."""
+        self._state, self._next_s = "running", other._next_s
+        other.close()
+
     def close(self) -> None:
         """Stop; it can be opened again."""
         self._state = "closed"

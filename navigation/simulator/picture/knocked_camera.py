@@ -69,8 +69,7 @@ class KnockedCamera:
         """The next frame at its time; None where that is later than ``timeout_s`` from now."""
         wanted = self._now()
         if wanted is not self._present and self._present.state == "running":
-            self._present.close()
-            wanted.open()
+            wanted.continue_after(self._present)
             self._present = wanted
         frame = self._present.read(timeout_s)
         if frame is None:

@@ -275,6 +275,31 @@ def test_a_token_that_is_refused_is_not_shown() -> None:
     assert "secret" not in told
 
 
+def test_a_knock_ends_after_it_begins() -> None:
+    text = GOOD + "  camera: {knocks: [{from_s: 4}, {from_s: 9, until_s: 3}]}\n"
+    assert the_problem(text) == (
+        "simulation.camera.knocks[1].until_s",
+        "must be > 9, its from_s, not 3",
+    )
+
+
+@pytest.mark.parametrize(
+    ("marker", "key", "message"),
+    [
+        ("marker_id: 7", "marker_id", "7 is a robot's or another floor marker's"),
+        ("marker_id: 20", "marker_id", "20 is a robot's or another floor marker's"),
+        ("marker_id: 50", "marker_id", "must be < 50 in DICT_4X4_50, not 50"),
+        ("heading_deg: 5, marker_id: 21", "heading_deg", "needs place_m beside it"),
+    ],
+)
+def test_floor_markers_are_told_apart_and_a_heading_has_a_place(
+    marker: str, key: str, message: str
+) -> None:
+    lines = f"  floor_markers: [{{size_m: 0.1, marker_id: 20}}, {{size_m: 0.1, {marker}}}]\n"
+    text = GOOD.replace("[0, 0, 2.4, 1.8]\n", f"[0, 0, 2.4, 1.8]\n{lines}")
+    assert the_problem(text) == (f"arena.floor_markers[1].{key}", message)
+
+
 def test_an_obstacle_vanishes_after_it_appears() -> None:
     text = GOOD + "  obstacles: [{record: 'C (1,1) 0.1', from_s: 9, until_s: 3}]\n"
     assert the_problem(text) == (

@@ -9,6 +9,7 @@ import pytest
 
 import vision
 from navigation.loop.daemon import Daemon
+from navigation.loop.eye import Glimpse
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
@@ -16,6 +17,7 @@ from navigation.run.virtual_world import VirtualWorld
 from planner.scene import Scene
 from tests.support.pictures import blank, box_and_disc
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
+from vision.watch.camera_place import PlaceReport
 
 EMPTY = vision.extract(blank(320, 240, 200))
 SOUND = vision.extract(box_and_disc())
@@ -57,6 +59,51 @@ def test_accepting_a_sound_scene_accepts_nothing_later() -> None:
     doubt.accept()
     doubt.see(EMPTY)
     assert doubt.hold is not None
+
+
+def seen(place: PlaceReport, scene: Scene | None = None) -> Glimpse:
+    return Glimpse(0.0, {}, scene, None, {}, place)
+
+
+MOVED = PlaceReport(moved="the camera has moved: 5 of 5 fixed points", remarks=("marker 21",))
+LOST = PlaceReport(lost="7 of 12 fixed points are not seen")
+
+
+@pytest.mark.parametrize("floor_markers", [True, False])
+def test_a_camera_that_has_moved_holds_whatever_is_accepted_until_it_is_back(
+    floor_markers: bool,
+) -> None:
+    doubt = SceneDoubt(floor_markers=floor_markers)
+    assert doubt.look(seen(PlaceReport(), SOUND)) == {"arena": "", "camera's place": ""}
+    said = doubt.look(seen(MOVED))
+    assert said["camera's place"] == f"{MOVED.moved}; marker 21"
+    assert doubt.hold == MOVED.moved
+    doubt.accept()
+    assert doubt.hold == MOVED.moved
+    doubt.look(seen(PlaceReport(remarks=("marker 21",))))
+    assert doubt.hold is None, "a single marker holds nobody"
+
+
+def test_points_that_vanished_are_accepted_by_a_person_where_no_markers_lie() -> None:
+    doubt, marked = SceneDoubt(), SceneDoubt(floor_markers=True)
+    for one in (doubt, marked):
+        one.look(seen(LOST, SOUND))
+        assert one.hold is not None
+        one.accept()
+    assert doubt.hold is None
+    assert marked.hold == LOST.lost
+    doubt.look(seen(LOST))
+    assert doubt.hold is None
+    doubt.look(seen(PlaceReport()))
+    doubt.look(seen(LOST))
+    assert doubt.hold == f"{LOST.lost}: look, then resume accepts it", "what was accepted is over"
+
+
+def test_frames_without_a_word_on_the_camera_change_nothing() -> None:
+    doubt = SceneDoubt()
+    doubt.look(seen(MOVED, SOUND))
+    doubt.look(Glimpse(0.1, {}, None, None))
+    assert doubt.hold == MOVED.moved
 
 
 ALONE = {
