@@ -9,6 +9,7 @@ from navigation.config import Config, load_config
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.people import People
+from navigation.mission.mission import State as MissionState
 from navigation.mission.mission import Station
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
@@ -132,3 +133,26 @@ def test_every_fleet_that_is_shipped_has_a_robot_a_goal_and_a_start_each(name: s
     assert names == {one.name for one in config.mission.robots}
     assert config.simulation is not None
     assert names == {one.name for one in config.simulation.starts}
+
+
+def test_a_knocked_camera_holds_all_robots_until_it_is_back() -> None:
+    knock = {"from_s": 3.0, "until_s": 6.0, "tilt_deg": (0.3, 0.0)}
+    values = ALCOVE.model_dump()
+    values["simulation"]["camera"]["knocks"] = [knock]
+    config = Config.model_validate(values)
+    held: list[set[bool]] = []
+
+    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+        if 4.5 < daemon.world.clock() < 5.9:
+            reasons = [seat.pilot.mission.reason for seat in daemon.seats.values()]
+            held.append({"the camera has moved" in reason for reason in reasons})
+            states = {seat.pilot.mission.state for seat in daemon.seats.values()}
+            assert states == {MissionState.HOLDING}
+        return now.time_s > 15.0
+
+    report = run_fleet_virtually(config, look=look)
+    assert held
+    assert all(each == {True} for each in held)
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+    assert all("the camera has moved" not in one.reason for one in report.robots.values())
