@@ -205,9 +205,12 @@ def _rows(frames: int, knocks: int) -> Iterator[str]:
         measured = measured[:, np.isfinite(measured).all(axis=(0, 2))]
         noise_px = float(measured.std(axis=0).max())
         limit_px = config.safety.camera_moved_px
-        mean_px = float(np.hypot(*measured.transpose(2, 0, 1)).mean(axis=0).max())
-        for what, scale in (("its noise", 1.0), ("noise", 0.5 * limit_px / mean_px)):
-            alarms, largest_px = an_hour(scale * measured, limit_px, frames)
+        trembling = measured - measured.mean(axis=0)
+        mean_px = float(np.hypot(*trembling.transpose(2, 0, 1)).mean(axis=0).max())
+        large = 0.5 * limit_px / mean_px
+        hours = (("its noise", 1.0, measured), ("large noise", large, large * trembling))
+        for what, scale, readings in hours:
+            alarms, largest_px = an_hour(readings, limit_px, frames)
             yield (
                 f"| {name}: {frames} frames of {what} | {measured.shape[1]} points, "
                 f"{scale * noise_px:.3f} px an axis | {alarms} false alarms | "

@@ -1,4 +1,4 @@
-"""Orders to a running daemon over a local socket: go, stop, pause, resume, replan, status.
+"""Orders to a running daemon over a local socket: go, stop, pause, resume, replan and others.
 
 - `orders`: what may be asked for, checked and carried out; the dashboard uses it too.
 - `server`: the socket and its thread, which reads all clients at once and never waits for one;

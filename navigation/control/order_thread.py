@@ -92,7 +92,7 @@ class OrderThread:
                 self._daemon.settle()
                 now = self._daemon.describe()
                 for job in acted:
-                    job.answer = {"ok": True, **now}
+                    job.answer = {**(job.answer or {}), **now}
         except Exception as error:  # noqa: BLE001 - answered; the next order is taken
             for job in acted:
                 job.answer = _failed(error)

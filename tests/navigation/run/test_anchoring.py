@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from navigation.config import Config, load_config
+from navigation.control import ControlServer, send_order
 from navigation.control.orders import carry_out
 from navigation.mission.mission import MissionError, Station
 from navigation.run.anchoring import AnchoringError, renew, renew_while_running
@@ -88,6 +89,12 @@ def test_the_order_is_answered_with_what_was_found_or_why_not() -> None:
     assert refused == {"ok": False, "error": "no picture has come from the camera yet"}
     cannot = carry_out({"order": "reanchor"}, Daemon(None))
     assert "this run cannot place its camera anew" in cannot["error"]
+
+
+def test_the_answer_reaches_who_asks_through_the_socket(tmp_path: Path) -> None:
+    with ControlServer(tmp_path / "run" / "control.sock", Daemon(["anchored"])) as server:
+        answer = send_order(server.path, {"order": "reanchor"})
+    assert answer["anchoring"] == ["anchored"]
 
 
 def test_a_calibration_that_was_written_anew_is_taken_over_by_a_reload(config_file: Path) -> None:
