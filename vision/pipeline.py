@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise.binary import Binary
+from vision.binarise.binary import Binary, with_fence
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey import as_array
 from vision.binarise.methods import Method, Polarity
@@ -28,7 +28,13 @@ from vision.doubts import with_doubts
 from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
 from vision.paper.paper import paper_objects
-from vision.records.placement import Calibration, Placement, drop_outside, ignored_pixels
+from vision.records.placement import (
+    Calibration,
+    Placement,
+    drop_outside,
+    fenced_pixels,
+    ignored_pixels,
+)
 from vision.records.records import build_objects, find_specks
 from vision.records.unseen import blind_of, unseen_objects, with_unseen, without_blind
 from vision.shared.scratch import Room
@@ -47,6 +53,7 @@ def extract(
     calibration: Calibration | None = None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
+    fence: NDArray[np.float32] | None = None,
 ) -> Scene:
     """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
 
@@ -59,7 +66,8 @@ def extract(
     metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
     or far too much is found, a remark says so (see ``vision.doubts``).
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
-    pixels. Raises ``PictureError`` for a picture or an option that cannot be used, and where
+    pixels. ``fence`` (h, w) marks pixels that are obstacle whatever they show, by the share of
+    each from 0 to 1: what nobody sees. Raises ``PictureError`` for a picture or an option that cannot be used, and where
     no pixel is free. Safe to call from several threads. O(pixels) to threshold, then
     O(border pixels).
     """
@@ -70,6 +78,8 @@ def extract(
     if bounds is not None and calibration is None:
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
     clock = _StopWatch()
+    if mode == "paper" and fence is not None:
+        raise PictureError("mode paper: works without a fence")
     image = as_array(image)
     blind = blind_of(calibration)
     if blind is not None:
@@ -78,6 +88,8 @@ def extract(
     binary = binarise_by_colour(
         image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
     )
+    if fence is not None:
+        binary = with_fence(binary, fenced_pixels(fence, image))
     clock.lap("binarise")
     borders = follow_borders(binary.mask, _ROOM)
     if mode == "paper":

@@ -67,24 +67,30 @@ class _Part:
 class KnownScene:
     """A scene in metres and, for each of its objects, the pixels that hold it.
 
-    The boxes of objects that stay are never computed again.
+    The boxes of objects that stay are never computed again. ``fence``: as ``vision.extract`` was
+    given it, the same in every picture.
     """
 
     scene: Scene
     calibration: Calibration
     boxes: tuple[_Box, ...]
+    fence: NDArray[np.float32] | None = None
 
     @classmethod
-    def of(cls, scene: Scene, calibration: Calibration) -> KnownScene:
+    def of(
+        cls,
+        scene: Scene,
+        calibration: Calibration,
+        fence: NDArray[np.float32] | None = None,
+    ) -> KnownScene:
         """A scene as ``vision.extract`` gives it. O(records)."""
         unseen = unseen_objects(calibration, scene.bounds, extract)
         hidden = {o.records for o in unseen}
         boxes = _boxes_of(scene.objects, calibration)
         # unseen ground is no part of any picture, and stays whatever changes there
         found = zip(scene.objects, boxes, strict=True)
-        return cls(
-            scene, calibration, tuple(_NOWHERE if o.records in hidden else b for o, b in found)
-        )
+        kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
+        return cls(scene, calibration, kept, fence)
 
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """The scene of ``image``, where that differs in ``rectangles`` only.
@@ -115,7 +121,8 @@ class KnownScene:
         stays = [not any(_meet(box, part) for part in parts) for box in self.boxes]
         kept = [o for o, stay in zip(scene.objects, stays, strict=True) if stay]
         boxes = [b for b, stay in zip(self.boxes, stays, strict=True) if stay] + boxes
-        return KnownScene(_joined(scene, kept, found), self.calibration, tuple(boxes))
+        joined = _joined(scene, kept, found)
+        return KnownScene(joined, self.calibration, tuple(boxes), self.fence)
 
     def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
         x0, y0, x1, y1 = part
@@ -129,6 +136,7 @@ class KnownScene:
                 threshold=how.threshold,
                 calibration=_Part(self.calibration, x0, y0, part_blind),
                 bounds=self.scene.bounds,
+                fence=None if self.fence is None else self.fence[y0:y1, x0:x1],
             )
         except PictureError:
             return None

@@ -1,0 +1,282 @@
+"""The floor as several cameras see it: one picture to scale, and which camera shows which part.
+
+Rules and units
+- The plan is a picture of the floor seen straight from above: square pixels of the finest
+  camera's scale, y down, the arena's bounds and a rim of ``MARGIN_PX`` around them. Its own
+  calibration turns its pixels into metres.
+- Every pixel is shown by one camera: the one of those that see it whose error there is least. The
+  error is that of an edge in its pixels, and of what has a height: seen from the side that leans
+  away from the camera, by the height times distance over height of the camera. Between equal
+  cameras the seam is the bisector of their feet; a camera that looks closer keeps its own part.
+- So the pixel over an obstacle's foot shows that obstacle, or one in front of it, and never the
+  floor behind it. An obstacle on the seam is one region of one picture, and its edges are fitted
+  through the points of both cameras: nothing has to be matched, cut or joined afterwards.
+- A pixel that no camera sees is unknown. How far a pixel is unknown is a share, so that the border
+  of what is unknown is straight to a fraction of a pixel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.scene import Bounds
+from vision.calibration.calibration import (
+    Calibration,
+    CalibrationError,
+    FloatArray,
+    nominal_camera_matrix,
+)
+from vision.camera.camera import Image
+
+MARGIN_PX: Final = 12
+"""Around the bounds: the profiles across an edge look so far."""
+RIM_PX: Final = 3.0
+"""So near to its picture's rim a camera sees nothing: lenses and profiles end there."""
+EDGE_PX: Final = 0.1
+"""What an edge in a camera's picture is off by; `python -m benchmarks.outlines` has less."""
+UNEVEN_M: Final = 0.01
+"""Height that things on a floor have at least: chosen, a strip of wood."""
+MOST_PX: Final = 12_000_000
+"""Of a plan; a larger one has larger pixels."""
+SAME_M: Final = 1e-3
+"""A pixel looks at a place where its own way back to the floor ends as near to it as this."""
+DARKEST_FOR_GAIN: Final = 30.0
+LEAST_FOR_GAIN: Final = 200
+"""Pixels that two pictures must have in common, before their light is compared."""
+GAIN_STEP: Final = 5
+"""Every fifth pixel, both ways, is enough for a median."""
+
+Shares: TypeAlias = NDArray[np.float32]
+Owners: TypeAlias = NDArray[np.int8]
+Rectangle: TypeAlias = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FloorPlan:
+    """The floor of an arena under several cameras; `FloorPlan.of` makes it.
+
+    ``calibration`` is the plan's own, ``cameras`` are the cameras' in their order. ``depth_px``
+    (n, h, w): how far inside each camera's picture a pixel lies, in pixels of the plan, below 0
+    outside; ``error_m`` (n, h, w): what the camera is off by there, infinite where it sees
+    nothing. ``maps``: for each camera where the plan's pixels lie in its picture, as
+    ``cv2.remap`` takes them.
+    """
+
+    calibration: Calibration
+    cameras: tuple[Calibration, ...]
+    depth_px: Shares
+    error_m: Shares
+    maps: tuple[tuple[NDArray[np.int16], NDArray[np.uint16]], ...]
+
+    @classmethod
+    def of(cls, cameras: Sequence[Calibration], bounds: Bounds) -> FloorPlan:
+        """The plan of the floor within ``bounds`` (metres) under these cameras.
+
+        Raises ``CalibrationError`` where there is no camera, or where one sees nothing of the
+        bounds. O(pixels x cameras).
+        """
+        if not cameras:
+            raise CalibrationError("a floor plan needs a camera")
+        calibration = _plan_of(bounds, min(one.metres_per_pixel for one in cameras))
+        width, height = calibration.size
+        columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+        floor = calibration.arena_from_image(np.stack([columns, rows], axis=-1).reshape(-1, 2))
+        depth, error, maps = [], [], []
+        for number, camera in enumerate(cameras):
+            one_depth, one_error, one_map = _view(camera, floor, calibration)
+            inner = one_depth[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
+            if not (inner > 0.0).any():
+                raise CalibrationError(
+                    f"camera {number + 1} of {len(cameras)} sees nothing of the arena: its "
+                    "calibration and arena.bounds_m must be of the same floor"
+                )
+            depth.append(one_depth)
+            error.append(one_error)
+            maps.append(one_map)
+        return cls(calibration, tuple(cameras), np.stack(depth), np.stack(error), tuple(maps))
+
+    def owners(self, live: Sequence[bool]) -> Owners:
+        """For each pixel (h, w) which of the live cameras shows it; -1 where none sees it."""
+        error = self.error_m[np.flatnonzero(live)] if any(live) else None
+        if error is None:
+            return np.full(self.depth_px.shape[1:], -1, np.int8)
+        best = np.flatnonzero(live)[error.argmin(axis=0)].astype(np.int8)
+        best[~np.isfinite(error.min(axis=0))] = -1
+        return best
+
+    def unknown(self, live: Sequence[bool]) -> Shares | None:
+        """For each pixel (h, w) the share of it that no live camera sees; None where all is seen.
+
+        Around the bounds it goes on as it is at them: what is not seen beyond them does not count.
+        """
+        rim = MARGIN_PX
+        depth = np.full(self.depth_px.shape[1:], -1.0, np.float32)
+        for index in np.flatnonzero(live):
+            depth = np.maximum(depth, self.depth_px[index])
+        inner = np.clip(0.5 - depth[rim:-rim, rim:-rim], 0.0, 1.0)
+        if not (inner >= 0.5).any():
+            return None
+        return np.asarray(np.pad(inner, rim, mode="edge"), dtype=np.float32)
+
+    def overlap(self, one: int, other: int, inside_px: float = 0.0) -> NDArray[np.bool_]:
+        """The pixels (h, w) that both cameras see, so far inside both their pictures."""
+        a, b = self.depth_px[one], self.depth_px[other]
+        return np.asarray((a > inside_px) & (b > inside_px))
+
+    def seen_by(self, index: int, picture: Image) -> Image:
+        """One camera's grey picture (h, w) laid onto the plan; black where it sees nothing."""
+        return np.asarray(cv2.remap(picture, *self.maps[index], cv2.INTER_LINEAR), dtype=np.uint8)
+
+    def gains(self, pictures: Sequence[Image | None]) -> FloatArray:
+        """What each camera's greys are multiplied by, so that the same floor is equally light.
+
+        ``pictures``: grey, None where there is none. From the pixels that two cameras both see,
+        for all pairs at once (least squares of the logarithms); 1 for cameras without overlap.
+        """
+        there = [i for i, picture in enumerate(pictures) if picture is not None]
+        thin = np.s_[::GAIN_STEP, ::GAIN_STEP]
+        seen = {i: self.seen_by(i, picture)[thin] for i, picture in enumerate(pictures)
+                if picture is not None}  # fmt: skip
+        rows, ratios = [], []
+        for first, a in enumerate(there):
+            for b in there[first + 1 :]:
+                both = self.overlap(a, b)[thin]
+                both &= (seen[a] > DARKEST_FOR_GAIN) & (seen[b] > DARKEST_FOR_GAIN)
+                if np.count_nonzero(both) < LEAST_FOR_GAIN:
+                    continue
+                row = np.zeros(len(pictures))
+                row[a], row[b] = 1.0, -1.0
+                rows.append(row)
+                ratios.append(np.log(np.median(seen[b][both] / seen[a][both].astype(float))))
+        if not rows:
+            return np.ones(len(pictures))
+        return np.asarray(np.exp(np.linalg.lstsq(np.array(rows), np.array(ratios), rcond=None)[0]))
+
+    def picture(
+        self, pictures: Sequence[Image | None], owners: Owners, gains: FloatArray
+    ) -> Image:
+        """The plan's picture (h, w): every pixel from its owner, the others as light as the floor.
+
+        ``pictures``: the cameras' grey pictures; the owners of pixels must have one.
+        """
+        canvas = np.zeros(owners.shape, np.uint8)
+        for index, picture in enumerate(pictures):
+            if picture is not None:
+                self.draw(canvas, index, picture, owners, float(gains[index]))
+        nobody = owners < 0
+        if nobody.any() and not nobody.all():
+            canvas[nobody] = np.uint8(np.median(canvas[~nobody][::97]))
+        return canvas
+
+    def draw(
+        self, canvas: Image, index: int, picture: Image, owners: Owners, gain: float = 1.0
+    ) -> None:
+        """Draw one camera's part into a picture of the plan (h, w), which is changed."""
+        own = (owners == index).view(np.uint8)
+        x, y, w, h = cv2.boundingRect(own)
+        if w == 0:
+            return
+        part = np.s_[y : y + h, x : x + w]
+        whole, fine = self.maps[index]
+        shown = cv2.remap(picture, whole[part], fine[part], cv2.INTER_LINEAR)
+        if gain != 1.0:
+            shown = cv2.convertScaleAbs(shown, alpha=gain)
+        cv2.copyTo(shown, own[part], canvas[part])
+
+    def rectangle(self, index: int, rectangle: Rectangle) -> Rectangle | None:
+        """The plan's rectangle that holds a camera's (x, y, width, height), None: outside it."""
+        x, y, w, h = rectangle
+        along = np.linspace(0.0, 1.0, 9)
+        xs, ys = x - 0.5 + w * along, y - 0.5 + h * along
+        rim = [(u, v) for u in xs for v in (ys[0], ys[-1])]
+        rim += [(u, v) for v in ys for u in (xs[0], xs[-1])]
+        at = self.calibration.image_from_arena(self.cameras[index].arena_from_image(rim))
+        width, height = self.calibration.size
+        low = np.clip(np.floor(at.min(axis=0)), 0, (width, height)).astype(int)
+        high = np.clip(np.ceil(at.max(axis=0)) + 1, 0, (width, height)).astype(int)
+        if not (high > low).all():
+            return None
+        return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
+
+    def is_unknown(self, unknown: Shares, x_m: float, y_m: float, radius_m: float) -> bool:
+        """Whether a disc on the floor touches what is unknown."""
+        ((x, y),) = self.calibration.image_from_arena([(x_m, y_m)]).tolist()
+        radius = radius_m / self.calibration.metres_per_pixel
+        height, width = unknown.shape
+        x0, x1 = max(0, int(x - radius)), min(width, int(x + radius) + 2)
+        y0, y1 = max(0, int(y - radius)), min(height, int(y + radius) + 2)
+        if x0 >= x1 or y0 >= y1:
+            return False
+        rows, columns = np.ogrid[y0:y1, x0:x1]
+        disc = (columns - x) ** 2 + (rows - y) ** 2 <= radius * radius
+        return bool((unknown[y0:y1, x0:x1][disc] >= 0.5).any())
+
+
+def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:
+    """The calibration of a picture of the floor within bounds and the margin."""
+    coarsest = (bounds.width * bounds.height / MOST_PX) ** 0.5
+    s = max(metres_per_pixel, coarsest)
+    width = int(np.ceil(bounds.width / s)) + 2 * MARGIN_PX
+    height = int(np.ceil(bounds.height / s)) + 2 * MARGIN_PX
+    x0 = bounds.x_min - (MARGIN_PX - 0.5) * s
+    y1 = bounds.y_max + (MARGIN_PX - 0.5) * s
+    floor = np.array([[s, 0.0, x0], [0.0, -s, y1], [0.0, 0.0, 1.0]])
+    size = (width, height)
+    return Calibration(size, nominal_camera_matrix(size), np.zeros(5), floor)
+
+
+def _view(
+    camera: Calibration, floor: FloatArray, plan: Calibration
+) -> tuple[Shares, Shares, tuple[NDArray[np.int16], NDArray[np.uint16]]]:
+    """How far inside the camera's picture the floor's points lie, its error there, and the map."""
+    width, height = plan.size
+    shape = (height, width)
+    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have none
+        seen = camera.image_from_arena(floor)
+    right, low = camera.size[0] - 0.5, camera.size[1] - 0.5
+    x, y = seen.T
+    rim = np.minimum(np.minimum(x + 0.5, right - x), np.minimum(y + 0.5, low - y))
+    rim = np.where(np.isfinite(rim), rim, -np.inf)
+    inside = np.flatnonzero(rim > 0.0)
+    back = camera.arena_from_image(seen[inside])
+    away = ~(np.hypot(*(back - floor[inside]).T) < SAME_M)
+    rim[inside[away]] = -np.inf
+    x_grid, y_grid = x.reshape(shape), y.reshape(shape)
+    (xv, xu), (yv, yu) = np.gradient(x_grid), np.gradient(y_grid)
+    with np.errstate(all="ignore"):
+        zoom = np.sqrt(np.abs(xu * yv - xv * yu)).reshape(-1)  # its pixels in one of the plan's
+        depth = (rim - RIM_PX) / zoom
+        pixel_m = plan.metres_per_pixel / zoom
+    depth = np.where(np.isfinite(depth), depth, -1e6)
+    foot, high_m = _place(camera)
+    lean = np.hypot(*(floor - foot).T) / high_m
+    error = np.hypot(EDGE_PX * pixel_m, UNEVEN_M * lean)
+    error = np.where(depth > 0.0, error, np.inf)
+    where = np.nan_to_num(seen, nan=-1e4, posinf=-1e4, neginf=-1e4).clip(-1e4, 3e4)
+    maps = cv2.convertMaps(
+        where[:, 0].reshape(shape).astype(np.float32),
+        where[:, 1].reshape(shape).astype(np.float32),
+        cv2.CV_16SC2,
+    )
+    whole, fine = np.asarray(maps[0], dtype=np.int16), np.asarray(maps[1], dtype=np.uint16)
+    return (
+        depth.reshape(shape).astype(np.float32),
+        error.reshape(shape).astype(np.float32),
+        (whole, fine),
+    )
+
+
+def _place(camera: Calibration) -> tuple[FloatArray, float]:
+    """The point below the camera and its height; where unknown, as if it looked straight down."""
+    center = camera.camera_center_m
+    if center is not None:
+        return np.array(center[:2]), center[2]
+    width, height = camera.size
+    middle = camera.arena_from_image([((width - 1) / 2.0, (height - 1) / 2.0)])[0]
+    return middle, float(camera.metres_per_pixel * max(width, height))
