@@ -67,9 +67,9 @@ def extract(
     or far too much is found, a remark says so (see ``vision.doubts``).
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
     pixels. ``fence`` (h, w) marks pixels that are obstacle whatever they show, by the share of
-    each from 0 to 1: what nobody sees. Raises ``PictureError`` for a picture or an option that cannot be used, and where
-    no pixel is free. Safe to call from several threads. O(pixels) to threshold, then
-    O(border pixels).
+    each from 0 to 1: what nobody sees. Raises ``PictureError`` for a picture or an option that
+    cannot be used, and where no pixel is free. Safe to call from several threads. O(pixels) to
+    threshold, then O(border pixels).
     """
     if mode not in ("exact", "paper"):
         raise PictureError(f"mode {mode!r}: must be exact or paper")

@@ -12,7 +12,7 @@ from typing import Any
 from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS
 from navigation.config.marks import Location
 from navigation.config.sections import SIMULATED, MarkerSection
-from navigation.config.several import fleet_checks
+from navigation.config.several import camera_checks, fleet_checks
 from navigation.config.several.each_robot import robot_of
 from navigation.config.several.fleet_checks import located_in
 from navigation.config.values import Place
@@ -29,7 +29,9 @@ def _bounds_have_an_inside(arena: Any) -> _Found:
         yield ("arena", "bounds_m"), "must be [x_min, y_min, x_max, y_max] with min < max"
 
 
-def _camera_has_a_scale(camera: Any) -> _Found:
+def _camera_has_a_scale(camera: Any, cameras: Any) -> _Found:
+    if cameras:
+        return  # each for itself
     if camera.calibration is not None and camera.metres_per_pixel is not None:
         yield ("camera", "metres_per_pixel"), "must not be given beside a calibration"
     if camera.source != SIMULATED and camera.calibration is None and not camera.metres_per_pixel:
@@ -225,10 +227,14 @@ def _inside(arena: Any, robot: Any, places: list[tuple[Location, Place]]) -> _Fo
                 )
 
 
-def _simulation_is_there(camera: Any, serial: Any, simulation: Any) -> _Found:
+def _simulation_is_there(camera: Any, cameras: Any, serial: Any, simulation: Any) -> _Found:
     if simulation is not None:
         return
-    for where, value in ((("camera", "source"), camera.source), (("serial", "port"), serial.port)):
+    sources: list[tuple[Location, Any]] = []
+    if not cameras or any(one.source is None for one in cameras):
+        sources = [(("camera", "source"), camera.source)]
+    sources += [(("cameras", i, "source"), one.source) for i, one in enumerate(cameras)]
+    for where, value in (*sources, (("serial", "port"), serial.port)):
         if value == SIMULATED:
             yield where, "'simulated' needs a section 'simulation'"
 
@@ -325,7 +331,11 @@ def _strangers_need_a_token(dashboard: Any) -> _Found:
 
 CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("arena",), _bounds_have_an_inside),
-    (("camera",), _camera_has_a_scale),
+    (("camera", "cameras"), _camera_has_a_scale),
+    (("camera", "cameras"), camera_checks.names_and_sources_differ),
+    (("camera", "cameras"), camera_checks.each_has_a_calibration),
+    (("cameras", "robots"), camera_checks.one_robot_is_driven),
+    (("cameras", "simulation"), camera_checks.simulated_cameras_are_known),
     (("vision",), _fixed_has_a_threshold),
     (("robot",), _robot_fits_together),
     (("robot", "serial"), _driver_can_drive_it),
@@ -347,7 +357,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("robots", "robot", "simulation"), fleet_checks.starts_do_not_touch),
     (("arena", "robot", "robots", "planning"), _each_robot_fits),
     (("arena", "robot", "robots", "mission", "simulation"), _places_of_each_lie_inside),
-    (("camera", "serial", "simulation"), _simulation_is_there),
+    (("camera", "cameras", "serial", "simulation"), _simulation_is_there),
     (("simulation",), _simulation_has_one_arena),
     (("other_robots", "simulation"), _simulated_robots_are_known),
     (("simulation",), _happenings_end_after_they_begin),

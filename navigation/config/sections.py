@@ -8,17 +8,17 @@ docs/configuration.md are made from them.
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field, StrictBool
+from pydantic import Field, StrictBool
 
 from navigation.config.dashboard import DashboardSection
+from navigation.config.entries import CameraEntry, RobotEntry, RobotMissionSection
 from navigation.config.known_robots import DriverName
-from navigation.config.robot_entries import RobotEntry, RobotMissionSection
 from navigation.config.simulation import SimulationSection
 from navigation.config.values import (
+    MOST_CAMERAS,
     MOST_FLEET,
     MOST_ROBOTS,
     MOST_STATIONS,
@@ -35,8 +35,10 @@ from navigation.config.values import (
     NotNegative,
     Number,
     Positive,
+    Preference,
     Rate,
     Section,
+    Source,
     Station,
     Text,
 )
@@ -53,35 +55,6 @@ Dictionary: TypeAlias = Literal[
     "DICT_ARUCO_ORIGINAL", "DICT_ARUCO_MIP_36h12",
     "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11",
 ]  # fmt: skip
-
-
-def _source(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        raise ValueError("must be 'simulated', a camera's number, or a device, file or address")
-    if isinstance(value, int) and value < 0:
-        raise ValueError(f"must be a camera's number >= 0, not {value}")
-    if value == "":
-        raise ValueError("must not be empty")
-    return value
-
-
-def _preference(value: Any) -> Any:
-    words = ("clearance", "length", "balanced")
-    if value in words and isinstance(value, str):
-        return value
-    if isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= 1:
-        return float(value)
-    near = difflib.get_close_matches(str(value), words, n=1)
-    hint = f"; did you mean '{near[0]}'?" if near else ""
-    raise ValueError(
-        f"must be 'clearance', 'length', 'balanced' or a number in 0..1, not {value!r}{hint}"
-    )
-
-
-Source = Annotated[int | str, BeforeValidator(_source)]
-Preference = Annotated[
-    float | Literal["clearance", "length", "balanced"], BeforeValidator(_preference)
-]
 
 
 class CameraSection(Section):
@@ -287,6 +260,11 @@ class SafetySection(Section):
     odometry_slack_m: Positive = Field(
         default=0.015, description="how far camera and wheels may differ in any case"
     )
+    cameras_apart_m: Positive = Field(
+        default=0.02,
+        description="hold when two cameras see the same outlines farther apart than this, and stop "
+        "when they see the robot's marker so: their calibrations are not of one floor",
+    )
     give_up_s: Positive = Field(
         default=30.0,
         description="the mission fails when the robot had to wait for longer without progress",
@@ -360,6 +338,12 @@ class Config(Section):
 
     arena: ArenaSection = Field(description="the free space")
     camera: CameraSection = Field(description="the camera above it")
+    cameras: tuple[CameraEntry, ...] = Field(
+        default=(),
+        max_length=MOST_CAMERAS,
+        description="several cameras that see one arena together: for each its name and what "
+        "differs from `camera`",
+    )
     vision: VisionSection = Field(default=VisionSection(), description="seeing obstacles")
     robot: RobotSection = Field(description="the robot that is driven")
     robots: tuple[RobotEntry, ...] = Field(

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictBool, ValidationInfo, field_validator
 
 from navigation.config.values import (
+    MOST_CAMERAS,
     MOST_FLEET,
     MOST_HAPPENINGS,
     MOST_ROBOTS,
@@ -102,6 +103,31 @@ class SimulatedCameraSection(Section):
         return terms
 
 
+class SimulatedCameraEntry(Section):
+    """Where one of several simulated cameras is; what is empty is as in ``simulation.camera``."""
+
+    name: Name = Field(description="which of cameras it is")
+    position_m: tuple[Metres, Metres, Length] | None = Field(
+        default=None, description="[x, y, height] of the lens"
+    )
+    tilt_deg: tuple[Degrees, Degrees] | None = Field(
+        default=None, description="leaning from straight down: [about x, about y]"
+    )
+    turn_deg: Degrees | None = Field(default=None, description="turned about its own axis")
+    focal_px: Annotated[Positive, Field(ge=1)] | None = Field(
+        default=None, description="focal length"
+    )
+    distortion: tuple[Number, Number, Number, Number, Number] | None = Field(
+        default=None, description="OpenCV's [k1, k2, p1, p2, k3]"
+    )
+    light_fall: Fraction | None = Field(
+        default=None, description="how much darker the darkest corner's light is"
+    )
+    latency_s: Annotated[NotNegative, Field(le=10)] | None = Field(
+        default=None, description="from the exposure to the program"
+    )
+
+
 class SimulatedRobotSection(Section):
     """How the simulated robot differs from the ideal one."""
 
@@ -188,6 +214,11 @@ class SimulationSection(Section):
     time_limit_s: Positive = Field(default=120.0, description="the run fails when it takes longer")
     camera: SimulatedCameraSection = Field(
         default=SimulatedCameraSection(), description="the simulated camera"
+    )
+    cameras: tuple[SimulatedCameraEntry, ...] = Field(
+        default=(),
+        max_length=MOST_CAMERAS,
+        description="with several cameras: what differs from `simulation.camera`, by name",
     )
     robot: SimulatedRobotSection = Field(
         default=SimulatedRobotSection(), description="the simulated robot's errors"

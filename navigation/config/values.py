@@ -6,6 +6,7 @@ below what fills a machine's memory; where a key needs tighter ones, its section
 
 from __future__ import annotations
 
+import difflib
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -21,6 +22,8 @@ MOST_ROBOTS = 100
 MOST_FLEET = 20
 """Robots that are driven together: more than a camera can tell apart in an arena for which the
 fleet's planner was measured."""
+MOST_CAMERAS = 8
+"""Above one arena: their pictures are looked at one after another."""
 MOST_HAPPENINGS = 1000
 """Obstacles that come and go, and places of a scripted track."""
 LARGEST = 1e6
@@ -81,12 +84,42 @@ Kelvin = Annotated[
     Annotated[float, Field(ge=1000, le=20_000)] | Literal["auto"], _auto_or(1000.0, 20_000.0)
 ]
 """A colour temperature, from candlelight to a blue sky."""
+
+
+def _source(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise ValueError("must be 'simulated', a camera's number, or a device, file or address")
+    if isinstance(value, int) and value < 0:
+        raise ValueError(f"must be a camera's number >= 0, not {value}")
+    if value == "":
+        raise ValueError("must not be empty")
+    return value
+
+
+def _preference(value: Any) -> Any:
+    words = ("clearance", "length", "balanced")
+    if value in words and isinstance(value, str):
+        return value
+    if isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= 1:
+        return float(value)
+    near = difflib.get_close_matches(str(value), words, n=1)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    raise ValueError(
+        f"must be 'clearance', 'length', 'balanced' or a number in 0..1, not {value!r}{hint}"
+    )
+
+
+Source = Annotated[int | str, BeforeValidator(_source)]
+Preference = Annotated[
+    float | Literal["clearance", "length", "balanced"], BeforeValidator(_preference)
+]
+
 Count = Annotated[int, Field(strict=True, ge=0, le=0xFFFFFFFF)]
 Text = Annotated[str, Field(strict=True, min_length=1)]
 Name = Annotated[
     str, Field(strict=True, min_length=1, max_length=32, pattern=r"^[A-Za-z][A-Za-z0-9_-]*$")
 ]
-"""A robot's name: a letter, then letters, digits, _ and -."""
+"""A robot's or camera's name: a letter, then letters, digits, _ and -."""
 
 
 def _beside_the_file(path: Path, info: ValidationInfo) -> Path:

@@ -22,12 +22,13 @@ from typing import TYPE_CHECKING, Any, Final
 from navigation.config import Config
 from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop import reports
 from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
+from navigation.loop.eye import Glimpse
 from navigation.loop.other_robots import OtherRobots
-from navigation.loop.parts import Surroundings
+from navigation.loop.parts import Surroundings, camera_part
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.planning import ArenaPlanner
-from navigation.loop.reports import camera_reason, describe, robot_report, to_go_m
 from navigation.loop.robot_orders import RobotOrders
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.stages import pilot_settings, plan_settings, witness_limits
@@ -80,7 +81,10 @@ class Daemon:
         self.camera = world.make_frames()
         self._robot = RobotOrders(self.link, config)
         self.witness = Witness(witness_limits(config))
-        self._vision = VisionStage(config, world.calibration, self.witness, self._clock)
+        self._vision = VisionStage(
+            config, world.calibration, self.witness, self._clock, (),
+            world.floor_plan, self.camera.status,
+        )  # fmt: skip
         planner = self._arena_planner = ArenaPlanner(plan_settings(config))
         self._news = PlannerNews[PlanAnswer](planner, self._clock, self.camera.wake, recorder)
         self._planner = world.make_planner(
@@ -91,7 +95,7 @@ class Daemon:
                 "vision": Part(self._vision.failure, self._vision.restart),
                 "planner": Part(self._planner.failure, self._restart_planner),
                 "serial link": Part(self.link.failure, self.link.restart),
-                "camera's thread": Part(self._camera_failure, self._restart_camera),
+                "camera's thread": camera_part(self.camera),
             }
         )
         self._lock = threading.Lock()
@@ -104,12 +108,11 @@ class Daemon:
         self.state: DaemonState | None = None
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
         self._frame: Frame | None = None
-        self._doubles: tuple[str, ...] = ()
+        self._glimpse = Glimpse(-math.inf, {}, None, None)
         self._pose_arrived_s = -math.inf
         self._reopened = 0
         self._forget_latency = False
         self._evidence = NO_EVIDENCE
-        self._poses: Mapping[int, RobotPose] = {}
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self.reanchor: Callable[[], list[str]] | None = None
         self.started_s = self._clock()
@@ -164,13 +167,6 @@ class Daemon:
         if self.scene is not None:
             self._planner.see(self.scene, self._revision, None)
 
-    def _camera_failure(self) -> str | None:
-        return self.camera.status().reason if self.camera.has_died() else None
-
-    def _restart_camera(self) -> None:
-        self.camera.stop()
-        self.camera.start()
-
     def look_after(self, name: str, part: Part, turns: Callable[[], int]) -> None:
         """Watch one more stage like those of the daemon: its failures, and whether it turns."""
         self._supervisor.add(name, part)
@@ -224,11 +220,10 @@ class Daemon:
 
         Any thread may ask; the answer is the plan that `give` would lead to in this scene.
         """
-        pose = self.pose
+        pose, revision = self.pose, self._news.known_revision
         if pose is None:
             return PlanAnswer(0, 0, NoPath("the robot was not seen yet"))
-        start = (pose.x, pose.y, pose.heading_rad)
-        request = PlanRequest(0, start, stations, self._news.known_revision)
+        request = PlanRequest(0, (pose.x, pose.y, pose.heading_rad), stations, revision)
         return self._arena_planner.answer(request, preview=True)
 
     def describe(self) -> dict[str, Any]:
@@ -236,10 +231,10 @@ class Daemon:
         with self._lock:
             mission, pose = self.pilot.mission, self.pose
         snapshot = self.link.snapshot()
-        return describe(
+        return reports.describe(
             mission,
             None if pose is None else (pose, self._clock() - pose.captured_s),
-            to_go_m(pose, self.pilot.plan.targets, snapshot.executed),
+            reports.to_go_m(pose, self.pilot.plan.targets, snapshot.executed),
             snapshot,
             self.camera.status(),
             self._evidence.latency_s,
@@ -274,7 +269,7 @@ class Daemon:
         with self._lock:
             for check in checks:
                 self.pilot.new_scene(check.path_clearance_m)
-            orders = self.pilot.step(now_s, sight, robot_report(snapshot), answer)
+            orders = self.pilot.step(now_s, sight, reports.robot_report(snapshot), answer)
         self._write_journal(orders)
         self._carry_out(orders, now_s, sight)
         self.state = self._state(now_s, sight, snapshot)
@@ -289,7 +284,7 @@ class Daemon:
         """The wheels' side of the story, and whether the camera is another one than before."""
         if snapshot.status is not None:
             self.witness.report(snapshot.status, now_s - snapshot.status_age_s)
-        reopened = self.camera.status().reopened
+        reopened = reports.camera_openings(self.camera.status())
         if reopened != self._reopened or self._forget_latency:
             self._reopened, self._forget_latency = reopened, False
             self.witness.forget_latency()
@@ -304,8 +299,8 @@ class Daemon:
             return
         frame, glimpse = seen
         self.processed += 1
-        self._frame, self._poses = frame, glimpse.poses
-        self._doubles = tuple(glimpse.doubles.values())
+        self._frame, self._glimpse = frame, glimpse
+        self.troubles |= glimpse.troubles
         self.others.see(glimpse.poses)
         self.troubles |= self._scene_doubt.look(glimpse)
         if glimpse.scene is not None:
@@ -332,7 +327,8 @@ class Daemon:
     def _sight(self, now_s: float, failed: str | None) -> Sight:
         pose = self.pose
         place = None if pose is None else self.witness.carried(pose, now_s)
-        clearance = None if place is None else self._arena_planner.clearance_m(place[:2])
+        known = None if self._glimpse.hold else place  # in the unknown nothing can be measured
+        clearance = None if known is None else self._arena_planner.clearance_m(known[:2])
         return Sight(
             frame_age_s=now_s - self._frame_s,
             pose_age_s=now_s - self._pose_arrived_s,
@@ -340,11 +336,11 @@ class Daemon:
             scene_revision=self._news.known_revision,
             clearance_m=clearance,
             failed=failed,
-            camera_reason=camera_reason(self.camera.status()),
+            camera_reason=reports.camera_reason(self.camera.status()),
             others=self.others.movers(now_s),
-            doubles=self._doubles,
+            doubles=tuple(self._glimpse.doubles.values()),
             evidence=self._evidence,
-            scene_doubt=self._scene_doubt.hold,
+            scene_doubt=self._glimpse.hold or self._scene_doubt.hold,
         )
 
     def _write_journal(self, orders: Orders) -> None:
@@ -381,11 +377,11 @@ class Daemon:
             sentence=mission.reason,
             pose=self.pose,
             link=snapshot,
-            to_go_m=to_go_m(self.pose, self.pilot.plan.targets, snapshot.executed),
+            to_go_m=reports.to_go_m(self.pose, self.pilot.plan.targets, snapshot.executed),
             clearance_m=sight.clearance_m,
             verdict=self.pilot.verdict,
             frame=self._frame,
-            poses=self._poses,
+            poses=self._glimpse.poses,
             roadmap=self._arena_planner.roadmap,
             path=self.pilot.plan.path,
             times=StageTimes(self._vision.look_s, self._news.roadmap_s, self._news.plan_s),

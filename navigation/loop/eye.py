@@ -7,9 +7,9 @@ when something did. Units: metres and radians in the arena, seconds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import TypeAlias, TypedDict
 
 import numpy as np
 
@@ -65,6 +65,12 @@ class Glimpse:
     """By marker id: a sentence where a driven robot's marker is seen twice."""
     place: PlaceReport | None = None
     """Whether the camera is where it was; None where nobody watches that."""
+    picture: Frame | None = None
+    """What people are shown, where it is not the frame itself."""
+    hold: str | None = None
+    """Why no robot may drive by what is seen now."""
+    troubles: Mapping[str, str] = field(default_factory=dict)
+    """By subject: what people must know; empty once it is over."""
 
 
 class Eye:
@@ -121,14 +127,7 @@ class Eye:
         )
 
     def _doubles(self) -> dict[int, str]:
-        """Driven robots' markers in two places: nobody knows which of them it is."""
-        found = {}
-        for driven_id in self.settings.driven_ids:
-            places = self._tracker.doubles.get(driven_id, ())
-            if len(places) > 1:
-                where = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y, _ in places)
-                found[driven_id] = f"the robot's marker {driven_id} is seen at {where} at once"
-        return found
+        return doubles_of(self._tracker, self.settings.driven_ids)
 
     def _body_discs(self, poses: Poses) -> FloatArray:
         """The pixels of every robot's body, where it was seen last."""
@@ -154,10 +153,34 @@ class Eye:
                 return known
         scene = vision.extract(
             background,
-            polarity=self.settings.polarity,
-            method=self.settings.method,
-            threshold=self.settings.threshold,
+            **extract_settings(self.settings),
             calibration=self.calibration,
             bounds=self.settings.bounds_m,
         )
         return KnownScene.of(scene, self.calibration)
+
+
+class ExtractSettings(TypedDict):
+    """Of the settings what says how obstacles are told from the floor."""
+
+    polarity: Polarity
+    method: Method
+    threshold: float | None
+
+
+def extract_settings(settings: EyeSettings) -> ExtractSettings:
+    """As ``vision.extract`` takes them."""
+    return ExtractSettings(
+        polarity=settings.polarity, method=settings.method, threshold=settings.threshold
+    )
+
+
+def doubles_of(tracker: MarkerTracker, driven_ids: Sequence[int]) -> dict[int, str]:
+    """Driven robots' markers in two places: nobody knows which of them it is."""
+    found = {}
+    for driven_id in driven_ids:
+        places = tracker.doubles.get(driven_id, ())
+        if len(places) > 1:
+            where = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y, _ in places)
+            found[driven_id] = f"the robot's marker {driven_id} is seen at {where} at once"
+    return found

@@ -17,10 +17,12 @@ from navigation.config import Config
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.shared.supervisor import Part
 from planner.scene import FloatArray, Scene
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.latest_frame import CameraStatus
+from vision.joined.floor_plan import FloorPlan
 
 if TYPE_CHECKING:
     from navigation.simulator.truth import Truth
@@ -56,6 +58,16 @@ class Frames(Protocol):
     def status(self) -> CameraStatus:
         """What the camera is doing now."""
         ...
+
+
+def camera_part(frames: Frames) -> Part:
+    """The camera's thread as the supervisor looks after it."""
+
+    def restart() -> None:
+        frames.stop()
+        frames.start()
+
+    return Part(lambda: frames.status().reason if frames.has_died() else None, restart)
 
 
 class Link(Protocol):
@@ -160,7 +172,12 @@ class Surroundings(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """Where pixels lie on the floor."""
+        """Where pixels lie on the floor, of the picture that people are shown."""
+        ...
+
+    @property
+    def floor_plan(self) -> FloorPlan | None:
+        """The floor under several cameras; None where there is one."""
         ...
 
     def clock(self) -> float:

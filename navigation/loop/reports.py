@@ -39,6 +39,12 @@ def camera_reason(camera: CameraStatus) -> str:
     return "" if camera.state == "stalled" else camera.reason
 
 
+def camera_openings(camera: CameraStatus) -> int:
+    """Another number where a camera that gives pictures was opened again, or one came or went."""
+    running = [one for _, one in camera.each if one.state == "running"]
+    return camera.reopened if not camera.each else sum(1 + one.reopened for one in running)
+
+
 def to_go_m(pose: RobotPose | None, targets: Sequence[Target], executed: int) -> float | None:
     """How far it still is through the targets that are not executed; None where that is unknown."""
     if pose is None or not targets:

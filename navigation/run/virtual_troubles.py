@@ -5,7 +5,8 @@ Metres, radians.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import defaultdict
+from dataclasses import dataclass, field
 
 from navigation.run.troubled_camera import CameraTroubles
 
@@ -22,3 +23,7 @@ class Troubles(CameraTroubles):
     """Somebody takes the robot and puts it there, once."""
     stuck: bool = False
     """The wheels turn and the robot stays where it is."""
+    cameras: defaultdict[str, CameraTroubles] = field(
+        default_factory=lambda: defaultdict(CameraTroubles)
+    )
+    """Of several cameras, by name; what the picture shows of the robot is the same in all."""

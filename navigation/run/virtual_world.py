@@ -11,12 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from firmware_protocol.wire.messages import ResetCause
 from navigation.config import Config
+from navigation.config.several.each_camera import each_camera
 from navigation.loop.planning import Answering, ArenaPlanner, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.troubled_camera import (
@@ -27,7 +29,7 @@ from navigation.run.troubled_camera import (
 )
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_troubles import Troubles
-from navigation.run.world import calibration_of, camera_over, others_of
+from navigation.run.world import calibration_of, camera_over, floor_plan_of, others_of
 from navigation.shared.supervisor import in_words
 from navigation.simulator.arena import load_arena
 from navigation.simulator.drive_model import TruePose
@@ -44,9 +46,11 @@ from navigation.simulator.virtual_robot import VirtualRobot
 from planner.scene import FloatArray, Scene
 from vision.camera.camera import Camera, CameraError, Frame
 from vision.camera.latest_frame import CameraStatus, LatestFrame, WatchLimits
+from vision.camera.several_frames import SeveralFrames
 
 WATCH_EVERY_S = 0.005
 """How long a read of the camera may keep the control loop waiting."""
+VIRTUAL_LIMITS = WatchLimits(read_timeout_s=WATCH_EVERY_S)
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +97,11 @@ class VirtualWorld:
         self.config = config
         self.times = times or VirtualTimes()
         self.troubles = Troubles()
-        self._memory = Memory(np.random.default_rng(config.simulation.seed))
+        self._cameras = each_camera(config)
+        self._memories = {
+            name: Memory(np.random.default_rng(config.simulation.seed + i))
+            for i, name in enumerate(self._cameras or [None])
+        }
         self.loop = VirtualLoop(
             seed=config.simulation.seed,
             faults=faults_of(config),
@@ -105,7 +113,9 @@ class VirtualWorld:
         self.loop.knobs.camera = self.loop.knobs.lease = False
         self._arenas = arenas_over_time(config, load_arena(config))
         self._tracks = tracks_of(config)
-        self.calibration = calibration_of(config)
+        self.floor_plan = floor_plan_of(config)
+        plan = self.floor_plan
+        self.calibration = calibration_of(config) if plan is None else plan.calibration
         self.robot = VirtualRobot(self.loop)
         self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
         self.port = "virtual"
@@ -155,8 +165,10 @@ class VirtualWorld:
     # The parts.
 
     def make_frames(self) -> VirtualFrames:
-        """The camera."""
-        return VirtualFrames(self)
+        """The camera, or several as one."""
+        openers = {name: partial(self.open_camera, name) for name in self._cameras}
+        several = SeveralFrames(openers, self.clock, VIRTUAL_LIMITS) if openers else None
+        return VirtualFrames(self, several)
 
     def make_link(self) -> VirtualLink:
         """The link to the robot."""
@@ -171,12 +183,14 @@ class VirtualWorld:
         """The planner."""
         return VirtualPlanner(self, arena_planner, on_scene, on_answer)
 
-    def open_camera(self) -> Camera:
-        """A new camera over what the arena is by now."""
-        if self.troubles.camera_lost:
+    def open_camera(self, name: str | None = None) -> Camera:
+        """A new camera over what the arena is by now; ``name`` is one of several."""
+        config = self.config if name is None else self._cameras[name]
+        troubles = self.troubles if name is None else self.troubles.cameras[name]
+        if troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")
         camera = camera_over(
-            self.config,
+            config,
             self._arenas,
             self._tracks,
             lambda: seen_pose(self.robot.pose(), self.troubles),
@@ -185,7 +199,7 @@ class VirtualWorld:
             self.wait,
             doubles=[lambda: self.troubles.double_at or NOWHERE],
         )
-        return TroubledCamera(camera, self.troubles, self._memory, self.clock, self.wait)
+        return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 
     def start(self) -> None:
         """What happens in the arena counts from the first start."""
@@ -197,12 +211,11 @@ class VirtualWorld:
 
 
 class VirtualFrames:
-    """`LatestFrame` without its thread: its loop turns while the control loop waits."""
+    """`LatestFrame` without its thread, or several: its loop turns while the control loop waits."""
 
-    def __init__(self, world: VirtualTime) -> None:
-        limits = WatchLimits(read_timeout_s=WATCH_EVERY_S)
+    def __init__(self, world: VirtualTime, several: SeveralFrames | None = None) -> None:
         self._world = world
-        self._latest = LatestFrame(world.open_camera, world.clock, limits)
+        self._latest = several or LatestFrame(world.open_camera, world.clock, VIRTUAL_LIMITS)
         self._woken = False
         self.turns = 0
 

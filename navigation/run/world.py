@@ -10,7 +10,9 @@ import math
 import random
 import shlex
 import time
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED, RobotSection
 from navigation.config.simulation import SimulatedKnockSection
+from navigation.config.several.each_camera import each_camera
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
@@ -39,11 +42,14 @@ from navigation.simulator.settings import (
 from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from navigation.simulator.truth import Truth
 from navigation.simulator.twins.twin_robot import TwinRobot
+from planner.scene import Bounds
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import Camera, CameraError
 from vision.camera.latest_frame import LatestFrame
+from vision.camera.several_frames import SeveralFrames
 from vision.camera.sources import KnownCamera, camera_for
+from vision.joined.floor_plan import FloorPlan
 
 Clock = Callable[[], float]
 
@@ -62,7 +68,9 @@ class World:
         self._clock = clock
         self.truth: Truth | None = None
         simulated_port = config.serial.port == SIMULATED
-        simulated_camera = config.camera.source == SIMULATED
+        self._cameras = each_camera(config)
+        sources = [one.camera.source for one in (self._cameras or {"": config}).values()]
+        simulated_camera = SIMULATED in sources
         self._robot: SimulatedRobot | EmulatedRobot | TwinRobot | None = None
         self.arenas: list[tuple[float, SimulatedArena]] = []
         self.tracks = tracks_of(config)
@@ -72,11 +80,13 @@ class World:
             self._robot = self._make_robot()
             self.truth = Truth(self.arenas, self._robot, others_of(config, self.tracks))
         self._shared = _shared_pose(config) if self._robot is None and simulated_camera else None
-        self._known_camera = KnownCamera()
+        self._known_cameras: defaultdict[str | None, KnownCamera] = defaultdict(KnownCamera)
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
         self._driver = driver_of(config, self.port)
-        self.calibration = calibration_of(config)
+        self.floor_plan = floor_plan_of(config)
+        plan = self.floor_plan
+        self.calibration = calibration_of(config) if plan is None else plan.calibration
 
     def _make_robot(self) -> SimulatedRobot | EmulatedRobot | TwinRobot:
         simulation = self.config.simulation
@@ -111,9 +121,12 @@ class World:
         """Let time pass: the real world's, where the virtual one's clock is set on."""
         time.sleep(seconds)  # what `wait` is for
 
-    def make_frames(self) -> LatestFrame:
-        """The camera in a thread of its own."""
-        return LatestFrame(self.open_camera, self._clock)
+    def make_frames(self) -> LatestFrame | SeveralFrames:
+        """The camera in a thread of its own, or each of several."""
+        if not self._cameras:
+            return LatestFrame(self.open_camera, self._clock)
+        openers = {name: partial(self.open_camera, name) for name in self._cameras}
+        return SeveralFrames(openers, self._clock)
 
     def make_link(self) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
@@ -131,12 +144,13 @@ class World:
         """The planner in a thread of its own."""
         return PlannerThread(arena_planner, on_scene, on_answer)
 
-    def open_camera(self) -> Camera:
-        """A new camera, closed; the same source each time."""
-        camera = self.config.camera
+    def open_camera(self, name: str | None = None) -> Camera:
+        """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
+        config = self.config if name is None else self._cameras[name]
+        camera = config.camera
         if camera.source == SIMULATED:
             return camera_over(
-                self.config, self.arenas, self.tracks, self.pose_now, self._clock, self._began_s
+                config, self.arenas, self.tracks, self.pose_now, self._clock, self._began_s
             )
         return camera_for(
             camera.source,
@@ -145,7 +159,7 @@ class World:
             size=camera.size_px,
             loop=camera.loop,
             device=device_settings(camera),
-            known=self._known_camera,
+            known=self._known_cameras[name],
         )
 
     def pose_now(self) -> tuple[float, float, float]:
@@ -258,3 +272,15 @@ def calibration_of(config: Config) -> Calibration:
     if camera.metres_per_pixel is not None:
         return Calibration.from_scale(camera.metres_per_pixel, camera.size_px)
     return pinhole_of(config).calibration()
+
+
+def floor_plan_of(config: Config) -> FloorPlan | None:
+    """The floor under the configuration's several cameras; None where there is one.
+
+    Raises ``CalibrationError`` with the camera's name where one sees nothing of the arena.
+    """
+    cameras = each_camera(config)
+    if not cameras:
+        return None
+    calibrations = [calibration_of(one) for one in cameras.values()]
+    return FloorPlan.of(calibrations, Bounds(*config.arena.bounds_m), tuple(cameras))

@@ -93,6 +93,4 @@ def with_fence(binary: Binary, fence: NDArray[np.float32]) -> Binary:
     grey[met] = np.rint(mixed).astype(grey.dtype) if grey.dtype == np.uint8 else mixed
     mask = binary.mask.copy()
     mask[1:-1, 1 : grey.shape[1] + 1] |= (fence >= 0.5).view(np.uint8)
-    return replace(
-        binary, mask=mask, grey=grey, level=level, contrast=contrast, by_level=False
-    )
+    return replace(binary, mask=mask, grey=grey, level=level, contrast=contrast, by_level=False)

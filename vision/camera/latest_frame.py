@@ -34,7 +34,6 @@ CameraState: TypeAlias = Literal[
     "closed", "starting", "running", "stalled", "frozen", "lost", "ended"
 ]
 
-
 MOST_LEFT_BEHIND: Final = 3
 """Threads that may hang at a time; with so many, the next one that hangs is waited for."""
 
@@ -65,7 +64,7 @@ class CameraStatus:
     """What a camera is doing: ``reason`` is a plain sentence, empty while all is well.
 
     ``age_s`` is the age of the newest frame, None before the first; ``reopened`` counts
-    how often the source was opened again.
+    how often the source was opened again. ``each``: of several cameras, by name.
     """
 
     state: CameraState
@@ -75,6 +74,7 @@ class CameraStatus:
     dropped: int
     reopened: int
     age_s: float | None
+    each: tuple[tuple[str, CameraStatus], ...] = ()
 
 
 class LatestFrame:
@@ -83,7 +83,7 @@ class LatestFrame:
     ``open_camera`` makes a new, closed camera each time one is needed: a read that hangs
     inside a driver cannot be stopped, so its camera is left behind and another is made.
     Use as a context manager, or ``start()`` and ``stop()``; without a thread ``step()`` does
-    one turn of its loop (tests, programs with a loop of their own).
+    one turn of its loop. ``news`` may be shared: it is notified of every new frame.
     """
 
     def __init__(
@@ -91,11 +91,12 @@ class LatestFrame:
         open_camera: Callable[[], Camera],
         clock: Clock,
         limits: WatchLimits | None = None,
+        news: threading.Condition | None = None,
     ) -> None:
         self._open_camera = open_camera
         self._clock = clock
         self._limits = limits or WatchLimits()
-        self._news = threading.Condition()
+        self._news = news or threading.Condition()
         self._stopping = threading.Event()
         self._generation = 0
         self._frame: Frame | None = None

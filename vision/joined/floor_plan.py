@@ -58,6 +58,23 @@ Rectangle: TypeAlias = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """What one camera shows: the pixels within ``box`` (x, y, width, height) where ``mask`` is."""
+
+    box: Rectangle
+    mask: NDArray[np.uint8]
+
+    @classmethod
+    def of(cls, owners: Owners, index: int) -> Part | None:
+        """The part of one camera; None where it shows nothing."""
+        own = (owners == index).view(np.uint8)
+        x, y, width, height = cv2.boundingRect(own)
+        if width == 0:
+            return None
+        return cls((x, y, width, height), own[y : y + height, x : x + width].copy())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class FloorPlan:
     """The floor of an arena under several cameras; `FloorPlan.of` makes it.
 
@@ -75,8 +92,12 @@ class FloorPlan:
     maps: tuple[tuple[NDArray[np.int16], NDArray[np.uint16]], ...]
 
     @classmethod
-    def of(cls, cameras: Sequence[Calibration], bounds: Bounds) -> FloorPlan:
+    def of(
+        cls, cameras: Sequence[Calibration], bounds: Bounds, names: Sequence[str] = ()
+    ) -> FloorPlan:
         """The plan of the floor within ``bounds`` (metres) under these cameras.
+
+        ``names`` are theirs in what is said.
 
         Raises ``CalibrationError`` where there is no camera, or where one sees nothing of the
         bounds. O(pixels x cameras).
@@ -92,9 +113,10 @@ class FloorPlan:
             one_depth, one_error, one_map = _view(camera, floor, calibration)
             inner = one_depth[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
             if not (inner > 0.0).any():
+                name = names[number] if names else f"{number + 1} of {len(cameras)}"
                 raise CalibrationError(
-                    f"camera {number + 1} of {len(cameras)} sees nothing of the arena: its "
-                    "calibration and arena.bounds_m must be of the same floor"
+                    f"camera {name} sees nothing of the arena: its calibration and the arena's "
+                    "bounds must be of one floor"
                 )
             depth.append(one_depth)
             error.append(one_error)
@@ -106,7 +128,7 @@ class FloorPlan:
         error = self.error_m[np.flatnonzero(live)] if any(live) else None
         if error is None:
             return np.full(self.depth_px.shape[1:], -1, np.int8)
-        best = np.flatnonzero(live)[error.argmin(axis=0)].astype(np.int8)
+        best: Owners = np.flatnonzero(live)[error.argmin(axis=0)].astype(np.int8)
         best[~np.isfinite(error.min(axis=0))] = -1
         return best
 
@@ -158,36 +180,32 @@ class FloorPlan:
             return np.ones(len(pictures))
         return np.asarray(np.exp(np.linalg.lstsq(np.array(rows), np.array(ratios), rcond=None)[0]))
 
-    def picture(
-        self, pictures: Sequence[Image | None], owners: Owners, gains: FloatArray
-    ) -> Image:
+    def picture(self, pictures: Sequence[Image | None], owners: Owners, gains: FloatArray) -> Image:
         """The plan's picture (h, w): every pixel from its owner, the others as light as the floor.
 
         ``pictures``: the cameras' grey pictures; the owners of pixels must have one.
         """
         canvas = np.zeros(owners.shape, np.uint8)
         for index, picture in enumerate(pictures):
-            if picture is not None:
-                self.draw(canvas, index, picture, owners, float(gains[index]))
+            part = None if picture is None else Part.of(owners, index)
+            if picture is not None and part is not None:
+                self.draw(canvas, index, picture, part, float(gains[index]))
         nobody = owners < 0
         if nobody.any() and not nobody.all():
             canvas[nobody] = np.uint8(np.median(canvas[~nobody][::97]))
         return canvas
 
     def draw(
-        self, canvas: Image, index: int, picture: Image, owners: Owners, gain: float = 1.0
+        self, canvas: Image, index: int, picture: Image, part: Part, gain: float = 1.0
     ) -> None:
         """Draw one camera's part into a picture of the plan (h, w), which is changed."""
-        own = (owners == index).view(np.uint8)
-        x, y, w, h = cv2.boundingRect(own)
-        if w == 0:
-            return
-        part = np.s_[y : y + h, x : x + w]
+        x, y, width, height = part.box
+        box = np.s_[y : y + height, x : x + width]
         whole, fine = self.maps[index]
-        shown = cv2.remap(picture, whole[part], fine[part], cv2.INTER_LINEAR)
+        shown = cv2.remap(picture, whole[box], fine[box], cv2.INTER_LINEAR)
         if gain != 1.0:
             shown = cv2.convertScaleAbs(shown, alpha=gain)
-        cv2.copyTo(shown, own[part], canvas[part])
+        cv2.copyTo(shown, part.mask, canvas[box])
 
     def rectangle(self, index: int, rectangle: Rectangle) -> Rectangle | None:
         """The plan's rectangle that holds a camera's (x, y, width, height), None: outside it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from navigation.config.robot_entries import RobotEntry
+from navigation.config.entries import RobotEntry
 from navigation.config.sections import Config, RobotSection, SerialSection
 
 _OF_SERIAL = ("port", "baud")

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Any
 
+from navigation.config.entries import RobotEntry
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.marks import Location
-from navigation.config.robot_entries import RobotEntry
 from navigation.config.several.each_robot import robot_of, serial_of
 from navigation.config.values import Place
 

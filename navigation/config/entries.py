@@ -1,8 +1,8 @@
-"""Entries of a configuration's lists of robots: which are driven, and where each goes."""
+"""Entries of a configuration's lists: robots, where each of them goes, and cameras."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -10,11 +10,16 @@ from navigation.config.values import (
     MOST_STATIONS,
     Count,
     Degrees,
+    DriverUnits,
+    ExposureTime,
+    Kelvin,
     Length,
     Name,
+    NeighbourFile,
     NotNegative,
     Rate,
     Section,
+    Source,
     Station,
     Text,
 )
@@ -47,4 +52,32 @@ class RobotMissionSection(Section):
     name: Name = Field(description="which of robots it is")
     stations: tuple[Station, ...] = Field(
         default=(), max_length=MOST_STATIONS, description="places to visit; the last is the goal"
+    )
+
+
+class CameraEntry(Section):
+    """One of several cameras over one arena; what is empty is as in ``camera``."""
+
+    name: Name = Field(description="what messages call it: letters, digits, _ and -")
+    source: Source | None = Field(default=None, description="where its pictures come from")
+    calibration: NeighbourFile | None = Field(
+        default=None, description="its own file, of the same floor as the others'"
+    )
+    size_px: (
+        tuple[
+            Annotated[int, Field(strict=True, ge=16, le=32768)],
+            Annotated[int, Field(strict=True, ge=16, le=32768)],
+        ]
+        | None
+    ) = Field(default=None, description="[width, height] asked of it")
+    rate_hz: Rate | None = Field(default=None, description="frames a second asked of it")
+    format: Literal["auto", "mjpg", "yuyv", "grey"] | None = Field(
+        default=None, description="pixel format asked of it"
+    )
+    exposure_ms: ExposureTime | None = Field(default=None, description="exposure time, or auto")
+    gain: DriverUnits | None = Field(default=None, description="gain, or auto")
+    focus: DriverUnits | None = Field(default=None, description="focus, or auto")
+    white_balance_k: Kelvin | None = Field(default=None, description="white balance, or auto")
+    rolling_shutter_ms: Annotated[NotNegative, Field(le=1000)] | None = Field(
+        default=None, description="from the exposure of its first row to that of the last"
     )

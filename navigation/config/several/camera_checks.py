@@ -1,0 +1,80 @@
+"""What must fit together where several cameras see one arena: names, sources, calibrations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from navigation.config.marks import Location
+from navigation.config.several.each_camera import camera_of
+
+SIMULATED = "simulated"
+_Found = Iterator[tuple[Location, str]]
+
+
+def names_and_sources_differ(camera: Any, cameras: Any) -> _Found:
+    """Two cameras with one name, source or calibration would be one camera twice."""
+    if len(cameras) == 1:
+        yield ("cameras",), "one camera is written as 'camera': a list needs two or more"
+    names: dict[str, int] = {}
+    sources: dict[str, int] = {}
+    files: dict[str, int] = {}
+    for index, entry in enumerate(cameras):
+        if entry.name in names:
+            first = names[entry.name]
+            yield (
+                ("cameras", index, "name"),
+                f"'{entry.name}' is the name of cameras[{first}] already",
+            )
+        names.setdefault(entry.name, index)
+        own = camera_of(camera, entry)
+        for key, value, seen in (
+            ("source", own.source, sources),
+            ("calibration", own.calibration, files),
+        ):
+            if value is None or value == SIMULATED:
+                continue
+            if str(value) in seen:
+                where: Location = ("cameras", index)
+                if getattr(entry, key) is not None:
+                    where = ("cameras", index, key)
+                told = f"'{value}' is the {key} of cameras[{seen[str(value)]}] already"
+                yield where, f"{told}: each needs its own"
+            seen.setdefault(str(value), index)
+
+
+def each_has_a_calibration(camera: Any, cameras: Any) -> _Found:
+    """A scale alone puts every picture's corner to the same place."""
+    for index, entry in enumerate(cameras):
+        own = camera_of(camera, entry)
+        if own.calibration is None and (own.source != SIMULATED or own.metres_per_pixel):
+            yield (
+                ("cameras", index),
+                f"'{entry.name}' needs a calibration of its own (`clearway calibrate` makes one)",
+            )
+        if own.source == SIMULATED and own.rolling_shutter_ms > 0.0:
+            yield (
+                ("cameras", index),
+                f"rolling_shutter_ms must be 0, not {own.rolling_shutter_ms:g}: the simulated "
+                "camera has none",
+            )
+
+
+def one_robot_is_driven(cameras: Any, robots: Any) -> _Found:
+    """Several robots are followed by one camera so far."""
+    if len(cameras) > 1 and len(robots) > 1:
+        yield ("cameras",), "several cameras are for one robot so far: several robots need 'camera'"
+
+
+def simulated_cameras_are_known(cameras: Any, simulation: Any) -> _Found:
+    """What is said of simulated cameras is of cameras that there are, once each."""
+    known = {entry.name for entry in cameras}
+    seen: set[str] = set()
+    for index, one in enumerate(() if simulation is None else simulation.cameras):
+        where: Location = ("simulation", "cameras", index, "name")
+        if one.name not in known:
+            there = ", ".join(sorted(known)) or "there are none"
+            yield where, f"'{one.name}' is none of cameras: {there}"
+        elif one.name in seen:
+            yield where, f"'{one.name}' was named before"
+        seen.add(one.name)

@@ -1,0 +1,58 @@
+"""A configuration of several cameras as one configuration for each of them."""
+
+from __future__ import annotations
+
+from navigation.config.entries import CameraEntry
+from navigation.config.sections import CameraSection, Config
+from navigation.config.simulation import SimulationSection
+
+
+def camera_of(camera: CameraSection, entry: CameraEntry) -> CameraSection:
+    """The section ``camera`` with what differs for one of several cameras.
+
+    One that has a calibration of its own has no scale, whatever ``camera`` says.
+    """
+    own = {
+        key: getattr(entry, key)
+        for key in CameraEntry.model_fields
+        if key != "name" and getattr(entry, key) is not None
+    }
+    if entry.calibration is not None:
+        own["metres_per_pixel"] = None
+    return camera.model_copy(update=own)
+
+
+def each_camera(config: Config) -> dict[str, Config]:
+    """By name: what the configuration would be if it were of that camera alone.
+
+    Empty where the configuration names one camera only, in the section ``camera``.
+    """
+    return {
+        entry.name: config.model_copy(
+            update={
+                "camera": camera_of(config.camera, entry),
+                "cameras": (),
+                "simulation": _simulation_of(config.simulation, entry, index),
+            }
+        )
+        for index, entry in enumerate(config.cameras)
+    }
+
+
+def _simulation_of(
+    simulation: SimulationSection | None, entry: CameraEntry, index: int
+) -> SimulationSection | None:
+    if simulation is None:
+        return None
+    camera = simulation.camera
+    for one in simulation.cameras:
+        if one.name == entry.name:
+            own = {
+                key: getattr(one, key)
+                for key in type(one).model_fields
+                if key != "name" and getattr(one, key) is not None
+            }
+            camera = camera.model_copy(update=own)
+    # each sensor has noise of its own
+    update = {"camera": camera, "cameras": (), "seed": simulation.seed + index}
+    return simulation.model_copy(update=update)

@@ -1,0 +1,338 @@
+"""The eye of several cameras: frames of each in, one set of poses and one scene out.
+
+Rules
+- Each camera has its own tracker of markers and its own watch over what changed, on its own
+  pictures. Only where something changed its picture is laid onto the floor plan, and the plan's
+  picture is extracted as a single camera's would be.
+- A camera that gives no new picture for ``stale_s`` while the others do is lost: unplugged, frozen
+  or hung, it is the same. What only it saw is fenced as an obstacle at once; a robot in there
+  holds. The camera's picture counts again from the first one in which the robots' places are
+  known, and the fence goes with it.
+- Before every camera has given a picture, or had ``START_S`` for it, there is no scene.
+Units: metres and radians in the arena, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+
+import vision
+from navigation.loop.eye import EyeSettings, Glimpse, Poses, doubles_of, extract_settings
+from planner.scene import FloatArray
+from vision.camera.camera import Frame, Image
+from vision.joined.agreement import edge_points_m, outlines_apart_m
+from vision.joined.floor_plan import FloorPlan, Part, Rectangle
+from vision.joined.pose_fusion import PoseFusion, carried
+from vision.markers.marker_search import grey_of
+from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px
+from vision.watch.change import Change, SceneWatcher
+from vision.watch.refit import KnownScene
+
+START_S: Final = 3.0
+"""So long a camera may take to its first picture after another one's."""
+MISSED_FRAMES: Final = 3
+"""Of the other cameras: a loop that was late has old pictures of all of them."""
+WITHIN_M: Final = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class JoinedSettings:
+    """What several cameras need beside the eye's settings.
+
+    ``stale_s``: a camera without a new picture for so long is lost. ``apart_m``: how far their
+    outlines may differ. ``health``: for each camera what its reader says of it, empty while well.
+    """
+
+    names: tuple[str, ...]
+    stale_s: float
+    apart_m: float
+    health: Callable[[str], str] = lambda _: ""
+
+
+@dataclass(slots=True)
+class _View:
+    """One camera as the eye knows it."""
+
+    tracker: MarkerTracker
+    watcher: SceneWatcher = field(default_factory=SceneWatcher)
+    background: Image | None = None
+    """Its arena without robots; None while it is lost, or has only just come back."""
+    last_s: float = -math.inf
+    missed: int = 0
+    """Frames of the other cameras since its last."""
+    edges: FloatArray | None = None
+
+
+class JoinedEye:
+    """Keeps each camera's view, the fused poses and the picture of the whole arena."""
+
+    def __init__(
+        self,
+        plan: FloorPlan,
+        trackers: Sequence[MarkerTracker],
+        fusion: PoseFusion,
+        settings: EyeSettings,
+        joined: JoinedSettings,
+    ) -> None:
+        self.plan, self.settings = plan, settings
+        self._joined = joined
+        self._views = [_View(tracker) for tracker in trackers]
+        self._index = {name: i for i, name in enumerate(joined.names)}
+        self._fusion = fusion
+        self._last_seen: dict[int, RobotPose] = {}
+        self._known: KnownScene | None = None
+        self._first_s: float | None = None
+        self._lost: frozenset[int] = frozenset()
+        self._live: tuple[bool, ...] = (False,) * len(trackers)
+        self._owners = plan.owners(self._live)
+        self._unknown = plan.unknown(self._live)
+        self._gains: FloatArray = np.ones(len(trackers))
+        self._canvas = np.zeros(self._owners.shape, np.uint8)
+        self._parts: list[Part | None] = [None] * len(trackers)
+        self._apart: dict[tuple[int, int], float] = {}
+        self._count = 0
+
+    def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
+        """What one camera's frame adds; ``tell`` gets its poses before anything else is looked at.
+
+        The frame's ``source`` is the camera's name. The glimpse's poses are all that are known of
+        the present, its picture that of the whole arena.
+        """
+        frame = replace(frame, image=grey_of(frame.image))
+        index = self._index[frame.source]
+        self._note_arrival(index, frame.captured_s)
+        view = self._views[index]
+        fused = {pose.id: pose for pose in self._fusion.take(index, view.tracker.update(frame))}
+        tell(fused)
+        self._last_seen.update({i: self._on_plan(index, pose) for i, pose in fused.items()})
+        now = self._present(frame.captured_s)
+        change = self._watch(index, frame, now)
+        scene = None
+        if self._is_ready(frame.captured_s) and self._is_new(change):
+            self._known = self._brought_up_to_date(index, change)
+            scene = self._known.scene
+        part = self._parts[index]
+        if part is not None:
+            self.plan.draw(self._canvas, index, frame.image, part, float(self._gains[index]))
+        doubles = self._doubles()
+        return Glimpse(
+            frame.captured_s,
+            now,
+            scene,
+            change,
+            doubles,
+            picture=self._picture(frame.captured_s),
+            hold=self._hold(),
+            troubles=self._troubles(),
+        )
+
+    # Which cameras there are.
+
+    def _note_arrival(self, index: int, captured_s: float) -> None:
+        """Which cameras are lost, now that this one has given a picture."""
+        self._first_s = captured_s if self._first_s is None else self._first_s
+        for other, view in enumerate(self._views):
+            view.missed = 0 if other == index else view.missed + 1
+        view = self._views[index]
+        view.last_s = max(view.last_s, captured_s)
+        newest_s = max(one.last_s for one in self._views)
+        self._lost = frozenset(
+            i
+            for i, one in enumerate(self._views)
+            if one.missed >= MISSED_FRAMES and newest_s - one.last_s > self._joined.stale_s
+        )
+        for i in self._lost:
+            one = self._views[i]
+            if one.background is not None:
+                one.background, one.watcher, one.edges = None, SceneWatcher(), None
+                self._fusion.forget(i)
+                self._apart = {pair: v for pair, v in self._apart.items() if i not in pair}
+
+    def _is_ready(self, now_s: float) -> bool:
+        """Whether what is not seen now is not only what was not seen yet."""
+        started = self._first_s is not None and now_s - self._first_s > START_S
+        waits = any(
+            one.background is None and not (started and i in self._lost)
+            for i, one in enumerate(self._views)
+        )
+        if self._known is not None:
+            return any(one.background is not None for one in self._views)
+        return not waits
+
+    def _is_new(self, change: Change | None) -> bool:
+        return change is not None or self._known is None or self._live_now() != self._live
+
+    def _live_now(self) -> tuple[bool, ...]:
+        return tuple(one.background is not None for one in self._views)
+
+    # What changed.
+
+    def _present(self, now_s: float) -> dict[int, RobotPose]:
+        """The poses that are still those of the present."""
+        stale_s = self._joined.stale_s
+        return {i: p for i, p in self._last_seen.items() if abs(now_s - p.captured_s) <= stale_s}
+
+    def _watch(self, index: int, frame: Frame, now: Poses) -> Change | None:
+        """What this camera sees change, while it is known where the robots are."""
+        driven = self.settings.driven_ids
+        if not all(i in self._last_seen for i in driven) or not any(i in now for i in driven):
+            return None
+        view = self._views[index]
+        change = view.watcher.update(frame.image, self._body_discs(index, frame.captured_s, now))
+        if change is not None:
+            view.background = view.watcher.background
+            view.edges = None
+        return change
+
+    def _body_discs(self, index: int, now_s: float, now: Poses) -> FloatArray:
+        """The pixels of every robot's body in this camera's picture, where it is by now."""
+        calibration = self.plan.cameras[index]
+        discs = [np.empty((0, 3))]
+        for robot_id, pose in self._last_seen.items():
+            body = self.settings.bodies[robot_id]
+            here = carried(pose, now_s)
+            if not self._may_show(index, here):
+                continue
+            reach_m = 0.0 if robot_id in now else self.settings.reach_m
+            discs.append(
+                body_discs_px(here, body.radius_m + reach_m, calibration, body.marker_height_m)
+            )
+        return np.concatenate(discs)
+
+    def _may_show(self, index: int, pose: RobotPose) -> bool:
+        """Whether the camera's model holds at a place: far outside it shows what is elsewhere."""
+        calibration = self.plan.cameras[index]
+        place = np.array([(pose.x, pose.y)])
+        with np.errstate(all="ignore"):
+            pixel = calibration.image_from_arena(place)
+            far = 2.0 * max(calibration.size)
+            if not (np.isfinite(pixel).all() and (np.abs(pixel) < far).all()):
+                return False
+            back = calibration.arena_from_image(pixel)
+        return bool(np.hypot(*(back - place)[0]) < WITHIN_M)
+
+    # The scene.
+
+    def _brought_up_to_date(self, index: int, change: Change | None) -> KnownScene:
+        """The scene now: only what changed is fitted again, where that can be trusted."""
+        live = self._live_now()
+        anew = live != self._live
+        if anew:
+            self._live = live
+            self._owners, self._unknown = self.plan.owners(live), self.plan.unknown(live)
+            self._parts = [Part.of(self._owners, i) for i in range(len(live))]
+        pictures = [one.background for one in self._views]
+        whole = anew or self._known is None or change is None or change.first or change.relit
+        if whole:
+            self._gains = self.plan.gains(pictures)
+            self._canvas = self.plan.picture(pictures, self._owners, self._gains)
+        self._compare_outlines()
+        background = self.plan.picture(pictures, self._owners, self._gains)
+        if not whole and self._known is not None and change is not None:
+            known = self._known.refitted(background, self._on_the_plan(index, change))
+            if known is not None:
+                return known
+        scene = vision.extract(
+            background,
+            **extract_settings(self.settings),
+            calibration=self.plan.calibration,
+            bounds=self.settings.bounds_m,
+            fence=self._unknown,
+        )
+        return KnownScene.of(scene, self.plan.calibration, self._unknown)
+
+    def _on_the_plan(self, index: int, change: Change) -> list[Rectangle]:
+        found = [self.plan.rectangle(index, one) for one in change.rectangles]
+        return [one for one in found if one is not None]
+
+    def _compare_outlines(self) -> None:
+        """How far the outlines of each two cameras lie apart, where one of them is new."""
+        fresh = set()
+        for index, view in enumerate(self._views):
+            if view.background is None or view.edges is not None:
+                continue
+            fresh.add(index)
+            view.edges = edge_points_m(
+                view.background, self.plan, index, **extract_settings(self.settings)
+            )
+        for one, other in combinations(range(len(self._views)), 2):
+            a, b = self._views[one].edges, self._views[other].edges
+            if a is None or b is None or not {one, other} & fresh:
+                continue
+            apart_m = outlines_apart_m(self.plan, one, other, a, b)
+            if apart_m is not None:
+                self._apart[one, other] = apart_m
+
+    # What is said.
+
+    def _picture(self, captured_s: float) -> Frame:
+        self._count += 1
+        canvas = self._canvas.copy()
+        if self._unknown is not None:
+            canvas[(self._owners < 0) & (self._unknown >= 0.5)] = 128
+        return Frame(canvas, captured_s, self._count - 1, " + ".join(self._joined.names))
+
+    def _on_plan(self, index: int, pose: RobotPose) -> RobotPose:
+        """The pose with its marker's corners where the plan's picture shows them."""
+        floor = self.plan.cameras[index].arena_from_image(pose.corners_px)
+        corners = self.plan.calibration.image_from_arena(floor)
+        corners.setflags(write=False)
+        return replace(pose, corners_px=corners)
+
+    def _doubles(self) -> dict[int, str]:
+        found: dict[int, str] = {}
+        for view in self._views:
+            found |= doubles_of(view.tracker, self.settings.driven_ids)
+        said = self._fusion.contradictions
+        return found | {i: said[i] for i in self.settings.driven_ids if i in said}
+
+    def _hold(self) -> str | None:
+        """Why no robot may drive: one is where nothing is seen, or the cameras contradict."""
+        names = self._joined.names
+        for (one, other), apart_m in self._apart.items():
+            if apart_m > self._joined.apart_m:
+                return (
+                    f"cameras {names[one]} and {names[other]} see the same outlines "
+                    f"{1000.0 * apart_m:.0f} mm apart, the limit is "
+                    f"{1000.0 * self._joined.apart_m:.0f}: calibrate both to one floor"
+                )
+        unknown = self._unknown if self._known is not None else None
+        for robot_id in self.settings.driven_ids if unknown is not None else ():
+            pose = self._last_seen.get(robot_id)
+            body = self.settings.bodies[robot_id]
+            assert unknown is not None
+            if pose is not None and self.plan.is_unknown(unknown, pose.x, pose.y, body.radius_m):
+                return (
+                    f"the robot is at ({pose.x:.2f}, {pose.y:.2f}) m, where no camera sees the "
+                    f"floor{self._who_is_lost()}"
+                )
+        return None
+
+    def _who_is_lost(self) -> str:
+        lost = [self._joined.names[i] for i in sorted(self._lost)]
+        return f": {' and '.join(lost)} {'is' if len(lost) == 1 else 'are'} lost" if lost else ""
+
+    def _troubles(self) -> Mapping[str, str]:
+        """A sentence for each camera that is lost; empty for the others."""
+        said = {}
+        for index, name in enumerate(self._joined.names):
+            sentence = ""
+            if index in self._lost:
+                why = self._joined.health(name)
+                sentence = (
+                    f"camera {name} is lost{f' ({why})' if why else ''}: "
+                    "what only it sees is closed to the robot"
+                )
+            elif self._known is not None and self._views[index].background is None:
+                sentence = (
+                    f"camera {name} is back: what only it sees stays closed to the robot until "
+                    "the robot is seen again"
+                )
+            said[f"camera {name}"] = sentence
+        return said

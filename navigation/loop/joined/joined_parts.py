@@ -1,0 +1,42 @@
+"""From a configuration of several cameras to the eye that looks through all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from navigation.config import Config
+from navigation.config.sections import RobotSection
+from navigation.config.several.each_camera import each_camera
+from navigation.loop.joined.joined_eye import JoinedEye, JoinedSettings
+from navigation.loop.stages import eye_settings, marked_robots
+from vision.joined.floor_plan import FloorPlan
+from vision.joined.pose_fusion import PoseFusion
+from vision.markers.markers import MarkerTracker
+
+
+def joined_eye(
+    config: Config,
+    plan: FloorPlan,
+    driven: Sequence[RobotSection] = (),
+    health: Callable[[str], str] = lambda _: "",
+) -> JoinedEye:
+    """The eye of a configuration's several cameras, whose floor is laid out in ``plan``."""
+    robots = marked_robots(config, driven)
+    cameras = each_camera(config)
+    trackers = [
+        MarkerTracker(
+            calibration,
+            robots,
+            config.robot.dictionary,
+            one.camera.rolling_shutter_ms / 1000.0,
+        )
+        for calibration, one in zip(plan.cameras, cameras.values(), strict=True)
+    ]
+    safety, names = config.safety, tuple(cameras)
+    return JoinedEye(
+        plan,
+        trackers,
+        PoseFusion(plan.cameras, names, robots, safety.cameras_apart_m),
+        eye_settings(config, driven),
+        JoinedSettings(names, safety.frame_stale_s, safety.cameras_apart_m, health),
+    )
