@@ -82,9 +82,8 @@ class Daemon:
         self._robot = RobotOrders(self.link, config)
         self.witness = Witness(witness_limits(config))
         self._vision = VisionStage(
-            config, world.calibration, self.witness, self._clock, (),
-            world.floor_plan, self.camera.status,
-        )  # fmt: skip
+            config, world.calibration, self.witness, self._clock, (), world.floor_plan
+        )
         planner = self._arena_planner = ArenaPlanner(plan_settings(config))
         self._news = PlannerNews[PlanAnswer](planner, self._clock, self.camera.wake, recorder)
         self._planner = world.make_planner(
@@ -116,7 +115,7 @@ class Daemon:
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self.reanchor: Callable[[], list[str]] | None = None
         self.started_s = self._clock()
-        self._revision = 0
+        self._revision = self._measurable_revision = 0
         self._frame_s = -math.inf
         self._journal = journal
         self.troubles: dict[str, str] = {}
@@ -299,7 +298,7 @@ class Daemon:
             return
         frame, glimpse = seen
         self.processed += 1
-        self._frame, self._glimpse = frame, glimpse
+        held, self._frame, self._glimpse = self._glimpse.hold, frame, glimpse
         self.troubles |= glimpse.troubles
         self.others.see(glimpse.poses)
         self.troubles |= self._scene_doubt.look(glimpse)
@@ -309,6 +308,8 @@ class Daemon:
             points = None if self.pilot.plan.path is None else self.pilot.plan.path.points
             self._news.gets_scene()
             self._planner.see(glimpse.scene, self._revision, points)
+        if held and not glimpse.hold:
+            self._measurable_revision = self._revision  # the planner may not know it yet
         if self._recorder is not None:
             scene, at_s = glimpse.scene, frame.captured_s
             event = None if scene is None else SceneSeen(at_s, self._revision, scene)
@@ -327,8 +328,10 @@ class Daemon:
     def _sight(self, now_s: float, failed: str | None) -> Sight:
         pose = self.pose
         place = None if pose is None else self.witness.carried(pose, now_s)
-        known = None if self._glimpse.hold else place  # in the unknown nothing can be measured
-        clearance = None if known is None else self._arena_planner.clearance_m(known[:2])
+        clearance = None  # in the unknown nothing can be measured
+        measurable = self._news.known_revision >= self._measurable_revision
+        if place is not None and measurable and not self._glimpse.hold:
+            clearance = self._arena_planner.clearance_m(place[:2])
         return Sight(
             frame_age_s=now_s - self._frame_s,
             pose_age_s=now_s - self._pose_arrived_s,

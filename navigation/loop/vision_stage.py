@@ -20,7 +20,6 @@ from navigation.loop.stages import eye_settings, marked_robots, place_settings
 from navigation.shared.supervisor import in_words
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
-from vision.camera.latest_frame import CameraStatus
 from vision.joined.floor_plan import FloorPlan
 from vision.markers.markers import MarkerTracker, RobotPose
 from vision.watch.camera_place import CameraPlace
@@ -38,7 +37,7 @@ class VisionStage:
     """The eye, the error that ended the last one, and how long the last look took.
 
     ``driven`` are the driven robots where there are several, ``floor_plan`` is that of several
-    cameras, and ``status`` what their readers say of them.
+    cameras.
     """
 
     def __init__(
@@ -49,10 +48,9 @@ class VisionStage:
         clock: Callable[[], float],
         driven: Sequence[RobotSection] = (),
         floor_plan: FloorPlan | None = None,
-        status: Callable[[], CameraStatus] | None = None,
     ) -> None:
         self._config, self._calibration = config, calibration
-        self._floor_plan, self._status = floor_plan, status
+        self._floor_plan = floor_plan
         self._driven = tuple(driven)
         self._witness, self._clock = witness, clock
         self._failure: str | None = None
@@ -90,17 +88,12 @@ class VisionStage:
 
     def _open_eye(self) -> Eye | JoinedEye:
         if self._floor_plan is not None:
-            return joined_eye(self._config, self._floor_plan, self._driven, self._health)
+            return joined_eye(self._config, self._floor_plan, self._driven)
         robots = marked_robots(self._config, self._driven)
         rolling_s = self._config.camera.rolling_shutter_ms / 1000.0
         tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary, rolling_s)
         settings = eye_settings(self._config, self._driven)
         return Eye(self._calibration, tracker, settings, self._camera_place)
-
-    def _health(self, name: str) -> str:
-        """What is not well with one of several cameras; empty where nothing is known."""
-        each = {} if self._status is None else dict(self._status().each)
-        return each[name].reason if name in each else ""
 
     def _dated(self, frame: Frame) -> Frame:
         """The frame with the time at which it was exposed, as far as that is known.

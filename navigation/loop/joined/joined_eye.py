@@ -46,13 +46,12 @@ class JoinedSettings:
     """What several cameras need beside the eye's settings.
 
     ``stale_s``: a camera without a new picture for so long is lost. ``apart_m``: how far their
-    outlines may differ. ``health``: for each camera what its reader says of it, empty while well.
+    outlines may differ.
     """
 
     names: tuple[str, ...]
     stale_s: float
     apart_m: float
-    health: Callable[[str], str] = lambda _: ""
 
 
 @dataclass(slots=True)
@@ -324,11 +323,7 @@ class JoinedEye:
         for index, name in enumerate(self._joined.names):
             sentence = ""
             if index in self._lost:
-                why = self._joined.health(name)
-                sentence = (
-                    f"camera {name} is lost{f' ({why})' if why else ''}: "
-                    "what only it sees is closed to the robot"
-                )
+                sentence = f"camera {name} is lost: what only it sees is closed to the robot"
             elif self._known is not None and self._views[index].background is None:
                 sentence = (
                     f"camera {name} is back: what only it sees stays closed to the robot until "

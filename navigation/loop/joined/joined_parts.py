@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from navigation.config import Config
 from navigation.config.sections import RobotSection
@@ -18,7 +18,6 @@ def joined_eye(
     config: Config,
     plan: FloorPlan,
     driven: Sequence[RobotSection] = (),
-    health: Callable[[str], str] = lambda _: "",
 ) -> JoinedEye:
     """The eye of a configuration's several cameras, whose floor is laid out in ``plan``."""
     robots = marked_robots(config, driven)
@@ -38,5 +37,5 @@ def joined_eye(
         trackers,
         PoseFusion(plan.cameras, names, robots, safety.cameras_apart_m),
         eye_settings(config, driven),
-        JoinedSettings(names, safety.frame_stale_s, safety.cameras_apart_m, health),
+        JoinedSettings(names, safety.frame_stale_s, safety.cameras_apart_m),
     )
