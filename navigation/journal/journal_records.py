@@ -22,6 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, Validation
 
 from navigation.config import Config
 from navigation.config.errors import key_name
+from navigation.config.several.each_camera import each_camera
 from navigation.config.values import LONGEST_DWELL_S, MOST_STATIONS
 from navigation.mission.mission import Mission, State, Station
 from navigation.mission.targets import Target
@@ -66,8 +67,12 @@ class Owner:
 
 def owner_of(config: Config, file: Path | None = None) -> Owner:
     """Whose missions a configuration's run drives; ``file`` is where it was read from."""
-    source = without_password(str(config.camera.source))
-    camera = [source, str(config.camera.calibration), config.camera.metres_per_pixel]
+    own = [one.camera for one in each_camera(config).values()] or [config.camera]
+    cameras = [
+        (without_password(str(one.source)), str(one.calibration), one.metres_per_pixel)
+        for one in own
+    ]
+    camera = cameras if config.cameras else list(cameras[0])
     x0, y0, x1, y1 = config.arena.bounds_m
     return Owner(
         robot=f"{config.robot.marker_id} of {config.robot.dictionary}",

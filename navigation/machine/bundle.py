@@ -80,6 +80,9 @@ def _contents(
         return
     if config.camera.calibration is not None:
         yield from _file("calibration.yaml", config.camera.calibration)
+    for entry in config.cameras:
+        if entry.calibration is not None:
+            yield from _file(f"calibration_{entry.name}.yaml", entry.calibration)
     if config.simulation is not None and config.simulation.arena is not None:
         yield from _file("arena.txt", config.simulation.arena)
     runs = sorted(folder for folder in config.recording.runs_dir.glob("*") if folder.is_dir())

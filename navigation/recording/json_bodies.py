@@ -43,6 +43,8 @@ def configuration_body(
     """
     plain = hide_in(config.model_dump(mode="json", exclude={"dashboard"}))
     plain["camera"]["source"] = _public(config.camera.source)
+    for one, entry in zip(plain["cameras"], config.cameras, strict=True):
+        one["source"] = None if entry.source is None else _public(entry.source)
     return {
         "schema": SCHEMA,
         "version": version,

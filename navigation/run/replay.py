@@ -31,6 +31,7 @@ from navigation.recording.compare import (
     pose_problem,
     scene_distance_m,
 )
+from navigation.recording.files import RecordingError
 from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
 from planner.scene import Scene
 from vision.camera.camera import Frame
@@ -79,12 +80,20 @@ class _FoundScene:
 
 
 class Replay:
-    """One recording going through the pipeline once; `run` it."""
+    """One recording going through the pipeline once; `run` it.
+
+    Raises ``RecordingError`` for a recording of several cameras.
+    """
 
     def __init__(self, recording: Recording, tolerances: Tolerances) -> None:
         self.recording, self.tolerances = recording, tolerances
         self.result = ReplayResult()
         config = recording.config
+        if config.cameras:
+            raise RecordingError(
+                f"{recording.path}: is of {len(config.cameras)} cameras, whose pictures are "
+                "recorded as one: a replay needs each camera's own"
+            )
         tracker = MarkerTracker(
             recording.calibration,
             marked_robots(config),

@@ -43,7 +43,7 @@ from navigation.run.summary import (
     write_report,
     write_run,
 )
-from navigation.run.world import World
+from navigation.run.world import World, camera_words
 from navigation.shared.supervisor import Part
 from vision.camera.camera import Frame
 
@@ -134,7 +134,8 @@ class Runner:
             if not self._warm_up():
                 return self._end_before_the_start(folder)
             world = World(self.config, self._clock, wait_for_port=not self._once)
-            self._say(f"camera {self.config.camera.source}, robot on {world.port}")
+            seen_by = camera_words(self.config)
+            self._say(f"{seen_by}, robot on {world.port}")
             socket = self._socket or default_socket()
             recorder = self._open_recorder(open_things, world)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
@@ -156,7 +157,7 @@ class Runner:
             page = self._serve_dashboard(daemon, open_things, socket)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
-            self._log.write("info", "ready", camera=self.config.camera.source, port=world.port)
+            self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=world.port)
             open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive(daemon, recorder)
             daemon.halt()

@@ -284,3 +284,9 @@ def floor_plan_of(config: Config) -> FloorPlan | None:
         return None
     calibrations = [calibration_of(one) for one in cameras.values()]
     return FloorPlan.of(calibrations, Bounds(*config.arena.bounds_m), tuple(cameras))
+
+
+def camera_words(config: Config) -> str:
+    """The camera, or each of several with its name, as a run says it."""
+    named = [f"{name} {one.camera.source}" for name, one in each_camera(config).items()]
+    return f"cameras {', '.join(named)}" if named else f"camera {config.camera.source}"

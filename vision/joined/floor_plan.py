@@ -93,18 +93,23 @@ class FloorPlan:
 
     @classmethod
     def of(
-        cls, cameras: Sequence[Calibration], bounds: Bounds, names: Sequence[str] = ()
+        cls,
+        cameras: Sequence[Calibration],
+        bounds: Bounds,
+        names: Sequence[str] = (),
+        least_m: float = 0.0,
     ) -> FloorPlan:
         """The plan of the floor within ``bounds`` (metres) under these cameras.
 
-        ``names`` are theirs in what is said.
+        ``names`` are theirs in what is said; pixels are no smaller than ``least_m``, for who
+        only wants to know what is seen.
 
         Raises ``CalibrationError`` where there is no camera, or where one sees nothing of the
         bounds. O(pixels x cameras).
         """
         if not cameras:
             raise CalibrationError("a floor plan needs a camera")
-        calibration = _plan_of(bounds, min(one.metres_per_pixel for one in cameras))
+        calibration = _plan_of(bounds, max(least_m, min(one.metres_per_pixel for one in cameras)))
         width, height = calibration.size
         columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
         floor = calibration.arena_from_image(np.stack([columns, rows], axis=-1).reshape(-1, 2))

@@ -123,6 +123,9 @@ def _wanted(
         if not 0.001 <= rate <= 1000.0:
             raise click.BadParameter(f"{rate:g}: must be in 0.001..1000", param_hint="--rate")
         changes["rate_hz"] = rate
+    if config is not None and config.cameras:
+        names = ", ".join(f"{one.name}: {one.source}" for one in config.cameras if one.source)
+        raise click.UsageError(f"CONFIG has several cameras: give the source of one ({names})")
     if config is not None:
         return config.camera.model_copy(update=changes)
     chosen: str | int = _only_camera() if source is None else source

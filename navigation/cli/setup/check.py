@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,6 +16,7 @@ from navigation.config.known_robots import CLEARWAY, KNOWN_ROBOTS, KnownRobot
 from navigation.config.load import read_source
 from navigation.config.marks import Location, read_document
 from navigation.config.secrecy.secrets import hide
+from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 FILES: Final = (("camera", "calibration"), ("simulation", "arena"))
 """Keys that name a file to be read."""
+COARSE_M: Final = 0.01
+"""Pixels of a floor plan that only says what several cameras see."""
 
 
 @click.command(short_help="Check a configuration; report every error.")
@@ -96,7 +99,7 @@ def _missing_files(text: str, folder: Path) -> Iterator[Problem]:
 def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
     """Of the sections that there are those are checked for which everything needed is there."""
     config = Config.model_construct(**sections)
-    if {"arena", "camera", "robot", "other_robots", "simulation"} <= sections.keys():
+    if {"arena", "camera", "cameras", "robot", "other_robots", "simulation"} <= sections.keys():
         yield from _calibration_problems(config)
     needed = {"arena", "robot", "planning", "mission", "simulation"}
     if needed <= sections.keys() and config.simulation is not None:
@@ -104,6 +107,28 @@ def _problems(sections: Mapping[str, Any]) -> Iterator[tuple[Location, str]]:
 
 
 def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
+    """Of the camera, or of each of several and of what they see together."""
+    if not config.cameras:
+        calibration, found = _calibration(config)
+        yield from found
+        if calibration is not None and calibration.size == config.camera.size_px:
+            yield from _arena_is_seen(config, calibration)
+        return
+    calibrations = []
+    for index, one in enumerate(each_camera(config).values()):
+        calibration, found = _calibration(one)
+        own = one.simulation is not None and one.camera.calibration is None
+        where: Location = ("cameras", index) if own else ("cameras", index, "calibration")
+        for place, sentence in found:
+            yield (place if place[0] not in ("camera", "simulation") else where), sentence
+        if calibration is not None and not found:
+            calibrations.append(calibration)
+    if len(calibrations) == len(config.cameras):
+        yield from _cameras_see_the_arena(config, calibrations)
+
+
+def _calibration(config: Config) -> tuple[Calibration | None, list[tuple[Location, str]]]:
+    """A camera's calibration, and what is wrong with it by itself."""
     from navigation.simulator.picture.pinhole import pinhole_of
     from vision.calibration.calibration import Calibration, CalibrationError
     from vision.calibration.calibration_file import load_calibration
@@ -120,16 +145,42 @@ def _calibration_problems(config: Config) -> Iterator[tuple[Location, str]]:
             where = ("simulation", "camera")
             calibration = pinhole_of(config).calibration()
     except OSError as error:
-        yield where, _unreadable(camera.calibration, error)
+        return None, [(where, _unreadable(camera.calibration, error))]
     except CalibrationError as error:
-        yield where, str(error)
-    if calibration is not None:
-        yield from _markers_are_below(config, calibration)
-    if calibration is not None and calibration.size != camera.size_px:
+        return None, [(where, str(error))]
+    if calibration is None:
+        return None, []
+    found = list(_markers_are_below(config, calibration))
+    if calibration.size != camera.size_px:
         (width, height), (w, h) = calibration.size, camera.size_px
-        yield where, f"is for pictures of {width}x{height}, camera.size_px asks for {w}x{h}"
-    elif calibration is not None:
-        yield from _arena_is_seen(config, calibration)
+        told = f"is for pictures of {width}x{height}, camera.size_px asks for {w}x{h}"
+        found.append((where, told))
+    return calibration, found
+
+
+def _cameras_see_the_arena(
+    config: Config, calibrations: Sequence[Calibration]
+) -> Iterator[tuple[Location, str]]:
+    """Each sees something of it, and what the robot is sent to is seen by one of them."""
+    from planner.scene import Bounds
+    from vision.calibration.calibration import CalibrationError
+    from vision.joined.floor_plan import FloorPlan
+
+    names = [one.name for one in config.cameras]
+    try:
+        plan = FloorPlan.of(calibrations, Bounds(*config.arena.bounds_m), names, COARSE_M)
+    except CalibrationError as error:
+        yield ("cameras",), str(error)
+        return
+    unknown = plan.unknown([True] * len(names))
+    for index, station in enumerate(config.mission.stations):
+        if unknown is not None and plan.is_unknown(
+            unknown, station.x_m, station.y_m, config.robot.radius_m
+        ):
+            yield (
+                ("mission", "stations", index),
+                f"({station.x_m:g}, {station.y_m:g}) m: no camera sees all of the floor there",
+            )
 
 
 def _markers_are_below(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:
@@ -209,7 +260,11 @@ def summary(config: Config) -> Iterator[tuple[str, str]]:
     camera, robot, mission = config.camera, config.robot, config.mission
     width, height = camera.size_px
     yield "arena", f"{x1 - x0:g} x {y1 - y0:g} m"
-    yield "camera", f"{camera.source}, {width}x{height}, {camera.rate_hz:g} frames/s"
+    for name, one in each_camera(config).items():
+        (w, h), hz = one.camera.size_px, one.camera.rate_hz
+        yield "camera", f"{name}: {one.camera.source}, {w}x{h}, {hz:g} frames/s"
+    if not config.cameras:
+        yield "camera", f"{camera.source}, {width}x{height}, {camera.rate_hz:g} frames/s"
     robots = each_robot(config)
     if robots:
         yield from ((name, _in_short(one)) for name, one in robots.items())

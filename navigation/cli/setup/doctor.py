@@ -132,7 +132,19 @@ def _plugged_in() -> Iterator[Finding]:
 
 
 def _camera(config: Config) -> Iterator[Finding]:
-    """Its device, and what its pictures are like."""
+    """Each camera's device, and what its pictures are like."""
+    from dataclasses import replace
+
+    from navigation.config.several.each_camera import each_camera
+
+    if not config.cameras:
+        yield from _one_camera(config)
+    for name, one in each_camera(config).items():
+        for finding in _one_camera(one):
+            yield replace(finding, name=f"camera {name}")
+
+
+def _one_camera(config: Config) -> Iterator[Finding]:
     from navigation.config.sections import SIMULATED
     from navigation.machine import doctor
 

@@ -39,6 +39,7 @@ def greeting(config: Config, view: TopView) -> dict[str, Any]:
         "others": [{"marker_id": o.marker_id, "radius_m": o.radius_m} for o in config.other_robots],
         "margin_m": config.planning.margin_m,
         "camera": {"source": config.camera.source, "rate_hz": config.camera.rate_hz},
+        "cameras": [one.name for one in config.cameras],
         "port": config.serial.port,
         "hold_s": config.dashboard.hold_s,
         "ramp_steps": RAMP_STEPS,
@@ -136,6 +137,10 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
         "reopened": camera.reopened,
         "age_ms": None if camera.age_s is None else _ms(camera.age_s),
         "latency_ms": None if evidence.latency_s is None else _ms(evidence.latency_s),
+        "each": [
+            {"name": name, "state": one.state, "rate_hz": round(one.rate_hz, 1)}
+            for name, one in camera.each
+        ],
     }
 
 

@@ -115,13 +115,16 @@ export class Health {
 }
 
 function cameraWord({ camera }) {
+  const away = camera.each.filter((one) => one.state !== "running");
+  if (away.length && away.length < camera.each.length) return ["bad", away.map((one) => `${one.name} ${one.state}`).join(", ")];
   return camera.state === "running" ? ["good", "running"] : ["bad", camera.reason || camera.state];
 }
 
 function cameraDetail({ camera }) {
   const age = camera.latency_ms === null ? "" : `, ${camera.latency_ms.toFixed(0)} ms old on arrival`;
   const again = camera.reopened ? `, opened again ${camera.reopened}×` : "";
-  return `${camera.rate_hz.toFixed(1)}/s, ${camera.dropped} dropped${age}${again}`;
+  const rate = camera.each.map((one) => `${one.name} ${one.rate_hz.toFixed(1)}/s`).join(", ");
+  return `${rate || `${camera.rate_hz.toFixed(1)}/s`}, ${camera.dropped} dropped${age}${again}`;
 }
 
 function linkWord({ link }) {
