@@ -186,7 +186,7 @@ class FloorPlan:
         return np.asarray(np.exp(np.linalg.lstsq(np.array(rows), np.array(ratios), rcond=None)[0]))
 
     def picture(self, pictures: Sequence[Image | None], owners: Owners, gains: FloatArray) -> Image:
-        """The plan's picture (h, w): every pixel from its owner, the others as light as the floor.
+        """The plan's picture (h, w): every pixel from its owner, the others as what is beside them.
 
         ``pictures``: the cameras' grey pictures; the owners of pixels must have one.
         """
@@ -195,9 +195,7 @@ class FloorPlan:
             part = None if picture is None else Part.of(owners, index)
             if picture is not None and part is not None:
                 self.draw(canvas, index, picture, part, float(gains[index]))
-        nobody = owners < 0
-        if nobody.any() and not nobody.all():
-            canvas[nobody] = np.uint8(np.median(canvas[~nobody][::97]))
+        _mirror_into(canvas, owners < 0)
         return canvas
 
     def draw(
@@ -239,6 +237,31 @@ class FloorPlan:
         rows, columns = np.ogrid[y0:y1, x0:x1]
         disc = (columns - x) ** 2 + (rows - y) ** 2 <= radius * radius
         return bool((unknown[y0:y1, x0:x1][disc] >= 0.5).any())
+
+
+def _mirror_into(canvas: Image, nobody: NDArray[np.bool_]) -> None:
+    """Fill pixels that nobody sees with the mirror image of what is seen beside them.
+
+    So the light, and the noise that a level is judged by, go on there as they are.
+    """
+    if not nobody.any() or nobody.all():
+        return
+    hidden = nobody.view(np.uint8)
+    _, labels = cv2.distanceTransformWithLabels(
+        hidden, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    seen_rows, seen_columns = np.nonzero(~nobody)
+    place = np.zeros(int(labels.max()) + 1, np.int64)
+    place[labels[seen_rows, seen_columns]] = np.arange(len(seen_rows))
+    rows, columns = np.nonzero(nobody)
+    nearest = place[labels[rows, columns]]
+    near_rows, near_columns = seen_rows[nearest], seen_columns[nearest]
+    height, width = nobody.shape
+    over_rows = np.clip(2 * near_rows - rows, 0, height - 1)
+    over_columns = np.clip(2 * near_columns - columns, 0, width - 1)
+    beyond = nobody[over_rows, over_columns]
+    over_rows[beyond], over_columns[beyond] = near_rows[beyond], near_columns[beyond]
+    canvas[rows, columns] = canvas[over_rows, over_columns]
 
 
 def _plan_of(bounds: Bounds, metres_per_pixel: float) -> Calibration:

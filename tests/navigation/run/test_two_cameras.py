@@ -1,0 +1,194 @@
+"""A run with two cameras in virtual time: what one of them sees is closed while it is lost.
+
+Ground truth decides: the robot never drives into what no camera sees, touches nothing, and drives
+on when the camera is back.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pytest
+
+from navigation.config import Config, load_config
+from navigation.loop.daemon import Daemon
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.stages import stations_of
+from navigation.mission.mission import State
+from navigation.run.virtual_world import VirtualWorld
+from tests.support.runs.virtual import CONFIGS, cycle_until, is_driving
+
+pytestmark = pytest.mark.slow
+
+RADIUS_M = 0.09
+BRAKING_M = 0.3 * (0.2 + 0.5) + 0.3**2 / (2 * 0.5) + 0.02
+"""Until it is noticed, until the permit ends, and the brakes."""
+
+
+def config_of(*stations: tuple[float, float], start: tuple[float, float] = (0.2, 0.2)) -> Config:
+    """configs/two_cameras.yaml with pictures of half the size, and these stations."""
+    base = load_config(CONFIGS / "two_cameras.yaml", {}).model_dump()
+    base["camera"]["size_px"] = (640, 480)
+    base["mission"]["stations"] = [{"x_m": x, "y_m": y} for x, y in stations]
+    base["simulation"]["start"].update(x_m=start[0], y_m=start[1])
+    base["simulation"]["camera"].update(focal_px=617.5, centre_offset_px=(2.6, -1.9))
+    return Config.model_validate(base)
+
+
+class Stage:
+    """A daemon, its world and what it said."""
+
+    def __init__(self, config: Config) -> None:
+        self.world = VirtualWorld(config)
+        self.daemon = Daemon(config, self.world, first_mission_id=1)
+        self.troubles: list[str] = []
+        self.said: list[str] = []
+
+    def watch(self, now: DaemonState) -> None:
+        self.troubles += [one for one in now.troubles if one not in self.troubles]
+        if now.sentence not in self.said[-1:]:
+            self.said.append(now.sentence)
+
+    def set_off(self) -> None:
+        self.daemon.give(stations_of(self.daemon.config))
+        cycle_until(self.daemon, is_driving, each=self.watch)
+
+    def until(self, *states: State, seconds: float = 45.0) -> DaemonState:
+        return cycle_until(
+            self.daemon, lambda now: now.mission.state in states, seconds, self.watch
+        )
+
+    def wait(self, seconds: float) -> DaemonState:
+        end_s = self.world.clock() + seconds
+        return cycle_until(
+            self.daemon, lambda _: self.world.clock() > end_s, seconds + 1.0, self.watch
+        )
+
+    def where(self) -> tuple[float, float]:
+        pose = self.world.robot.pose()
+        return pose.x_m, pose.y_m
+
+    def clearance_m(self) -> float:
+        return self.world.truth.track_clearance(self.world.truth.track()) - RADIUS_M
+
+
+def stage_of(config: Config) -> Iterator[Stage]:
+    stage = Stage(config)
+    with stage.daemon:
+        yield stage
+
+
+@pytest.fixture
+def across() -> Iterator[Stage]:
+    """From what only the left camera sees to what only the right one sees."""
+    yield from stage_of(config_of((2.2, 1.6), start=(0.72, 1.52)))
+
+
+@pytest.fixture
+def on_the_right() -> Iterator[Stage]:
+    """Within what the right camera sees."""
+    yield from stage_of(config_of((2.2, 1.6), (1.42, 0.95), start=(1.42, 0.95)))
+
+
+def test_a_mission_across_the_seam_is_driven(across: Stage) -> None:
+    across.set_off()
+    assert across.until(State.DONE, State.FAILED, State.STOPPED).mission.state is State.DONE
+    assert math.dist(across.where(), (2.2, 1.6)) < 0.01
+    assert across.clearance_m() > 0.0
+    assert not across.troubles
+
+
+@pytest.mark.parametrize("how", ["camera_lost", "camera_silent", "camera_frozen"])
+def test_the_robot_does_not_enter_what_a_lost_camera_saw(across: Stage, how: str) -> None:
+    across.set_off()
+    setattr(across.world.troubles.cameras["right"], how, True)
+    across.wait(6.0)
+    plan = across.world.floor_plan
+    assert plan is not None
+    closed = plan.unknown((True, False))
+    assert closed is not None
+    assert not plan.is_unknown(closed, *across.where(), RADIUS_M)
+    assert any("camera right is lost" in one for one in across.troubles)
+    assert "camera left" not in " ".join(across.troubles)
+    setattr(across.world.troubles.cameras["right"], how, False)
+    now = across.until(State.DONE, State.FAILED, State.STOPPED, seconds=60.0)
+    assert now.mission.state is State.DONE
+    assert not now.troubles
+    assert across.clearance_m() > 0.0
+
+
+@pytest.mark.parametrize("how", ["camera_lost", "camera_silent", "camera_frozen"])
+def test_a_robot_in_what_a_lost_camera_saw_stops_and_drives_on_when_it_is_back(
+    across: Stage, how: str
+) -> None:
+    across.set_off()
+    cycle_until(across.daemon, lambda _: across.where()[0] > 0.8, each=across.watch)
+    while across.where()[0] < 1.9:  # well inside what only the right camera sees
+        across.watch(across.daemon.cycle())
+    lost_at = across.where()
+    setattr(across.world.troubles.cameras["right"], how, True)
+    now = across.wait(3.0)
+    assert now.mission.state is State.HOLDING
+    assert math.dist(across.where(), lost_at) < BRAKING_M
+    stood = across.where()
+    across.wait(2.0)
+    assert math.dist(across.where(), stood) < 0.002
+    assert any("no camera sees the floor: right is lost" in one for one in across.said)
+    setattr(across.world.troubles.cameras["right"], how, False)
+    now = across.until(State.DONE, State.FAILED, State.STOPPED, seconds=60.0)
+    assert now.mission.state is State.DONE
+    assert across.clearance_m() > 0.0
+
+
+def test_a_robot_outside_what_a_lost_camera_saw_drives_on(on_the_right: Stage) -> None:
+    on_the_right.set_off()
+    on_the_right.world.troubles.cameras["left"].camera_lost = True
+    now = on_the_right.until(State.DONE, State.FAILED, State.STOPPED)
+    assert now.mission.state is State.DONE
+    assert any("camera left is lost" in one for one in now.troubles)
+    assert on_the_right.clearance_m() > 0.0
+
+
+def test_a_camera_that_is_missing_from_the_start_closes_its_part(on_the_right: Stage) -> None:
+    on_the_right.world.troubles.cameras["left"].camera_lost = True
+    on_the_right.set_off()
+    now = on_the_right.until(State.DONE, State.FAILED, State.STOPPED)
+    assert now.mission.state is State.DONE
+    scene = on_the_right.daemon.scene
+    assert scene is not None
+    assert len(scene.objects) >= 2  # the fence, and what the right camera sees
+
+
+def test_without_any_camera_the_robot_stands(across: Stage) -> None:
+    across.set_off()
+    across.wait(1.0)
+    for name in ("left", "right"):
+        across.world.troubles.cameras[name].camera_lost = True
+    now = across.wait(3.0)
+    assert now.mission.state is State.HOLDING
+    assert "no picture from the camera" in now.sentence
+    stood = across.where()
+    across.wait(1.0)
+    assert math.dist(across.where(), stood) < 0.002
+
+
+def test_calibrations_of_two_floors_are_refused_with_the_number() -> None:
+    config = config_of((2.2, 1.6), start=(0.72, 1.52))
+    world = VirtualWorld(config)
+    plan = world.floor_plan
+    assert plan is not None
+    assert config.simulation is not None
+    # who calibrated the right camera took a point 6 cm beside the floor's origin for it
+    cameras = list(config.simulation.cameras)
+    x, y, z = cameras[1].position_m or (0.0, 0.0, 0.0)
+    cameras[1] = cameras[1].model_copy(update={"position_m": (x + 0.06, y + 0.06, z)})
+    simulation = config.simulation.model_copy(update={"cameras": tuple(cameras)})
+    wrong = VirtualWorld(config.model_copy(update={"simulation": simulation})).floor_plan
+    world.floor_plan = wrong
+    with Daemon(config, world, first_mission_id=1) as daemon:
+        daemon.give(stations_of(config))
+        now = cycle_until(daemon, lambda now: "see the same outlines" in now.sentence, seconds=10.0)
+        assert "cameras left and right" in now.sentence
+        assert "mm apart, the limit is 20" in now.sentence
+        assert now.mission.state is not State.DRIVING
