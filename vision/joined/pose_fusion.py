@@ -34,6 +34,8 @@ HEIGHT_M: Final = 0.002
 """What a measured height of a marker is off by: chosen, a ruler's."""
 TOGETHER_S: Final = 0.12
 """Older sightings take no part: three pictures, and one late, at 30 a second."""
+SETTLED: Final = 10
+"""Sightings after which a track's velocity can be trusted."""
 SPEED_M_S: Final = 0.01
 """What a velocity from a track is off by; the filter's own figure behind ten sightings."""
 TURN_RAD_S: Final = 0.05
@@ -41,11 +43,17 @@ TURN_RAD_S: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """A sighting, its position's covariance (2, 2) in m^2, and its heading's variance."""
+    """A sighting, its position's covariance (2, 2) in m^2, and its heading's variance.
+
+    ``pose`` has the velocity of whichever camera has followed the marker for longest: that of a
+    track that has only just begun is still far off.
+    """
 
     pose: RobotPose
     covariance: FloatArray
     heading_variance: float
+    count: int
+    """Sightings by this camera in a row: its velocity is settled after some."""
 
 
 class PoseFusion:
@@ -75,13 +83,33 @@ class PoseFusion:
         """What one camera saw in one picture; the robots' poses at the times of its sightings."""
         fused = []
         for pose in poses:
+            newest = self._note(camera, pose)
             seen = self._seen[pose.id]
-            seen[camera] = _Seen(pose, *self.uncertainty(camera, pose))
+            others = [
+                one
+                for c, one in seen.items()
+                if c != camera
+                and _together(one.pose, newest.pose)
+                and max(one.count, newest.count) >= SETTLED
+            ]
             self._compare(camera, pose)
             if pose.captured_s > self._last_s.get(pose.id, -math.inf):
                 self._last_s[pose.id] = pose.captured_s
-                fused.append(_fused(seen[camera], [s for c, s in seen.items() if c != camera]))
+                fused.append(_fused(newest, others))
         return tuple(fused)
+
+    def _note(self, camera: int, pose: RobotPose) -> _Seen:
+        """Keep a sighting, with the velocity of the camera that has followed for longest."""
+        seen = self._seen[pose.id]
+        before = seen.get(camera)
+        goes_on = before is not None and pose.captured_s - before.pose.captured_s <= TOGETHER_S
+        count = 1 + (before.count if before is not None and goes_on else 0)
+        longest = max(seen.values(), key=lambda one: one.count, default=None)
+        if longest is not None and longest.count > count and _together(longest.pose, pose):
+            of = longest.pose
+            pose = replace(pose, vx=of.vx, vy=of.vy, turn_rate_rad_s=of.turn_rate_rad_s)
+        seen[camera] = _Seen(pose, *self.uncertainty(camera, pose), count)
+        return seen[camera]
 
     def forget(self, camera: int) -> None:
         """A camera was lost: what it saw last says nothing any more."""
@@ -115,7 +143,7 @@ class PoseFusion:
         together = False
         for other, seen in self._seen[pose.id].items():
             away_s = pose.captured_s - seen.pose.captured_s
-            if other == camera or abs(away_s) > TOGETHER_S:
+            if other == camera or not _together(seen.pose, pose):
                 continue
             together = True
             x, y, _ = seen.pose.at(pose.captured_s)
@@ -136,6 +164,11 @@ class PoseFusion:
             self.contradictions.pop(pose.id, None)
 
 
+def _together(one: RobotPose, other: RobotPose) -> bool:
+    """Whether two sightings are near enough in time to be brought to one."""
+    return abs(one.captured_s - other.captured_s) <= TOGETHER_S
+
+
 def _spread_m(away_s: float) -> float:
     """How far a robot may have left its velocity after a time."""
     return SPEED_M_S * abs(away_s) + 0.5 * away_s * away_s
@@ -151,8 +184,6 @@ def _fused(newest: _Seen, others: Sequence[_Seen]) -> RobotPose:
     speeds = [(np.trace(weight), pose)]
     for other in others:
         away_s = pose.captured_s - other.pose.captured_s
-        if abs(away_s) > TOGETHER_S:
-            continue
         x, y, heading = other.pose.at(pose.captured_s)
         left = _spread_m(away_s) ** 2 * np.eye(2)
         weight = np.linalg.inv(other.covariance + left)

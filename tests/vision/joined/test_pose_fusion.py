@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.vision.joined.floor_truth import camera
-from vision.joined.pose_fusion import TOGETHER_S, PoseFusion, carried
+from vision.joined.pose_fusion import SETTLED, TOGETHER_S, PoseFusion, carried
 from vision.markers.marked_robot import MarkedRobot, RobotPose
 
 LEFT, RIGHT = camera(0.62, 0.62), camera(1.40, 0.58)
@@ -25,6 +25,14 @@ def fusion(apart_m: float = APART_M) -> PoseFusion:
 
 def seen(x: float, y: float, time_s: float, heading: float = 0.0, vx: float = 0.0) -> RobotPose:
     return RobotPose(7, x, y, heading, time_s, np.zeros((4, 2)), vx, 0.0)
+
+
+def followed(both: PoseFusion, camera: int, pose: RobotPose) -> None:
+    """The camera has followed the robot for a while when it sees it at this pose."""
+    for number in range(SETTLED, 0, -1):
+        time_s = pose.captured_s - number / 30.0
+        both.take(camera, [replace(pose, x=pose.at(time_s)[0], captured_s=time_s)])
+    both.take(camera, [pose])
 
 
 def test_one_camera_alone_says_what_it_saw() -> None:
@@ -41,7 +49,7 @@ def test_sightings_of_different_times_are_brought_to_the_newest(
     x: float, speed: float, late: float, heading: float
 ) -> None:
     both = fusion()
-    both.take(0, [seen(x, 0.5, 1.0, heading, speed)])
+    followed(both, 0, seen(x, 0.5, 1.0, heading, speed))
     (pose,) = both.take(1, [seen(x + speed * late, 0.5, 1.0 + late, heading, speed)])
     assert pose.captured_s == 1.0 + late
     assert math.dist((pose.x, pose.y), (x + speed * late, 0.5)) < 1e-9
@@ -49,9 +57,19 @@ def test_sightings_of_different_times_are_brought_to_the_newest(
     assert not both.contradictions
 
 
+def test_a_camera_that_has_only_just_seen_it_does_not_slow_it_down() -> None:
+    """A new track knows no velocity yet; the robot drives all the same."""
+    both = fusion()
+    followed(both, 0, seen(1.0, 0.5, 1.0, vx=0.3))
+    (pose,) = both.take(1, [seen(1.003, 0.5, 1.01, vx=0.0)])
+    assert pose.vx == pytest.approx(0.3)
+    (pose,) = both.take(0, [seen(1.01, 0.5, 1.0 + 1 / 30.0, vx=0.3)])
+    assert math.dist((pose.x, pose.y), (1.01, 0.5)) < 1e-4
+
+
 def test_the_camera_that_sees_better_counts_for_more() -> None:
     both = fusion()
-    both.take(0, [seen(0.700, 0.6, 1.0)])  # almost below the left camera
+    followed(both, 0, seen(0.700, 0.6, 1.0))  # almost below the left camera
     (pose,) = both.take(1, [seen(0.704, 0.6, 1.0 + 1e-6)])
     assert 0.700 < pose.x < 0.7015
 
