@@ -211,7 +211,7 @@ def main() -> None:
         "",
         "Made by `python -m benchmarks.camera.two_cameras`.",
         "",
-        "Borders found against the true ones of `configs/arenas/laboratory.txt`, in pixels of 2 mm.",
+        "Borders found against the true ones of `configs/arenas/laboratory.txt`, in px of 2 mm.",
         "Target: within 1 px, also on the seam.",
         "",
         "| cameras | rms px | farthest px |",
