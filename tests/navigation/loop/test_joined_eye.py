@@ -32,7 +32,7 @@ PLAN = floor_plan_of(CONFIG)
 ARENA = load_arena(CONFIG)
 STALE_S = CONFIG.safety.frame_stale_s
 PERIOD_S = 1.0 / 30.0
-IN_BOTH = (1.30, 1.30, 0.5)
+IN_BOTH = (1.42, 0.98, 0.5)
 PLACES = {"left": (0.12, 0.9), "right": (2.28, 0.9)}
 """Floor that only one of the cameras sees, without obstacles."""
 
