@@ -1,16 +1,21 @@
 """Several robots through the daemon in virtual time: contacts, deadlocks, and who arrives.
 
-    python -m benchmarks.fleet.driving [--arenas 20] [--seed 1] [--robots 2-12] [--processes 1]
-        [--output benchmarks/results/fleet_driving.md]
+    python -m benchmarks.fleet.driving [--arenas 300] [--seed 1] [--robots 2-12] [--processes 1]
+        [--rows ROWS.jsonl] [--minutes 60] [--output benchmarks/results/fleet_driving.md]
 
 Each arena is drawn at random: walls and discs, starts and goals anywhere in the free space. Its
 robots drive through the whole running program: simulated camera and vision, planner, pilots, links
 and wheels, in virtual time. Meanwhile every robot stalls at random for up to 5 s (its link says
 nothing and hears nothing), all lines lose and damage frames, the camera loses a marker now and
 then, and one robot in ten dies for good. Judged by ground truth: a contact is a gap of bodies
-below 0 m; a deadlock is a living robot that is not at its goal in the end although a path was
-free. A robot that asks for a person (its emergency stop is latched) gets one after 2 s, who
+below 0 m; a deadlock is a living robot that is not at its goal in the end although there is a plan
+by which all living ones get there around the dead, or although nobody has proved that there is
+none. A robot that asks for a person (its emergency stop is latched) gets one after 2 s, who
 re-arms it; how often is counted.
+
+With ``--rows`` every arena's row is appended to a file as it ends, and an arena that is in it is
+not driven again: a run that was cut short continues. ``--minutes`` begins no arena after that time;
+the page says how many of those asked for were driven.
 """
 
 from __future__ import annotations
@@ -21,12 +26,13 @@ import math
 import statistics
 import sys
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
+import planner
 from navigation.config import Config, parse_config
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.fleet_state import FleetState
@@ -34,9 +40,12 @@ from navigation.loop.fleet.people import People
 from navigation.mission.mission import State
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.simulator.arena import load_arena
+from planner.scene import CircleRecord, SceneObject
 
 SIZE_M = (2.4, 1.8)
 RADIUS_M = 0.07
+Place = tuple[float, float]
 APART_M = 0.06
 """Between the bodies of two robots at their starts and at their goals, at least."""
 STALLS_A_MINUTE = 3.0
@@ -67,6 +76,8 @@ class Outcome:
     rounds: int
     called: int
     """How often a person had to re-arm a robot."""
+    deadlocked: bool
+    """Whether a living robot is not at its goal although it could be."""
     reason: str
     took_s: float
 
@@ -186,9 +197,14 @@ class Person:
         self._dead = dead
         self._last_s = dict[str, float]()
         self.called = 0
+        self.places: dict[str, Place] = {}
+        """Where the camera saw each robot last."""
 
     def look(self, daemon: FleetDaemon, now: FleetState) -> bool:
         """After each cycle; never ends the run."""
+        for name, one in now.robots.items():
+            if one.pose is not None:
+                self.places[name] = one.pose.x, one.pose.y
         for name, one in now.robots.items():
             waits = one.mission.state is State.STOPPED or (
                 one.mission.state is State.IDLE and one.mission.remaining
@@ -202,6 +218,28 @@ class Person:
         return False
 
 
+def could_arrive(config: Config, dead: set[str], places: dict[str, Place]) -> bool:
+    """Whether the living could all get from where they are to their goals, around the dead.
+
+    True too where the planner cannot tell: only what is proved excuses a robot.
+    """
+    scene = load_arena(config).scene
+    first = 1 + max((thing.id for thing in scene.objects), default=-1)
+    bodies = tuple(
+        SceneObject(first + i, (CircleRecord(places[name], RADIUS_M),))
+        for i, name in enumerate(sorted(dead & places.keys()))
+    )
+    roadmap = planner.build_roadmap(
+        replace(scene, objects=(*scene.objects, *bodies)), radius=RADIUS_M
+    )
+    goals = {one.name: (one.stations[0].x_m, one.stations[0].y_m) for one in config.mission.robots}
+    living = [name for name in goals if name in places and name not in dead]
+    plan = planner.plan_fleet(
+        roadmap, [places[name] for name in living], [goals[name] for name in living]
+    )
+    return isinstance(plan, planner.FleetPlan) or not plan.proved
+
+
 def drive(seed: int, least: int, most: int) -> Outcome:
     """One arena from its start to its end."""
     config = config_of(seed, least, most)
@@ -209,18 +247,22 @@ def drive(seed: int, least: int, most: int) -> Outcome:
     began_s = time.perf_counter()
     person = Person(set(troubles.dies_s))
     report = run_fleet_virtually(config, meet=troubles.meet, look=person.look, linger_s=LINGER_S)
-    living = [name for name in report.robots if name not in troubles.dies_s]
+    dead = set(troubles.dies_s)
+    living = [name for name in report.robots if name not in dead]
+    arrived = sum(report.robots[name].state == "done" for name in living)
+    stuck = arrived < len(living) and could_arrive(config, dead, person.places)
     return Outcome(
         seed=seed,
         robots=len(config.robots),
         dead=len(troubles.dies_s),
-        arrived=sum(report.robots[name].state == "done" for name in living),
+        arrived=arrived,
         living=len(living),
         least_gap_m=math.inf if report.least_gap_m is None else report.least_gap_m,
         min_clearance_m=math.inf if report.min_clearance_m is None else report.min_clearance_m,
         duration_s=report.duration_s,
         rounds=report.rounds,
         called=person.called,
+        deadlocked=stuck,
         reason="; ".join(
             f"{name}: {report.robots[name].reason}"
             for name in living
@@ -230,10 +272,9 @@ def drive(seed: int, least: int, most: int) -> Outcome:
     )
 
 
-def page(outcomes: list[Outcome]) -> str:
+def page(outcomes: list[Outcome], asked: int) -> str:
     """The table and its sums."""
-    touched = [one for one in outcomes if one.touched]
-    hit = [one for one in outcomes if one.min_clearance_m < RADIUS_M]
+    hit = sum(one.min_clearance_m < RADIUS_M for one in outcomes)
     arrived, living = sum(one.arrived for one in outcomes), sum(one.living for one in outcomes)
     gaps = [one.least_gap_m for one in outcomes]
     lines = [
@@ -241,13 +282,16 @@ def page(outcomes: list[Outcome]) -> str:
         "",
         "Made by `python -m benchmarks.fleet.driving`; see its text for what goes wrong meanwhile.",
         "",
-        "| arenas | robots | dead | contacts | obstacles touched | living at their goals |"
-        " least gap, mm | person called |",
-        "|---|---|---|---|---|---|---|---|",
-        f"| {len(outcomes)} | {sum(one.robots for one in outcomes)}"
-        f" | {sum(one.dead for one in outcomes)} | {len(touched)} | {len(hit)}"
+        "| arenas | robots | dead | contacts | deadlocks | obstacles touched |"
+        " living at their goals | least gap, mm | person called |",
+        "|---|---|---|---|---|---|---|---|---|",
+        f"| {len(outcomes)} of {asked} | {sum(one.robots for one in outcomes)}"
+        f" | {sum(one.dead for one in outcomes)} | {sum(one.touched for one in outcomes)}"
+        f" | {sum(one.deadlocked for one in outcomes)} | {hit}"
         f" | {arrived} of {living} | {min(gaps) * 1e3:.1f}"
         f" | {sum(one.called for one in outcomes)} |",
+        "",
+        "Arenas in which something touched, or a living robot is not at its goal:",
         "",
         "| seed | robots | dead | arrived | least gap, mm | duration, s | plans | reason |",
         "|---|---|---|---|---|---|---|---|",
@@ -257,35 +301,55 @@ def page(outcomes: list[Outcome]) -> str:
         f" | {one.least_gap_m * 1e3:.1f} | {one.duration_s:.1f} | {one.rounds}"
         f" | {one.reason[:160]} |"
         for one in outcomes
+        if one.touched or one.arrived < one.living or one.min_clearance_m < RADIUS_M
     ]
     took = statistics.median(one.took_s for one in outcomes)
     return "\n".join([*lines, "", f"A run took {took:.0f} s of the wall's time in the middle.", ""])
 
 
+def rows_of(file: Path | None) -> dict[int, Outcome]:
+    """By seed: what was driven before."""
+    if file is None or not file.exists():
+        return {}
+    rows = [Outcome(**json.loads(line)) for line in file.read_text().splitlines()]
+    return {one.seed: one for one in rows}
+
+
 def main() -> None:
     """Run the arenas; see the module's text."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--arenas", type=int, default=20)
+    parser.add_argument("--arenas", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--robots", default="2-12")
     parser.add_argument("--processes", type=int, default=1)
+    parser.add_argument("--rows", type=Path)
+    parser.add_argument("--minutes", type=float, default=math.inf)
     parser.add_argument("--output", type=Path)
     given = parser.parse_args()
     least, _, most = given.robots.partition("-")
-    jobs = [(given.seed + i, int(least), int(most or least)) for i in range(given.arenas)]
-    outcomes = []
+    known = rows_of(given.rows)
+    seeds = range(given.seed, given.seed + given.arenas)
+    until_s = time.monotonic() + 60.0 * given.minutes
+    jobs = [(seed, int(least), int(most or least), until_s) for seed in seeds if seed not in known]
     with get_context("spawn").Pool(given.processes) as pool:
         for one in pool.imap(_drive, jobs):
-            outcomes.append(one)
-            sys.stderr.write(f"{json.dumps(asdict(one))}\n")
-    text = page(outcomes)
+            if one is None:
+                continue
+            known[one.seed] = one
+            line = f"{json.dumps(asdict(one))}\n"
+            sys.stderr.write(line)
+            if given.rows is not None:
+                with given.rows.open("a") as file:
+                    file.write(line)
+    text = page([known[seed] for seed in seeds if seed in known], given.arenas)
     if given.output is not None:
         given.output.write_text(text)
     sys.stdout.write(text)
 
 
-def _drive(job: tuple[int, int, int]) -> Outcome:
-    return drive(*job)
+def _drive(job: tuple[int, int, int, float]) -> Outcome | None:
+    seed, least, most, until_s = job
+    return None if time.monotonic() > until_s else drive(seed, least, most)
 
 
 if __name__ == "__main__":
