@@ -121,8 +121,8 @@ class FleetRunner(Runner):
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         teller = _Teller(self)
         while True:
-            now = daemon.cycle()
             missions.cycle()
+            now = daemon.cycle()
             teller.cycle(now)
             watchdog.tick(self._clock())
             if self.interrupt.is_set():

@@ -40,8 +40,8 @@ def run_fleet_virtually(
         missions = GiveMissions(daemon, lambda _line: None)
         under_way_s = 0.0
         while True:
-            now = daemon.cycle()
             missions.cycle()
+            now = daemon.cycle()
             if not (missions.are_given and now.is_over):
                 under_way_s = now.time_s
             over = under_way_s < now.time_s and now.time_s - under_way_s >= linger_s

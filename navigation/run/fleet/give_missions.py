@@ -1,7 +1,9 @@
 """The configured missions, each to its robot; tasks once it is known where all robots are.
 
 Tasks go to those robots that have no stations of their own so that the straight distances together
-are least. Metres, seconds.
+are least. After a kill every journal's unfinished mission continues; what its journal says is over
+stays over as long as another robot's mission continues, so that nobody drives twice what was done
+once, or what a person has stopped. Metres, seconds.
 """
 
 from __future__ import annotations
@@ -25,22 +27,48 @@ ROBOT_PATIENCE_S: Final = 3.0
 
 
 class GiveMissions:
-    """Gives missions as soon as they can be given; `cycle` after each of the daemon's."""
+    """Gives missions as soon as they can be given; `cycle` before each of the daemon's."""
 
     def __init__(self, daemon: FleetDaemon, say: Callable[[str], None]) -> None:
         self._daemon, self._say = daemon, say
         self._people = People(daemon)
         self._until_s = daemon.world.clock() + ROBOT_PATIENCE_S
         self._left: dict[str, Mission] = {}
+        self._kept: dict[str, Mission] = {}
+        """Of a run that continues: what each journal holds, finished or not."""
         for name, seat in daemon.seats.items():
-            journalled = None if seat.journal is None else seat.journal.unfinished()
+            mission = None if seat.journal is None else seat.journal.mission()
+            if mission is not None:
+                self._kept[name] = mission
+            unfinished = None if seat.journal is None else seat.journal.unfinished()
+            if unfinished is not None:
+                self._left[name] = unfinished
+        if not self._left:
+            self._kept = {}
+        for name, mission in self._kept.items():
+            if name not in self._left:
+                say(f"{name} has nothing to continue: its mission was {mission.state.value}")
+        for name, seat in daemon.seats.items():
             stations = stations_of(seat.config)
-            if journalled is not None:
-                self._left[name] = journalled
-            elif stations:
+            if stations and name not in self._kept:
                 self._people.give(stations, name)
-        self._tasks = daemon.config.tasks if not self._left else ()
+        self._tasks = self._open_tasks()
         self.cycle()
+
+    def _open_tasks(self) -> tuple[ConfiguredStation, ...]:
+        """Tasks that nobody has: all of a run's, and of one that continues what it had not given.
+
+        They are given in one moment, but journals are written one after the other: a kill between
+        two of them leaves fewer missions than there were to give.
+        """
+        tasks = self._daemon.config.tasks
+        if not self._kept:
+            return tasks
+        free = [name for name, seat in self._daemon.seats.items() if not stations_of(seat.config)]
+        served = [self._kept[name].stations for name in free if name in self._kept]
+        if len(served) >= min(len(tasks), len(free)):
+            return ()
+        return tuple(task for task in tasks if (_station(task),) not in served)
 
     @property
     def are_given(self) -> bool:
@@ -52,7 +80,11 @@ class GiveMissions:
         for name in list(self._left):
             self._continue(name)
         seats = self._daemon.seats
-        free = {name: seat for name, seat in seats.items() if not seat.pilot.mission.stations}
+        free = {
+            name: seat
+            for name, seat in seats.items()
+            if not seat.pilot.mission.stations and name not in self._kept
+        }
         if self._tasks and all(seat.pose is not None for seat in free.values()):
             stations = [_station(task) for task in self._tasks]
             for name, number in best_placed(_places(free), stations).items():

@@ -120,6 +120,15 @@ def test_a_hidden_marker_keeps_its_place_and_its_robot_drives_on_when_it_is_seen
     assert report.least_gap_m > 0.0
 
 
+def test_tasks_are_given_once_all_are_seen_and_driven_to_the_end() -> None:
+    config = open_hall("a", "b", time_limit_s=60.0)
+    tasks = [one.stations[0].model_copy(update={"y_m": 0.6}) for one in config.mission.robots]
+    mission = config.mission.model_copy(update={"robots": ()})
+    report = run_fleet_virtually(config.model_copy(update={"mission": mission, "tasks": tasks}))
+    assert report.state == "done"
+    assert {one.stations_visited for one in report.robots.values()} == {1}
+
+
 def test_two_runs_are_the_same() -> None:
     config = open_hall("a", "b", time_limit_s=4.0)
     first, second = run_fleet_virtually(config), run_fleet_virtually(config)

@@ -34,18 +34,34 @@ class Killed(BaseException):
     """The process is gone."""
 
 
-class MortalWorld(VirtualWorld):
-    """A world whose clock kills at its ``kill_at``-th question."""
+class Reaper:
+    """Kills at its ``kill_at``-th question."""
 
     kill_at = math.inf
     asked = 0
 
-    def clock(self) -> float:
-        """Virtual seconds, or death."""
+    def ask(self) -> None:
+        """One question more: answered, or the end of who asks."""
         self.asked += 1
         if self.asked >= self.kill_at:
             self.kill_at = math.inf
             raise Killed
+
+    def arm(self, kill_at: float) -> None:
+        """Count from here."""
+        self.asked, self.kill_at = 0, kill_at
+
+
+class MortalWorld(VirtualWorld):
+    """A world whose clock kills."""
+
+    def __init__(self, config: Config) -> None:
+        self.reaper = Reaper()
+        super().__init__(config)
+
+    def clock(self) -> float:
+        """Virtual seconds, or death."""
+        self.reaper.ask()
         return super().clock()
 
     def bury(self) -> None:
@@ -76,8 +92,7 @@ def drive_under_fire(
     world = MortalWorld(config)
     first_id, killed = 1, 0
     while True:
-        world.asked = 0
-        world.kill_at = int(rng.integers(1, QUESTIONS)) if killed < kills else math.inf
+        world.reaper.arm(int(rng.integers(1, QUESTIONS)) if killed < kills else math.inf)
         try:
             # closed in any case, as the system does: a dead program holds no lock
             with Journal(journal, owner_of(config)) as with_journal:
@@ -112,6 +127,8 @@ def stands(track: FloatArray, config: Config) -> list[int]:
     """At which stations a track (n, 4) comes to a stand, each stay once, in order."""
     found: list[int] = []
     still_s, here = 0.0, -1
+    if not config.mission.stations:
+        return found
     for before, now in pairwise(track):
         gaps = [math.dist(now[1:3], (s.x_m, s.y_m)) for s in config.mission.stations]
         near = int(np.argmin(gaps)) if min(gaps) < NEAR_M else -1

@@ -1,0 +1,39 @@
+"""`clearway run` of two robots is killed with SIGKILL and started again: both missions continue."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.navigation.loop.test_fleet_kill import hall
+from tests.system.test_kill_9 import PROGRAM, kill_when_said
+
+pytestmark = [pytest.mark.slow, pytest.mark.timed]
+
+
+def run(folder: Path) -> subprocess.Popen[str]:
+    arguments = ["--once", "--no-dashboard", "--socket", "c.sock", "--report", "report.json"]
+    return subprocess.Popen(
+        [PROGRAM, "run", "hall.yaml", *arguments], cwd=folder, stdout=subprocess.PIPE, text=True
+    )
+
+
+def test_a_killed_run_of_two_robots_continues_both_missions(tmp_path: Path) -> None:
+    config = hall(tmp_path / "journal", "ab").model_dump(mode="json", exclude_none=True)
+    config["simulation"]["time_limit_s"] = 90.0
+    (tmp_path / "hall.yaml").write_text(yaml.safe_dump(config))
+    kill_when_said(run(tmp_path), "to 1 station,")
+    with run(tmp_path) as last:
+        said, _ = last.communicate(timeout=200)
+    assert last.returncode == 0, said
+    assert "a continues: " in said
+    assert "b continues: " in said
+    assert "continues: 1 of 2 stations were visited" in said
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert {one["state"] for one in report["robots"].values()} == {"done"}
+    assert {one["stations_visited"] for one in report["robots"].values()} == {2}
+    assert report["least_gap_m"] > 0.0
