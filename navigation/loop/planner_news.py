@@ -10,9 +10,10 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
+from navigation.fleet.request import FleetAnswer
 from navigation.loop.planning import ArenaPlanner, SceneCheck
 from navigation.mission.cycle import PlanAnswer
-from navigation.recording.events import PlanAnswered, RoadmapBuilt
+from navigation.recording.events import FleetAnswered, PlanAnswered, RoadmapBuilt
 from planner.roadmap.roadmap import Roadmap
 
 if TYPE_CHECKING:
@@ -93,6 +94,8 @@ class PlannerNews(Generic[_A]):
         self.plan_s = now_s - self._asked_s
         if self._recorder is not None and isinstance(answer, PlanAnswer):
             self._recorder.put(PlanAnswered(now_s, answer))
+        elif self._recorder is not None and isinstance(answer, FleetAnswer):
+            self._recorder.put(FleetAnswered(now_s, answer))
         with self._lock:
             self._answers.append(answer)
         self._wake()

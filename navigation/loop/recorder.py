@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide, hide_in
+from navigation.config.several.each_robot import each_robot
 from navigation.mission.mission import State
 from navigation.recording.events import (
     Counted,
@@ -96,13 +97,16 @@ class Recorder:
         self._pictures_waiting = 0
         self._stopping = False
         self._last_picture_s = -math.inf
-        self._counted_s = -math.inf
-        self._said: tuple[State, str] | None = None
+        self._counted_s: dict[str, float] = {}
+        self._said: dict[str, tuple[State, str]] = {}
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self.turns = 0
         """Grows while the thread writes, or waits for something to write."""
-        self._files = RecordingFiles(folder, config.recording, began, self._header, self._stamp_ns)
+        names = {one.robot.marker_id: name for name, one in each_robot(config).items()}
+        self._files = RecordingFiles(
+            folder, config.recording, began, self._header, self._stamp_ns, names
+        )
         self._thread = threading.Thread(target=self._run, name="recorder", daemon=True)
 
     def _header(self, part: int) -> dict[str, object]:
@@ -204,16 +208,19 @@ class Recorder:
         self._waiting.append(event)
         self._wake.notify()
 
-    def state(self, now: DaemonState, time_s: float) -> None:
-        """The state after a cycle: recorded where its sentence is news; counters now and then."""
+    def state(self, now: DaemonState, time_s: float, robot: str = "") -> None:
+        """The state after a cycle: recorded where its sentence is news; counters now and then.
+
+        ``robot`` is the name of one of several.
+        """
         news = (now.mission.state, now.sentence)
-        if news != self._said:
-            self._said = news
+        if news != self._said.get(robot):
+            self._said[robot] = news
             level = _LEVELS.get(now.mission.state, "info")
             sentence = hide(f"{now.mission.state.value}: {now.sentence}")
-            self.put(Told(time_s, level, sentence, "mission"))
-        if time_s - self._counted_s >= COUNTERS_EVERY_S:
-            self._counted_s = time_s
+            self.put(Told(time_s, level, sentence, robot or "mission"))
+        if time_s - self._counted_s.get(robot, -math.inf) >= COUNTERS_EVERY_S:
+            self._counted_s[robot] = time_s
             link = now.link
             values = {
                 "state": link.state.value,
@@ -223,7 +230,8 @@ class Recorder:
                 "sent": asdict(link.sent),
                 "received": asdict(link.received),
             }
-            self.put(Counted(time_s, LINK, hide_in(values)))
+            topic = f"{LINK}/{robot}" if robot else LINK
+            self.put(Counted(time_s, topic, hide_in(values)))
 
     # The recorder's thread.
 

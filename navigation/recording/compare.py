@@ -7,6 +7,7 @@ nearest place on the other, both ways (Hausdorff). Units: metres, radians, secon
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
@@ -114,6 +115,15 @@ def plan_offset_m(recorded: dict[str, Any], found: Path | NoPath) -> float:
     if recorded["status"] != "ok" or isinstance(found, NoPath):
         return 0.0
     return path_distance_m(np.asarray(recorded["path"], dtype=np.float64), found.points)
+
+
+def gates_problem(recorded: Sequence[Mapping[str, Any]], others: Sequence[str]) -> str | None:
+    """Why a robot's order at shared places differs; None where it gives way to the same ones."""
+    before = [gate["other"] for gate in recorded]
+    if before == list(others):
+        return None
+    here, there = (", then ".join(names) or "nobody" for names in (others, before))
+    return f"gives way to {here}, the recorded one to {there}"
 
 
 def plan_problem(

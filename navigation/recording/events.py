@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
+from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
@@ -76,6 +77,22 @@ class PlanAnswered:
 
 
 @dataclass(frozen=True, slots=True)
+class FleetAsked:
+    """The planner of several robots was asked for all that want to move."""
+
+    time_s: float
+    request: FleetRequest
+
+
+@dataclass(frozen=True, slots=True)
+class FleetAnswered:
+    """Its answer: what each robot is promised."""
+
+    time_s: float
+    answer: FleetAnswer
+
+
+@dataclass(frozen=True, slots=True)
 class Told:
     """A sentence for people."""
 
@@ -95,5 +112,14 @@ class Counted:
 
 
 RecordedEvent: TypeAlias = (
-    PictureTaken | RobotsSeen | SceneSeen | RoadmapBuilt | PlanAsked | PlanAnswered | Told | Counted
+    PictureTaken
+    | RobotsSeen
+    | SceneSeen
+    | RoadmapBuilt
+    | PlanAsked
+    | PlanAnswered
+    | FleetAsked
+    | FleetAnswered
+    | Told
+    | Counted
 )

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from datetime import datetime
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 import foxglove
@@ -31,6 +32,8 @@ from navigation.recording import foxglove as messages
 from navigation.recording import json_bodies as bodies
 from navigation.recording.events import (
     Counted,
+    FleetAnswered,
+    FleetAsked,
     PictureTaken,
     PlanAnswered,
     PlanAsked,
@@ -41,6 +44,7 @@ from navigation.recording.events import (
     Told,
 )
 from planner.path import NoPath
+from planner.scene import FloatArray
 
 PREFIX: Final = "clearway_"
 SUFFIX: Final = ".mcap"
@@ -57,7 +61,8 @@ class RecordingFiles:
     """The files of one recording, written by one thread.
 
     ``header(part)`` gives the configuration's message for the file of that number, from 1;
-    ``stamp_ns`` turns the run's clock into nanoseconds since 1970.
+    ``stamp_ns`` turns the run's clock into nanoseconds since 1970. ``names`` by marker id are
+    those of several driven robots, whose channels are called by them.
     """
 
     def __init__(
@@ -67,6 +72,7 @@ class RecordingFiles:
         began: datetime,
         header: Callable[[int], dict[str, Any]],
         stamp_ns: Callable[[float], int],
+        names: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
         self.folder, self.settings = folder, settings
         self.files = 0
@@ -74,14 +80,12 @@ class RecordingFiles:
         self._began = f"{PREFIX}{began:%Y-%m-%d_%H-%M-%S}"
         self._header, self._stamp_ns = header, stamp_ns
         self._context = foxglove.Context()
-        self._json = {
-            topic: foxglove.Channel(topic, schema={"type": "object"}, context=self._context)
-            for topic in bodies.TOPICS
-        }
+        self._names = names
+        self._json: dict[str, foxglove.Channel] = {}
         self._pictures = CompressedImageChannel("/camera", context=self._context)
         self._scenes = SceneUpdateChannel("/scene", context=self._context)
         self._roadmaps = SceneUpdateChannel("/roadmap", context=self._context)
-        self._paths = SceneUpdateChannel("/plan", context=self._context)
+        self._paths: dict[str, SceneUpdateChannel] = {}
         self._log = LogChannel("/log", context=self._context)
         self._poses: dict[int, PoseInFrameChannel] = {}
         self._scene: SceneSeen | None = None
@@ -111,7 +115,8 @@ class RecordingFiles:
             raise RecordingError(f"{self.path}: {error}") from None
         self.files += 1
         header = self._header(self.files)
-        self._json[bodies.CONFIGURATION].log(header, log_time=stamp_ns(header["anchor_s"]))
+        configuration = self._json_channel(bodies.CONFIGURATION)
+        configuration.log(header, log_time=stamp_ns(header["anchor_s"]))
         if self._scene is not None:
             self.write(replace(self._scene, carried=True))
 
@@ -140,7 +145,15 @@ class RecordingFiles:
             case PlanAnswered(_, answer):
                 self._write_json(bodies.PLANS, bodies.plan_body(event), time_ns)
                 points = None if isinstance(answer.path, NoPath) else answer.path.points
-                self._paths.log(messages.path_message(points, time_ns), log_time=time_ns)
+                self._write_path("/plan", points, time_ns)
+            case FleetAsked():
+                self._write_json(bodies.FLEET_REQUESTS, bodies.fleet_request_body(event), time_ns)
+            case FleetAnswered(_, fleet):
+                self._write_json(bodies.FLEET_PLANS, bodies.fleet_plan_body(event), time_ns)
+                for name in self._names.values():
+                    promise = fleet.promises.get(name)
+                    points = None if promise is None else promise.points
+                    self._write_path(f"/robot/{name}/plan", points, time_ns)
             case Told(_, level, sentence, source):
                 log = messages.log_message(level, sentence, source, time_ns)
                 self._log.log(log, log_time=time_ns)
@@ -149,11 +162,22 @@ class RecordingFiles:
 
     def _write_json(self, topic: str, body: dict[str, Any], time_ns: int) -> None:
         text = json.dumps(body, allow_nan=False, default=asdict)
-        self._json[topic].log(text.encode(), log_time=time_ns)
+        self._json_channel(topic).log(text.encode(), log_time=time_ns)
+
+    def _write_path(self, topic: str, points: FloatArray | None, time_ns: int) -> None:
+        if topic not in self._paths:
+            self._paths[topic] = SceneUpdateChannel(topic, context=self._context)
+        self._paths[topic].log(messages.path_message(points, time_ns), log_time=time_ns)
+
+    def _json_channel(self, topic: str) -> foxglove.Channel:
+        if topic not in self._json:
+            schema = {"type": "object"}
+            self._json[topic] = foxglove.Channel(topic, schema=schema, context=self._context)
+        return self._json[topic]
 
     def _pose_channel(self, robot_id: int) -> PoseInFrameChannel:
         if robot_id not in self._poses:
-            topic = f"/robot/{robot_id}/pose"
+            topic = f"/robot/{self._names.get(robot_id, robot_id)}/pose"
             self._poses[robot_id] = PoseInFrameChannel(topic, context=self._context)
         return self._poses[robot_id]
 

@@ -7,16 +7,26 @@ the text of `planner.formats.scene_text`, the calibration that of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 from pydantic import TypeAdapter
 
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide_in
+from navigation.fleet.request import FleetRequest, Promise
 from navigation.mission.cycle import PlanRequest
-from navigation.recording.events import PlanAnswered, PlanAsked, RobotsSeen, SceneSeen
+from navigation.mission.targets import Target
+from navigation.recording.events import (
+    FleetAnswered,
+    FleetAsked,
+    PlanAnswered,
+    PlanAsked,
+    RobotsSeen,
+    SceneSeen,
+)
 from planner.formats.scene_text import write_scene_text
-from planner.path import NoPath
+from planner.path import NoPath, Path, Trajectory
 from vision.camera.sources import without_password
 
 SCHEMA: Final = "clearway.recording/1"
@@ -26,10 +36,16 @@ SCENES: Final = "/clearway/scenes"
 REQUESTS: Final = "/clearway/requests"
 PLANS: Final = "/clearway/plans"
 LINK: Final = "/clearway/link"
-TOPICS: Final = (CONFIGURATION, FRAMES, SCENES, REQUESTS, PLANS, LINK)
-"""Topics of JSON messages; the others are Foxglove's own schemas."""
+FLEET_REQUESTS: Final = "/clearway/fleet/requests"
+FLEET_PLANS: Final = "/clearway/fleet/plans"
+TOPICS: Final = (
+    CONFIGURATION, FRAMES, SCENES, REQUESTS, PLANS, FLEET_REQUESTS, FLEET_PLANS, LINK,
+)  # fmt: skip
+"""Topics of JSON messages, and ``LINK/NAME`` of several robots; the others are Foxglove's own
+schemas."""
 
 _REQUEST: TypeAdapter[PlanRequest] = TypeAdapter(PlanRequest)
+_FLEET_REQUEST: TypeAdapter[FleetRequest] = TypeAdapter(FleetRequest)
 
 
 def configuration_body(
@@ -100,16 +116,55 @@ def plan_body(answered: PlanAnswered) -> dict[str, Any]:
         "revision": answer.scene_revision,
     }
     if isinstance(answer.path, NoPath):
-        return {**body, "status": "unreachable", "reason": answer.path.reason}
+        return {**body, **_unreachable(answer.path.reason)}
+    return {**body, **_way(answer.path, answer.trajectory, answer.targets)}
+
+
+def _unreachable(reason: str) -> dict[str, Any]:
+    return {"status": "unreachable", "reason": reason}
+
+
+def _way(path: Path, trajectory: Trajectory | None, targets: Sequence[Target]) -> dict[str, Any]:
     return {
-        **body,
         "status": "ok",
-        "path": answer.path.points.tolist(),
-        "length_m": float(answer.path.length),
-        "min_clearance_m": float(answer.path.min_clearance),
-        "duration_s": None if answer.trajectory is None else answer.trajectory.duration_s,
+        "path": path.points.tolist(),
+        "length_m": float(path.length),
+        "min_clearance_m": float(path.min_clearance),
+        "duration_s": None if trajectory is None else trajectory.duration_s,
         "targets": [
             {"x_m": t.x_m, "y_m": t.y_m, "heading_rad": t.heading_rad, "speed_m_s": t.speed_m_s}
-            for t in answer.targets
+            for t in targets
         ],
     }
+
+
+def fleet_request_body(asked: FleetAsked) -> dict[str, Any]:
+    """What the planner of several robots was asked, every field of it."""
+    request = _FLEET_REQUEST.dump_python(asked.request, mode="json")
+    return {"time_s": asked.time_s, "request": request}
+
+
+def fleet_request_of(body: dict[str, Any]) -> FleetRequest:
+    """The request in a message; pydantic's ValidationError (a ValueError) where it is none."""
+    return _FLEET_REQUEST.validate_python(body["request"])
+
+
+def fleet_plan_body(answered: FleetAnswered) -> dict[str, Any]:
+    """What several robots are promised, by name: each one's path and gates, or why it has none."""
+    answer = answered.answer
+    robots = {name: _promise(promise) for name, promise in answer.promises.items()}
+    robots |= {name: _unreachable(reason) for name, reason in answer.refused.items()}
+    return {
+        "time_s": answered.time_s,
+        "id": answer.id,
+        "revision": answer.scene_revision,
+        "robots": robots,
+    }
+
+
+def _promise(promise: Promise) -> dict[str, Any]:
+    gates = [
+        {"before": gate.before, "other": gate.other, "passed": gate.passed}
+        for gate in promise.gates
+    ]
+    return {**_way(promise.path, promise.trajectory, promise.targets), "gates": gates}

@@ -20,6 +20,7 @@ from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import CRCValidationError, StreamReader, breakup_chunk
 
 from navigation.config import Config
+from navigation.fleet.request import FleetRequest
 from navigation.mission.cycle import PlanRequest
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
@@ -54,9 +55,10 @@ class SeenScene:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A request and its answer, as `json_bodies.plan_body` has it."""
+    """A request and its answer, as `json_bodies.plan_body` has it; of several robots as
+    `json_bodies.fleet_plan_body`."""
 
-    request: PlanRequest
+    request: PlanRequest | FleetRequest
     answer: dict[str, Any]
 
 
@@ -89,7 +91,8 @@ class Recording:
 def read_recording(path: Path) -> Recording:
     """Read a recording; `RecordingError` where it is none, or has no configuration."""
     recording: Recording | None = None
-    asked: dict[int, PlanRequest] = {}
+    asked: dict[tuple[str, int], PlanRequest | FleetRequest] = {}
+    """By the topic of the answer, and id."""
     messages = _Messages(path)
     for topic, message in messages:
         if topic not in bodies.TOPICS:
@@ -104,9 +107,12 @@ def read_recording(path: Path) -> Recording:
                 recording.scenes.append(_scene(body))
             elif topic == bodies.REQUESTS:
                 request = bodies.request_of(body)
-                asked[request.id] = request
-            elif topic == bodies.PLANS and body["id"] in asked:
-                recording.plans.append(Planned(asked.pop(body["id"]), body))
+                asked[bodies.PLANS, request.id] = request
+            elif topic == bodies.FLEET_REQUESTS:
+                of_all = bodies.fleet_request_of(body)
+                asked[bodies.FLEET_PLANS, of_all.id] = of_all
+            elif (topic, body.get("id")) in asked:
+                recording.plans.append(Planned(asked.pop((topic, body["id"])), body))
         except (ValueError, KeyError, TypeError, SceneError, RecursionError) as error:
             raise RecordingError(f"{path}: a message of {topic} cannot be read: {error}") from None
     if recording is None:

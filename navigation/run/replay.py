@@ -1,8 +1,9 @@
 """Runs vision and planner again on a recording, and says where they come to something else.
 
 Rules
-- The pictures go through the same `Eye`, the requests through the same `ArenaPlanner`, with
-  the recorded configuration and calibration; start and stations are those that were asked.
+- The pictures go through the same `Eye`, the requests through the same `ArenaPlanner`, or with
+  several robots `FleetPlanner`, with the recorded configuration and calibration; starts and
+  stations are those that were asked.
 - A recording may hold fewer pictures than were seen: a scene counts as found when the replay
   comes to it while it was the newest, or within ``SCENE_LAG_S`` after.
 - Tracking may take a moment to find a robot that the run had found before: a robot must be
@@ -17,14 +18,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Protocol
 
+from navigation.config.several.each_robot import each_robot
+from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.loop.eye import Eye
+from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.stages import eye_settings, marked_robots, plan_settings
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.recording.compare import (
     Difference,
     Tolerances,
+    gates_problem,
     plan_offset_m,
     plan_problem,
     pose_offset,
@@ -33,6 +39,7 @@ from navigation.recording.compare import (
 )
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import Planned, Recording, SeenFrame, SeenScene
+from planner.path import NoPath
 from planner.scene import Scene
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker
@@ -79,6 +86,55 @@ class _FoundScene:
     scene: Scene
 
 
+class _Plans(Protocol):
+    """What is asked again: one robot's planner, or that of several."""
+
+    @property
+    def revision(self) -> int:
+        """Of the scene that it saw last."""
+        ...
+
+    def see(self, scene: Scene, revision: int) -> None:
+        """Take over a scene."""
+
+    def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
+        """How far off its plan is, and how it differs; None where they agree."""
+        ...
+
+
+class _PlansOfOne(ArenaPlanner):
+    """The planner of one robot."""
+
+    def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
+        """The paths."""
+        assert isinstance(planned.request, PlanRequest)
+        answer: PlanAnswer = self.answer(planned.request)
+        off_m = plan_offset_m(planned.answer, answer.path)
+        return off_m, plan_problem(planned.answer, answer.path, off_m, limits)
+
+
+class _PlansOfSeveral(FleetPlanner):
+    """The planner of several robots."""
+
+    def compare(self, planned: Planned, limits: Tolerances) -> tuple[float, str | None]:
+        """The farthest of all paths, the first robot's difference, and who gives way to whom."""
+        assert isinstance(planned.request, FleetRequest)
+        answer: FleetAnswer = self.answer(planned.request)
+        farthest_m, first = 0.0, None
+        for name, recorded in sorted(planned.answer["robots"].items()):
+            promise = answer.promises.get(name)
+            why = answer.refused.get(name, "it was not asked for")
+            path = NoPath(why) if promise is None else promise.path
+            off_m = plan_offset_m(recorded, path)
+            farthest_m = max(farthest_m, off_m)
+            problem = plan_problem(recorded, path, off_m, limits)
+            if problem is None and promise is not None:
+                problem = gates_problem(recorded["gates"], [gate.other for gate in promise.gates])
+            if problem is not None and first is None:
+                first = f"of {name} {problem}"
+        return farthest_m, first
+
+
 class Replay:
     """One recording going through the pipeline once; `run` it.
 
@@ -94,16 +150,21 @@ class Replay:
                 f"{recording.path}: is of {len(config.cameras)} cameras, whose pictures are "
                 "recorded as one: a replay needs each camera's own"
             )
+        alone = each_robot(config)
+        driven = [one.robot for one in alone.values()]
         tracker = MarkerTracker(
             recording.calibration,
-            marked_robots(config),
+            marked_robots(config, driven),
             config.robot.dictionary,
             config.camera.rolling_shutter_ms / 1000.0,
         )
-        self._eye = Eye(recording.calibration, tracker, eye_settings(config))
-        self._planner = ArenaPlanner(plan_settings(config))
-        self._planner_of_recorded = ArenaPlanner(plan_settings(config))
-        """Sees the recorded scenes only: each of the two stays with its own last way."""
+        self._eye = Eye(recording.calibration, tracker, eye_settings(config, driven))
+
+        def planner() -> _Plans:
+            return _PlansOfSeveral(alone) if alone else _PlansOfOne(plan_settings(config))
+
+        self._planner, self._planner_of_recorded = planner(), planner()
+        """The second sees the recorded scenes only: each of the two stays with its own last way."""
         self._found: list[_FoundScene] = []
         self._last_s = -math.inf
         self._first_s: float | None = None
@@ -228,16 +289,12 @@ class Replay:
             sentence = f"plan {planned.request.id} {problem}"
             self._differ("plan", planned.answer["time_s"], sentence)
 
-    def _offset(
-        self, arena_planner: ArenaPlanner, planned: Planned, scene: Scene
-    ) -> tuple[float, str | None]:
+    def _offset(self, planner: _Plans, planned: Planned, scene: Scene) -> tuple[float, str | None]:
         """How far off the plan in this scene is, and how it differs; None where they agree."""
         revision = int(planned.answer["revision"])
-        if arena_planner.revision != revision:
-            arena_planner.see(scene, revision)
-        path = arena_planner.answer(planned.request).path
-        off_m = plan_offset_m(planned.answer, path)
-        return off_m, plan_problem(planned.answer, path, off_m, self.tolerances)
+        if planner.revision != revision:
+            planner.see(scene, revision)
+        return planner.compare(planned, self.tolerances)
 
 
 def replay(recording: Recording, tolerances: Tolerances | None = None) -> ReplayResult:

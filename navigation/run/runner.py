@@ -45,6 +45,7 @@ from navigation.run.summary import (
 )
 from navigation.run.world import World, camera_words
 from navigation.shared.supervisor import Part
+from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ class Runner:
             seen_by = camera_words(self.config)
             self._say(f"{seen_by}, robot on {world.port}")
             socket = self._socket or default_socket()
-            recorder = self._open_recorder(open_things, world)
+            recorder = self._open_recorder(open_things, world.calibration)
             first_id = random.SystemRandom().randrange(1, 1 << 32)
             daemon = open_things.enter_context(
                 Daemon(
@@ -268,7 +269,7 @@ class Runner:
         self._log.logs.append(open_things.enter_context(closing(events)))
         return folder
 
-    def _open_recorder(self, open_things: ExitStack, world: World) -> Recorder | None:
+    def _open_recorder(self, open_things: ExitStack, calibration: Calibration) -> Recorder | None:
         settings = self.config.recording
         if self._record is None and not settings.record:
             return None
@@ -277,7 +278,7 @@ class Runner:
         folder = self._record or settings.folder
         now = datetime.now()
         recorder = open_things.enter_context(
-            Recorder(self.config, world.calibration, folder, clock=self._clock, began=now)
+            Recorder(self.config, calibration, folder, clock=self._clock, began=now)
         )
         self._say(f"recording into {recorder.path}")
         return recorder

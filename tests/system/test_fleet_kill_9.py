@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from navigation.recording.files import recordings_in
+from navigation.recording.reader import read_recording
 from tests.navigation.loop.test_fleet_kill import hall
 from tests.system.test_kill_9 import PROGRAM, kill_when_said
 
@@ -17,6 +19,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 def run(folder: Path) -> subprocess.Popen[str]:
     arguments = ["--once", "--no-dashboard", "--socket", "c.sock", "--report", "report.json"]
+    arguments += ["--record", "recordings"]
     return subprocess.Popen(
         [PROGRAM, "run", "hall.yaml", *arguments], cwd=folder, stdout=subprocess.PIPE, text=True
     )
@@ -37,3 +40,6 @@ def test_a_killed_run_of_two_robots_continues_both_missions(tmp_path: Path) -> N
     assert {one["state"] for one in report["robots"].values()} == {"done"}
     assert {one["stations_visited"] for one in report["robots"].values()} == {2}
     assert report["least_gap_m"] > 0.0
+    killed, whole = (read_recording(file) for file in recordings_in(tmp_path / "recordings"))
+    assert (killed.cut, whole.cut) == (True, False)
+    assert set(killed.plans[0].answer["robots"]) == set(whole.plans[0].answer["robots"])

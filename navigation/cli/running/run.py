@@ -100,8 +100,6 @@ def command(
     while loaded is not None:
         loaded = settled(loaded)
         fleet = len(loaded.robots) > 1
-        if fleet and (record is not None or loaded.recording.record):
-            raise click.UsageError("recording is of one robot: a run of several cannot be recorded")
         runner = (FleetRunner if fleet else Runner)(
             loaded,
             once=once,

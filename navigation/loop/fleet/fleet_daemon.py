@@ -30,7 +30,7 @@ from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, Sight
 from navigation.mission.traffic import Mover
-from navigation.recording.events import SceneSeen
+from navigation.recording.events import FleetAsked, SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Scene
@@ -231,6 +231,9 @@ class FleetDaemon:
         decided = {name: self._decide(seat, now_s, failed) for name, seat in self.seats.items()}
         self._coordinate(now_s, decided, answer)
         self.state = self._state(now_s, decided)
+        if self._recorder is not None:
+            for name, one in self.state.robots.items():
+                self._recorder.state(one, now_s, name)
         with self._turned:
             self._ended += 1
             self._turned.notify_all()
@@ -339,6 +342,8 @@ class FleetDaemon:
         if fleet.request is not None:
             self._news.gets_request(now_s)
             self._planner.ask(fleet.request)
+            if self._recorder is not None:
+                self._recorder.put(FleetAsked(now_s, fleet.request))
         for name, seat in self.seats.items():
             seat.answer = fleet.answers.get(name)
             seat.partner = fleet.holds.get(name)

@@ -27,6 +27,11 @@ class FleetPlanner:
         """The newest roadmap; None before the first scene."""
         return self._arena.roadmap
 
+    @property
+    def revision(self) -> int:
+        """Of the newest scene; 0 before the first."""
+        return self._arena.revision
+
     def see(self, scene: Scene, revision: int) -> None:
         """Take over a new scene."""
         self._arena.see(scene, revision)

@@ -51,8 +51,9 @@ class FleetRunner(Runner):
             ports = ", ".join(f"{name} on {port}" for name, port in world.ports.items())
             self._say(f"camera {self.config.camera.source}, {ports}")
             first_id = random.SystemRandom().randrange(1, 1 << 32)
+            recorder = self._open_recorder(open_things, world.calibration)
             daemon = open_things.enter_context(
-                FleetDaemon(self.config, world, first_mission_id=first_id)
+                FleetDaemon(self.config, world, first_mission_id=first_id, recorder=recorder)
             )
             for name, journal in journals.items():
                 daemon.seats[name].journal = journal
@@ -81,6 +82,8 @@ class FleetRunner(Runner):
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
         self._write(folder, report)
+        if recorder is not None:
+            self._say(recorder.summary())
         return report, folder, self._exit_code_of(state, daemon)
 
     def _write(self, folder: Path | None, report: FleetReport) -> None:

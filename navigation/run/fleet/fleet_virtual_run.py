@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from navigation.config import Config
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
@@ -12,6 +16,9 @@ from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from navigation.run.fleet.give_missions import GiveMissions
 from navigation.run.virtual_world import VirtualTimes
+
+if TYPE_CHECKING:
+    from navigation.loop.recorder import Recorder
 
 FIRST_MISSION_ID = 1
 Look = Callable[[FleetDaemon, FleetState], bool]
@@ -24,19 +31,28 @@ def run_fleet_virtually(
     meet: Callable[[FleetVirtualWorld, float], None] | None = None,
     look: Look | None = None,
     linger_s: float = 0.0,
+    record: Path | None = None,
+    bodies: Mapping[str, Config] | None = None,
 ) -> FleetReport:
     """Drive the configured missions until all are over or the time limit; the run's report.
 
     ``meet`` is called every millisecond with the world and the time since the start, and may
     change its troubles; ``look`` after each cycle, and ends the run where it is True. The run ends
-    ``linger_s`` after all missions are over.
+    ``linger_s`` after all missions are over. ``record`` is a folder for recordings, ``bodies``
+    what the simulated robots really are.
     """
     if config.simulation is None:
         raise ValueError("a run in virtual time needs a section 'simulation'")
-    world = FleetVirtualWorld(config, times)
+    world = FleetVirtualWorld(config, times, bodies)
     if meet is not None:
         world.meet = lambda since_s: meet(world, since_s)
-    with FleetDaemon(config, world, first_mission_id=FIRST_MISSION_ID) as daemon:
+    with ExitStack() as open_things:
+        recorder = None
+        if record is not None:
+            recorder = open_things.enter_context(_recorder(config, world, record))
+        daemon = open_things.enter_context(
+            FleetDaemon(config, world, first_mission_id=FIRST_MISSION_ID, recorder=recorder)
+        )
         missions = GiveMissions(daemon, lambda _line: None)
         under_way_s = 0.0
         while True:
@@ -54,3 +70,11 @@ def run_fleet_virtually(
                 break
         duration_s = world.clock() - daemon.started_s
         return summarise_fleet(daemon, world.truths, state, reason, duration_s)
+
+
+def _recorder(config: Config, world: FleetVirtualWorld, folder: Path) -> Recorder:
+    """A recorder whose virtual seconds count from 1970: the same stamps every time."""
+    from navigation.loop.recorder import Recorder  # only a run that records needs its libraries
+
+    began = datetime.fromtimestamp(world.clock(), UTC)
+    return Recorder(config, world.calibration, folder, clock=world.clock, began=began)

@@ -5,7 +5,7 @@ Metres, radians, virtual seconds.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -83,14 +83,24 @@ def _body(config: Config) -> Body:
 
 
 class FleetVirtualWorld:
-    """`fleet_daemon.FleetSurroundings` in virtual time."""
+    """`fleet_daemon.FleetSurroundings` in virtual time.
 
-    def __init__(self, config: Config, times: VirtualTimes | None = None) -> None:
+    ``bodies`` by name is what the simulated robots really are, where their errors are each its
+    own; else as configured.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        times: VirtualTimes | None = None,
+        bodies: Mapping[str, Config] | None = None,
+    ) -> None:
         assert config.simulation is not None
         self.config = config
         self.times = times or VirtualTimes()
         self.camera_troubles = CameraTroubles()
-        self.bodies = {name: _body(one) for name, one in each_robot(config).items()}
+        alone = each_robot(config) if bodies is None else bodies
+        self.bodies = {name: _body(one) for name, one in alone.items()}
         self._memory = Memory(np.random.default_rng(config.simulation.seed))
         self._arenas = arenas_over_time(config, load_arena(config))
         self._tracks = tracks_of(config)
