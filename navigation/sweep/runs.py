@@ -12,17 +12,23 @@ Rules
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, dataclass, fields
-from typing import Final
+from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from navigation.config import Config
+from navigation.sweep.fleet_variations import FleetVariation, fleet_varied
 from navigation.sweep.variations import Variation, varied
+
+if TYPE_CHECKING:
+    from navigation.run.report import Report
 
 MOST_ATTEMPTS: Final = 3
 IN_HAND_PER_WORKER: Final = 2
+IDLE: Final = "idle"
+"""The state in the row of one of several robots that had no mission."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +59,16 @@ class Row:
     slip: float = 0.0
     noise_grey: float = 0.0
     blur_px: float = 0.0
+    robot: str = ""
+    """Of several robots the one that the row is of."""
+    least_gap_m: float | None = None
+    """Of several robots: between the two bodies that came nearest in the run."""
 
 
-COLUMNS: Final = tuple(field.name for field in fields(Row))
+Chosen: TypeAlias = Variation | FleetVariation
+Work: TypeAlias = Callable[[Config, Chosen], tuple[Row, ...]]
+FLEET_COLUMNS: Final = tuple(field.name for field in fields(Row))
+COLUMNS: Final = tuple(name for name in FLEET_COLUMNS if name not in ("robot", "least_gap_m"))
 
 
 def run_one(config: Config, v: Variation) -> Row:
@@ -65,8 +78,37 @@ def run_one(config: Config, v: Variation) -> Row:
     from navigation.run.virtual_run import run_virtually
 
     cv2.setNumThreads(1)  # the other cores have runs of their own
-    report = run_virtually(varied(config, v))
+    return _row(run_virtually(varied(config, v)), v)
+
+
+def run_several(config: Config, v: FleetVariation) -> tuple[Row, ...]:
+    """One run of a sweep over several robots, in a worker: a row for each of them."""
+    import cv2
+
+    from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+
+    cv2.setNumThreads(1)
+    whole, bodies = fleet_varied(config, v)
+    report = run_fleet_virtually(whole, bodies=bodies)
+    rows = {
+        name: _row(one, v.robots[name], name, report.least_gap_m)
+        for name, one in report.robots.items()
+    }
+    return tuple(
+        row if report.robots[name].stations else replace(row, state=IDLE)
+        for name, row in rows.items()
+    )
+
+
+def run_rows(config: Config, v: Chosen) -> tuple[Row, ...]:
+    """One run of one robot or several."""
+    return run_several(config, v) if isinstance(v, FleetVariation) else (run_one(config, v),)
+
+
+def _row(report: Report, v: Variation, robot: str = "", least_gap_m: float | None = None) -> Row:
     return Row(
+        robot=robot,
+        least_gap_m=least_gap_m,
         state=report.state,
         reason=report.reason,
         duration_s=report.duration_s,
@@ -87,21 +129,21 @@ def run_one(config: Config, v: Variation) -> Row:
 class Sweep:
     """Hands variations out to workers and takes rows, whatever becomes of the workers.
 
-    ``open_executor`` makes the executor, and another when it broke; ``work`` is `run_one`, or
+    ``open_executor`` makes the executor, and another when it broke; ``work`` is `run_rows`, or
     another function of the same arguments in tests.
     """
 
     def __init__(
         self,
         config: Config,
-        variations: list[Variation],
+        variations: Sequence[Chosen],
         open_executor: Callable[[], Executor],
         workers: int,
-        work: Callable[[Config, Variation], Row] = run_one,
+        work: Work = run_rows,
     ) -> None:
         self._config = config
         self._left = deque(variations)
-        self._suspects: deque[Variation] = deque()
+        self._suspects: deque[Chosen] = deque()
         self._open_executor = open_executor
         self._most_in_hand = max(1, workers * IN_HAND_PER_WORKER)
         self._work = work
@@ -110,9 +152,10 @@ class Sweep:
         """How often workers died."""
 
     def rows(self) -> Iterator[Row]:
-        """A row for every variation, in the order in which they are done."""
+        """A row for every variation, of several robots one for each, in the order in which they
+        are done."""
         executor = self._open_executor()
-        running: dict[Future[Row], Variation] = {}
+        running: dict[Future[tuple[Row, ...]], Chosen] = {}
         try:
             while self._left or self._suspects or running:
                 for chosen in self._next(len(running)):
@@ -122,10 +165,10 @@ class Sweep:
                 for future in done:
                     chosen, error = running.pop(future), future.exception()
                     if error is None:
-                        yield future.result()
+                        yield from future.result()
                     elif future not in died:
                         sentence = f"{type(error).__name__}: {error}"
-                        yield _failed_row(chosen, "crashed", sentence)
+                        yield from _failed_rows(chosen, "crashed", sentence)
                     else:
                         yield from self._again(chosen)
                 if died:
@@ -141,7 +184,7 @@ class Sweep:
                 future.cancel()
             executor.shutdown(wait=False)
 
-    def _next(self, running: int) -> Iterator[Variation]:
+    def _next(self, running: int) -> Iterator[Chosen]:
         """What to hand out now; one that was at work when a worker died goes alone."""
         if self._suspects:
             if running == 0:
@@ -151,13 +194,13 @@ class Sweep:
             running += 1
             yield self._left.popleft()
 
-    def _again(self, chosen: Variation) -> Iterator[Row]:
+    def _again(self, chosen: Chosen) -> Iterator[Row]:
         """Try a variation again whose worker died; a row where that was too often."""
         attempts = self._attempts[chosen.run] = self._attempts.get(chosen.run, 0) + 1
         if attempts < MOST_ATTEMPTS:
             self._suspects.append(chosen)
         else:
-            yield _failed_row(chosen, "killed", f"its worker died {attempts} times")
+            yield from _failed_rows(chosen, "killed", f"its worker died {attempts} times")
 
 
 def _is_death(error: BaseException | None) -> bool:
@@ -169,5 +212,7 @@ def _is_death(error: BaseException | None) -> bool:
     )
 
 
-def _failed_row(v: Variation, state: str, reason: str) -> Row:
-    return Row(state=state, reason=reason, **asdict(v))
+def _failed_rows(chosen: Chosen, state: str, reason: str) -> Iterator[Row]:
+    robots = chosen.robots if isinstance(chosen, FleetVariation) else {"": chosen}
+    for name, one in robots.items():
+        yield Row(state=state, reason=reason, robot=name, **asdict(one))

@@ -21,6 +21,7 @@ from navigation.sweep.variations import SweepError
 
 MEASURES: Final = (
     "duration_s",
+    "least_gap_m",
     "min_clearance_m",
     "tracking_rms_m",
     "tracking_max_m",
@@ -33,8 +34,8 @@ MEASURES: Final = (
 class SweepFile:
     """Where rows go; a context manager. ``SweepError`` where that cannot be."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, columns: Sequence[str] = COLUMNS) -> None:
+        self.path, self.columns = path, columns
         self.rows: list[Row] = []
         if path.suffix not in (".csv", ".parquet"):
             raise SweepError(f"{path}: must end in .csv or .parquet")
@@ -46,7 +47,7 @@ class SweepFile:
             self._file = self._growing.open("w", newline="", encoding="utf-8")
         except OSError as error:
             raise SweepError(f"{self._growing}: {error.strerror or error}") from None
-        self._writer = csv.DictWriter(self._file, COLUMNS)
+        self._writer = csv.DictWriter(self._file, columns)
         self._writer.writeheader()
 
     def __enter__(self) -> SweepFile:
@@ -55,7 +56,7 @@ class SweepFile:
     def add(self, row: Row) -> None:
         """Keep a row, at once."""
         self.rows.append(row)
-        self._writer.writerow(asdict(row))
+        self._writer.writerow(_as_written(row, self.columns))
         self._file.flush()
 
     def __exit__(
@@ -67,25 +68,30 @@ class SweepFile:
         self._file.close()
         if error is None:
             self.rows.sort(key=lambda row: row.run)
-            write_rows(self.path, self.rows)
+            write_rows(self.path, self.rows, self.columns)
             if self._growing != self.path:
                 self._growing.unlink()
 
 
-def write_rows(path: Path, rows: Sequence[Row]) -> None:
+def _as_written(row: Row, columns: Sequence[str]) -> dict[str, Any]:
+    values = asdict(row)
+    return {name: values[name] for name in columns}
+
+
+def write_rows(path: Path, rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> None:
     """Write all rows, whole or not at all."""
     fresh = path.with_suffix(path.suffix + ".new")
     if path.suffix == ".parquet":
         arrow = _pyarrow()
-        table = arrow.Table.from_pylist([asdict(row) for row in rows])
+        table = arrow.Table.from_pylist([_as_written(row, columns) for row in rows])
         import pyarrow.parquet
 
         pyarrow.parquet.write_table(table, fresh)
     else:
         with fresh.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, COLUMNS)
+            writer = csv.DictWriter(file, columns)
             writer.writeheader()
-            writer.writerows(asdict(row) for row in rows)
+            writer.writerows(_as_written(row, columns) for row in rows)
     fresh.replace(path)
 
 
@@ -110,7 +116,8 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A sweep in a few numbers: how many runs ended how, and the measures."""
+    """A sweep in a few numbers: how many runs there were, how many rows ended how (of several
+    robots a run has a row for each), and the measures."""
 
     runs: int
     states: dict[str, int]
@@ -129,4 +136,4 @@ def summarise_rows(rows: Iterable[Row]) -> Summary:
                 len(values), float(least), float(median), float(p95), float(most)
             )
     states = Counter(row.state for row in rows)
-    return Summary(len(rows), dict(sorted(states.items())), measures)
+    return Summary(len({row.run for row in rows}), dict(sorted(states.items())), measures)

@@ -6,7 +6,8 @@ Units: metres, radians; degrees in configurations.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -15,7 +16,7 @@ from navigation.config import Config
 from navigation.config.values import Pose
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.happenings import arenas_over_time
-from planner.scene import FloatArray
+from planner.scene import FloatArray, Vec
 
 WHEEL_ERROR: Final = 0.03
 TRACK_ERROR: Final = 0.02
@@ -50,6 +51,10 @@ class Variation:
     noise_grey: float
     blur_px: float
 
+    def with_run_of(self, other: Variation) -> Variation:
+        """The same robot in another one's run: its seed and its camera."""
+        return replace(self, seed=other.seed, noise_grey=other.noise_grey, blur_px=other.blur_px)
+
 
 def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Variation:
     """Variation ``run`` (from 0) of a sweep's ``seed``; ``spread`` 0 changes the seed only.
@@ -60,17 +65,31 @@ def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Varia
     """
     if config.simulation is None:
         raise SweepError("a sweep needs a section 'simulation'")
+    return draw(
+        config, np.random.default_rng([seed, run]), run, spread, arena_at_the_start(config), ()
+    )
+
+
+def draw(
+    config: Config,
+    rng: np.random.Generator,
+    run: int,
+    spread: float,
+    arena: SimulatedArena,
+    others: Sequence[tuple[Vec, float]],
+) -> Variation:
+    """One robot's variation; ``others`` are places, and how far its start must be from each."""
+    assert config.simulation is not None
     if not 0.0 <= spread <= MOST_SPREAD:
         raise SweepError(f"spread {spread:g}: must be >= 0 and <= {MOST_SPREAD:g}")
-    rng = np.random.default_rng([seed, run])
     # each drawn whatever the spread is, so that a wider sweep is the same one, only wider
     unit = rng.uniform(-1.0, 1.0, 9)
     share = 0.5 + 0.5 * unit
     simulation, camera, robot = config.simulation, config.simulation.camera, config.simulation.robot
     start = simulation.start
     if start is None:
-        raise SweepError("a sweep needs one robot with simulation.start, not several")
-    start_x_m, start_y_m = _free_start(config, START_M * spread * unit[:2])
+        raise SweepError("a sweep needs simulation.start")
+    start_x_m, start_y_m = _free_start(config, START_M * spread * unit[:2], arena, others)
     if spread == 0.0:
         left, right = robot.wheel_radius_error
         errors = (left, right, robot.track_error, robot.slip, camera.noise_grey, camera.blur_px)
@@ -93,23 +112,31 @@ def variation(config: Config, seed: int, run: int, spread: float = 1.0) -> Varia
     )
 
 
-def _free_start(config: Config, offset_m: FloatArray) -> tuple[float, float]:
+def _free_start(
+    config: Config,
+    offset_m: FloatArray,
+    arena: SimulatedArena,
+    others: Sequence[tuple[Vec, float]],
+) -> tuple[float, float]:
     """The configured start moved by the offset (2,), or by as many halves of it as it takes to
-    be as free as planning wants, or as the configured one where that is less."""
+    be as free as planning wants and as far from other starts, or as the configured one is."""
     assert config.simulation is not None
     start = config.simulation.start
     assert start is not None
     at_m = np.array([start.x_m, start.y_m])
-    arena = _arena_at_the_start(config)
     wanted_m = config.robot.radius_m + config.planning.margin_m
     wanted_m = min(wanted_m, float(arena.clearances(at_m[None])[0]))
     tried_m = at_m + offset_m * 0.5 ** np.arange(HALVINGS)[:, None]
-    free = np.flatnonzero(arena.clearances(tried_m) >= wanted_m)
+    is_free = arena.clearances(tried_m) >= wanted_m
+    for place, apart_m in others:
+        is_free &= np.hypot(*(tried_m - np.array(place)).T) >= apart_m
+    free = np.flatnonzero(is_free)
     x_m, y_m = tried_m[free[0]] if len(free) else at_m
     return float(x_m), float(y_m)
 
 
-def _arena_at_the_start(config: Config) -> SimulatedArena:
+def arena_at_the_start(config: Config) -> SimulatedArena:
+    """What the simulated arena is when a run begins."""
     return arenas_over_time(config, load_arena(config))[0][1]
 
 

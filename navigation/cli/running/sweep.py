@@ -65,7 +65,8 @@ def command(
     """Repeat the simulated configuration CONFIG in virtual time, as fast as the machine can.
 
     Each run has another seed, another start nearby, other wheels and another camera's noise;
-    the same seed gives the same rows. A worker that dies is replaced. Exits 0 when every
+    the same seed gives the same rows. Of several robots each has a row for each run, with its name
+    and the least gap between any two. A worker that dies is replaced. Exits 0 when every
     mission was done, 1 when some were not.
     """
     from rich.console import Console
@@ -73,24 +74,29 @@ def command(
 
     from navigation.cli.setup.check import load_checked
     from navigation.config.known_robots import CLEARWAY
-    from navigation.sweep.runs import Sweep
+    from navigation.config.several.each_robot import settled
+    from navigation.sweep.fleet_variations import fleet_variation
+    from navigation.sweep.runs import COLUMNS, FLEET_COLUMNS, IDLE, Sweep
     from navigation.sweep.table import SweepFile, summarise_rows
     from navigation.sweep.variations import variation
 
-    loaded = load_checked(config.absolute())
+    loaded = settled(load_checked(config.absolute()))
     if loaded.robot.driver != CLEARWAY:
         raise click.UsageError(
             f"{config}: robot.driver {loaded.robot.driver} drives in real time only; "
             f"a sweep needs {CLEARWAY}"
         )
-    chosen = [variation(loaded, seed, run, spread) for run in range(runs)]
+    several = len(loaded.robots)
+    draw = fleet_variation if several else variation
+    chosen = [draw(loaded, seed, run, spread) for run in range(runs)]
     open_executor, count = _executors(loaded, scheduler, workers)
     sweep = Sweep(loaded, chosen, open_executor, count)
     begin_s = time.monotonic()
-    with SweepFile(output) as file:
+    with SweepFile(output, FLEET_COLUMNS if several else COLUMNS) as file:
         console = Console(stderr=True)
         silent = not console.is_terminal
-        for row in track(sweep.rows(), "runs", runs, console=console, disable=silent):
+        rows = runs * max(1, several)
+        for row in track(sweep.rows(), "runs", rows, console=console, disable=silent):
             file.add(row)
     took_s = time.monotonic() - begin_s
     summary = summarise_rows(file.rows)
@@ -99,7 +105,7 @@ def command(
         click.echo(json.dumps({**body, "took_s": took_s, "worker_deaths": sweep.deaths}, indent=1))
     else:
         _show(summary, output, took_s, sweep.deaths)
-    return ALL_DONE if summary.states == {"done": runs} else SOME_NOT_DONE
+    return ALL_DONE if summary.states.keys() - {IDLE} == {"done"} else SOME_NOT_DONE
 
 
 def _executors(
@@ -107,12 +113,15 @@ def _executors(
 ) -> tuple[Callable[[], Executor], int]:
     """What makes an executor, and how many workers it has."""
     if scheduler is None:
+        from navigation.run.fleet.fleet_warm_up import warm_up_fleet
         from navigation.run.kernels.warm_up import kernels_are_cold, warm_up
         from navigation.sweep.workers import local_executor
 
         count = workers or os.cpu_count() or 1
         if kernels_are_cold():  # once here, and not in every worker at the same time
             warm_up(config, lambda line: click.echo(line, err=True))
+            if config.robots:
+                warm_up_fleet(config)
         return lambda: local_executor(count), count
     from navigation.sweep.workers import Cluster
 

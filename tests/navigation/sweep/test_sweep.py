@@ -16,13 +16,12 @@ import pytest
 
 from navigation.config import Config, load_config
 from navigation.simulator.arena import load_arena
-from navigation.sweep.runs import MOST_ATTEMPTS, Row, Sweep, run_one
+from navigation.sweep.runs import MOST_ATTEMPTS, Row, Sweep, Work, run_one
 from navigation.sweep.table import SweepFile, summarise_rows, write_rows
 from navigation.sweep.variations import (
     MOST_SPREAD,
     WHEEL_ERROR,
     SweepError,
-    Variation,
     variation,
     varied,
 )
@@ -71,7 +70,7 @@ def config(tmp_path: Path) -> Config:
 def swept(
     config: Config,
     runs: int,
-    work: Callable[[Config, Variation], Row],
+    work: Work,
     open_executor: Callable[[], Executor] = lambda: local_executor(2),
     workers: int = 2,
 ) -> tuple[list[Row], Sweep]:
