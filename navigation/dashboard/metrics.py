@@ -1,9 +1,12 @@
-"""/metrics: the running program's numbers for Prometheus, gathered only when asked for."""
+"""/metrics: the running program's numbers for Prometheus, gathered only when asked for.
+
+What each of several robots has a value of is labelled with its name: ``robot="ada"``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Final, TypeAlias
 
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
@@ -43,58 +46,103 @@ def metrics_text(hub: Hub) -> bytes:
 
 
 def _daemon_metrics(state: dict[str, Any]) -> Iterator[Any]:
-    mission, camera, link = state["mission"], state["camera"], state["link"]
-    states = GaugeMetricFamily(
-        "clearway_mission_state", "1 for the mission's present state.", labels=["state"]
-    )
-    for one in State:
-        states.add_metric([one.value], float(one.value == mission["state"]))
-    yield states
-    yield _gauge("mission_stations", "Stations of the mission.", len(mission["stations"]))
-    yield _gauge("mission_stations_visited", "Stations visited so far.", mission["visited"])
+    camera = state["camera"]
     yield _gauge("run_seconds", "Time since the run began.", state["time_s"])
     yield _gauge("loop_age_seconds", "Since the last control cycle.", _s(state["loop_ms"]))
-    yield _gauge("to_go_metres", "Left of the plan.", state["to_go_m"])
-    yield _gauge("clearance_metres", "From the robot to the nearest border.", state["clearance_m"])
-    pose = state["pose"]
-    yield _gauge("pose_age_seconds", "Age of the robot's pose.", pose and _s(pose["age_ms"]))
     yield _gauge("camera_up", "1 while the camera gives pictures.", camera["state"] == "running")
     yield _gauge("camera_rate_hertz", "Pictures a second.", camera["rate_hz"])
     yield _counter("camera_frames", "Pictures captured.", camera["captured"])
     yield _counter("camera_frames_dropped", "Pictures that were not used.", camera["dropped"])
     yield _counter("camera_reopened", "Times the camera was opened again.", camera["reopened"])
-    yield _gauge("link_up", "1 while the link to the robot is up.", link["reason"] is None)
-    yield _gauge("link_round_trip_seconds", "Smoothed.", _s(link["round_trip_ms"]))
-    yield _counter("link_frames_sent", "Frames sent to the robot.", link["sent_frames"])
-    yield _counter("link_frames_received", "Frames from the robot.", link["received_frames"])
-    yield _counter("link_retransmits", "Frames sent again.", link["retransmits"])
-    yield _counter("link_crc_errors", "Frames that arrived damaged.", link["crc_errors"])
-    yield _counter("link_lost", "Times the link was lost.", link["links_lost"])
-    yield _counter(
-        "link_taken_back", "Times another host had the robot and fell silent.", link["taken_back"]
-    )
-    yield _counter(
-        "link_stray_hellos", "Answers of the robot to a greeting not ours.", link["stray_hellos"]
-    )
-    yield _counter(
-        "link_clock_jumps", "Jumps of the robot's clock or the host's.", link["clock_jumps"]
-    )
-    yield _counter("link_stale", "Permits and poses too old to be sent.", link["stale"])
-    yield _gauge("robot_estopped", "1 while the robot is emergency-stopped.", link["estopped"])
+    yield from _robot_metrics(state)
     for name, value in state["times"].items():
         stage = name.removesuffix("_ms")
         yield _gauge(f"{stage}_seconds", f"How long the stage '{stage}' took last.", _s(value))
 
 
-def _gauge(name: str, text: str, value: float | bool | None) -> GaugeMetricFamily:
-    family = GaugeMetricFamily(f"clearway_{name}", text)
-    if value is not None:
-        family.add_metric([], float(value))
+def _robot_metrics(state: dict[str, Any]) -> Iterator[Any]:
+    """Of several robots every metric has a value for each, labelled with its name."""
+    named = state.get("robots")
+    robots = {one["name"]: one for one in named} if named else {None: state}
+    labels = ["robot"] if named else []
+    states = GaugeMetricFamily(
+        "clearway_mission_state", "1 for the mission's present state.", labels=[*labels, "state"]
+    )
+    for name, robot in robots.items():
+        for one in State:
+            value = float(one.value == robot["mission"]["state"])
+            states.add_metric([*_label(name), one.value], value)
+    yield states
+
+    for metric, text, read in _ROBOT_GAUGES:
+        yield _gauge_of(metric, text, {name: read(one) for name, one in robots.items()})
+    if named:
+        waits = {name: one["waits"] is not None for name, one in robots.items()}
+        yield _gauge_of("robot_waits", "1 while the robot waits for others.", waits)
+    for metric, key, text in _LINK_COUNTERS:
+        counts = {name: one["link"][key] for name, one in robots.items()}
+        yield _counter_of(f"link_{metric}", text, counts)
+
+
+_Values: TypeAlias = Mapping[str | None, float | bool | None]
+"""By robot's name; of one robot alone, and of what there is once, by None."""
+_Read: TypeAlias = Callable[[dict[str, Any]], float | bool | None]
+_ROBOT_GAUGES: Final[tuple[tuple[str, str, _Read], ...]] = (
+    ("mission_stations", "Stations of the mission.", lambda r: len(r["mission"]["stations"])),
+    ("mission_stations_visited", "Stations visited so far.", lambda r: r["mission"]["visited"]),
+    ("to_go_metres", "Left of the plan.", lambda r: r["to_go_m"]),
+    ("clearance_metres", "From the robot to the nearest border.", lambda r: r["clearance_m"]),
+    (
+        "pose_age_seconds",
+        "Age of the robot's pose.",
+        lambda r: None if r["pose"] is None else _s(r["pose"]["age_ms"]),
+    ),
+    ("link_up", "1 while the link to the robot is up.", lambda r: r["link"]["reason"] is None),
+    ("link_round_trip_seconds", "Smoothed.", lambda r: _s(r["link"]["round_trip_ms"])),
+    ("robot_estopped", "1 while the robot is emergency-stopped.", lambda r: r["link"]["estopped"]),
+)
+_LINK_COUNTERS: Final = (
+    ("frames_sent", "sent_frames", "Frames sent to the robot."),
+    ("frames_received", "received_frames", "Frames from the robot."),
+    ("retransmits", "retransmits", "Frames sent again."),
+    ("crc_errors", "crc_errors", "Frames that arrived damaged."),
+    ("lost", "links_lost", "Times the link was lost."),
+    ("taken_back", "taken_back", "Times another host had the robot and fell silent."),
+    ("stray_hellos", "stray_hellos", "Answers of the robot to a greeting not ours."),
+    ("clock_jumps", "clock_jumps", "Jumps of the robot's clock or the host's."),
+    ("stale", "stale", "Permits and poses too old to be sent."),
+)
+
+
+def _label(name: str | None) -> list[str]:
+    return [] if name is None else [name]
+
+
+def _labels(values: _Values) -> list[str]:
+    return [] if None in values else ["robot"]
+
+
+def _gauge_of(name: str, text: str, values: _Values) -> GaugeMetricFamily:
+    family = GaugeMetricFamily(f"clearway_{name}", text, labels=_labels(values))
+    for robot, value in values.items():
+        if value is not None:
+            family.add_metric(_label(robot), float(value))
     return family
 
 
+def _counter_of(name: str, text: str, values: _Values) -> CounterMetricFamily:
+    family = CounterMetricFamily(f"clearway_{name}", text, labels=_labels(values))
+    for robot, value in values.items():
+        family.add_metric(_label(robot), float(value or 0.0))
+    return family
+
+
+def _gauge(name: str, text: str, value: float | bool | None) -> GaugeMetricFamily:
+    return _gauge_of(name, text, {None: value})
+
+
 def _counter(name: str, text: str, value: float) -> CounterMetricFamily:
-    return CounterMetricFamily(f"clearway_{name}", text, value=float(value))
+    return _counter_of(name, text, {None: value})
 
 
 def _s(milliseconds: float | None) -> float | None:

@@ -27,6 +27,7 @@ def run(folder: Path) -> subprocess.Popen[str]:
 
 def test_a_killed_run_of_two_robots_continues_both_missions(tmp_path: Path) -> None:
     config = hall(tmp_path / "journal", "ab").model_dump(mode="json", exclude_none=True)
+    config["camera"]["rate_hz"] = 10.0  # which a busy machine keeps up with
     config["simulation"]["time_limit_s"] = 90.0
     (tmp_path / "hall.yaml").write_text(yaml.safe_dump(config))
     kill_when_said(run(tmp_path), "to 1 station,")
