@@ -183,6 +183,8 @@ def _hopeless_pair(
     # who fails may do so because of one that stands still and so never fails itself
     pairs += [(min(i, j), max(i, j)) for i in failed for j in by_failures[SUSPECTS:]]
     for i, j in pairs:
+        if expired():
+            return None
         one, other = solver.robots[i], solver.robots[j]
         if not _is_in_the_way(solver, i, j):
             continue
