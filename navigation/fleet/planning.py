@@ -4,6 +4,7 @@ Rules
 - Every radius is planned with a margin, so that robots which follow their paths to within it never
   touch. Where two starts, two goals, or a start and a wall are nearer than that, the margin is what
   there is room for.
+- Corners are rounded where no robot comes too near (`rounding`): at a sharp one a robot stops.
 - Tracks are cut into short pieces before the order at shared places is taken from them: a robot
   waits no longer than it must, and the place it waits at is one of its targets.
 - A robot that has no path is left out, with the reason, and keeps the place where it stands; the
@@ -18,7 +19,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations, pairwise
+from itertools import combinations
 from typing import Final
 
 import numpy as np
@@ -32,6 +33,7 @@ from navigation.fleet.request import (
     Taken,
     Traveller,
 )
+from navigation.fleet.rounding import CutTrack, rounded
 from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from planner.fleet.dependencies import find_dependencies, is_live
@@ -97,7 +99,7 @@ def _try(
         return who[-1], f"{_with_names(found.reason, [one.name for one in moving])}{around}"
     tracks, waits = found
     promises = {}
-    numbers = [point_numbers(track) for track in tracks]
+    numbers = [point_numbers(track.targets) for track in tracks]
     for j, one in enumerate(moving):
         last = int(numbers[j][-1])
         gates = [
@@ -106,7 +108,7 @@ def _try(
             if waiting == j and row < len(numbers[j]) and numbers[j][row] < last
         ]
         try:
-            promises[one.name] = _promise(here, one, tracks[j], numbers[j], gates)
+            promises[one.name] = _promise(here, one, tracks[j], gates)
         except TrajectoryError as error:
             return j, str(error)
     return promises
@@ -114,7 +116,7 @@ def _try(
 
 def _ordered(
     here: Roadmap, moving: Sequence[Traveller], keep_m: float
-) -> tuple[list[FloatArray], list[Dependency]] | NoFleetPlan:
+) -> tuple[list[CutTrack], list[Dependency]] | NoFleetPlan:
     """Tracks in short pieces, and an order at shared places in which nobody waits in a circle.
 
     With less room between the bodies, and then from other beginnings, where there is none else.
@@ -133,10 +135,12 @@ def _ordered(
             seed=seed,
         )
         if isinstance(plan, FleetPlan):
-            tracks = [split_track(track, PIECE_M) for track in plan.tracks]
-            waits = find_dependencies(tracks, sizes)
-            if is_live(tracks, waits):
-                return tracks, waits
+            as_planned = [CutTrack.of(track, PIECE_M) for track in plan.tracks]
+            for cut in (rounded(here, as_planned, sizes, PIECE_M), as_planned):
+                tracks = [one.targets for one in cut]
+                waits = find_dependencies(tracks, sizes)
+                if is_live(tracks, waits):
+                    return cut, waits
             refused = refused or NoFleetPlan(NOT_LIVE)
         elif seed == 0:
             refused = plan
@@ -145,18 +149,21 @@ def _ordered(
     return refused or NoFleetPlan(NOT_LIVE)
 
 
-def _promise(
-    here: Roadmap, one: Traveller, track: FloatArray, numbers: FloatArray, gates: Sequence[Gate]
-) -> Promise:
-    first = np.concatenate([[True], np.diff(numbers) > 0])
-    points = np.ascontiguousarray(track[first, 1:])
+def _promise(here: Roadmap, one: Traveller, track: CutTrack, gates: Sequence[Gate]) -> Promise:
+    numbers = point_numbers(track.fine)
+    smooth = np.ascontiguousarray(track.fine[np.unique(numbers, return_index=True)[1], 1:])
+    at = np.unique(numbers[track.rows])
+    points = np.ascontiguousarray(smooth[at])
     path = path_of(here, points, one)
     trajectory = None
     if len(points) > 1:
         trajectory = planner.time_path(
-            path, one.limits, clearance=here.clearance, dwell_s=[0.0, one.station.dwell_s]
+            path_of(here, smooth, one),
+            one.limits,
+            clearance=here.clearance,
+            dwell_s=[0.0, one.station.dwell_s],
         )
-    targets = _targets(points, trajectory, one.station, one.limits)
+    targets = _targets(points, _lengths(smooth)[at], trajectory, one.station, one.limits)
     return Promise(
         one.name, one.station, points, targets, tuple(gates), path, trajectory, one.radius_m
     )
@@ -188,16 +195,23 @@ def path_of(roadmap: Roadmap, points: FloatArray, one: Traveller) -> Path:
 
 
 def _targets(
-    points: FloatArray, trajectory: Trajectory | None, station: Station, limits: Limits
+    points: FloatArray,
+    along: FloatArray,
+    trajectory: Trajectory | None,
+    station: Station,
+    limits: Limits,
 ) -> tuple[Target, ...]:
-    """A target at every point but the first; one where the robot is there already."""
+    """A target at every point but the first; one where the robot is there already.
+
+    ``along`` (n,) is how far each point is along the way that the trajectory is of.
+    """
     (x, y) = points[-1].tolist()
     end = Target(x, y, limits.speed, True, station.heading_rad, station.dwell_s, 1)
     if trajectory is None or len(points) < 2:
         return (end,)
     way = np.array([(w.x, w.y) for w in trajectory.waypoints])
     speeds = np.array([w.speed for w in trajectory.waypoints])
-    along_way, along = _lengths(way), _lengths(points)
+    along_way = _lengths(way)
     along_way *= along[-1] / max(along_way[-1], 1e-12)
     at = np.interp(along, along_way, speeds)
     targets = [
@@ -209,17 +223,6 @@ def _targets(
 
 def _lengths(points: FloatArray) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-
-
-def split_track(track: FloatArray, piece_m: float) -> FloatArray:
-    """The track (k, 3) of t, x, y with rows no further apart than a piece."""
-    rows = [track[:1]]
-    for a, b in pairwise(track):
-        parts = max(1, math.ceil(math.dist(a[1:], b[1:]) / piece_m - 1e-9))
-        share = np.arange(1, parts + 1)[:, None] / parts
-        rows.append(a + share * (b - a))
-        rows[-1][-1] = b
-    return np.concatenate(rows)
 
 
 def point_numbers(track: FloatArray) -> FloatArray:

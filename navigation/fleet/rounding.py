@@ -1,0 +1,173 @@
+"""Corners of a fleet's tracks rounded, so that robots need not stop and turn at each of them.
+
+Rules
+- A plan's tracks are straight pieces between places. Each robot's are rounded like the path of one
+  that drives alone, where they keep their clearance; where it waits it is as before.
+- A rounded track is taken where it comes as near to no other robot as the plan allows: else the
+  legs between its waits are tried one by one, and what touches stays as it was.
+- The order at shared places is found from what comes out, so it holds for what is driven.
+
+Metres, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner.fleet.motions.track_kernels import least_distance
+from planner.motion.smooth import smooth_path
+from planner.path import Path
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import FloatArray
+
+CHORD_M: Final = 0.001
+"""How far the straight lines between targets may leave a rounded corner: the camera's error."""
+
+ROUNDING_M: Final = 1e-9
+"""Of distances that are computed twice."""
+
+
+@dataclass(frozen=True, slots=True)
+class CutTrack:
+    """A track (k, 3) of t, x, y in short pieces, and the rows that a robot is given as targets."""
+
+    fine: FloatArray
+    rows: NDArray[np.int64]
+
+    @property
+    def targets(self) -> FloatArray:
+        """The track of straight lines between the targets: what is driven, and judged."""
+        return np.ascontiguousarray(self.fine[self.rows])
+
+    @classmethod
+    def of(cls, track: FloatArray, piece_m: float) -> CutTrack:
+        """A track as it is, with a target at each of its points."""
+        fine = split_track(np.asarray(track), piece_m)
+        return cls(fine, np.arange(len(fine), dtype=np.int64))
+
+    @classmethod
+    def thinned(cls, track: FloatArray, piece_m: float) -> CutTrack:
+        """A smooth track with no more targets than it needs."""
+        fine = split_track(track, piece_m)
+        return cls(fine, thinned(fine, piece_m))
+
+
+def rounded(
+    here: Roadmap, tracks: Sequence[CutTrack], sizes: Sequence[float], piece_m: float
+) -> list[CutTrack]:
+    """The tracks with their corners rounded wherever nobody comes too near."""
+    now = list(tracks)
+    for i, track in enumerate(tracks):
+        legs = legs_of(track.fine)
+        smooth = [_rounded_leg(here, leg, sizes[i]) for leg in legs]
+        found = CutTrack.thinned(np.concatenate(smooth), piece_m)
+        if _is_clear(found, i, now, sizes):
+            now[i] = found
+            continue
+        chosen = list(legs)
+        for k, leg in enumerate(smooth):
+            tried = [*chosen[:k], leg, *chosen[k + 1 :]]
+            found = CutTrack.thinned(np.concatenate(tried), piece_m)
+            if leg is not legs[k] and _is_clear(found, i, now, sizes):
+                chosen, now[i] = tried, found
+    return now
+
+
+def legs_of(track: FloatArray) -> list[FloatArray]:
+    """The track cut where it waits: each wait between two legs is the time between them."""
+    stands = np.flatnonzero(~np.any(track[1:, 1:] != track[:-1, 1:], axis=1))
+    cuts = [0, *(int(row) + 1 for row in stands), len(track)]
+    return [track[a:b] for a, b in pairwise(cuts)]
+
+
+def _rounded_leg(here: Roadmap, leg: FloatArray, size: float) -> FloatArray:
+    """The leg on a smooth path, in the same time at one speed."""
+    if len(leg) < 3:
+        return leg
+    points = np.ascontiguousarray(leg[:, 1:])
+    least = here.path_clearance(points)
+    path = Path(
+        points=points,
+        clearances=here.clearance(points),
+        length=float(_along(points)[-1]),
+        min_clearance=float(least.distance),
+        min_clearance_at=least.at,
+        robot_radius=min(size, float(least.distance)),
+        stations=(0, len(points) - 1),
+        headings_rad=(None, None),
+    )
+    smooth = smooth_path(
+        path, here.path_clearance, here.clearance, keep=max(size, path.robot_radius)
+    )
+    along = _along(smooth.points)
+    share = along / max(along[-1], 1e-12)
+    times = leg[0, 0] + (leg[-1, 0] - leg[0, 0]) * share
+    times[-1] = leg[-1, 0]
+    return np.column_stack([times, smooth.points])
+
+
+def _is_clear(track: CutTrack, i: int, tracks: Sequence[CutTrack], sizes: Sequence[float]) -> bool:
+    mine = track.targets
+    return all(
+        least_distance(mine, other.targets)[0] >= sizes[i] + sizes[j] - ROUNDING_M
+        for j, other in enumerate(tracks)
+        if j != i
+    )
+
+
+def _along(points: FloatArray) -> FloatArray:
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def split_track(track: FloatArray, piece_m: float) -> FloatArray:
+    """The track (k, 3) of t, x, y with rows no further apart than a piece."""
+    rows = [track[:1]]
+    for a, b in pairwise(track):
+        parts = max(1, math.ceil(math.dist(a[1:], b[1:]) / piece_m - 1e-9))
+        share = np.arange(1, parts + 1)[:, None] / parts
+        rows.append(a + share * (b - a))
+        rows[-1][-1] = b
+    return np.concatenate(rows)
+
+
+def thinned(track: FloatArray, piece_m: float) -> NDArray[np.int64]:
+    """The rows of a track, in order, that a robot is given as targets.
+
+    No two are further apart than a piece, the line between them leaves the track by no more than
+    ``CHORD_M``, and every row at which it stands is one of them.
+    """
+    points = track[:, 1:]
+    stands = {0, len(track) - 1}
+    for row in np.flatnonzero(~np.any(points[1:] != points[:-1], axis=1)).tolist():
+        stands |= {row, row + 1}
+    rows = [0]
+    while rows[-1] < len(track) - 1:
+        first = last = rows[-1]
+        while last + 1 < len(track) and _is_straight(points[first : last + 2], piece_m):
+            last += 1
+            if last in stands:
+                break
+        rows.append(max(last, first + 1))
+    return np.array(rows, dtype=np.int64)
+
+
+def _is_straight(points: FloatArray, piece_m: float) -> bool:
+    """Whether the line from the first of these points to the last may stand for all."""
+    chord = points[-1] - points[0]
+    length = float(np.hypot(*chord))
+    if len(points) > 2 and length > piece_m + 1e-9:
+        return False
+    if len(points) == 2:
+        return True
+    off = points[1:-1] - points[0]
+    if length == 0.0:
+        return False
+    across = np.abs(off[:, 0] * chord[1] - off[:, 1] * chord[0]) / length
+    return float(across.max()) <= CHORD_M
