@@ -1,4 +1,4 @@
-"""What may go wrong in virtual time on order: camera, cable, port, and what people do.
+"""A simulated robot in virtual time, and what may go wrong on order: camera, cable, port, people.
 
 Metres, radians.
 """
@@ -8,7 +8,16 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass, field
 
+from navigation.config import Config
 from navigation.run.troubled_camera import CameraTroubles
+from navigation.simulator.drive_model import TruePose
+from navigation.simulator.settings import (
+    drive_model_of,
+    drive_settings_of,
+    faults_of,
+    true_start_of,
+)
+from navigation.simulator.virtual_loop import VirtualLoop
 
 
 @dataclass(slots=True)
@@ -27,3 +36,32 @@ class Troubles(CameraTroubles):
         default_factory=lambda: defaultdict(CameraTroubles)
     )
     """Of several cameras, by name; what the picture shows of the robot is the same in all."""
+    stuck_at: TruePose | None = None
+    """Where it stays, once it does."""
+
+    def meet(self, loop: VirtualLoop) -> None:
+        """Do to a robot and its line what is wrong at this moment."""
+        loop.knobs.cable = not (self.cable_out or self.port_broken)
+        if self.carried_to is not None:
+            loop.drive.pose = TruePose(*self.carried_to)
+            self.carried_to = None
+        if self.stuck:
+            self.stuck_at = self.stuck_at or loop.drive.pose
+            loop.drive.pose = self.stuck_at
+        else:
+            self.stuck_at = None
+
+
+def virtual_loop_of(config: Config) -> VirtualLoop:
+    """The configured robot and its line; camera and lease are the program's."""
+    assert config.simulation is not None
+    loop = VirtualLoop(
+        seed=config.simulation.seed,
+        faults=faults_of(config),
+        model=drive_model_of(config),
+        settings=drive_settings_of(config),
+        start=true_start_of(config),
+        baud=config.serial.baud,
+    )
+    loop.knobs.camera = loop.knobs.lease = False
+    return loop

@@ -28,20 +28,14 @@ from navigation.run.troubled_camera import (
     seen_pose,
 )
 from navigation.run.virtual_link import VirtualLink
-from navigation.run.virtual_troubles import Troubles
+from navigation.run.virtual_troubles import Troubles, virtual_loop_of
 from navigation.run.world import calibration_of, camera_over, floor_plan_of, others_of
 from navigation.shared.supervisor import in_words
 from navigation.simulator.arena import load_arena
-from navigation.simulator.drive_model import TruePose
 from navigation.simulator.happenings import arenas_over_time, tracks_of
-from navigation.simulator.settings import (
-    drive_model_of,
-    drive_settings_of,
-    faults_of,
-    true_start_of,
-)
+from navigation.simulator.settings import faults_of
 from navigation.simulator.truth import Truth
-from navigation.simulator.virtual_loop import TICK_S, VirtualLoop
+from navigation.simulator.virtual_loop import TICK_S
 from navigation.simulator.virtual_robot import VirtualRobot
 from planner.scene import FloatArray, Scene
 from vision.camera.camera import Camera, CameraError, Frame
@@ -102,15 +96,7 @@ class VirtualWorld:
             name: Memory(np.random.default_rng(config.simulation.seed + i))
             for i, name in enumerate(self._cameras or [None])
         }
-        self.loop = VirtualLoop(
-            seed=config.simulation.seed,
-            faults=faults_of(config),
-            model=drive_model_of(config),
-            settings=drive_settings_of(config),
-            start=true_start_of(config),
-            baud=config.serial.baud,
-        )
-        self.loop.knobs.camera = self.loop.knobs.lease = False
+        self.loop = virtual_loop_of(config)
         self._arenas = arenas_over_time(config, load_arena(config))
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
@@ -120,7 +106,6 @@ class VirtualWorld:
         self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
         self.port = "virtual"
         self._due: list[tuple[float, Callable[[], None]]] = []
-        self._stuck_at: TruePose | None = None
         self._faults_to_come = faults_of(config)
 
     # Time.
@@ -146,21 +131,13 @@ class VirtualWorld:
         self._due.append((self.loop.now_s + seconds, call))
 
     def _meet_troubles(self) -> None:
-        loop, troubles, faults = self.loop, self.troubles, self._faults_to_come
-        loop.knobs.cable = not (troubles.cable_out or troubles.port_broken)
+        loop, faults = self.loop, self._faults_to_come
         since_s = loop.now_s - self.truth.began_s
         loop.knobs.frozen = 0.0 <= since_s - faults.freeze_at_s < faults.freeze_s
         if since_s >= faults.reset_at_s:
             self._faults_to_come = replace(faults, reset_at_s=math.inf)
             loop.boot(ResetCause.EXTERNAL)
-        if troubles.carried_to is not None:
-            loop.drive.pose = TruePose(*troubles.carried_to)
-            troubles.carried_to = None
-        if troubles.stuck:
-            self._stuck_at = self._stuck_at or loop.drive.pose
-            loop.drive.pose = self._stuck_at
-        else:
-            self._stuck_at = None
+        self.troubles.meet(loop)
 
     # The parts.
 

@@ -18,18 +18,11 @@ from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import SceneCheck
 from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamera, seen_pose
 from navigation.run.virtual_link import VirtualLink
-from navigation.run.virtual_troubles import Troubles
+from navigation.run.virtual_troubles import Troubles, virtual_loop_of
 from navigation.run.virtual_world import VirtualFrames, VirtualPlanner, VirtualTimes
 from navigation.run.world import calibration_of, camera_over
 from navigation.simulator.arena import load_arena
-from navigation.simulator.drive_model import TruePose
 from navigation.simulator.happenings import arenas_over_time, tracks_of
-from navigation.simulator.settings import (
-    drive_model_of,
-    drive_settings_of,
-    faults_of,
-    true_start_of,
-)
 from navigation.simulator.truth import Truth
 from navigation.simulator.virtual_loop import VirtualLoop
 from navigation.simulator.virtual_robot import VirtualRobot
@@ -48,37 +41,19 @@ class Body:
     """Its processor does nothing, and its wheels turn on as they did."""
     off: bool = False
     """It has no power."""
-    stuck_at: TruePose | None = None
 
     def tick(self) -> None:
         """One millisecond."""
-        loop, troubles = self.loop, self.troubles
-        loop.knobs.cable = not (troubles.cable_out or troubles.port_broken)
+        loop = self.loop
         loop.knobs.frozen = self.frozen or self.off
         if self.off:
             loop.wheels = WheelSpeeds(0.0, 0.0, powered=False)
-        if troubles.carried_to is not None:
-            loop.drive.pose = TruePose(*troubles.carried_to)
-            troubles.carried_to = None
-        if troubles.stuck:
-            self.stuck_at = self.stuck_at or loop.drive.pose
-            loop.drive.pose = self.stuck_at
-        else:
-            self.stuck_at = None
+        self.troubles.meet(loop)
         loop.tick()
 
 
 def _body(config: Config) -> Body:
-    assert config.simulation is not None
-    loop = VirtualLoop(
-        seed=config.simulation.seed,
-        faults=faults_of(config),
-        model=drive_model_of(config),
-        settings=drive_settings_of(config),
-        start=true_start_of(config),
-        baud=config.serial.baud,
-    )
-    loop.knobs.camera = loop.knobs.lease = False
+    loop = virtual_loop_of(config)
     return Body(config, loop, VirtualRobot(loop))
 
 
