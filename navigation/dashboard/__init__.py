@@ -7,6 +7,7 @@
 - `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them, with its
   `attention`: what it has got and could take.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
+- `kept`: what is on disk, earlier runs with their files.
 - `metrics`, `palette`, `static/`: numbers for Prometheus, colours shared with the pictures, the
   page itself (ES modules, no build step).
 
@@ -14,7 +15,8 @@ The control loop knows nothing of all this: it replaces `Daemon.state` after eac
 dashboard looks. Nobody who watches can make it wait.
 """
 
+from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.server import Dashboard
 from navigation.dashboard.shown import ShownDaemon
 
-__all__ = ["Dashboard", "ShownDaemon"]
+__all__ = ["Dashboard", "KeptRuns", "ShownDaemon"]

@@ -18,6 +18,8 @@ from starlette.websockets import WebSocket
 
 from navigation.dashboard.admission.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
 from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
+from navigation.dashboard.kept.answers import KeptAnswers
+from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.messages.palette import stylesheet
 from navigation.dashboard.metrics import metrics_text
 from navigation.dashboard.orders import give
@@ -46,13 +48,15 @@ HEADERS: Final = {
 }
 
 
-def make_app(hub: Hub, desk: Desk | None = None) -> ASGIApp:
-    """The whole application around a hub; without a desk it has no settings."""
-    pages = _Pages(hub)
+def make_app(hub: Hub, runs: KeptRuns, desk: Desk | None = None) -> ASGIApp:
+    """The whole application around a hub, with the earlier runs; without a desk no settings."""
+    pages, kept = _Pages(hub), KeptAnswers(hub, runs)
     routes = [
         *[Route(address, pages.show) for address in pages.files],
         Route("/api/state", pages.state),
         Route("/api/stop", pages.stop, methods=["POST"]),
+        Route("/api/runs", kept.list_runs),
+        Route("/api/runs/{run}/{file}", kept.file),
         Route("/metrics", pages.metrics),
         Route("/healthz", pages.health),
         *settings_routes(hub, desk),

@@ -23,6 +23,7 @@ from navigation.dashboard.admission.connections import PlacedRequests
 from navigation.dashboard.admission.places import Places
 from navigation.dashboard.app import make_app
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.settings.desk import Desk
 from navigation.dashboard.shown import Shown
 from navigation.machine.descriptors import NONE_LEFT, descriptor_limit
@@ -51,6 +52,7 @@ class Dashboard:
     ``say`` gets the address, or why there is none; with ``show_token`` the address has the
     token in its fragment, which browsers keep to themselves. ``own_token`` is what one needs to
     stop and drive where no token is configured. ``desk`` is where the configuration is changed.
+    ``runs``: the earlier runs that the page shows, those of the configuration by default.
     """
 
     def __init__(
@@ -63,8 +65,11 @@ class Dashboard:
         show_token: bool = False,
         own_token: str | None = None,
         desk: Desk | None = None,
+        runs: KeptRuns | None = None,
     ) -> None:
         self._daemon, self._say, self._desk = daemon, say, desk
+        kept = daemon.config.recording
+        self._runs = runs or KeptRuns(kept.runs_dir, kept.folder)
         self._clock, self._wall_clock = clock, wall_clock
         self._show_token, self._own_token = show_token, own_token
         self._section = daemon.config.dashboard
@@ -133,7 +138,7 @@ class Dashboard:
         http = partial(PlacedRequests, places=places, clock=time.monotonic)
         server = uvicorn.Server(
             uvicorn.Config(
-                make_app(hub, self._desk),
+                make_app(hub, self._runs, self._desk),
                 http=http,  # type: ignore[arg-type]  # called, nothing else
                 ws="websockets-sansio",
                 ws_max_size=MOST_MESSAGE_BYTES,

@@ -43,11 +43,10 @@ from navigation.recording.events import (
     SceneSeen,
     Told,
 )
+from navigation.recording.names import PREFIX, SUFFIX
 from planner.path import NoPath
 from planner.scene import FloatArray
 
-PREFIX: Final = "clearway_"
-SUFFIX: Final = ".mcap"
 BYTES_PER_MB: Final = 1_000_000
 LEAST_FREE_MB: Final = 100.0
 """A recording ends before it fills the disk that the journal needs too."""

@@ -155,7 +155,7 @@ class Runner:
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
             )
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
-            page = self._serve_dashboard(daemon, open_things, socket)
+            page = self._serve_dashboard(daemon, open_things, socket, folder)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=world.port)
@@ -212,12 +212,12 @@ class Runner:
             # else it is waited for: the link opens it, and says so until it can
 
     def _serve_dashboard(
-        self, daemon: Daemon, open_things: ExitStack, socket: Path
+        self, daemon: Daemon, open_things: ExitStack, socket: Path, folder: Path | None
     ) -> Dashboard | None:
         if not self._dashboard:
             return None
         # here, not above: a run without a page need not load a web server
-        from navigation.dashboard import Dashboard, ShownDaemon
+        from navigation.dashboard import Dashboard, KeptRuns, ShownDaemon
 
         token = None
         if self.config.dashboard.token is None:
@@ -231,6 +231,11 @@ class Runner:
                 own_token=token,
                 show_token=self._show_token or (token is not None and not in_journal),
                 desk=self.desk,
+                runs=KeptRuns(
+                    self.config.recording.runs_dir,
+                    self._record or self.config.recording.folder,
+                    None if folder is None else folder.name,
+                ),
             )
         )
 

@@ -3,6 +3,7 @@
 import { Connection } from "./connection.js";
 import { Goal } from "./goal.js";
 import { Health } from "./health.js";
+import { History } from "./history.js";
 import { LAYERS, Layers } from "./layers.js";
 import { Keys } from "./keys.js";
 import { Log } from "./log.js";
@@ -19,6 +20,7 @@ const connection = new Connection();
 const stage = new Stage();
 const view = new View(stage);
 const keys = new Keys();
+const history = new History(connection);
 const seat = new Seat(connection, say);
 const stop = new Stop(connection, seat, say);
 const picture = new Picture(stage, connection);
@@ -91,6 +93,7 @@ addEventListener("keydown", (event) => {
   const layer = LAYERS[Number(event.key) - 1];
   if (layer) layers.toggle(layer);
   else if (event.key === "?") keys.toggle();
+  else if (event.key === "h" || event.key === "H") history.toggle();
   else if (event.key === "+" || event.key === "=") view.zoom(1.4);
   else if (event.key === "-") view.zoom(1 / 1.4);
   else if (event.key === "0") stage.show(null);

@@ -1,0 +1,157 @@
+"""Earlier runs over HTTP: `/api/runs` in pages, `/api/runs/RUN/FILE` in pieces.
+
+Rules
+- Whoever may look at the page may look at these, with the same token.
+- One listing is made at a time, and the newest is given to whoever asks within `FRESH_S`.
+- An answer has at most `PIECE_BYTES` of a file (``Range: bytes=FIRST-LAST``), so that a slow line
+  keeps little of it in memory and no connection for long; larger files are asked for in pieces.
+- The disk is read in the hub's worker threads.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from typing import Any, BinaryIO, Final
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+
+from navigation.config.secrecy.secrets import hide_in
+from navigation.dashboard.admission.access import Refusal, bearer_of
+from navigation.dashboard.hub import Hub
+from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, RunPage, is_run
+
+PIECE_BYTES: Final = 524_288
+MOST_A_PAGE: Final = 50
+FRESH_S: Final = 1.0
+TYPES: Final = {
+    "json": "application/json",
+    "jsonl": "text/plain; charset=utf-8",
+    "svg": "image/svg+xml",
+    "mcap": "application/octet-stream",
+}
+_RANGE: Final = re.compile(r"bytes=(\d{1,15})-(\d{0,15})", re.ASCII)
+
+
+class KeptAnswers:
+    """The answers of one hub."""
+
+    def __init__(self, hub: Hub, runs: KeptRuns) -> None:
+        self._hub, self._runs = hub, runs
+        self._listing = asyncio.Lock()
+        self._newest: tuple[tuple[str | None, int], float, dict[str, Any]] | None = None
+
+    async def list_runs(self, request: Request) -> Response:
+        """``?count=N&before=RUN``: runs, newest first."""
+        refusal = self._refusal(request)
+        if refusal is not None:
+            return refusal
+        before = request.query_params.get("before")
+        if before is not None and not is_run(before):
+            return _plain(400, "before: must be the name of a run")
+        count = request.query_params.get("count", str(MOST_A_PAGE))
+        if not re.fullmatch(r"\d{1,3}", count, re.ASCII) or not 1 <= int(count) <= MOST_A_PAGE:
+            return _plain(400, f"count: must be 1 to {MOST_A_PAGE}")
+        return JSONResponse(await self._page(before, int(count)))
+
+    async def _page(self, before: str | None, count: int) -> dict[str, Any]:
+        async with self._listing:
+            now_s = self._hub.clock()
+            if self._newest is not None:
+                asked, made_s, body = self._newest
+                if asked == (before, count) and now_s - made_s < FRESH_S:
+                    return body
+            work = asyncio.get_running_loop().run_in_executor
+            page = await work(self._hub.workers, self._runs.page, before, count)
+            body = hide_in(_page_body(page))
+            self._newest = ((before, count), now_s, body)
+            return body
+
+    async def file(self, request: Request) -> Response:
+        """A file of a run, or a piece of it."""
+        refusal = self._refusal(request)
+        if refusal is not None:
+            return refusal
+        run, name = request.path_params["run"], request.path_params["file"]
+        work = asyncio.get_running_loop().run_in_executor
+        try:
+            return await work(self._hub.workers, self._piece, run, name, request.headers)
+        except FileNotFoundError:
+            return _plain(404, "there is no such file of a run")
+        except OSError as error:
+            return _plain(404, f"the file cannot be read: {error.strerror or error}")
+
+    def _piece(self, run: str, name: str, headers: Any) -> Response:
+        with self._runs.opened(run, name) as file:
+            return _piece_of(file, name, headers.get("range"))
+
+    def _refusal(self, request: Request) -> Response | None:
+        role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
+        if not isinstance(role, Refusal):
+            return None
+        bearer = {"www-authenticate": "Bearer"} if role.status == 401 else {}
+        return PlainTextResponse(role.sentence + "\n", role.status, headers=bearer)
+
+
+def _piece_of(file: BinaryIO, name: str, wanted: str | None) -> Response:
+    size = file.seek(0, 2)
+    kind = TYPES[name.rsplit(".", 1)[-1]]
+    headers = {
+        "accept-ranges": "bytes",
+        "cache-control": "no-store",
+        "content-disposition": f'attachment; filename="{name}"',
+    }
+    match = _RANGE.fullmatch(wanted or "")
+    if match is None and size > PIECE_BYTES:
+        limit = f"at most {PIECE_BYTES} bytes at once, by 'Range: bytes=FIRST-LAST'"
+        return _plain(413, f"the file has {size} bytes: ask for {limit}")
+    first = 0 if match is None else int(match[1])
+    last = size - 1 if match is None or not match[2] else min(int(match[2]), size - 1)
+    last = min(last, first + PIECE_BYTES - 1)
+    if match is not None and first > last:
+        return _plain(416, "the range is not in the file", **{"content-range": f"bytes */{size}"})
+    file.seek(first)
+    body = file.read(last - first + 1)
+    if match is not None:
+        headers["content-range"] = f"bytes {first}-{first + len(body) - 1}/{size}"
+    return Response(body, 200 if match is None else 206, headers, kind)
+
+
+def _page_body(page: RunPage) -> dict[str, Any]:
+    return {
+        "runs": [_run_body(run) for run in page.runs],
+        "total": page.total,
+        "following": page.following,
+    }
+
+
+def _run_body(run: KeptRun) -> dict[str, Any]:
+    report = run.report or {}
+    return {
+        "name": run.name,
+        "began": run.began.isoformat(),
+        "running": run.is_running,
+        "state": _text(report.get("state")),
+        "reason": _text(report.get("reason")),
+        "duration_s": _number(report.get("duration_s")),
+        "files": [_file_body(file) for file in run.files],
+        "recordings": [_file_body(file) for file in run.recordings],
+    }
+
+
+def _file_body(file: KeptFile) -> dict[str, Any]:
+    return {"name": file.name, "bytes": file.size_bytes}
+
+
+def _text(value: object) -> str | None:
+    return value[:400] if isinstance(value, str) else None
+
+
+def _number(value: object) -> float | None:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number and abs(value) < 1e12 else None  # type: ignore[arg-type, operator]
+
+
+def _plain(status: int, sentence: str, **headers: str) -> Response:
+    return PlainTextResponse(sentence + "\n", status, headers=headers)

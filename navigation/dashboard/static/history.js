@@ -1,0 +1,200 @@
+// Earlier runs: a list, newest first, and what the chosen one left behind, to look at and to save.
+// Nothing is asked for before it is opened.
+
+import { ask, fetchFile, inBytes, save } from "./download.js";
+
+const A_PAGE = 20;
+const WORDS = { done: "Arrived", failed: "Failed", stopped: "Stopped" };
+const FILE_WORDS = { "report.json": "Report", "track.svg": "Picture of the track", "events.jsonl": "Log of events" };
+/** What of a report is shown: its words, and its figure as text. */
+const FIGURES = [
+  ["Stations visited", (r) => `${r.stations_visited} of ${r.stations}`],
+  ["Duration", (r) => duration(r.duration_s)],
+  ["Least clearance", (r) => figure(r.min_clearance_m, 3, "m")],
+  ["Off the plan at most", (r) => figure(r.tracking_error_m?.max, 3, "m")],
+  ["Off the goal", (r) => figure(r.goal_error_m, 3, "m")],
+  ["Off its heading", (r) => figure(r.goal_error_deg, 1, "°")],
+  ["Plans made again", (r) => figure(r.replans, 0, "")],
+  ["Capture to wire, median", (r) => figure(r.latency_ms?.capture_to_wire?.p50, 1, "ms")],
+  ["Capture to wire, 99 of 100", (r) => figure(r.latency_ms?.capture_to_wire?.p99, 1, "ms")],
+  ["Pictures", (r) => `${figure(r.frames?.processed, 0, "")}, ${figure(r.frames?.dropped, 0, "dropped")}`],
+  ["Sent again on the link", (r) => figure(r.link?.retransmits, 0, "")],
+];
+
+export class History {
+  #runs = [];
+  #chosen = "";
+  #picture = "";
+
+  constructor(connection) {
+    this.connection = connection;
+    this.box = document.getElementById("history-box");
+    this.list = document.getElementById("history-list");
+    this.detail = document.getElementById("history-detail");
+    this.note = document.getElementById("history-note");
+    this.more = document.getElementById("history-more");
+    this.button = document.getElementById("history-open");
+    this.button.addEventListener("click", () => this.toggle());
+    this.more.addEventListener("click", () => this.#load(this.#runs.at(-1)?.name));
+    document.getElementById("history-again").addEventListener("click", () => this.#load());
+  }
+
+  get isOpen() {
+    return !this.box.hidden;
+  }
+
+  /** Open it and go there, or close it. */
+  async toggle() {
+    this.box.hidden = this.isOpen;
+    this.button.textContent = this.isOpen ? "Hide" : "Show";
+    this.button.setAttribute("aria-expanded", String(this.isOpen));
+    if (!this.isOpen) return;
+    this.button.focus({ preventScroll: true });
+    await this.#load();
+    document.getElementById("history").scrollIntoView({ block: "start" });
+  }
+
+  async #load(before = null) {
+    this.#say("Reading…");
+    const query = new URLSearchParams({ count: A_PAGE, ...(before ? { before } : {}) });
+    try {
+      const answer = await ask(`/api/runs?${query}`, this.connection.authorization);
+      if (!answer.ok) throw new Error((await answer.text()).trim());
+      const page = await answer.json();
+      this.#runs = before ? [...this.#runs, ...page.runs] : page.runs;
+      this.more.hidden = !page.following;
+      this.#say(page.total ? `${this.#runs.length} of ${page.total} ${page.total === 1 ? "run" : "runs"}` : "No run has left anything behind yet.");
+      this.#showList();
+    } catch (error) {
+      this.#say(`The runs could not be read: ${error.message}.`);
+    }
+  }
+
+  #say(text) {
+    this.note.textContent = text;
+  }
+
+  #showList() {
+    this.list.replaceChildren(...this.#runs.map((run) => {
+      const button = make("button", "run quiet", "");
+      button.type = "button";
+      button.append(
+        make("span", "when", when(run.began)),
+        make("span", `what ${run.state ?? ""}`, word(run)),
+        make("span", "long", run.duration_s === null ? "" : duration(run.duration_s)),
+        make("span", "size", inBytes(bytes(run))),
+      );
+      if (run.recordings.length) button.append(make("span", "has", "recorded"));
+      button.setAttribute("aria-pressed", String(run.name === this.#chosen));
+      button.addEventListener("click", () => this.#choose(run, button));
+      const item = document.createElement("li");
+      item.append(button);
+      return item;
+    }));
+  }
+
+  async #choose(run, button) {
+    this.#chosen = run.name;
+    for (const other of this.list.querySelectorAll("button")) other.setAttribute("aria-pressed", String(other === button));
+    URL.revokeObjectURL(this.#picture);
+    const title = make("h3", "", `${when(run.began)}: ${word(run).toLowerCase()}`);
+    title.tabIndex = -1;
+    const parts = [title];
+    if (run.reason) parts.push(make("p", "reason", sentence(run.reason)));
+    const figures = make("dl", "figures", "");
+    const picture = make("figure", "track-picture", "");
+    parts.push(figures, picture, this.#files(run));
+    this.detail.replaceChildren(...parts);
+    this.detail.hidden = false;
+    if (matchMedia("(max-width: 62rem)").matches) title.focus(); // it stands below the list there
+    await Promise.all([this.#showReport(run, figures), this.#showPicture(run, picture)]);
+  }
+
+  async #showReport(run, box) {
+    if (!run.files.some((file) => file.name === "report.json")) {
+      box.replaceWith(make("p", "hint", run.running ? "It has no report before it ends." : "It left no report: the program was ended by force, or the disk was full."));
+      return;
+    }
+    try {
+      const report = JSON.parse(await (await fetchFile(this.connection, address(run, "report.json"), "")).text());
+      box.replaceChildren(...FIGURES.map(([words, text]) => {
+        const row = document.createElement("div");
+        row.append(make("dt", "", words), make("dd", "", text(report)));
+        return row;
+      }));
+    } catch (error) {
+      box.replaceWith(make("p", "hint", `The report could not be read: ${error.message}.`));
+    }
+  }
+
+  async #showPicture(run, box) {
+    if (!run.files.some((file) => file.name === "track.svg")) {
+      box.hidden = true;
+      return;
+    }
+    try {
+      const blob = await fetchFile(this.connection, address(run, "track.svg"), "image/svg+xml");
+      if (this.#chosen !== run.name) return;
+      this.#picture = URL.createObjectURL(blob);
+      box.append(Object.assign(document.createElement("img"), { src: this.#picture, alt: "The arena with the plan and the driven track" }));
+    } catch (error) {
+      box.append(make("figcaption", "hint", `The picture could not be read: ${error.message}.`));
+    }
+  }
+
+  #files(run) {
+    const list = make("ul", "files", "");
+    for (const file of [...run.files, ...run.recordings]) {
+      const item = document.createElement("li");
+      const words = FILE_WORDS[file.name] ?? "Recording";
+      const button = make("button", "quiet", "Save");
+      button.type = "button";
+      button.setAttribute("aria-label", `Save ${file.name}`);
+      const state = make("span", "size", inBytes(file.bytes));
+      button.addEventListener("click", () => this.#save(run, file, state));
+      const name = make("span", "file", words);
+      name.append(make("small", "", file.name));
+      item.append(name, state, button);
+      list.append(item);
+    }
+    return list;
+  }
+
+  async #save(run, file, state) {
+    state.setAttribute("role", "status");
+    try {
+      const type = "application/octet-stream"; // to be saved, not opened
+      const blob = await fetchFile(this.connection, address(run, file.name), type, (part) => {
+        state.textContent = `${Math.floor(100 * part)} %`;
+      });
+      save(blob, file.name.startsWith("clearway_") ? file.name : `${run.name}_${file.name}`);
+      state.textContent = inBytes(blob.size);
+    } catch (error) {
+      state.textContent = `not saved: ${error.message}`;
+    }
+  }
+}
+
+function make(name, className, textContent) {
+  return Object.assign(document.createElement(name), { className, textContent });
+}
+
+const address = (run, file) => `/api/runs/${run.name}/${file}`;
+const bytes = (run) => [...run.files, ...run.recordings].reduce((sum, file) => sum + file.bytes, 0);
+const word = (run) => (run.running ? "Under way" : WORDS[run.state] ?? run.state ?? "No report");
+const sentence = (text) => text[0].toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".");
+
+function when(began) {
+  return new Date(began).toLocaleString([], { dateStyle: "medium", timeStyle: "medium", hour12: false });
+}
+
+function duration(seconds) {
+  if (typeof seconds !== "number") return "–";
+  const whole = Math.round(seconds);
+  const [h, m, s] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
+  return h ? `${h} h ${m} min` : m ? `${m} min ${s} s` : `${s} s`;
+}
+
+function figure(value, digits, unit) {
+  return typeof value === "number" ? `${value.toFixed(digits)} ${unit}`.trim() : "–";
+}

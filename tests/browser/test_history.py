@@ -1,0 +1,65 @@
+"""Earlier runs on the page: the list, one run's report and picture, a file that is saved."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from playwright.sync_api import expect
+
+from tests.browser.pages import Keep, OpenPage
+from tests.navigation.dashboard.site import Site
+from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
+
+TAPE = "clearway_2026-01-25_12-00-05_001.mcap"
+PICTURE = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="200">'
+    '<script>document.title = "not run"</script><rect width="300" height="200"/></svg>'
+)
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Iterator[Site]:
+    for day in range(1, 26):
+        folder = tmp_path / "runs" / f"2026-01-{day:02d}_12-00-00"
+        folder.mkdir(parents=True)
+        report = {"state": "done", "reason": "<b>there</b>", "stations": 3, "stations_visited": 3}
+        (folder / "report.json").write_text(json.dumps({**report, "min_clearance_m": 0.12}))
+        (folder / "track.svg").write_text(PICTURE)
+    (tmp_path / "recordings").mkdir()
+    (tmp_path / "recordings" / TAPE).write_bytes(bytes(range(256)) * 6000)
+    config = shown_config()
+    kept = {"runs_dir": tmp_path / "runs", "folder": tmp_path / "recordings"}
+    recording = config.recording.model_copy(update=kept)
+    config = config.model_copy(update={"recording": recording})
+    with Site(FakeDaemon(config, laboratory())) as site:
+        yield site
+
+
+def test_an_earlier_run_is_looked_at_and_saved_with_the_keyboard(
+    open_page: OpenPage, keep: Keep, site: Site, tmp_path: Path
+) -> None:
+    page = open_page(site.dashboard.url)
+    page.wait_for_function("() => globalThis.clearway?.connection.isUp")
+    page.keyboard.press("h")
+    runs = page.locator("#history-list .run")
+    expect(runs).to_have_count(20)
+    expect(page.locator("#history-note")).to_have_text("20 of 25 runs")
+    page.locator("#history-more").press("Enter")
+    expect(runs).to_have_count(25)
+    runs.first.press("Enter")
+    detail = page.locator("#history-detail")
+    expect(detail).to_contain_text("<b>there</b>.")
+    expect(detail).to_contain_text("0.120 m")
+    expect(detail.locator("img")).to_have_js_property("naturalWidth", 300)
+    keep(page, "history")
+    save = detail.get_by_role("button", name=f"Save {TAPE}")
+    with page.expect_download() as download:
+        save.press("Enter")
+    download.value.save_as(tmp_path / "saved")
+    assert (tmp_path / "saved").read_bytes() == bytes(range(256)) * 6000, "several pieces"
+    assert page.title() == "Ready – Clearway"
+    page.locator("#history-open").press("h")
+    expect(page.locator("#history-box")).to_be_hidden()
