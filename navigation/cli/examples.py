@@ -86,6 +86,10 @@ EXAMPLES: dict[str, Example] = {
         "clearway doctor arena.yaml --bundle report.zip",
         "Check machine, camera and port, and pack what a bug report needs.",
     ),
+    "dashboard": Example(
+        "clearway dashboard recordings/clearway_2026-03-04_05-06-07_001.mcap",
+        "Look at a recorded run on the page: play, pause, jump.",
+    ),
     "replay": Example(
         "clearway replay recordings/run.mcap --pose-mm 5",
         "Re-run vision and planning on a recording, and compare.",

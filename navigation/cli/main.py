@@ -72,6 +72,7 @@ COMMANDS: dict[str, Listed] = {
     "devices": Listed(".setup.devices:command", "The serial ports and cameras here."),
     "camera": Listed(".setup.camera:command", "What a camera can do, and what it delivers."),
     "doctor": Listed(".setup.doctor:command", "Whether this machine is fit for a run."),
+    "dashboard": Listed(".running.dashboard:command", "A recording on the page, to look at."),
     "replay": Listed(".running.replay:command", "Re-run vision and planning on a recording."),
     "sweep": Listed(".running.sweep:command", "Repeat a simulated run with varied errors."),
     "install-service": Listed(

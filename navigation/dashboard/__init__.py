@@ -8,6 +8,7 @@
   `attention`: what it has got and could take.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
 - `kept`: what is on disk, earlier runs with their files.
+- `replay`: a recording on the same page.
 - `metrics`, `palette`, `static/`: numbers for Prometheus, colours shared with the pictures, the
   page itself (ES modules, no build step).
 

@@ -78,6 +78,10 @@ class Hub:
         self.world, self.world_number = b"", 0
         self.plan, self.plan_number = b"", 0
         self.picture, self.picture_number = b"", 0
+        self.refusal: str | None = None
+        """Why nothing can be ordered here at all; None where it can."""
+        self.epoch = 0
+        """Grows where the past becomes another one: pages are greeted again."""
         self.closing = asyncio.Event()
         self.workers = ThreadPoolExecutor(2, thread_name_prefix="dashboard")
         self._state: DaemonState | None = None
@@ -153,6 +157,10 @@ class Hub:
         attention = Attention(role, self.viewers_ever)
         self.viewers.add(attention)
         return attention
+
+    def steer(self, _message: Mapping[str, Any]) -> str | None:
+        """Play, pause, seek: why not, where nothing is replayed."""
+        return "nothing is replayed here"
 
     @property
     def loop_age_s(self) -> float:

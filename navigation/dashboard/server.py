@@ -52,7 +52,8 @@ class Dashboard:
     ``say`` gets the address, or why there is none; with ``show_token`` the address has the
     token in its fragment, which browsers keep to themselves. ``own_token`` is what one needs to
     stop and drive where no token is configured. ``desk`` is where the configuration is changed.
-    ``runs``: the earlier runs that the page shows, those of the configuration by default.
+    ``runs``: the earlier runs that the page shows, those of the configuration by default. ``hub``:
+    makes another hub than that of a running daemon.
     """
 
     def __init__(
@@ -66,9 +67,11 @@ class Dashboard:
         own_token: str | None = None,
         desk: Desk | None = None,
         runs: KeptRuns | None = None,
+        hub: Callable[[], Hub] | None = None,
     ) -> None:
         self._daemon, self._say, self._desk = daemon, say, desk
         kept = daemon.config.recording
+        self._make_hub = hub
         self._runs = runs or KeptRuns(kept.runs_dir, kept.folder)
         self._clock, self._wall_clock = clock, wall_clock
         self._show_token, self._own_token = show_token, own_token
@@ -126,14 +129,17 @@ class Dashboard:
         except Exception as error:  # noqa: BLE001 - the run goes on without its page
             self._say(f"the dashboard has ended: {error}")
 
-    async def _serve(self) -> None:
-        self._loop = asyncio.get_running_loop()
-        self.hub = hub = Hub(
+    def _hub_of_a_run(self) -> Hub:
+        return Hub(
             self._daemon,
             clock=self._clock,
             wall_clock=self._wall_clock,
             own_token=self._own_token,
         )
+
+    async def _serve(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self.hub = hub = (self._make_hub or self._hub_of_a_run)()
         self.places = places = make_places()
         http = partial(PlacedRequests, places=places, clock=time.monotonic)
         server = uvicorn.Server(

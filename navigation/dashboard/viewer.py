@@ -54,6 +54,7 @@ class Viewer:
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
         self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "picture": 0}
         self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
+        self._epoch = hub.epoch
         self._bad = 0
         self._allowance = Allowance(MESSAGES_S + hub.section.picture_rate_hz, BURST_S, hub.clock())
         self._left = False
@@ -81,14 +82,16 @@ class Viewer:
 
     # Out.
 
+    async def _greet(self) -> None:
+        """The greeting; whatever was sent before it is sent again."""
+        self._epoch = self.hub.epoch
+        self._sent = dict.fromkeys(self._sent, 0)
+        self._next = dict.fromkeys(self._next, 0)
+        role = "nobody" if self.hub.refusal else self.role.value
+        await self._send_json({**self.hub.hello, "number": self.number, "role": role})
+
     async def _send(self) -> None:
-        await self._send_json(
-            {
-                **self.hub.hello,
-                "number": self.number,
-                "role": self.role.value,
-            }
-        )
+        await self._greet()
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             while True:
                 await self.attention.news.wait()
@@ -97,6 +100,8 @@ class Viewer:
 
     async def _send_news(self) -> None:
         hub = self.hub
+        if self._epoch != hub.epoch:
+            await self._greet()
         while self._answers:
             await self._send_json(self._answers.popleft())
         if self._is_new("state", hub.state_number):
@@ -191,6 +196,9 @@ class Viewer:
                 self._order(message)
             case "preview":
                 self._ask_preview(message)
+            case "replay":
+                error = self.hub.steer(message)
+                self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
             case "ping":
                 self._answer({"type": "pong", "id": _number_of(message)})
             case other:
@@ -208,8 +216,10 @@ class Viewer:
         self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
 
     def _sit(self, message: dict[str, Any]) -> None:
-        if self.role is Role.VISITOR:
-            error: str | None = TOKEN_TO_STOP
+        if self.hub.refusal is not None:
+            error: str | None = self.hub.refusal
+        elif self.role is Role.VISITOR:
+            error = TOKEN_TO_STOP
         elif self.role is not Role.OPERATOR:
             error = "this token is for looking and stopping only"
         elif not self.attention.key:
@@ -224,7 +234,7 @@ class Viewer:
 
     def _order(self, message: dict[str, Any]) -> None:
         order, hub = message.get("order"), self.hub
-        refusal = refusal_of(
+        refusal = hub.refusal or refusal_of(
             order,
             may_stop=self.role is not Role.VISITOR,
             may_drive=self.role is Role.OPERATOR,
@@ -243,6 +253,9 @@ class Viewer:
 
     def _ask_preview(self, message: dict[str, Any]) -> None:
         stations = read_stations(message.get("stations"))
+        if self.hub.refusal is not None:
+            self._reply(message, {"ok": False, "reason": self.hub.refusal})
+            return
         if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.attention.key):
             self._reply(message, {"ok": False, "reason": "take the arena first"})
             return

@@ -85,7 +85,7 @@ class Recording:
         """Time in the file (nanoseconds) and picture, in order."""
         for topic, message in _Messages(self.path):
             if topic == CAMERA:
-                yield message.log_time, _picture(message.data, self.path)
+                yield message.log_time, decoded_picture(message.data, self.path)
 
 
 def read_recording(path: Path) -> Recording:
@@ -133,7 +133,7 @@ class _Messages:
         try:
             with self.path.open("rb") as file:
                 for record in StreamReader(file, emit_chunks=True).records:
-                    inner = _whole_records(record) if isinstance(record, Chunk) else [record]
+                    inner = whole_records(record) if isinstance(record, Chunk) else [record]
                     for one in inner:
                         if isinstance(one, Channel):
                             topics[one.id] = one.topic
@@ -147,7 +147,7 @@ class _Messages:
                 raise RecordingError(f"{self.path}: not an MCAP recording: {error}") from None
 
 
-def _whole_records(chunk: Chunk) -> list[Any]:
+def whole_records(chunk: Chunk) -> list[Any]:
     """The records of a chunk; `McapError` where the end of it is missing."""
     if not chunk.compression and len(chunk.data) != chunk.uncompressed_size:
         raise McapError("the chunk is cut off")
@@ -183,15 +183,16 @@ def _scene(body: dict[str, Any]) -> SeenScene:
     )
 
 
-def _picture(message: bytes, path: Path) -> Image:
-    data = _bytes_field(message, _DATA_FIELD)
+def decoded_picture(message: bytes, path: Path) -> Image:
+    """The picture in a message of Foxglove's; `RecordingError` where there is none."""
+    data = bytes_field(message, _DATA_FIELD)
     image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
     if image is None or image.dtype != np.uint8:
         raise RecordingError(f"{path}: a picture in it cannot be decoded")
     return np.asarray(image, dtype=np.uint8)
 
 
-def _bytes_field(message: bytes, wanted: int) -> bytes:
+def bytes_field(message: bytes, wanted: int) -> bytes:
     """A field of a protobuf message that holds bytes; empty where it has none.
 
     Protobuf's wire: a varint of number and type; then a varint (0), 8 bytes (1), a length and

@@ -1,1 +1,1 @@
-"""Commands that drive, or talk to what drives: run, orders, robot, replay, sweep."""
+"""Commands that drive, or talk to what drives: run, orders, robot, replay, dashboard, sweep."""

@@ -59,12 +59,12 @@ class KeptAnswers:
         async with self._listing:
             now_s = self._hub.clock()
             if self._newest is not None:
-                asked, made_s, body = self._newest
+                asked, made_s, made = self._newest
                 if asked == (before, count) and now_s - made_s < FRESH_S:
-                    return body
+                    return made
             work = asyncio.get_running_loop().run_in_executor
             page = await work(self._hub.workers, self._runs.page, before, count)
-            body = hide_in(_page_body(page))
+            body: dict[str, Any] = hide_in(_page_body(page))
             self._newest = ((before, count), now_s, body)
             return body
 
@@ -150,7 +150,7 @@ def _text(value: object) -> str | None:
 
 def _number(value: object) -> float | None:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if is_number and abs(value) < 1e12 else None  # type: ignore[arg-type, operator]
+    return float(value) if is_number and abs(value) < 1e12 else None  # type: ignore[arg-type]
 
 
 def _plain(status: int, sentence: str, **headers: str) -> Response:

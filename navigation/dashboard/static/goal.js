@@ -3,7 +3,6 @@
 
 import { stationMark } from "./layers.js";
 import { allow } from "./press.js";
-import { MAY_NOT_DRIVE } from "./seat.js";
 import { element } from "./stage.js";
 import { Clearance } from "./world.js";
 
@@ -199,6 +198,10 @@ export class Goal {
   // The draft.
 
   async #set(x, y, heading, more) {
+    if (this.seat.isRecording) {
+      this.say(this.seat.mayNot);
+      return;
+    }
     const station = { x_m: round(x), y_m: round(y), heading_rad: heading };
     this.#before.push(this.#stations);
     this.#stations = more ? [...this.#stations, station] : [station];
@@ -265,7 +268,7 @@ export class Goal {
   /** Why the goal cannot be sent now; "" where it can. */
   get #missing() {
     if (!this.connection.isUp) return "there is no connection";
-    if (!this.seat.mayDrive) return MAY_NOT_DRIVE;
+    if (this.seat.mayNot) return this.seat.mayNot;
     if (!this.#stations.length) return "there is no goal; click in the arena to set one";
     if (this.stopped) return "the robot is stopped; re-arm it first";
     if (!this.#preview) return "the plan is not there yet; look at it, then send again";

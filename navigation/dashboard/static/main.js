@@ -9,6 +9,7 @@ import { Keys } from "./keys.js";
 import { Log } from "./log.js";
 import { MissionPanel } from "./mission.js";
 import { Picture } from "./picture.js";
+import { Replay } from "./replay.js";
 import { Seat } from "./seat.js";
 import { Settings } from "./settings.js";
 import { Stage } from "./stage.js";
@@ -26,6 +27,7 @@ const stop = new Stop(connection, seat, say);
 const picture = new Picture(stage, connection);
 const layers = new Layers(stage, picture, connection);
 const goal = new Goal(stage, connection, seat, say);
+const replay = new Replay(connection, say);
 new MissionPanel(connection, seat, say);
 new Health(connection);
 new Log(connection);
@@ -41,6 +43,10 @@ byId("refusal-close").addEventListener("click", () => say(""));
 
 // The connection, in the bar and across the page.
 connection.on("state", (state) => {
+  if (state.replay) {
+    pill("calm", "recording");
+    return;
+  }
   const hangs = state.loop_ms === null || state.loop_ms > 1000;
   pill(hangs ? "bad" : "good", hangs ? "control loop hangs" : "live");
 });
@@ -91,7 +97,8 @@ byId("theme").addEventListener("click", () => {
 addEventListener("keydown", (event) => {
   if (event.target.matches("input:not([type=checkbox]), select") || event.ctrlKey || event.metaKey || event.altKey) return;
   const layer = LAYERS[Number(event.key) - 1];
-  if (layer) layers.toggle(layer);
+  if (replay.key(event)) event.preventDefault();
+  else if (layer) layers.toggle(layer);
   else if (event.key === "?") keys.toggle();
   else if (event.key === "h" || event.key === "H") history.toggle();
   else if (event.key === "+" || event.key === "=") view.zoom(1.4);

@@ -1,7 +1,6 @@
 // The mission's state in words: what the robot does, or the plain sentence why it does not move.
 
 import { allow, onPress } from "./press.js";
-import { MAY_NOT_DRIVE } from "./seat.js";
 
 const WORDS = {
   idle: "Ready", planning: "Planning", proving: "Proving itself", driving: "Driving", holding: "Holding",
@@ -44,7 +43,7 @@ export class MissionPanel {
   /** Why an order cannot be given now; "" where it can. */
   #whyNot(order) {
     const { paused, mission } = this.#state;
-    if (!this.seat.mayDrive) return MAY_NOT_DRIVE;
+    if (this.seat.mayNot) return this.seat.mayNot;
     if (mission.state === "stopped") return "the robot is stopped; re-arm it first";
     if (order === "resume") {
       const waits = ["idle", "failed"].includes(mission.state) && this.#left > 0;

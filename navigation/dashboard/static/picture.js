@@ -41,7 +41,7 @@ export class Picture {
   }
 
   #watch(state) {
-    if (!this.#wanted) {
+    if (!this.#wanted || state.replay) { // what was recorded is as old as it is
       this.note.hidden = true;
       return;
     }

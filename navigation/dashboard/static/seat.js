@@ -1,6 +1,7 @@
 // Who holds the arena. A free arena is taken by the first order; it can be taken and left by hand.
 
-export const MAY_NOT_DRIVE = "this page has no token that may drive";
+const NO_TOKEN = "this page has no token that may drive";
+const RECORDING = "this is a recording: nothing here drives or stops a robot";
 
 export class Seat {
   #mine = "";
@@ -39,6 +40,17 @@ export class Seat {
     return this.role === "operator";
   }
 
+  /** Why nobody may drive from this page; "" where somebody may. */
+  get mayNot() {
+    if (this.isRecording) return RECORDING;
+    return this.mayDrive ? "" : NO_TOKEN;
+  }
+
+  /** What is shown was recorded: there is no robot at the other end. */
+  get isRecording() {
+    return this.role === "nobody";
+  }
+
   /** Without a token, where looking needs none: may not even stop. */
   get isVisitor() {
     return this.role === "visitor";
@@ -56,7 +68,7 @@ export class Seat {
   async toggle() {
     let answer = { ok: false, error: "there is no connection to the program" };
     if (!this.mayDrive) {
-      answer.error = MAY_NOT_DRIVE;
+      answer.error = this.mayNot;
     } else if (!this.isMine) {
       answer = await this.takeIfFree();
     } else if (this.connection.send({ type: "release" })) {
@@ -69,12 +81,14 @@ export class Seat {
   /** Make sure that this page holds the arena; {ok, error}. */
   async takeIfFree() {
     if (this.isMine) return { ok: true };
+    if (this.isRecording) return { ok: false, error: RECORDING };
     const answer = await this.connection.ask({ type: "take" });
     this.#granted = answer.ok;
     return answer;
   }
 
   #show() {
+    if (this.isRecording) return; // the bar says what is played
     const up = this.connection.isUp && this.#state !== null;
     const holder = this.#state?.seat;
     this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine);
@@ -82,7 +96,7 @@ export class Seat {
     if (!up) this.text.textContent = "";
     else if (this.isMine) this.text.textContent = "You hold the arena";
     else if (holder) this.text.textContent = `${holder.name} holds the arena`;
-    else this.text.textContent = this.mayDrive ? "" : "Looking only";
+    else this.text.textContent = this.mayNot && !this.isRecording ? "Looking only" : "";
     const others = (this.#state?.viewers ?? 1) - 1;
     this.text.title = others > 0 ? `${others} more ${others === 1 ? "page is" : "pages are"} open` : "";
   }

@@ -6,7 +6,6 @@
 // hurried hand does not undo the first.
 
 import { allow, onPress } from "./press.js";
-import { MAY_NOT_DRIVE } from "./seat.js";
 
 const REARM_AFTER_MS = 1000;
 const LINE_MS = 400;
@@ -36,6 +35,10 @@ export class Stop {
   }
 
   async fire() {
+    if (this.seat.isRecording) {
+      this.say(this.seat.mayNot);
+      return;
+    }
     this.#pressedAt = performance.now();
     this.button.classList.add("fired");
     setTimeout(() => this.button.classList.remove("fired"), 300);
@@ -90,7 +93,7 @@ export class Stop {
     document.getElementById("stopped-text").textContent = wheels(state.link);
     const since = Math.max(this.#stoppedSince, this.#pressedAt);
     const isSoon = performance.now() - since < REARM_AFTER_MS;
-    allow(this.rearm, !this.seat.mayDrive ? MAY_NOT_DRIVE : isSoon ? "re-arm a second after STOP, not sooner" : "");
+    allow(this.rearm, this.seat.mayNot ? this.seat.mayNot : isSoon ? "re-arm a second after STOP, not sooner" : "");
   }
 }
 

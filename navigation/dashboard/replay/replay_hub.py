@@ -1,0 +1,107 @@
+"""The hub of a recording's page: it is steered by those who look, and begins again after a jump.
+
+All who look at it see the same moment. After a jump the past is another one: log, track and charts
+are made again from the recording up to there, and every page is greeted again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from navigation.dashboard.hub import Hub
+from navigation.dashboard.messages.chronicle import SAMPLE_EVERY_S, SAMPLES, Chronicle
+from navigation.dashboard.replay.player import SPEEDS, Player
+from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
+from navigation.loop.daemon_state import DaemonState
+from navigation.shared.outside import finite_number, in_short
+
+TRACK_STEPS: Final = 3000
+"""How many moments a track of the past is made of at most."""
+
+
+class ReplayHub(Hub):
+    """A hub around a `ReplayedRun`."""
+
+    def __init__(self, run: ReplayedRun, *, clock: Callable[[], float]) -> None:
+        super().__init__(run, clock=clock, wall_clock=run.wall_clock)
+        self.refusal = IT_IS_A_RECORDING
+        self.run_shown = run
+        recording = run.tape.recording
+        self.hello["replay"] = {
+            "file": recording.path.name,
+            "version": recording.version,
+            "cut": recording.cut,
+            "duration_s": self._player.duration_s,
+            "began_s": run.tape.begin_s + run.tape.wall_offset_s,
+            "speeds": list(SPEEDS),
+        }
+        self._jumps = self._player.jumps
+
+    @property
+    def _player(self) -> Player:
+        return self.run_shown.player
+
+    def look(self, now_s: float) -> None:
+        """As any hub; after a jump with another past."""
+        if self._player.jumps != self._jumps:
+            self._jumps = self._player.jumps
+            self._begin_again(self._player.place_s(now_s))
+        super().look(now_s)
+
+    def steer(self, message: Mapping[str, Any]) -> str | None:
+        """``{"do": "play"|"pause"|"seek"|"speed", "value": N}``; None, or why it is not done."""
+        now_s, player = self.clock(), self._player
+        value = finite_number(message.get("value"))
+        match message.get("do"):
+            case "play":
+                player.play(now_s)
+            case "pause":
+                player.pause(now_s)
+            case "seek" if value is not None:
+                player.seek(now_s, value)
+            case "speed" if value in SPEEDS:
+                player.set_speed(now_s, value)
+            case "seek" | "speed":
+                return f"value {in_short(message.get('value'))}: is no such place or speed"
+            case other:
+                return f"do {in_short(other)}: must be play, pause, seek or speed"
+        self.look(now_s)
+        self.tell_now()
+        return None
+
+    def _begin_again(self, place_s: float) -> None:
+        self.chronicle = Chronicle(self.daemon.config.robot.speed_m_s)
+        run = self.run_shown
+        wall_s = run.tape.begin_s + run.tape.wall_offset_s
+        camera = run.camera_status()
+        charted_s = place_s - SAMPLES * SAMPLE_EVERY_S
+        step_s = max(SAMPLE_EVERY_S, place_s / TRACK_STEPS)
+        at_s = 0.0
+        while at_s < place_s:
+            state = run.state_at(at_s)
+            self.chronicle.see(state, camera, wall_s + at_s)
+            if at_s >= charted_s:
+                self.chronicle.sample(state, camera)
+            at_s += step_s
+        self.epoch += 1
+        self.wake()
+
+    def _observe(self, state: DaemonState) -> None:
+        """In the run's own times: whoever plays fast has not lifted the robot."""
+        run = self.run_shown
+        super()._observe(run.state_at(state.time_s))
+        self._others.update(  # as old as they are shown
+            (i, pose) for i, pose in state.poses.items() if i in self._others
+        )
+
+    def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
+        player = self._player
+        return {
+            **super()._facts(state, now_s),
+            "replay": {
+                "place_s": round(player.place_s(now_s), 3),
+                "playing": player.playing and player.place_s(now_s) < player.duration_s,
+                "speed": player.speed,
+            },
+        }

@@ -1,0 +1,180 @@
+"""A recording at any moment: what was seen, planned and said by then, and its newest picture.
+
+The file is read once, in order; of pictures only their places in it are kept, and one is read and
+decoded when it is asked for. Times are the run's clock, seconds; wall times seconds since 1970.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from mcap.exceptions import McapError
+from mcap.records import Channel, Chunk, Message
+from mcap.stream_reader import CRCValidationError, StreamReader
+
+from navigation.recording import json_bodies as bodies
+from navigation.recording.files import RecordingError
+from navigation.recording.reader import (
+    CAMERA,
+    Planned,
+    Recording,
+    SeenFrame,
+    SeenScene,
+    bytes_field,
+    decoded_picture,
+    read_recording,
+    whole_records,
+)
+from vision.camera.camera import Image
+
+LOG: Final = "/log"
+_SENTENCE_FIELD, _SOURCE_FIELD = 3, 4
+"""`message` and `name` in foxglove.Log."""
+MISSION: Final = b"mission"
+
+
+@dataclass(frozen=True, slots=True)
+class TapedPicture:
+    """A picture's moment and number, and the place in the file of the chunk that holds it."""
+
+    captured_s: float
+    stamp_ns: int
+    offset: int
+    channel: int
+    number: int
+
+
+@dataclass(slots=True)
+class Tape:
+    """A recording, ordered by time; `read_tape` makes one. Lists are ascending."""
+
+    recording: Recording
+    wall_offset_s: float
+    """Wall time minus the run's clock."""
+    frames: list[SeenFrame]
+    pictures: list[TapedPicture] = field(default_factory=list)
+    said: list[tuple[float, str]] = field(default_factory=list)
+    """What the mission was and why: ``state: sentence``."""
+    links: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
+    """The link's counters."""
+
+    @property
+    def begin_s(self) -> float:
+        """The first moment."""
+        return self.frames[0].captured_s
+
+    @property
+    def end_s(self) -> float:
+        """The last moment."""
+        return self.frames[-1].captured_s
+
+    def frame_at(self, time_s: float) -> SeenFrame:
+        """What was seen last; the first sighting before it."""
+        return self.frames[max(0, self.count_until(time_s) - 1)]
+
+    def count_until(self, time_s: float) -> int:
+        """How many pictures had been looked at."""
+        return bisect_right(self.frames, time_s, key=lambda seen: seen.captured_s)
+
+    def scene_at(self, time_s: float) -> SeenScene | None:
+        """The newest scene."""
+        scenes = self.recording.scenes
+        at = bisect_right(scenes, time_s, key=lambda scene: scene.captured_s)
+        if at == 0 and scenes and scenes[0].carried:
+            return scenes[0]
+        return scenes[at - 1] if at else None
+
+    def plan_at(self, time_s: float) -> Planned | None:
+        """The newest plan, or the newest word that there is none."""
+        plans = self.recording.plans
+        at = bisect_right(plans, time_s, key=lambda plan: float(plan.answer["time_s"]))
+        return plans[at - 1] if at else None
+
+    def said_at(self, time_s: float) -> str | None:
+        """``state: sentence`` of the mission."""
+        at = bisect_right(self.said, time_s, key=lambda one: one[0])
+        return self.said[at - 1][1] if at else None
+
+    def link_at(self, time_s: float) -> dict[str, Any] | None:
+        """The newest counters of the link."""
+        at = bisect_right(self.links, time_s, key=lambda one: one[0])
+        return self.links[at - 1][1] if at else None
+
+    def picture_at(self, time_s: float) -> TapedPicture | None:
+        """The newest picture."""
+        at = bisect_right(self.pictures, time_s, key=lambda one: one.captured_s)
+        return self.pictures[at - 1] if at else None
+
+    def image(self, picture: TapedPicture) -> Image:
+        """Read and decode a picture; `RecordingError` where that cannot be."""
+        path = self.recording.path
+        try:
+            with path.open("rb") as file:
+                file.seek(picture.offset)
+                record = next(iter(StreamReader(file, skip_magic=True, emit_chunks=True).records))
+            for message in _messages_of(record):
+                if (message.channel_id, message.log_time) == (picture.channel, picture.stamp_ns):
+                    return decoded_picture(message.data, path)
+        except (OSError, McapError, CRCValidationError, struct.error, StopIteration) as error:
+            raise RecordingError(f"{path}: a picture in it cannot be read: {error}") from None
+        raise RecordingError(f"{path}: a picture in it is not where it was")
+
+
+def read_tape(path: Path) -> Tape:
+    """Read a recording to be looked at; `RecordingError` where it is none or nothing was seen."""
+    recording = read_recording(path)
+    if not recording.frames:
+        raise RecordingError(f"{path}: nothing was seen in it")
+    stamps = sorted(recording.frames)
+    frames = sorted(recording.frames.values(), key=lambda seen: seen.captured_s)
+    first = recording.frames[stamps[0]]
+    tape = Tape(recording, stamps[0] / 1e9 - first.captured_s, frames)
+    for offset, topic, message in _placed_messages(path):
+        time_s = message.log_time / 1e9 - tape.wall_offset_s
+        if topic == CAMERA:
+            seen = recording.frames.get(message.log_time)
+            if seen is not None:  # else the file was cut between a picture and what was seen
+                number = len(tape.pictures)
+                place = (offset, message.channel_id, number)
+                tape.pictures.append(TapedPicture(seen.captured_s, message.log_time, *place))
+        elif topic == LOG and bytes_field(message.data, _SOURCE_FIELD) == MISSION:
+            sentence = bytes_field(message.data, _SENTENCE_FIELD)
+            tape.said.append((time_s, sentence.decode(errors="replace")))
+        elif topic == bodies.LINK:
+            tape.links.append((time_s, json.loads(message.data)))
+    tape.said.sort(key=lambda one: one[0])
+    tape.links.sort(key=lambda one: one[0])
+    tape.pictures.sort(key=lambda one: one.captured_s)
+    recording.scenes.sort(key=lambda scene: scene.captured_s)
+    recording.plans.sort(key=lambda plan: float(plan.answer["time_s"]))
+    return tape
+
+
+def _placed_messages(path: Path) -> Iterator[tuple[int, str, Message]]:
+    """Every whole message with its topic and the place of the record that holds it."""
+    topics: dict[int, str] = {}
+    try:
+        with path.open("rb") as file:
+            offset = 0
+            for record in StreamReader(file, emit_chunks=True).records:
+                begin, offset = offset, file.tell()
+                for one in whole_records(record) if isinstance(record, Chunk) else [record]:
+                    if isinstance(one, Channel):
+                        topics[one.id] = one.topic
+                    elif isinstance(one, Message):
+                        yield begin, topics.get(one.channel_id, ""), one
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror or error}") from None
+    except (McapError, CRCValidationError, struct.error, UnicodeDecodeError):
+        return  # a file that was cut: what was flushed is there
+
+
+def _messages_of(record: object) -> Iterator[Message]:
+    inner = whole_records(record) if isinstance(record, Chunk) else [record]
+    yield from (one for one in inner if isinstance(one, Message))
