@@ -28,6 +28,9 @@ class Attention:
         self.displaced = asyncio.Event()
         self.key = ""
         self.is_watching = False
+        self.kind = "picture"
+        """Which picture: from above, or ``camera``, as it was taken."""
+        self.wants_heat = False
         self.news = asyncio.Event()
         self._credits = CREDITS
         self._shown_s = -math.inf

@@ -22,8 +22,10 @@ from navigation.config.secrecy.secrets import hide_in
 from navigation.dashboard.admission.access import Gate, Role
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import Attention
+from navigation.dashboard.messages.camera_view import CameraView
 from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.messages.geometry import path_facts, plan_message, world_message
+from navigation.dashboard.messages.heat import heat_message
 from navigation.dashboard.messages.packed import pack
 from navigation.dashboard.messages.picture import TopView
 from navigation.dashboard.messages.state_message import greeting, no_path_facts, state_message
@@ -67,6 +69,12 @@ class Hub:
             section.picture_width_px,
             section.jpeg_quality,
         )
+        self.camera_view = CameraView(
+            daemon.calibration,
+            Bounds(*daemon.config.arena.bounds_m),
+            section.picture_width_px,
+            section.jpeg_quality,
+        )
         self.gate = Gate(section, own_token)
         self.seat = Seat(section.hold_s)
         self.chronicle = Chronicle(daemon.config.robot.speed_m_s)
@@ -77,7 +85,9 @@ class Hub:
         self.state_text, self.state_number = "", 0
         self.world, self.world_number = b"", 0
         self.plan, self.plan_number = b"", 0
-        self.picture, self.picture_number = b"", 0
+        self.heat, self.heat_number = b"", 0
+        self.pictures = {"picture": (b"", 0), "camera": (b"", 0)}
+        """The newest of each kind, with its number."""
         self.refusal: str | None = None
         """Why nothing can be ordered here at all; None where it can."""
         self.epoch = 0
@@ -87,7 +97,8 @@ class Hub:
         self._state: DaemonState | None = None
         self._seen_s = -math.inf
         self._told_s = -math.inf
-        self._frame: Frame | None = None
+        self._frames: dict[str, Frame] = {}
+        self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
         self._path: Path | None = None
         self._wire_s: float | None = None
@@ -120,7 +131,9 @@ class Hub:
             self._observe(state)
             news = self._renew_plan(state)
             self._renew_world(state)
-        self._renew_picture(state, now_s)
+        self._renew_heat(state)
+        for kind in self.pictures:
+            self._renew_picture(kind, state, now_s)
         if now_s - self._told_s >= STATE_EVERY_S:
             self._told_s = now_s
             self.state_text = self._tell(state, now_s)
@@ -240,22 +253,45 @@ class Hub:
         self.world_number = number
         self.wake()
 
-    def _renew_picture(self, state: DaemonState, now_s: float) -> None:
+    def _renew_heat(self, state: DaemonState) -> None:
+        """Only while somebody has the layer on."""
+        roadmap = state.roadmap
+        if roadmap is None or roadmap is self._heated or "heat" in self._busy:
+            return
+        if any(viewer.wants_heat for viewer in self.viewers):
+            self._heated = roadmap
+            self._start("heat", self._make_heat(roadmap))
+
+    async def _make_heat(self, roadmap: Roadmap) -> None:
+        loop = asyncio.get_running_loop()
+        number, window = self.heat_number + 1, self.view.window
+        self.heat = await loop.run_in_executor(self.workers, heat_message, roadmap, window, number)
+        self.heat_number = number
+        self.wake()
+
+    def _renew_picture(self, kind: str, state: DaemonState, now_s: float) -> None:
         frame = state.frame
-        if frame is None or frame is self._frame or "picture" in self._busy:
+        if frame is None or frame is self._frames.get(kind) or kind in self._busy:
             return
         pause_s = self.picture_pause_s()
-        if any(viewer.wants_picture(now_s, pause_s) for viewer in self.viewers):
-            self._frame = frame
-            self._start("picture", self._make_picture(frame))
+        looking = (viewer for viewer in self.viewers if viewer.kind == kind)
+        if any(viewer.wants_picture(now_s, pause_s) for viewer in looking):
+            self._frames[kind] = frame
+            self._start(kind, self._make_picture(kind, frame, state))
 
-    async def _make_picture(self, frame: Frame) -> None:
-        loop = asyncio.get_running_loop()
-        jpeg = await loop.run_in_executor(self.workers, self.view.jpeg, frame)
-        number = self.picture_number + 1
+    async def _make_picture(self, kind: str, frame: Frame, state: DaemonState) -> None:
+        work = asyncio.get_running_loop().run_in_executor
+        number = self.pictures[kind][1] + 1
         age_ms = round((self.clock() - frame.captured_s) * 1e3, 1)
-        self.picture = pack("picture", {"number": number, "age_ms": age_ms}, {"jpeg": jpeg})
-        self.picture_number = number
+        fields = {"number": number, "age_ms": age_ms}
+        if kind == "camera":
+            raw = self.camera_view.message
+            made = await work(self.workers, raw, frame, state.poses, state.roadmap, fields)
+        else:
+            jpeg = await work(self.workers, self.view.jpeg, frame)
+            fields["age_ms"] = round((self.clock() - frame.captured_s) * 1e3, 1)
+            made = pack("picture", fields, {"jpeg": jpeg})
+        self.pictures[kind] = (made, number)
         self.wake()
 
     def _start(self, name: str, work: Any) -> None:

@@ -52,7 +52,8 @@ class Viewer:
         self.name = f"viewer {self.number}"
         self._socket = socket
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
-        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "picture": 0}
+        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "heat": 0}
+        self._sent |= dict.fromkeys(hub.pictures, 0)
         self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
         self._epoch = hub.epoch
         self._bad = 0
@@ -116,10 +117,13 @@ class Viewer:
         now_s = hub.clock()
         attention = self.attention
         could = attention.wants_picture(now_s, hub.picture_pause_s())
-        if could and self._is_new("picture", hub.picture_number):
+        if attention.wants_heat and self._is_new("heat", hub.heat_number):
+            await self._socket.send_bytes(hub.heat)
+        picture, number = hub.pictures[attention.kind]
+        if could and self._is_new(attention.kind, number):
             attention.shown(now_s)
             hub.pictures_sent += 1
-            await self._socket.send_bytes(hub.picture)
+            await self._socket.send_bytes(picture)
 
     def _is_new(self, what: str, number: int) -> bool:
         if number == self._sent[what]:
@@ -186,6 +190,8 @@ class Viewer:
                 self.attention.drawn()
             case "watch":
                 self.attention.is_watching = message.get("on") is True
+                self.attention.kind = "camera" if message.get("camera") is True else "picture"
+                self.attention.wants_heat = message.get("heat") is True
             case "take":
                 self._sit(message)
             case "release":

@@ -28,7 +28,7 @@ def world_message(roadmap: Roadmap, number: int) -> bytes:
     """
     scene = roadmap.scene
     assert isinstance(scene, Scene)
-    borders, owner, closed = _borders(scene)
+    borders, owner, closed = border_lines(scene)
     clipped = roadmap.clipped
     chains = clipped.chains
     usable = np.zeros(len(chains), dtype=np.uint8)
@@ -66,7 +66,8 @@ def path_facts(path: Path) -> dict[str, object]:
     }
 
 
-def _borders(scene: Scene) -> tuple[list[FloatArray], list[int], list[bool]]:
+def border_lines(scene: Scene) -> tuple[list[FloatArray], list[int], list[bool]]:
+    """Every border as a polyline, the object it belongs to, and whether it is closed."""
     borders: list[FloatArray] = []
     owner: list[int] = []
     closed: list[bool] = []

@@ -21,6 +21,8 @@ export class Connection {
   #number = 0;
   #waiting = new Map();
   #lostSince = performance.now();
+  /** What is looked at: a picture at all, the camera's own one, the clearances. */
+  #watched = { on: true, camera: false, heat: false };
 
   constructor() {
     this.isUp = false;
@@ -31,7 +33,7 @@ export class Connection {
     addEventListener("online", () => this.#retryNow());
     document.addEventListener("visibilitychange", () => {
       if (!document.hidden) this.#retryNow();
-      this.send({ type: "watch", on: !document.hidden });
+      this.watch();
     });
   }
 
@@ -60,6 +62,13 @@ export class Connection {
     socket.onopen = () => this.#greet(socket);
     socket.onmessage = (event) => this.#hear(socket, event.data);
     socket.onclose = (event) => this.#drop(socket, event.reason);
+  }
+
+  /** Say what is looked at, and what has changed in that: nothing else is made and sent. */
+  watch(change = {}) {
+    Object.assign(this.#watched, change);
+    const { on, camera, heat } = this.#watched;
+    this.send({ type: "watch", on: on && !document.hidden, camera, heat: heat && !document.hidden });
   }
 
   /** Send a message now; false where that cannot be. */
@@ -102,7 +111,7 @@ export class Connection {
   #greet(socket) {
     if (socket !== this.#socket) return;
     this.join();
-    this.send({ type: "watch", on: !document.hidden });
+    this.watch();
   }
 
   #hear(socket, data) {

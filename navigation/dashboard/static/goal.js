@@ -198,8 +198,11 @@ export class Goal {
   // The draft.
 
   async #set(x, y, heading, more) {
-    if (this.seat.isRecording) {
-      this.say(this.seat.mayNot);
+    const why = this.stage.element.classList.contains("shows-camera")
+      ? "the camera's own picture is shown, where a place is not to scale: switch that layer off to set a goal"
+      : this.seat.isRecording ? this.seat.mayNot : "";
+    if (why) {
+      this.say(why);
       return;
     }
     const station = { x_m: round(x), y_m: round(y), heading_rad: heading };

@@ -1,13 +1,15 @@
 // What is drawn over the picture: obstacles, diagram, roadmap, plan, track, robots. Each layer is
 // one SVG group that can be switched off; what was chosen is remembered.
 
+import { CameraView, Heat } from "./camera.js";
 import { clearanceSpan } from "./world.js";
 import { element } from "./stage.js";
 
-export const LAYERS = ["picture", "obstacles", "diagram", "roadmap", "plan", "track", "robots"];
+export const LAYERS = ["picture", "obstacles", "diagram", "roadmap", "plan", "track", "robots", "clearance", "camera"];
+const OFF_AT_FIRST = ["clearance", "camera"];
 const TITLES = {
   picture: "Picture", obstacles: "Obstacles", diagram: "Diagram", roadmap: "Roadmap",
-  plan: "Plan", track: "Track", robots: "Robots",
+  plan: "Plan", track: "Track", robots: "Robots", clearance: "Clearance", camera: "Camera",
 };
 const STALE_MS = 200;
 const TRACK_MOST = 6000;
@@ -22,10 +24,12 @@ export class Layers {
   constructor(stage, picture, connection) {
     this.stage = stage;
     this.picture = picture;
-    this.shown = new Set(remembered() ?? LAYERS);
+    this.shown = new Set(remembered() ?? LAYERS.filter((name) => !OFF_AT_FIRST.includes(name)));
     for (const name of ["floor", "obstacles", "diagram", "roadmap", "corridor", "plan", "narrowest", "track", "mission", "robots", "draft", "probe"]) {
       stage.group(name);
     }
+    this.camera = new CameraView(stage, connection);
+    this.heat = new Heat(stage, connection);
     this.#makeSwitches();
     connection.on("hello", (hello) => this.#greet(hello));
     connection.on("world", (world) => this.#keepWorld(world));
@@ -72,7 +76,10 @@ export class Layers {
       document.getElementById(`layer-${name}`).checked = on;
       this.stage.svg.classList.toggle(`no-${name}`, !on);
     }
-    this.picture.wanted = this.shown.has("picture");
+    this.stage.canvas.hidden = !this.shown.has("picture");
+    this.camera.wanted = this.shown.has("camera");
+    this.heat.wanted = this.shown.has("clearance");
+    this.picture.wanted = this.shown.has("picture") || this.shown.has("camera");
     this.#showRamp();
   }
 
@@ -137,7 +144,7 @@ export class Layers {
   #showRamp() {
     const span = this.#world && clearanceSpan(this.#world);
     const box = document.getElementById("ramp");
-    box.hidden = !span || !(this.shown.has("roadmap") || this.shown.has("diagram"));
+    box.hidden = !span || !["roadmap", "diagram", "clearance"].some((name) => this.shown.has(name));
     if (!span) return;
     document.getElementById("ramp-low").textContent = span[0].toFixed(2);
     document.getElementById("ramp-high").textContent = span[1].toFixed(2);

@@ -16,14 +16,14 @@ export class Picture {
     this.note = document.getElementById("picture-note");
     this.#context = stage.canvas.getContext("2d", { alpha: false });
     connection.on("picture", (message) => this.#show(message));
+    connection.on("camera", (message) => { [this.#drawn, this.#age] = [performance.now(), message.age_ms]; });
     connection.on("state", (state) => this.#watch(state));
   }
 
   /** Whether the picture is shown at all; where not, it is not asked for. */
   set wanted(on) {
     this.#wanted = on;
-    this.stage.canvas.hidden = !on;
-    this.connection.send({ type: "watch", on: on && !document.hidden });
+    this.connection.watch({ on });
   }
 
   async #show(message) {

@@ -47,8 +47,8 @@ export class Stage {
     const y = Math.min(this.height - h, Math.max(0, part?.y ?? 0));
     this.view = { x, y, w, h };
     this.svg.setAttribute("viewBox", `${x} ${y} ${w} ${h}`);
-    this.canvas.style.transform =
-      `scale(${this.width / w}) translate(${(-100 * x) / this.width}%, ${(-100 * y) / this.height}%)`;
+    const moved = `scale(${this.width / w}) translate(${(-100 * x) / this.width}%, ${(-100 * y) / this.height}%)`;
+    for (const canvas of this.element.querySelectorAll("canvas")) canvas.style.transform = moved;
     this.#measure();
   }
 

@@ -1,0 +1,53 @@
+"""The clearance of every place as a picture: exact at the middle of each cell, their number bounded.
+
+The clearances are the roadmap's own; the colours are those of its lines, so that one ramp says
+both. Works on a roadmap, which never changes, so any thread may do it: the kernel leaves the
+interpreter to others, and `CELLS` bounds its work.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from navigation.dashboard.messages.packed import pack
+from navigation.draw.shapes import RAMP_STEPS
+from planner.roadmap.graph import without_spurs
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import Bounds
+
+CELLS: Final = 20_000
+BLOCKED: Final = 255
+"""In an obstacle or out of the arena."""
+TIGHT: Final = 254
+"""Free, and too tight for the robot."""
+
+
+def heat_message(roadmap: Roadmap, window: Bounds, number: int) -> bytes:
+    """``steps`` of the ramp, row by row from the top left, `TIGHT` or `BLOCKED`."""
+    side = math.sqrt(window.width * window.height / CELLS)
+    columns = max(1, math.floor(window.width / side))
+    rows = max(1, math.floor(window.height / side))
+    x = window.x_min + (np.arange(columns) + 0.5) * (window.width / columns)
+    y = window.y_max - (np.arange(rows) + 0.5) * (window.height / rows)
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    clearances = roadmap.clearance(places)
+    low, high = _span(roadmap)
+    shares = (clearances - low) / max(high - low, 1e-9)
+    steps = np.clip(np.rint(shares * (RAMP_STEPS - 1)), 0, RAMP_STEPS - 1).astype(np.uint8)
+    steps[clearances < roadmap.radius] = TIGHT
+    steps[clearances < 0.0] = BLOCKED
+    return pack("heat", {"number": number, "columns": columns, "rows": rows}, {"steps": steps})
+
+
+def _span(roadmap: Roadmap) -> tuple[float, float]:
+    """Least and largest clearance on the robot's roadmap, as the page has it for its ramp."""
+    chains = roadmap.clipped.chains
+    usable = without_spurs(roadmap.clipped, roadmap.radius)
+    pieces = [chains.rho[chains.first[c] : chains.first[c + 1]] for c in usable]
+    if not pieces:
+        return roadmap.radius, 2.0 * roadmap.radius
+    values = np.concatenate(pieces)
+    return float(values.min()), float(values.max())

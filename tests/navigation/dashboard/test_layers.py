@@ -1,0 +1,108 @@
+"""The clearance of every place, and the camera's own picture with what was found in it."""
+
+import json
+
+import cv2
+import numpy as np
+
+from navigation.dashboard.messages.camera_view import CameraView
+from navigation.dashboard.messages.heat import BLOCKED, CELLS, TIGHT, heat_message
+from navigation.dashboard.messages.packed import unpack
+from navigation.draw.shapes import RAMP_STEPS
+from planner.formats.scene_io import load_scene
+from planner.scene import Bounds
+from tests.navigation.dashboard.site import Site
+from tests.support.oracles.brute_clearance import borders, distances, inside, outline
+from tests.support.runs.shown import RADIUS_M, ROOT, SCALE_M, SIZE_PX, frame, laboratory, pose
+from tests.support.waiting import wait_until
+from vision.calibration.calibration import Calibration
+from vision.records.scene_json import scene_to_json
+
+WINDOW = Bounds(-0.1, -0.1, 2.5, 1.9)
+ARENA = Bounds(0.0, 0.0, 2.4, 1.8)
+
+
+def test_every_cell_has_the_clearance_of_its_middle() -> None:
+    head, arrays = unpack(heat_message(laboratory(), WINDOW, 3))
+    columns, rows, steps = head["columns"], head["rows"], arrays["steps"]
+    assert head["number"] == 3
+    assert 0.9 * CELLS < columns * rows <= CELLS
+    assert len(steps) == columns * rows
+    at = np.random.default_rng(1).choice(len(steps), 400, replace=False)
+    x = -0.1 + (at % columns + 0.5) * 2.6 / columns
+    y = 1.9 - (at // columns + 0.5) * 2.0 / rows
+    scene = json.loads(
+        json.dumps(scene_to_json(load_scene(ROOT / "configs/arenas/laboratory.txt")))
+    )
+    places = np.stack([x, y], axis=1)
+    clearance = distances(places, scene, y_down=False)
+    blocked = ~((x > 0.0) & (x < 2.4) & (y > 0.0) & (y < 1.8))
+    for records in borders(scene):
+        blocked |= inside(places, outline(records, y_down=False))
+    clearance[blocked] *= -1.0
+    known = steps[at]
+    sure = np.abs(clearance) > 1e-3
+    np.testing.assert_array_equal((known == BLOCKED)[sure], (clearance < 0.0)[sure])
+    tight = (clearance >= 0.0) & (clearance < RADIUS_M)
+    clear_cut = np.abs(clearance - RADIUS_M) > 1e-3
+    np.testing.assert_array_equal((known == TIGHT)[sure & clear_cut], tight[sure & clear_cut])
+    on_ramp = known < RAMP_STEPS
+    order = np.argsort(clearance[on_ramp])
+    assert (np.diff(known[on_ramp][order].astype(int)) >= -1).all()
+    ramp = steps[steps < RAMP_STEPS]
+    assert ramp.min() == 0
+    assert ramp.max() >= RAMP_STEPS - 2, "the widest place is no cell's middle"
+
+
+def test_what_was_found_lies_in_the_camera_picture_where_it_was_found() -> None:
+    view = CameraView(Calibration.from_scale(SCALE_M, SIZE_PX), ARENA, 240, 90)
+    robot = pose(1.0, 0.5)
+    message = view.message(frame(9), {7: robot}, laboratory(), {"number": 4, "age_ms": 1.0})
+    head, arrays = unpack(message)
+    assert (head["type"], head["number"], head["ids"]) == ("camera", 4, [7])
+    assert head["size_px"] == [240, 180]
+    assert cv2.imdecode(arrays["jpeg"], cv2.IMREAD_UNCHANGED).shape[:2] == (180, 240)
+    # a picture of half the size: a pixel is 1 cm, and the first one's middle is half of that in
+    np.testing.assert_allclose(arrays["corners"].reshape(4, 2), [[99.5, 129.5]] * 4, atol=1e-4)
+    first, border = arrays["border_first"], arrays["border"].reshape(-1, 2)
+    assert len(first) - 2 == 7, "the arena's rim, and seven obstacles"
+    rim = border[first[0] : first[1]]
+    np.testing.assert_allclose(rim.min(axis=0), [-0.5, -0.5], atol=1e-3)
+    np.testing.assert_allclose(rim.max(axis=0), [239.5, 179.5], atol=1e-3)
+    scene = laboratory().scene
+    assert scene.objects, "what is drawn"
+    inside = border[first[1] :]
+    assert (inside > 0.0).all()
+    assert (inside < (240, 180)).all()
+
+
+def test_they_are_made_only_while_somebody_looks(site: Site) -> None:
+    hub = site.dashboard.hub
+    assert hub is not None
+    with site.live() as page:
+        page.join()
+        page.send(type="watch", on=True)
+        page.hear("picture")
+        assert hub.heat_number == 0
+        assert hub.pictures["camera"][1] == 0
+        page.send(type="watch", on=True, camera=True, heat=True)
+        heat = page.hear("heat")
+        assert heat["columns"] * heat["rows"] == len(heat["arrays"]["steps"])
+        site.daemon.show(frame=frame(2))
+        camera = page.hear("camera")
+        assert camera["ids"] == [7]
+        above = hub.pictures["picture"][1]
+        page.send(type="ack")
+        page.send(type="ack")
+        for number in range(3, 9):
+            site.daemon.show(frame=frame(number))
+            page.send(type="ack")
+            page.hear("camera")
+        assert hub.pictures["picture"][1] == above
+        page.send(type="watch", on=False)
+        page.send(type="ping", id=1)
+        page.hear("pong")
+        made = hub.pictures["camera"][1], hub.heat_number
+        site.daemon.show(frame=frame(20), roadmap=laboratory())
+        assert wait_until(lambda: hub.world_number == 2)
+        assert (hub.pictures["camera"][1], hub.heat_number) == made
