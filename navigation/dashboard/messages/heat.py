@@ -1,4 +1,4 @@
-"""The clearance of every place as a picture: exact at the middle of each cell, their number bounded.
+"""The clearance of every place as a picture: exact at the middle of each cell.
 
 The clearances are the roadmap's own; the colours are those of its lines, so that one ramp says
 both. Works on a roadmap, which never changes, so any thread may do it: the kernel leaves the

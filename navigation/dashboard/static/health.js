@@ -1,5 +1,7 @@
 // Link, camera and planner: each a row with a word, a figure and the last two minutes as a line.
 
+import { Chart } from "./chart.js";
+
 const SVG = "http://www.w3.org/2000/svg";
 const [WIDE, HIGH] = [150, 34];
 const KEPT = 240;
@@ -28,6 +30,7 @@ export class Health {
   #parts = new Map();
 
   constructor(connection) {
+    this.chart = new Chart();
     const box = document.getElementById("health");
     for (const row of ROWS) box.append(this.#make(row));
     connection.on("hello", (hello) => { this.#columns = hello.samples; this.#rows = []; });
@@ -45,26 +48,37 @@ export class Health {
     const chart = document.createElementNS(SVG, "svg");
     chart.setAttribute("viewBox", `0 0 ${WIDE} ${HIGH}`);
     chart.setAttribute("preserveAspectRatio", "none");
-    chart.setAttribute("role", "img");
+    chart.setAttribute("aria-hidden", "true");
     const area = document.createElementNS(SVG, "path");
     area.setAttribute("class", "area");
     const line = document.createElementNS(SVG, "path");
     line.setAttribute("class", "line");
     chart.append(area, line);
+    const button = Object.assign(document.createElement("button"), { type: "button", className: "chart-open", title: "Show it at full size" });
+    button.append(chart);
+    button.addEventListener("click", () => this.chart.open(this.#series(row), button));
     const top = Object.assign(document.createElement("p"), { className: "top" });
     const said = Object.assign(document.createElement("div"), { className: "said" });
     const odd = Object.assign(document.createElement("ul"), { className: "odd said" });
     said.append(word, detail);
-    item.append(title, said, chart, top);
+    item.append(title, said, button, top);
     if (row.id === "link") item.append(odd);
-    this.#parts.set(row.id, { word, detail, chart, line, area, top, odd });
+    this.#parts.set(row.id, { word, detail, button, line, area, top, odd });
     return item;
   }
 
   #add(piece) {
     this.#rows.push(...piece.items);
     if (this.#rows.length > KEPT) this.#rows = this.#rows.slice(-KEPT);
-    for (const row of ROWS) this.#draw(row);
+    for (const row of ROWS) {
+      this.#draw(row);
+      this.chart.renew(this.#series(row));
+    }
+  }
+
+  #series({ id, title, unit, column }) {
+    const values = this.#column(column);
+    return { id, title, unit, least: 0, times: this.#column("time_s"), values };
   }
 
   #column(name) {
@@ -73,7 +87,7 @@ export class Health {
   }
 
   #draw(row) {
-    const { chart, line, area, top } = this.#parts.get(row.id);
+    const { button, line, area, top } = this.#parts.get(row.id);
     const values = this.#column(row.column);
     const known = values.filter((value) => value !== null);
     const high = Math.max(row.least, niceAbove(Math.max(0, ...known)));
@@ -91,9 +105,9 @@ export class Health {
     });
     line.setAttribute("d", data);
     area.setAttribute("d", fill);
-    top.textContent = known.length ? `${high} ${row.unit}` : "";
     const last = known.at(-1);
-    chart.setAttribute("aria-label", known.length ? `${row.title}: now ${last} ${row.unit}, at most ${Math.max(...known)} in two minutes` : `${row.title}: nothing yet`);
+    top.textContent = known.length ? `${last} ${row.unit}` : "";
+    button.setAttribute("aria-label", known.length ? `${row.title}: now ${last} ${row.unit}, at most ${Math.max(...known)} in two minutes; show it at full size` : `${row.title}: nothing yet; show it at full size`);
   }
 
   #show(state) {

@@ -29,7 +29,7 @@ const layers = new Layers(stage, picture, connection);
 const goal = new Goal(stage, connection, seat, say);
 const replay = new Replay(connection, say);
 new MissionPanel(connection, seat, say);
-new Health(connection);
+const health = new Health(connection);
 new Log(connection);
 const settings = new Settings(connection, seat);
 
@@ -106,6 +106,7 @@ addEventListener("keydown", (event) => {
   else if (event.key === "0") stage.show(null);
   else if (event.key === "Escape" && keys.isOpen) keys.close();
   else if (event.key === "Escape" && settings.isOpen) settings.close();
+  else if (event.key === "Escape" && health.chart.isOpen) health.chart.close();
   else if (event.key === "Escape") goal.clear();
   else if (event.key === "t" || event.key === "T") seat.toggle();
   else if (event.key === "Enter" && !event.target.matches("button, a, input")) goal.submit();
