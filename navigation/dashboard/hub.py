@@ -22,6 +22,7 @@ from navigation.config.secrecy.secrets import hide_in
 from navigation.dashboard.admission.access import Gate, Role
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import Attention
+from navigation.dashboard.kept.places import PlaceError, SavedPlaces, places_file
 from navigation.dashboard.messages.camera_view import CameraView
 from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
 from navigation.dashboard.messages.geometry import path_facts, plan_message, world_message
@@ -86,6 +87,9 @@ class Hub:
         self.world, self.world_number = b"", 0
         self.plan, self.plan_number = b"", 0
         self.heat, self.heat_number = b"", 0
+        self.saved = SavedPlaces(places_file(daemon.config.recording), self.view.arena)
+        self.saved_number = 1
+        self._saving = asyncio.Lock()
         self.pictures = {"picture": (b"", 0), "camera": (b"", 0)}
         """The newest of each kind, with its number."""
         self.refusal: str | None = None
@@ -94,6 +98,8 @@ class Hub:
         """Grows where the past becomes another one: pages are greeted again."""
         self.closing = asyncio.Event()
         self.workers = ThreadPoolExecutor(2, thread_name_prefix="dashboard")
+        if self.saved.trouble:
+            self.note("warn", self.saved.trouble)
         self._state: DaemonState | None = None
         self._seen_s = -math.inf
         self._told_s = -math.inf
@@ -194,6 +200,18 @@ class Hub:
         answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations)
         return preview_facts(answer)
 
+    async def change_places(self, message: Mapping[str, Any]) -> str | None:
+        """Save, rename or remove a place; None, or why it was not done."""
+        async with self._saving:
+            work = asyncio.get_running_loop().run_in_executor
+            try:
+                await work(self.workers, self.saved.change, message)
+            except PlaceError as error:
+                return str(error)
+        self.saved_number += 1
+        self.wake()
+        return None
+
     def complain(self, text: str) -> None:
         """Into the log, once in a row."""
         last = self.chronicle.log.last
@@ -234,6 +252,8 @@ class Hub:
     def _renew_plan(self, state: DaemonState) -> bool:
         if state.path is self._path and self.plan:
             return False
+        if state.path is None and state.mission.paused and self.plan:
+            return False  # what was driven is shown until another plan is, or the mission ends
         self._path = state.path
         self.plan_number += 1
         self.plan = plan_message(state.path, self.plan_number)

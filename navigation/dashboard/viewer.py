@@ -36,6 +36,8 @@ MESSAGES_S: Final = 60.0
 """Beside one for each picture: so many messages a second, for `BURST_S` at once."""
 BURST_S: Final = 5.0
 NAME_CHARACTERS: Final = 40
+NAMELESS: Final = "somebody"
+"""Who has not said a name."""
 POLICY, TOO_BIG, GOING_AWAY, TRY_LATER = 1008, 1009, 1001, 1013
 
 
@@ -49,10 +51,10 @@ class Viewer:
     def __init__(self, hub: Hub, socket: WebSocket, attention: Attention) -> None:
         self.hub, self.attention = hub, attention
         self.role, self.number = attention.role, attention.number
-        self.name = f"viewer {self.number}"
+        self.name = NAMELESS
         self._socket = socket
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
-        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "heat": 0}
+        self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "heat": 0, "places": 0}
         self._sent |= dict.fromkeys(hub.pictures, 0)
         self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
         self._epoch = hub.epoch
@@ -60,6 +62,7 @@ class Viewer:
         self._allowance = Allowance(MESSAGES_S + hub.section.picture_rate_hz, BURST_S, hub.clock())
         self._left = False
         self._preview: asyncio.Task[None] | None = None
+        self._saving: set[asyncio.Task[None]] = set()
 
     async def serve(self) -> None:
         """Until the visitor leaves, misbehaves, or the dashboard closes."""
@@ -111,6 +114,8 @@ class Viewer:
             await self._socket.send_bytes(hub.plan)
         if self._is_new("world", hub.world_number):
             await self._socket.send_bytes(hub.world)
+        if self._is_new("places", hub.saved_number):
+            await self._send_json({"type": "places", **hub.saved.body()})
         await self._send_ring("log", hub.chronicle.log, 200)
         await self._send_ring("track", hub.chronicle.track, 2000)
         await self._send_ring("samples", hub.chronicle.samples, 240)
@@ -205,6 +210,8 @@ class Viewer:
             case "replay":
                 error = self.hub.steer(message)
                 self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+            case "place":
+                self._ask_place(message)
             case "ping":
                 self._answer({"type": "pong", "id": _number_of(message)})
             case other:
@@ -217,9 +224,9 @@ class Viewer:
         if not isinstance(name, str) or len(name) > NAME_CHARACTERS or not name.isprintable():
             raise MalformedError(f"name: must be at most {NAME_CHARACTERS} printable characters")
         self.attention.key = key
-        self.name = name.strip() or f"viewer {self.number}"
+        self.name = name.strip() or NAMELESS
         self.hub.seat.come(key, self.name)
-        self._answer({"type": "joined", "seat": public_half(key), "name": self.name})
+        self._answer({"type": "joined", "seat": public_half(key), "name": name.strip()})
 
     def _sit(self, message: dict[str, Any]) -> None:
         if self.hub.refusal is not None:
@@ -256,6 +263,24 @@ class Viewer:
         outcome = "" if result["ok"] else f" - refused: {result['error']}"
         hub.note(level, f"{self.name}: {_told(message)}{outcome}")
         self._reply(message, {k: result[k] for k in ("ok", "error") if k in result})
+
+    def _ask_place(self, message: dict[str, Any]) -> None:
+        hub = self.hub
+        if hub.refusal is not None or self.role is not Role.OPERATOR:
+            error = hub.refusal or "this page has no token that may save places"
+            self._reply(message, {"ok": False, "error": error})
+            return
+
+        async def work() -> None:
+            error = await hub.change_places(message)
+            if error is None:
+                what = str(message["do"]).removesuffix("e") + "ed"
+                hub.note("info", f"{self.name} {what} the place {message['name'].strip()!r}")
+            self._reply(message, {"ok": error is None, **({"error": error} if error else {})})
+
+        task = asyncio.ensure_future(work())
+        self._saving.add(task)
+        task.add_done_callback(self._saving.discard)
 
     def _ask_preview(self, message: dict[str, Any]) -> None:
         stations = read_stations(message.get("stations"))

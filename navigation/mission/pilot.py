@@ -126,10 +126,8 @@ class Pilot:
 
     def _leave_stop(self) -> None:
         left = len(self.mission.remaining)
-        what = f"resume continues with {left} station{'s' * (left != 1)}, " if left else ""
-        self.mission = self.mission.after(
-            Event.REARM, f"re-armed by hand: {what}go gives a new mission"
-        )
+        what = f"resume to continue with {left} station{'s' * (left != 1)}, or " if left else ""
+        self.mission = self.mission.after(Event.REARM, f"re-armed by hand: {what}give a new goal")
         self._stop_reason = None
         self._rearm = True
         self.trust.vouch()

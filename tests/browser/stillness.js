@@ -57,7 +57,7 @@
     holding: () => state({ mission: { state: "holding", sentence: LONG, reasons: [words(200), words(120), words(90), words(60)], stations: [station] } }),
     failed: () => state({ mission: { state: "failed", sentence: LONG, reasons: [words(90)], stations: [station] } }),
     done: () => state({ mission: { state: "done", sentence: "arrived", stations: [station], visited: 1 } }),
-    stopped: () => state({ mission: { state: "stopped", sentence: "stopped by viewer 3" }, link: { estopped: true } }),
+    stopped: () => state({ mission: { state: "stopped", sentence: "stopped by somebody" }, link: { estopped: true } }),
     "stopped, a long reason": () => state({ mission: { state: "stopped", sentence: LONG }, link: { reason: LONG } }),
     "link down": () => state({ mission: { state: "holding", sentence: LONG }, link: { reason: LONG, heard_ms: 9999 } }),
     "link's counters": () => state({ link: { taken_back: 12345, stray_hellos: 12345, clock_jumps: 12345, stale: 12345, retransmits: 123456, crc_errors: 123456 } }),

@@ -31,6 +31,7 @@ class TopView:
 
     def __init__(self, calibration: Calibration, arena: Bounds, width_px: int, quality: int):
         rim = RIM * max(arena.width, arena.height)
+        self.arena = arena
         self.window = Bounds(
             arena.x_min - rim, arena.y_min - rim, arena.x_max + rim, arena.y_max + rim
         )

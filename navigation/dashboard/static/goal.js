@@ -50,6 +50,16 @@ export class Goal {
     this.#listen();
   }
 
+  /** The last station of the draft, as it is sent; undefined where there is none. */
+  get last() {
+    return this.#stations.at(-1);
+  }
+
+  /** A goal, or one station more. */
+  use({ x_m, y_m, heading_rad }) {
+    this.#set(x_m, y_m, heading_rad, this.adding.checked);
+  }
+
   clear() {
     this.#stations = [];
     this.#before = [];

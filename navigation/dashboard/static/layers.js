@@ -179,7 +179,7 @@ export class Layers {
     if (!state || !this.#hello) return;
     this.state = state;
     this.#drawMission(state.mission);
-    const over = !["driving", "proving", "planning", "holding"].includes(state.mission.state);
+    const over = state.paused || !["driving", "proving", "planning", "holding"].includes(state.mission.state);
     for (const name of ["plan", "corridor", "narrowest"]) this.stage.group(name).classList.toggle("over", over);
     const seen = new Set();
     const { robot, others } = this.#hello;

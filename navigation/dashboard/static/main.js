@@ -9,6 +9,7 @@ import { Keys } from "./keys.js";
 import { Log } from "./log.js";
 import { MissionPanel } from "./mission.js";
 import { Picture } from "./picture.js";
+import { Places } from "./places.js";
 import { Replay } from "./replay.js";
 import { Seat } from "./seat.js";
 import { Settings } from "./settings.js";
@@ -32,6 +33,7 @@ new MissionPanel(connection, seat, say);
 const health = new Health(connection);
 new Log(connection);
 const settings = new Settings(connection, seat);
+new Places(connection, goal, seat, say);
 
 // What was refused, until the next order.
 function say(text) {

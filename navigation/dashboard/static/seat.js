@@ -20,7 +20,7 @@ export class Seat {
     connection.on("hello", (hello) => { this.role = hello.role; });
     connection.on("joined", (joined) => {
       this.#mine = joined.seat;
-      this.name.placeholder = joined.name;
+      this.name.placeholder = "somebody";
     });
     this.name = document.getElementById("name");
     this.name.value = localStorage.getItem("clearway.name") ?? "";
@@ -28,12 +28,30 @@ export class Seat {
       localStorage.setItem("clearway.name", this.name.value.trim());
       connection.join();
     });
+    this.#askName();
     connection.on("state", (state) => {
       this.#state = state;
       if (state.seat) this.#granted = false;
       this.#show();
     });
     connection.on("down", () => { this.#granted = false; this.#show(); });
+  }
+
+  /** Once, from whoever holds the arena: who is it? An empty answer is one, too. */
+  #askName() {
+    this.form = document.getElementById("name-form");
+    const asked = document.getElementById("name-asked");
+    const keep = (name) => {
+      this.name.value = name;
+      localStorage.setItem("clearway.name", name);
+      this.form.hidden = true;
+      this.connection.join();
+    };
+    this.form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      keep(asked.value.trim());
+    });
+    asked.addEventListener("keydown", (event) => { if (event.key === "Escape") keep(""); });
   }
 
   get mayDrive() {
@@ -91,6 +109,7 @@ export class Seat {
     if (this.isRecording) return; // the bar says what is played
     const up = this.connection.isUp && this.#state !== null;
     const holder = this.#state?.seat;
+    this.form.hidden = !(up && this.isMine && localStorage.getItem("clearway.name") === null);
     this.button.hidden = !up || !this.mayDrive || (Boolean(holder) && !this.isMine);
     this.button.textContent = this.isMine ? "Release" : "Take arena";
     if (!up) this.text.textContent = "";

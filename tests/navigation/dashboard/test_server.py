@@ -122,7 +122,7 @@ def test_a_viewers_token_looks_and_stops_but_never_drives(guarded: Site) -> None
         assert "looking" in page.hear("answer")["error"]
         assert "looking" in page.order("go", stations=[{"x_m": 1, "y_m": 1}])["error"]
         assert page.order("stop")["ok"]
-    assert guarded.daemon.orders == [("stop", "stopped by viewer 1")]
+    assert guarded.daemon.orders == [("stop", "stopped by somebody")]
 
 
 def test_only_the_holder_drives_and_everybody_stops(site: Site) -> None:

@@ -105,7 +105,7 @@ def test_after_a_stop_one_resume_re_arms_and_a_second_goes_on_with_what_is_left(
     world.pilot.resume()
     assert not any(orders.permit for orders in world.run(20))
     assert world.pilot.mission.reason == (
-        "re-armed by hand: resume continues with 1 station, go gives a new mission"
+        "re-armed by hand: resume to continue with 1 station, or give a new goal"
     )
     world.pilot.resume()
     world.run_until(State.DONE)
