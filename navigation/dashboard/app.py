@@ -50,7 +50,8 @@ HEADERS: Final = {
 
 def make_app(hub: Hub, runs: KeptRuns, desk: Desk | None = None) -> ASGIApp:
     """The whole application around a hub, with the earlier runs; without a desk no settings."""
-    pages, kept = _Pages(hub), KeptAnswers(hub, runs)
+    pages = _Pages(hub)
+    kept = KeptAnswers(runs, hub.gate, hub.workers, hub.clock)
     routes = [
         *[Route(address, pages.show) for address in pages.files],
         Route("/api/state", pages.state),

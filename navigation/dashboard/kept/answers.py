@@ -5,21 +5,22 @@ Rules
 - One listing is made at a time, and the newest is given to whoever asks within `FRESH_S`.
 - An answer has at most `PIECE_BYTES` of a file (``Range: bytes=FIRST-LAST``), so that a slow line
   keeps little of it in memory and no connection for long; larger files are asked for in pieces.
-- The disk is read in the hub's worker threads.
+- The disk is read in worker threads.
 """
 
 from __future__ import annotations
 
 import asyncio
 import re
+from collections.abc import Callable
+from concurrent.futures import Executor
 from typing import Any, BinaryIO, Final
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from navigation.config.secrecy.secrets import hide_in
-from navigation.dashboard.admission.access import Refusal, bearer_of
-from navigation.dashboard.hub import Hub
+from navigation.dashboard.admission.access import Gate, Refusal, bearer_of
 from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, RunPage, is_run
 
 PIECE_BYTES: Final = 524_288
@@ -35,10 +36,12 @@ _RANGE: Final = re.compile(r"bytes=(\d{1,15})-(\d{0,15})", re.ASCII)
 
 
 class KeptAnswers:
-    """The answers of one hub."""
+    """The answers of one page; ``workers`` are threads that may wait for the disk."""
 
-    def __init__(self, hub: Hub, runs: KeptRuns) -> None:
-        self._hub, self._runs = hub, runs
+    def __init__(
+        self, runs: KeptRuns, gate: Gate, workers: Executor, clock: Callable[[], float]
+    ) -> None:
+        self._runs, self._gate, self._workers, self._clock = runs, gate, workers, clock
         self._listing = asyncio.Lock()
         self._newest: tuple[tuple[str | None, int], float, dict[str, Any]] | None = None
 
@@ -57,13 +60,13 @@ class KeptAnswers:
 
     async def _page(self, before: str | None, count: int) -> dict[str, Any]:
         async with self._listing:
-            now_s = self._hub.clock()
+            now_s = self._clock()
             if self._newest is not None:
                 asked, made_s, made = self._newest
                 if asked == (before, count) and now_s - made_s < FRESH_S:
                     return made
             work = asyncio.get_running_loop().run_in_executor
-            page = await work(self._hub.workers, self._runs.page, before, count)
+            page = await work(self._workers, self._runs.page, before, count)
             body: dict[str, Any] = hide_in(_page_body(page))
             self._newest = ((before, count), now_s, body)
             return body
@@ -76,7 +79,7 @@ class KeptAnswers:
         run, name = request.path_params["run"], request.path_params["file"]
         work = asyncio.get_running_loop().run_in_executor
         try:
-            return await work(self._hub.workers, self._piece, run, name, request.headers)
+            return await work(self._workers, self._piece, run, name, request.headers)
         except FileNotFoundError:
             return _plain(404, "there is no such file of a run")
         except OSError as error:
@@ -87,7 +90,7 @@ class KeptAnswers:
             return _piece_of(file, name, headers.get("range"))
 
     def _refusal(self, request: Request) -> Response | None:
-        role = self._hub.gate.role(bearer_of(request.headers.get("authorization")))
+        role = self._gate.role(bearer_of(request.headers.get("authorization")))
         if not isinstance(role, Refusal):
             return None
         bearer = {"www-authenticate": "Bearer"} if role.status == 401 else {}

@@ -17,7 +17,7 @@ from navigation.dashboard.replay.replayed_run import ReplayedRun
 from navigation.recording.tape import read_tape
 from tests.browser.acting import click_at, wait_for_picture
 from tests.browser.pages import Keep, OpenPage
-from tests.navigation.dashboard.test_replay import drive
+from tests.navigation.dashboard.kept.test_replay import drive
 from tests.support.runs.recordings import make_recording
 
 

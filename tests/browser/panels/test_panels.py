@@ -13,8 +13,8 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.acting import click_at
 from tests.browser.pages import Keep, OpenPage
+from tests.navigation.dashboard.kept.test_places_by_name import kept_config
 from tests.navigation.dashboard.site import Site
-from tests.navigation.dashboard.test_places_by_name import kept_config
 from tests.support.runs.shown import FakeDaemon, frame, laboratory, pose
 
 
