@@ -30,7 +30,7 @@ def site(tmp_path: Path) -> Iterator[Site]:
         (folder / "track.svg").write_text(PICTURE)
     (tmp_path / "recordings").mkdir()
     (tmp_path / "recordings" / TAPE).write_bytes(bytes(range(256)) * 6000)
-    config = shown_config()
+    config = shown_config()  # a test asks for it before its pages, which are then closed first
     kept = {"runs_dir": tmp_path / "runs", "folder": tmp_path / "recordings"}
     recording = config.recording.model_copy(update=kept)
     config = config.model_copy(update={"recording": recording})
@@ -39,7 +39,7 @@ def site(tmp_path: Path) -> Iterator[Site]:
 
 
 def test_an_earlier_run_is_looked_at_and_saved_with_the_keyboard(
-    open_page: OpenPage, keep: Keep, site: Site, tmp_path: Path
+    site: Site, open_page: OpenPage, keep: Keep, tmp_path: Path
 ) -> None:
     page = open_page(site.dashboard.url)
     page.wait_for_function("() => globalThis.clearway?.connection.isUp")

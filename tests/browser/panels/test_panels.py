@@ -17,6 +17,8 @@ from tests.navigation.dashboard.kept.test_places_by_name import kept_config
 from tests.navigation.dashboard.site import Site
 from tests.support.runs.shown import FakeDaemon, frame, laboratory, pose
 
+# In the tests the site comes before the pages, so that these are closed before it ends.
+
 
 @pytest.fixture
 def site(tmp_path: Path) -> Iterator[Site]:
@@ -45,7 +47,7 @@ def ready(page: Page) -> None:
 
 
 def test_a_chart_is_read_at_full_size_with_the_keyboard(
-    open_page: OpenPage, keep: Keep, site: Site
+    site: Site, open_page: OpenPage, keep: Keep
 ) -> None:
     page = open_page(site.dashboard.url)
     ready(page)
@@ -65,7 +67,7 @@ def test_a_chart_is_read_at_full_size_with_the_keyboard(
     expect(opener).to_be_focused()
 
 
-def test_places_are_saved_and_used(open_page: OpenPage, keep: Keep, site: Site) -> None:
+def test_places_are_saved_and_used(site: Site, open_page: OpenPage, keep: Keep) -> None:
     page = open_page(site.dashboard.url)
     ready(page)
     click_at(page, 0.3, 1.5)
@@ -87,7 +89,7 @@ def test_places_are_saved_and_used(open_page: OpenPage, keep: Keep, site: Site) 
     expect(page.get_by_role("button", name="Set Bench as the goal")).to_be_visible()
 
 
-def test_a_name_is_asked_once_and_shown_to_others(open_page: OpenPage, site: Site) -> None:
+def test_a_name_is_asked_once_and_shown_to_others(site: Site, open_page: OpenPage) -> None:
     page, other = open_page(site.dashboard.url), open_page(site.dashboard.url)
     ready(page)
     ready(other)
@@ -104,7 +106,7 @@ def test_a_name_is_asked_once_and_shown_to_others(open_page: OpenPage, site: Sit
     expect(page.locator("#name-form")).to_be_hidden()
 
 
-def test_layers_that_are_made_on_demand(open_page: OpenPage, keep: Keep, site: Site) -> None:
+def test_layers_that_are_made_on_demand(site: Site, open_page: OpenPage, keep: Keep) -> None:
     page = open_page(site.dashboard.url)
     ready(page)
     page.keyboard.press("8")

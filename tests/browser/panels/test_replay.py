@@ -34,7 +34,7 @@ def address(tmp_path: Path) -> Iterator[str]:
     run.close()
 
 
-def test_a_recording_is_looked_at(open_page: OpenPage, keep: Keep, address: str) -> None:
+def test_a_recording_is_looked_at(address: str, open_page: OpenPage, keep: Keep) -> None:
     page = open_page(address)
     expect(page.locator("#pill-text")).to_have_text("recording")
     expect(page.locator("#stop")).to_have_text("RECORDINGstops no robot")
