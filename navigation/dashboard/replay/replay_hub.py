@@ -74,12 +74,11 @@ class ReplayHub(Hub):
         self.chronicle = Chronicle(self.daemon.config.robot.speed_m_s)
         run = self.run_shown
         wall_s = run.tape.begin_s + run.tape.wall_offset_s
-        camera = run.camera_status()
         charted_s = place_s - SAMPLES * SAMPLE_EVERY_S
         step_s = max(SAMPLE_EVERY_S, place_s / TRACK_STEPS)
         at_s = 0.0
         while at_s < place_s:
-            state = run.state_at(at_s)
+            state, camera = run.state_at(at_s), run.camera_at(at_s)
             self.chronicle.see(state, camera, wall_s + at_s)
             if at_s >= charted_s:
                 self.chronicle.sample(state, camera)

@@ -82,7 +82,11 @@ class ReplayedRun:
 
     def camera_status(self) -> CameraStatus:
         """The camera, as far as the recording knows it."""
-        time_s = self._time_s()
+        return self.camera_at(self.player.place_s(self._clock()))
+
+    def camera_at(self, place_s: float) -> CameraStatus:
+        """The camera ``place_s`` after the recording's beginning."""
+        time_s = self.tape.begin_s + place_s
         seen = self.tape.count_until(time_s)
         lately = seen - self.tape.count_until(time_s - RATE_OVER_S)
         age_s = time_s - self.tape.frame_at(time_s).captured_s

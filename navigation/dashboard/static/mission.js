@@ -73,7 +73,8 @@ export class MissionPanel {
     put("mission-state", state.paused ? "Paused" : WORDS[mission.state] ?? mission.state);
     put("sentence", sentence(state));
     this.#list(mission);
-    put("fact-stations", mission.stations.length ? `${mission.visited} of ${mission.stations.length}` : "–");
+    if (state.replay) put("fact-stations", mission.stations.length ? `${mission.stations.length} planned` : "–");
+    else put("fact-stations", mission.stations.length ? `${mission.visited} of ${mission.stations.length}` : "–");
     put("fact-to-go", metres(mission.state === "driving" ? state.to_go_m : null, 2));
     put("fact-clearance", metres(state.clearance_m, 3));
     put("fact-speed", pose ? `${link.moving ? pose.speed_m_s.toFixed(2) : "0.00"} m/s` : "–");

@@ -91,6 +91,9 @@ def test_a_moment_is_what_was_recorded_then(tape: Tape, run: ReplayedRun) -> Non
     assert middle.path.length == tape.recording.plans[0].answer["length_m"]
     assert middle.to_go_m is not None
     assert 0.0 < middle.to_go_m < middle.path.length
+    seen_so_far = [run.camera_at(place_s).captured for place_s in (0.0, 0.7)]
+    assert seen_so_far == [1, tape.count_until(tape.begin_s + 0.7)]
+    assert run.camera_at(0.7).rate_hz == pytest.approx(30.0, rel=0.2)
     end = run.state_at(tape.end_s - tape.begin_s)
     assert (end.mission.state, end.path) == (State.DONE, None)
 
