@@ -6,6 +6,8 @@
   arena.
 - `hub`: from the daemon's published state to what viewers are told; `viewer`: one of them, with its
   `attention`: what it has got and could take.
+- `shown`, `shown_fleet`: the daemon as it is looked at, of one robot or of several; `chronicles`:
+  what happened lately, of each robot.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
 - `kept`: what is on disk, earlier runs with their files.
 - `replay`: a recording on the same page.
@@ -19,5 +21,6 @@ dashboard looks. Nobody who watches can make it wait.
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.server import Dashboard
 from navigation.dashboard.shown import ShownDaemon
+from navigation.dashboard.shown_fleet import ShownFleet
 
-__all__ = ["Dashboard", "KeptRuns", "ShownDaemon"]
+__all__ = ["Dashboard", "KeptRuns", "ShownDaemon", "ShownFleet"]

@@ -14,6 +14,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import operator
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final
@@ -22,18 +23,31 @@ from navigation.config.secrecy.secrets import hide_in
 from navigation.dashboard.admission.access import Gate, Role
 from navigation.dashboard.admission.seat import Seat
 from navigation.dashboard.attention import Attention
+from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.kept.places import PlaceError, SavedPlaces, places_file
 from navigation.dashboard.messages.camera_view import CameraView
-from navigation.dashboard.messages.chronicle import COLUMNS, Chronicle
-from navigation.dashboard.messages.geometry import path_facts, plan_message, world_message
+from navigation.dashboard.messages.chronicle import COLUMNS
+from navigation.dashboard.messages.geometry import (
+    path_facts,
+    plan_message,
+    plans_message,
+    world_message,
+)
 from navigation.dashboard.messages.heat import heat_message
 from navigation.dashboard.messages.packed import pack
 from navigation.dashboard.messages.picture import TopView
-from navigation.dashboard.messages.state_message import greeting, no_path_facts, state_message
+from navigation.dashboard.messages.state_message import (
+    greeting,
+    no_path_facts,
+    robot_facts,
+    robots_greeting,
+    state_message,
+)
 from navigation.dashboard.shown import Shown
 from navigation.loop.daemon_state import DaemonState
+from navigation.loop.fleet.fleet_state import FleetState
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Station
+from navigation.mission.mission import MissionError, Station
 from planner.path import NoPath, Path
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import Bounds
@@ -78,11 +92,14 @@ class Hub:
         )
         self.gate = Gate(section, own_token)
         self.seat = Seat(section.hold_s)
-        self.chronicle = Chronicle(daemon.config.robot.speed_m_s)
+        self.chronicles = Chronicles(daemon.config)
+        self.chronicle = self.chronicles.all
         self.viewers: set[Attention] = set()
         self.viewers_ever = 0
         self.pictures_sent = 0
         self.hello = hide_in({**greeting(daemon.config, self.view), "samples": list(COLUMNS)})
+        if self.chronicles.configs:
+            self.hello["robots"] = hide_in(robots_greeting(self.chronicles.configs))
         self.state_text, self.state_number = "", 0
         self.world, self.world_number = b"", 0
         self.plan, self.plan_number = b"", 0
@@ -106,7 +123,8 @@ class Hub:
         self._frames: dict[str, Frame] = {}
         self._heated: Roadmap | None = None
         self._roadmap: Roadmap | None = None
-        self._path: Path | None = None
+        self._fleet: FleetState | None = None
+        self._paths: tuple[Path | None, ...] = ()
         self._wire_s: float | None = None
         self._others: dict[int, RobotPose] = {}
         self._busy: set[str] = set()
@@ -133,7 +151,7 @@ class Hub:
             return
         news = False
         if state is not self._state:
-            self._state, self._seen_s = state, now_s
+            self._state, self._fleet, self._seen_s = state, self.daemon.fleet, now_s
             self._observe(state)
             news = self._renew_plan(state)
             self._renew_world(state)
@@ -194,10 +212,15 @@ class Hub:
         """The present state as viewers get it; None before the first cycle."""
         return None if self._state is None else self._facts(self._state, self.clock())
 
-    async def preview(self, stations: tuple[Station, ...]) -> dict[str, Any]:
+    async def preview(
+        self, stations: tuple[Station, ...], robot: str | None = None
+    ) -> dict[str, Any]:
         """The plan that these stations would lead to, planned in a worker thread."""
         loop = asyncio.get_running_loop()
-        answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations)
+        try:
+            answer = await loop.run_in_executor(self.workers, self.daemon.preview, stations, robot)
+        except MissionError as error:
+            return {"ok": False, "reason": str(error)}
         return preview_facts(answer)
 
     async def change_places(self, message: Mapping[str, Any]) -> str | None:
@@ -221,42 +244,56 @@ class Hub:
     # What is kept ready.
 
     def _observe(self, state: DaemonState) -> None:
-        driven_id = self.daemon.config.robot.marker_id
-        self._others.update((i, pose) for i, pose in state.poses.items() if i != driven_id)
+        configs = self.chronicles.configs.values() or (self.daemon.config,)
+        driven = {one.robot.marker_id for one in configs}
+        self._others.update((i, pose) for i, pose in state.poses.items() if i not in driven)
         camera = self.daemon.camera_status()
         wire_s = self.daemon.last_wire_s()
-        if wire_s is not None and wire_s != self._wire_s:
-            self._wire_s = wire_s
-            self.chronicle.time_wire(wire_s)
-        self.chronicle.see(state, camera, self.wall_clock())
-        self.chronicle.sample(state, camera)
+        news_s = None if wire_s == self._wire_s else wire_s
+        self._wire_s = wire_s
+        self.chronicles.see(state, self._fleet, camera, news_s, self.wall_clock())
 
     def _tell(self, state: DaemonState, now_s: float) -> str:
         return json.dumps(self._facts(state, now_s), allow_nan=False)
 
     def _facts(self, state: DaemonState, now_s: float) -> dict[str, Any]:
-        facts: dict[str, Any] = hide_in(
-            state_message(
-                state,
-                self.view,
-                self.daemon.camera_status(),
-                self.seat,
-                others=self._others.values(),
-                now_s=now_s,
-                loop_age_s=now_s - self._seen_s,
-                viewers=len(self.viewers),
-            )
+        told = state_message(
+            state,
+            self.view,
+            self.daemon.camera_status(),
+            self.seat,
+            others=self._others.values(),
+            now_s=now_s,
+            loop_age_s=now_s - self._seen_s,
+            viewers=len(self.viewers),
         )
+        fleet = self._fleet
+        if fleet is not None:
+            told["robots"] = [
+                {
+                    "name": name,
+                    **robot_facts(one, self.view, now_s),
+                    "waits_for": fleet.waits_for.get(name),
+                    "waits": fleet.waits.get(name),
+                }
+                for name, one in fleet.robots.items()
+            ]
+        facts: dict[str, Any] = hide_in(told)
         return facts
 
     def _renew_plan(self, state: DaemonState) -> bool:
-        if state.path is self._path and self.plan:
+        fleet = self._fleet
+        each = {} if fleet is None else {name: one.path for name, one in fleet.robots.items()}
+        paths = (state.path,) if fleet is None else tuple(each.values())
+        same = len(paths) == len(self._paths) and all(map(operator.is_, paths, self._paths))
+        if same and self.plan:
             return False
-        if state.path is None and state.mission.paused and self.plan:
+        if fleet is None and state.path is None and state.mission.paused and self.plan:
             return False  # what was driven is shown until another plan is, or the mission ends
-        self._path = state.path
+        self._paths = paths
         self.plan_number += 1
-        self.plan = plan_message(state.path, self.plan_number)
+        number = self.plan_number
+        self.plan = plans_message(each, number) if each else plan_message(state.path, number)
         return True
 
     def _renew_world(self, state: DaemonState) -> None:

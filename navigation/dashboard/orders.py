@@ -37,15 +37,34 @@ def refusal_of(order: object, *, may_drive: bool, holds: bool, may_stop: bool = 
 
 def give(request: Mapping[str, Any], daemon: Commanded, who: str) -> dict[str, Any]:
     """Carry out an order; ``{"ok": true, ...}`` or ``{"ok": false, "error": SENTENCE}``."""
-    order = request.get("order")
+    order, whose = request.get("order"), {k: v for k, v in request.items() if k == "robot"}
     if order == "stop":
-        return carry_out({"order": "stop", "reason": f"stopped by {who}"}, daemon)
+        return carry_out({"order": "stop", "reason": f"stopped by {who}", **whose}, daemon)
     # asked at this moment: what was published may be a cycle old, and a second press that fast
-    stopped = daemon.describe()["state"] == State.STOPPED.value
+    told = carry_out({"order": "status", **whose}, daemon)
+    if not told["ok"]:
+        return told
+    if order in ("rearm", "resume") and "robots" in told:
+        return _give_each(order, told["robots"], daemon)
+    stopped = told["state"] == State.STOPPED.value
     if order == "rearm" and not stopped:
         return {"ok": False, "error": "nothing to re-arm: the robot is not stopped"}
     if order in ("resume", "go") and stopped:
         return {"ok": False, "error": "the robot is stopped: re-arm it first"}
     if order == "rearm":
-        return carry_out({"order": "resume"}, daemon)
-    return carry_out({k: v for k, v in request.items() if k in ("order", "stations")}, daemon)
+        return carry_out({"order": "resume", **whose}, daemon)
+    passed = ("order", "stations", "robot")
+    return carry_out({k: v for k, v in request.items() if k in passed}, daemon)
+
+
+def _give_each(order: str, robots: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
+    """Re-arm all robots that are stopped, or resume all that are not."""
+    wanted = order == "rearm"
+    chosen = [
+        name for name, one in robots.items() if (one["state"] == State.STOPPED.value) is wanted
+    ]
+    if not chosen:
+        stopped = "no robot is" if wanted else "every robot is"
+        return {"ok": False, "error": f"nothing to {order}: {stopped} stopped"}
+    answers = [carry_out({"order": "resume", "robot": name}, daemon) for name in chosen]
+    return next((answer for answer in answers if not answer["ok"]), answers[0])

@@ -9,8 +9,10 @@ from navigation.config import Config
 from navigation.control import Commanded
 from navigation.loop.daemon import Daemon
 from navigation.loop.daemon_state import DaemonState
+from navigation.loop.fleet.fleet_state import FleetState
 from navigation.mission.cycle import PlanAnswer
-from navigation.mission.mission import Station
+from navigation.mission.mission import MissionError, Station
+from navigation.shared.outside import in_short
 from vision.calibration.calibration import Calibration
 from vision.camera.latest_frame import CameraStatus
 
@@ -33,6 +35,11 @@ class Shown(Commanded, Protocol):
         """What the last cycle ended with; None before the first."""
         ...
 
+    @property
+    def fleet(self) -> FleetState | None:
+        """Of several robots each, as of the same cycle as `state`; None where there is one."""
+        ...
+
     def camera_status(self) -> CameraStatus:
         """What the camera does."""
         ...
@@ -41,13 +48,18 @@ class Shown(Commanded, Protocol):
         """The newest time from capture to wire; None before the first."""
         ...
 
-    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
-        """The plan that these stations would lead to."""
+    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
+        """The plan that these stations would lead to; ``MissionError`` where no robot is named so.
+
+        ``robot``: which of several.
+        """
         ...
 
 
 class ShownDaemon:
     """A daemon as `Shown`."""
+
+    fleet = None
 
     def __init__(self, daemon: Daemon) -> None:
         self._daemon = daemon
@@ -68,8 +80,10 @@ class ShownDaemon:
         times_s = self._daemon.link.capture_to_wire_s
         return times_s[-1] if times_s else None
 
-    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
+    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         """The plan that these stations would lead to."""
+        if robot is not None:
+            raise MissionError(f"robot {in_short(robot)}: this run has one robot, without a name")
         return self._daemon.preview(stations)
 
     def give(self, stations: tuple[Station, ...]) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-from collections import deque
+from collections import defaultdict, deque
 from typing import Any, Final
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -25,7 +25,13 @@ from navigation.dashboard.attention import Attention
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.messages.rings import Ring
 from navigation.dashboard.orders import give, refusal_of
-from navigation.shared.outside import OutsideError, finite_number, in_short, read_object
+from navigation.shared.outside import (
+    OutsideError,
+    finite_number,
+    in_short,
+    printable,
+    read_object,
+)
 from navigation.shared.supervisor import in_words
 
 MOST_CHARACTERS: Final = 65_536
@@ -56,7 +62,7 @@ class Viewer:
         self._answers: deque[dict[str, Any]] = deque(maxlen=ANSWERS)
         self._sent: dict[str, int] = {"state": 0, "world": 0, "plan": 0, "heat": 0, "places": 0}
         self._sent |= dict.fromkeys(hub.pictures, 0)
-        self._next: dict[str, int] = {"log": 0, "track": 0, "samples": 0}
+        self._next: defaultdict[tuple[str, str | None], int] = defaultdict(int)
         self._epoch = hub.epoch
         self._bad = 0
         self._allowance = Allowance(MESSAGES_S + hub.section.picture_rate_hz, BURST_S, hub.clock())
@@ -90,7 +96,7 @@ class Viewer:
         """The greeting; whatever was sent before it is sent again."""
         self._epoch = self.hub.epoch
         self._sent = dict.fromkeys(self._sent, 0)
-        self._next = dict.fromkeys(self._next, 0)
+        self._next.clear()
         role = "nobody" if self.hub.refusal else self.role.value
         await self._send_json({**self.hub.hello, "number": self.number, "role": role})
 
@@ -117,8 +123,9 @@ class Viewer:
         if self._is_new("places", hub.saved_number):
             await self._send_json({"type": "places", **hub.saved.body()})
         await self._send_ring("log", hub.chronicle.log, 200)
-        await self._send_ring("track", hub.chronicle.track, 2000)
-        await self._send_ring("samples", hub.chronicle.samples, 240)
+        for robot, chronicle in hub.chronicles.rings():
+            await self._send_ring("track", chronicle.track, 2000, robot)
+            await self._send_ring("samples", chronicle.samples, 240, robot)
         now_s = hub.clock()
         attention = self.attention
         could = attention.wants_picture(now_s, hub.picture_pause_s())
@@ -136,15 +143,18 @@ class Viewer:
         self._sent[what] = number
         return True
 
-    async def _send_ring(self, name: str, ring: Ring[Any], most: int) -> None:
-        if ring.next == self._next[name]:
+    async def _send_ring(
+        self, name: str, ring: Ring[Any], most: int, robot: str | None = None
+    ) -> None:
+        if ring.next == self._next[name, robot]:
             return
-        first, items = ring.since(self._next[name], most)
-        self._next[name] = first + len(items)
+        first, items = ring.since(self._next[name, robot], most)
+        self._next[name, robot] = first + len(items)
         if name == "log":
             items = [[line.wall_s, line.level, line.text] for line in items]
-        await self._send_json({"type": name, "first": first, "items": items})
-        if self._next[name] < ring.next:
+        whose = {} if robot is None else {"robot": robot}
+        await self._send_json({"type": name, "first": first, "items": items, **whose})
+        if self._next[name, robot] < ring.next:
             self.attention.news.set()
 
     async def _send_json(self, message: dict[str, Any]) -> None:
@@ -287,6 +297,9 @@ class Viewer:
         if self.hub.refusal is not None:
             self._reply(message, {"ok": False, "reason": self.hub.refusal})
             return
+        robot = message.get("robot")
+        if robot is not None and not isinstance(robot, str):
+            raise MalformedError(f"robot: must be a name, not {in_short(robot)}")
         if self.role is not Role.OPERATOR or not self.hub.seat.is_held_by(self.attention.key):
             self._reply(message, {"ok": False, "reason": "take the arena first"})
             return
@@ -296,7 +309,7 @@ class Viewer:
 
         async def work() -> None:
             try:
-                answer = await self.hub.preview(stations)
+                answer = await self.hub.preview(stations, robot)
             except Exception as error:  # noqa: BLE001 - answered; the page goes on
                 self.hub.note("warn", f"dashboard: preview: {in_words(error)}")
                 answer = {"ok": False, "reason": "this could not be planned"}
@@ -322,6 +335,12 @@ def _number_of(message: dict[str, Any]) -> int | None:
 
 
 def _told(message: dict[str, Any]) -> str:
+    robot = message.get("robot")
+    whom = f"{printable(robot, NAME_CHARACTERS)}: " if isinstance(robot, str) else ""
+    return whom + _order_told(message)
+
+
+def _order_told(message: dict[str, Any]) -> str:
     if message.get("order") != "go" or not isinstance(message.get("stations"), list):
         return str(message.get("order")).upper()  # it is none but those that were let through
     stations = message["stations"]

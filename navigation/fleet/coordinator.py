@@ -55,6 +55,8 @@ class FleetOrders:
     """For the pilots."""
     waits: Mapping[str, str] = field(default_factory=dict)
     """Who waits for whom and why, in a sentence each."""
+    waits_for: Mapping[str, str] = field(default_factory=dict)
+    """Of those the robots that wait for one other: for which."""
     holds: Mapping[str, str] = field(default_factory=dict)
     """Who may not move now, and why."""
 
@@ -121,9 +123,8 @@ class Coordinator:
                 answers |= told
         for name in answers:
             self._open.pop(name, None)
-        return FleetOrders(
-            plan_again, request, answers, self._waits(members, answers), self._holds(members)
-        )
+        waits, waits_for = self._waits(members, answers)
+        return FleetOrders(plan_again, request, answers, waits, waits_for, self._holds(members))
 
     def forget(self, name: str) -> None:
         """The robot's promise is void: it is planned for again, and so are all."""
@@ -334,8 +335,8 @@ class Coordinator:
 
     def _waits(
         self, members: Mapping[str, Member], answers: Mapping[str, PlanAnswer]
-    ) -> dict[str, str]:
-        waits = {}
+    ) -> tuple[dict[str, str], dict[str, str]]:
+        waits, waits_for = {}, {}
         for name in self._open:
             if name not in answers and name in self._refused and self._gathering_s is None:
                 waits[name] = f"waits for the others: {self._refused[name]}"
@@ -347,7 +348,8 @@ class Coordinator:
                 x, y = self.held[name].promise.points[count].tolist()
                 why = members[gate.other].waits_because if gate.other in members else "is gone"
                 waits[name] = f"waits at ({x:.2f}, {y:.2f}) m for {gate.other}, which {why}"
-        return waits
+                waits_for[name] = gate.other
+        return waits, waits_for
 
     def _holds(self, members: Mapping[str, Member]) -> dict[str, str]:
         holds = {}

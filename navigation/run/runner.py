@@ -51,6 +51,7 @@ from vision.camera.camera import Frame
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
     from navigation.dashboard.settings.desk import Desk
+    from navigation.loop.fleet.fleet_daemon import FleetDaemon
     from navigation.loop.recorder import Recorder
 
 DONE, FAILED, NO_PATH = 0, 1, 3
@@ -212,12 +213,16 @@ class Runner:
             # else it is waited for: the link opens it, and says so until it can
 
     def _serve_dashboard(
-        self, daemon: Daemon, open_things: ExitStack, socket: Path, folder: Path | None
+        self,
+        daemon: Daemon | FleetDaemon,
+        open_things: ExitStack,
+        socket: Path,
+        folder: Path | None,
     ) -> Dashboard | None:
         if not self._dashboard:
             return None
         # here, not above: a run without a page need not load a web server
-        from navigation.dashboard import Dashboard, KeptRuns, ShownDaemon
+        from navigation.dashboard import Dashboard, KeptRuns, ShownDaemon, ShownFleet
 
         token = None
         if self.config.dashboard.token is None:
@@ -225,7 +230,7 @@ class Runner:
         in_journal = "JOURNAL_STREAM" in os.environ
         return open_things.enter_context(
             Dashboard(
-                ShownDaemon(daemon),
+                ShownDaemon(daemon) if isinstance(daemon, Daemon) else ShownFleet(daemon),
                 say=self._say_address,
                 clock=self._clock,
                 own_token=token,

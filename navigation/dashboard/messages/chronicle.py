@@ -49,11 +49,17 @@ class LogLine:
 
 
 class Chronicle:
-    """Log, track and samples; see the module's text. ``fastest_m_s``: the robot's highest speed."""
+    """Log, track and samples; see the module's text. ``fastest_m_s``: the robot's highest speed.
 
-    def __init__(self, fastest_m_s: float) -> None:
-        self._fastest_m_s = fastest_m_s
-        self.log: Ring[LogLine] = Ring(LOG_LINES)
+    Of several robots each has a chronicle, with its ``name`` before what it says in the ``log`` of
+    them all.
+    """
+
+    def __init__(
+        self, fastest_m_s: float, name: str | None = None, log: Ring[LogLine] | None = None
+    ) -> None:
+        self._fastest_m_s, self._name = fastest_m_s, name
+        self.log: Ring[LogLine] = Ring(LOG_LINES) if log is None else log
         self.track: Ring[tuple[float, float] | None] = Ring(TRACK_POINTS)
         """None where the line breaks: the robot has not driven what lies between."""
         self._seen: tuple[float, float, float] | None = None
@@ -69,17 +75,25 @@ class Chronicle:
 
     def see(self, state: DaemonState, camera: CameraStatus, wall_s: float) -> None:
         """Take what is new in a state."""
-        mission = state.mission
-        level = {"stopped": "stop", "failed": "warn", "holding": "warn"}.get(mission.state.value)
-        self._say("mission", wall_s, level or "info", f"{mission.state.value}: {mission.reason}")
+        self.see_robot(state, wall_s)
+        self.see_arena(state, camera, wall_s)
+
+    def see_arena(self, state: DaemonState, camera: CameraStatus, wall_s: float) -> None:
+        """What is new of camera and program, which are there once however many robots there are."""
         if camera.reason or "camera" in self._said:
             self._say("camera", wall_s, "warn" if camera.reason else "info", _of_camera(camera))
+        for trouble in state.troubles:
+            self._say(trouble, wall_s, "warn", trouble)
+
+    def see_robot(self, state: DaemonState, wall_s: float) -> None:
+        """What is new of the robot, its mission and its link."""
+        mission = state.mission
+        level = {"stopped": "stop", "failed": "warn", "holding": "warn"}.get(mission.state.value)
+        self._say("mission", wall_s, level or "info", f"{mission.state.value}: {state.sentence}")
         down = state.link.down_reason
         if down is not None or "link" in self._said:
             text = f"link: {down}" if down else "link: up"
             self._say("link", wall_s, "warn" if down else "info", text)
-        for trouble in state.troubles:
-            self._say(trouble, wall_s, "warn", trouble)
         if state.pose is not None and state.trust is not Level.DOUBTED:
             self._drive((state.pose.captured_s, state.pose.x, state.pose.y))
 
@@ -124,7 +138,7 @@ class Chronicle:
         core = _NUMBERS.sub("#", text)
         if self._said.get(subject) != core:
             self._said[subject] = core
-            self.note(wall_s, level, text)
+            self.note(wall_s, level, text if self._name is None else f"{self._name}: {text}")
 
 
 def _of_camera(camera: CameraStatus) -> str:

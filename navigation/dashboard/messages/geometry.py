@@ -6,7 +6,7 @@ on a roadmap, which never changes, so any thread may do it; costs a few millisec
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,16 @@ def plan_message(path: Path | None, number: int) -> bytes:
         return pack("plan", {"number": number}, {"points": np.empty(0, dtype=np.float32)})
     fields = {"number": number, **path_facts(path)}
     return pack("plan", fields, {"points": np.asarray(path.points, dtype=np.float32)})
+
+
+def plans_message(paths: Mapping[str, Path | None], number: int) -> bytes:
+    """The plans of several robots, ``plans`` by name; ``points`` of all, each from ``first`` on."""
+    points = [np.empty((0, 2)) if path is None else path.points for path in paths.values()]
+    plans = [
+        {"name": name, **({} if path is None else path_facts(path))} for name, path in paths.items()
+    ]
+    arrays: dict[str, NDArray[np.generic]] = {"points": _single(points), "first": _firsts(points)}
+    return pack("plans", {"number": number, "plans": plans}, arrays)
 
 
 def path_facts(path: Path) -> dict[str, object]:

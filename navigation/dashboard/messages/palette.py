@@ -24,6 +24,20 @@ ARENA: Mapping[str, Colour] = {
     "goal": shapes.GOAL,
     "halo": shapes.PAGE,
 }
+ROBOTS: tuple[Colour, ...] = (
+    (23, 0, 216),
+    (207, 69, 0),
+    (0, 115, 144),
+    (115, 0, 0),
+    (161, 69, 216),
+    (115, 115, 96),
+    (0, 0, 72),
+    (46, 0, 24),
+)
+"""Of several robots, in the order of the configuration, and again from the ninth on: every robot
+has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ by 28
+(CIE 1976) for those who lack one kind of cones as for others: found by search, and tested
+(`test_palette.py`)."""
 DAY: Mapping[str, Colour] = {
     "page": (244, 245, 246),
     "card": shapes.PAGE,
@@ -68,12 +82,13 @@ NIGHT: Mapping[str, Colour] = {
 
 def stylesheet() -> str:
     """The colours as CSS variables; light, or dark where the system or the page asks for it."""
+    robots = {f"robot-{number}": colour for number, colour in enumerate(ROBOTS)}
     ramp = {f"ramp-{step}": ramp_colour(step) for step in range(shapes.RAMP_STEPS)}
     return "\n".join(
         [
             ":root {",
             "  color-scheme: light;",
-            *_variables({**ARENA, **ramp, **DAY}),
+            *_variables({**ARENA, **robots, **ramp, **DAY}),
             "}",
             "@media (prefers-color-scheme: dark) {",
             "  :root:not([data-theme='light']) {",

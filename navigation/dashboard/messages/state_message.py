@@ -31,11 +31,7 @@ def greeting(config: Config, view: TopView) -> dict[str, Any]:
         "arena_m": list(config.arena.bounds_m),
         "window_m": [window.x_min, window.y_min, window.x_max, window.y_max],
         "picture_px": list(view.size_px),
-        "robot": {
-            "marker_id": config.robot.marker_id,
-            "radius_m": config.robot.radius_m,
-            "speed_m_s": config.robot.speed_m_s,
-        },
+        "robot": _robot(config),
         "others": [{"marker_id": o.marker_id, "radius_m": o.radius_m} for o in config.other_robots],
         "margin_m": config.planning.margin_m,
         "camera": {"source": config.camera.source, "rate_hz": config.camera.rate_hz},
@@ -43,6 +39,19 @@ def greeting(config: Config, view: TopView) -> dict[str, Any]:
         "port": config.serial.port,
         "hold_s": config.dashboard.hold_s,
         "ramp_steps": RAMP_STEPS,
+    }
+
+
+def robots_greeting(configs: Mapping[str, Config]) -> list[dict[str, Any]]:
+    """Of several robots each, by name, in the order of the configuration."""
+    return [{"name": name, "port": one.serial.port, **_robot(one)} for name, one in configs.items()]
+
+
+def _robot(config: Config) -> dict[str, Any]:
+    return {
+        "marker_id": config.robot.marker_id,
+        "radius_m": config.robot.radius_m,
+        "speed_m_s": config.robot.speed_m_s,
     }
 
 
@@ -61,29 +70,36 @@ def state_message(
 
     ``others`` are the other robots where they were seen last, however long ago.
     """
-    mission = state.mission
     return {
         "type": "state",
         "time_s": round(state.time_s, 2),
         "loop_ms": _ms(loop_age_s),
+        **robot_facts(state, view, now_s),
+        "others": [_pose(other, view, now_s) for other in others],
+        "seat": _seat(seat, now_s),
+        "viewers": viewers,
+        "camera": _camera(camera, state.evidence),
+        "times": _times(state.times),
+    }
+
+
+def robot_facts(state: DaemonState, view: TopView, now_s: float) -> dict[str, Any]:
+    """What there is once for each robot: mission, place and link."""
+    mission = state.mission
+    return {
         "paused": mission.paused,
         "mission": {
             "state": mission.state.value,
-            "sentence": mission.reason,
+            "sentence": state.sentence,
             "reasons": list(state.verdict.reasons),
             "stations": [_station(station) for station in mission.stations],
             "visited": mission.visited,
             "trust": state.trust.value,
         },
         "pose": None if state.pose is None else _pose(state.pose, view, now_s),
-        "others": [_pose(other, view, now_s) for other in others],
         "to_go_m": state.to_go_m,
         "clearance_m": state.clearance_m,
-        "seat": _seat(seat, now_s),
-        "viewers": viewers,
-        "camera": _camera(camera, state.evidence),
         "link": _link(state.link),
-        "times": _times(state.times),
     }
 
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.hub import Hub
-from navigation.dashboard.messages.chronicle import SAMPLE_EVERY_S, SAMPLES, Chronicle
+from navigation.dashboard.messages.chronicle import SAMPLE_EVERY_S, SAMPLES
 from navigation.dashboard.replay.player import SPEEDS, Player
 from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
 from navigation.loop.daemon_state import DaemonState
@@ -71,7 +72,8 @@ class ReplayHub(Hub):
         return None
 
     def _begin_again(self, place_s: float) -> None:
-        self.chronicle = Chronicle(self.daemon.config.robot.speed_m_s)
+        self.chronicles = Chronicles(self.daemon.config)
+        self.chronicle = self.chronicles.all
         run = self.run_shown
         wall_s = run.tape.begin_s + run.tape.wall_offset_s
         charted_s = place_s - SAMPLES * SAMPLE_EVERY_S

@@ -31,6 +31,7 @@ from navigation.loop.daemon_state import DaemonState, StageTimes
 from navigation.mission.cycle import PlanAnswer
 from navigation.mission.mission import Mission, MissionError, State, Station
 from navigation.mission.watch import Action, Verdict
+from navigation.recording.files import RecordingError
 from navigation.recording.reader import Planned, SeenScene
 from navigation.recording.tape import Tape, TapedPicture
 from planner.borders.polyline import arc_lengths
@@ -53,6 +54,11 @@ class ReplayedRun:
     def __init__(
         self, tape: Tape, player: Player, section: DashboardSection, clock: Callable[[], float]
     ) -> None:
+        if tape.recording.config.robots:
+            raise RecordingError(
+                f"{tape.recording.path}: is of {len(tape.recording.config.robots)} robots; the page "
+                "replays one: `clearway replay` and Foxglove show several"
+            )
         self.tape, self.player, self._clock = tape, player, clock
         folder = tape.recording.path.parent
         recording = tape.recording.config.recording.model_copy(
@@ -66,6 +72,9 @@ class ReplayedRun:
         self._roadmaps: OrderedDict[int, Future[Roadmap]] = OrderedDict()
         self._path: tuple[Planned | None, Roadmap | None, Path | None] = (None, None, None)
         self._frame: tuple[TapedPicture | None, Frame | None] = (None, None)
+
+    fleet = None
+    """A recording of several robots is none of this page's."""
 
     def close(self) -> None:
         """Build nothing more."""
@@ -235,7 +244,7 @@ class ReplayedRun:
 
     # Orders: none.
 
-    def preview(self, _stations: tuple[Station, ...]) -> PlanAnswer:
+    def preview(self, _stations: tuple[Station, ...], _robot: str | None = None) -> PlanAnswer:
         """Refused."""
         raise MissionError(IT_IS_A_RECORDING)
 

@@ -30,7 +30,7 @@ from navigation.shared.outside import OutsideError, read_object
 MOST_BODY_BYTES: Final = 65_536
 OPERATORS_ONLY: Final = Refusal(403, "settings", "settings are for operators")
 AT_REST: Final = frozenset(one.value for one in (State.IDLE, State.DONE, State.FAILED))
-NO_SETTINGS: Final = Refusal(404, "settings", "this run was not started from a configuration file")
+NO_SETTINGS: Final = Refusal(404, "settings", "the settings of this run are changed in its file")
 
 
 def settings_routes(hub: Hub, desk: Desk | None) -> list[Route]:

@@ -26,6 +26,10 @@ export class Connection {
 
   constructor() {
     this.isUp = false;
+    /** What the page's parts are told for one of the program's messages (fleet.js). */
+    this.handOut = (message) => [message];
+    /** An order or question as it goes out. */
+    this.address = (message) => message;
     this.lostReason = ""; // what the program said when it hung up
     this.key = kept("clearway.key", newKey);
     this.token = readToken();
@@ -86,7 +90,7 @@ export class Connection {
         this.#waiting.delete(id);
         resolve({ ok: false, error });
       };
-      if (!this.isUp || !this.send({ ...message, id })) {
+      if (!this.isUp || !this.send({ ...this.address(message), id })) {
         fail("there is no connection to the program");
         return;
       }
@@ -124,7 +128,7 @@ export class Connection {
       this.emit("up");
     }
     if (message.type === "answer" || message.type === "preview") this.#answer(message);
-    this.emit(message.type, message);
+    for (const one of this.handOut(message)) this.emit(one.type, one);
   }
 
   #answer(message) {

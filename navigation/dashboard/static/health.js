@@ -35,6 +35,7 @@ export class Health {
     for (const row of ROWS) box.append(this.#make(row));
     connection.on("hello", (hello) => { this.#columns = hello.samples; this.#rows = []; });
     connection.on("samples", (piece) => this.#add(piece));
+    connection.on("samples of another", (rows) => { this.#rows = []; this.#add({ items: rows }); });
     connection.on("state", (state) => this.#show(state));
   }
 

@@ -178,12 +178,12 @@ export class Layers {
   #drawState(state) {
     if (!state || !this.#hello) return;
     this.state = state;
-    this.#drawMission(state.mission);
+    if (!state.robots) this.#drawMission(state.mission); // several are drawn by robots_layer.js
     const over = state.paused || !["driving", "proving", "planning", "holding"].includes(state.mission.state);
     for (const name of ["plan", "corridor", "narrowest"]) this.stage.group(name).classList.toggle("over", over);
     const seen = new Set();
     const { robot, others } = this.#hello;
-    if (state.pose) this.#drawRobot(seen, state.pose, robot.radius_m, "robot");
+    if (state.pose && !state.robots) this.#drawRobot(seen, state.pose, robot.radius_m, "robot");
     for (const pose of state.others) {
       const known = others.find((other) => other.marker_id === pose.id);
       this.#drawRobot(seen, pose, known?.radius_m ?? robot.radius_m, "other");

@@ -1,6 +1,7 @@
 // The page: what listens to what.
 
 import { Connection } from "./connection.js";
+import { Fleet } from "./fleet.js";
 import { Goal } from "./goal.js";
 import { Health } from "./health.js";
 import { History } from "./history.js";
@@ -11,6 +12,8 @@ import { MissionPanel } from "./mission.js";
 import { Picture } from "./picture.js";
 import { Places } from "./places.js";
 import { Replay } from "./replay.js";
+import { Robots } from "./robots.js";
+import { RobotsLayer } from "./robots_layer.js";
 import { Seat } from "./seat.js";
 import { Settings } from "./settings.js";
 import { Stage } from "./stage.js";
@@ -19,6 +22,7 @@ import { View } from "./view.js";
 
 const byId = (id) => document.getElementById(id);
 const connection = new Connection();
+const fleet = new Fleet(connection);
 const stage = new Stage();
 const view = new View(stage);
 const keys = new Keys();
@@ -27,10 +31,13 @@ const seat = new Seat(connection, say);
 const stop = new Stop(connection, seat, say);
 const picture = new Picture(stage, connection);
 const layers = new Layers(stage, picture, connection);
+new RobotsLayer(stage, connection, fleet); // before the goal, which hears presses in the arena, too
 const goal = new Goal(stage, connection, seat, say);
 const replay = new Replay(connection, say);
 new MissionPanel(connection, seat, say);
 const health = new Health(connection);
+new Robots(connection, fleet, seat, say);
+connection.on("chosen", () => { goal.clear(); say(""); }); // they were another robot's
 new Log(connection);
 const settings = new Settings(connection, seat);
 new Places(connection, goal, seat, say);
@@ -98,7 +105,8 @@ byId("theme").addEventListener("click", () => {
 // Keys for everywhere but text fields; the space bar is stop.js's.
 addEventListener("keydown", (event) => {
   if (event.target.matches("input:not([type=checkbox]), select") || event.ctrlKey || event.metaKey || event.altKey) return;
-  const layer = LAYERS[Number(event.key) - 1];
+  if (fleet.key(event)) return;
+  const layer = LAYERS[Number(fleet.areSeveral ? event.shiftKey && event.code.replace("Digit", "") : event.key) - 1];
   if (replay.key(event)) event.preventDefault();
   else if (layer) layers.toggle(layer);
   else if (event.key === "?") keys.toggle();
@@ -115,4 +123,4 @@ addEventListener("keydown", (event) => {
 });
 
 connection.open();
-Object.assign(globalThis, { clearway: { connection, picture, stop, stage } }); // for a look from the console
+Object.assign(globalThis, { clearway: { connection, fleet, picture, stop, stage } }); // for a look from the console

@@ -69,8 +69,9 @@ export class MissionPanel {
   #show(state) {
     this.#state = state;
     const { mission, pose, link } = state;
-    document.getElementById("now").dataset.state = state.paused ? "paused" : mission.state;
-    put("mission-state", state.paused ? "Paused" : WORDS[mission.state] ?? mission.state);
+    document.getElementById("now").dataset.state = state.paused ? "paused" : state.waits ? "holding" : mission.state;
+    const word = `${state.name ? `${state.name}: ` : ""}${state.paused ? "Paused" : state.waits ? "Waiting" : WORDS[mission.state] ?? mission.state}`;
+    put("mission-state", word);
     put("sentence", sentence(state));
     this.#list(mission);
     if (state.replay) put("fact-stations", mission.stations.length ? `${mission.stations.length} planned` : "–");
@@ -81,7 +82,7 @@ export class MissionPanel {
     allow(this.pause, this.#whyNot("pause"));
     allow(this.resume, this.#whyNot("resume"));
     allow(this.replan, this.#whyNot("replan"));
-    document.title = `${state.paused ? "Paused" : WORDS[mission.state] ?? mission.state} – Clearway`;
+    document.title = `${word} – Clearway`;
   }
 }
 

@@ -28,7 +28,7 @@ from navigation.loop.planner_news import PlannerNews
 from navigation.loop.reports import camera_reason, to_go_m
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
-from navigation.mission.cycle import Orders, Sight
+from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.traffic import Mover
 from navigation.recording.events import FleetAsked, SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
@@ -119,6 +119,7 @@ class FleetDaemon:
         self._reopened = 0
         self._forget_latency = False
         self.waits: Mapping[str, str] = {}
+        self._waits_for: Mapping[str, str] = {}
         self._cycles = self._ended = 0
         self._further_turns: dict[str, Callable[[], int]] = {}
         self._turned = threading.Condition()
@@ -198,6 +199,10 @@ class FleetDaemon:
         if self._recorder is not None and not self._recorder.has_ended():
             turns["recorder"] = self._recorder.turns
         return turns | {name: count() for name, count in self._further_turns.items()}
+
+    def preview(self, robot: str, request: PlanRequest) -> PlanAnswer:
+        """The plan of one robot as if it were alone; any thread may ask."""
+        return self._fleet_planner.preview(robot, request)
 
     @property
     def has_met_its_devices(self) -> bool:
@@ -338,7 +343,7 @@ class FleetDaemon:
         for name, why in fleet.plan_again:
             with self.lock:
                 self.seats[name].pilot.replan(why)
-        self.waits = fleet.waits
+        self.waits, self._waits_for = fleet.waits, fleet.waits_for
         if fleet.request is not None:
             self._news.gets_request(now_s)
             self._planner.ask(fleet.request)
@@ -360,7 +365,13 @@ class FleetDaemon:
         robots = {
             name: self._state_of(seat, now_s, decided[name][2]) for name, seat in self.seats.items()
         }
-        return FleetState(now_s - self.started_s, robots, dict(self.waits), self.coordinator.rounds)
+        return FleetState(
+            now_s - self.started_s,
+            robots,
+            dict(self.waits),
+            self.coordinator.rounds,
+            dict(self._waits_for),
+        )
 
     def _state_of(self, seat: Seat, now_s: float, snapshot: LinkSnapshot) -> DaemonState:
         mission = seat.pilot.mission

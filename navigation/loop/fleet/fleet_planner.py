@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import threading
+
 from navigation.config import Config, limits_of
 from navigation.fleet.planning import plan_promises
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.stages import plan_settings
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.shared.supervisor import in_words
 from planner.path import Limits
 from planner.roadmap.roadmap import Roadmap
@@ -21,6 +24,9 @@ class FleetPlanner:
         self._arena = ArenaPlanner(plan_settings(smallest))
         self._keep_m = min(config.safety.other_robots_m for config in configs.values())
         self._scene: Scene | None = None
+        self._previewing = threading.Lock()
+        self._alone = {name: ArenaPlanner(plan_settings(one)) for name, one in configs.items()}
+        """For previews: each robot as if it were alone, brought up to date when it is asked for."""
 
     @property
     def roadmap(self) -> Roadmap | None:
@@ -44,6 +50,14 @@ class FleetPlanner:
     def clearance_m(self, position: Vec) -> float | None:
         """The exact clearance of a place in the newest scene; None before the first."""
         return self._arena.clearance_m(position)
+
+    def preview(self, robot: str, request: PlanRequest) -> PlanAnswer:
+        """What one robot would drive if it were alone, in the newest scene."""
+        planner, scene = self._alone[robot], self._scene
+        with self._previewing:
+            if scene is not None and planner.revision != self._arena.revision:
+                planner.see(scene, self._arena.revision)
+            return planner.answer(request, preview=True)
 
     def answer(self, request: FleetRequest) -> FleetAnswer:
         """Promises for all that can move; where the planner fails, that is everyone's refusal."""

@@ -6,7 +6,7 @@ Nothing here changes any more once it is made. Metres, radians, seconds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from navigation.loop.daemon_state import DaemonState
 from navigation.mission.mission import State
@@ -22,6 +22,8 @@ class FleetState:
     """Who waits for whom and why, in a sentence each."""
     rounds: int = 0
     """How often all were planned together."""
+    waits_for: Mapping[str, str] = field(default_factory=dict)
+    """Of those in ``waits`` that wait for one other robot: for which."""
 
     @property
     def is_over(self) -> bool:

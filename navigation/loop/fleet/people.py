@@ -11,7 +11,9 @@ from typing import Any
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.seat import Seat
 from navigation.loop.reports import describe, to_go_m
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Mission, MissionError, Station
+from planner.path import NoPath
 
 
 class People:
@@ -78,6 +80,15 @@ class People:
             for seat in chosen:
                 self._daemon.coordinator.forget(seat.name)
                 seat.pilot.replan()
+
+    def preview(self, stations: tuple[Station, ...], robot: str) -> PlanAnswer:
+        """What a robot would drive through these stations if it were alone; changes nothing."""
+        (seat,) = self._chosen(robot)
+        pose = seat.pose
+        if pose is None:
+            return PlanAnswer(0, 0, NoPath(f"{robot} was not seen yet"))
+        start = (pose.x, pose.y, pose.heading_rad)
+        return self._daemon.preview(robot, PlanRequest(0, start, stations, 0))
 
     def settle(self) -> None:
         """Wait, in another thread, until a cycle has acted on the orders so far; not for long."""

@@ -67,14 +67,15 @@ class FleetRunner(Runner):
             self._say(
                 f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
             )
-            if self._dashboard:
-                self._say("the page is of one robot: clearway status shows what several do")
+            page = self._serve_dashboard(daemon, open_things, socket, folder)
             missions = GiveMissions(daemon, self._say)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=self.config.camera.source, port=ports)
             open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive_all(daemon, missions)
             daemon.halt()
+            if page is not None and self.interrupt.is_set():
+                page.begin_closing()  # while the robots brake
             daemon.let_the_robots_stop()
             duration_s = self._clock() - daemon.started_s
             report = summarise_fleet(daemon, world.truths, state, reason, duration_s)

@@ -243,7 +243,8 @@ def seen(*sentences: str) -> Iterator[str]:
     assert daemon.state is not None
     for sentence in sentences:
         mission = Mission(state=State.HOLDING, reason=sentence)
-        chronicle.see(replace(daemon.state, mission=mission), daemon.camera, 0.0)
+        now = replace(daemon.state, mission=mission, sentence=sentence)
+        chronicle.see(now, daemon.camera, 0.0)
     return (line.text for line in chronicle.log.since(0, 99)[1])
 
 

@@ -93,6 +93,8 @@ class FakeDaemon:
     def show(self, **changes: Any) -> None:
         """A new state, as after a cycle."""
         assert self.state is not None
+        if "mission" in changes:
+            changes.setdefault("sentence", changes["mission"].reason)
         self.state = replace(self.state, **changes)
 
     def camera_status(self) -> CameraStatus:
@@ -101,7 +103,9 @@ class FakeDaemon:
     def last_wire_s(self) -> float | None:
         return 0.009
 
-    def preview(self, stations: tuple[Station, ...]) -> PlanAnswer:
+    fleet = None
+
+    def preview(self, stations: tuple[Station, ...], robot: str | None = None) -> PlanAnswer:
         assert self.plan_gate.wait(10.0)
         assert self._roadmap is not None
         *vias, goal = [(one.x, one.y) for one in stations]

@@ -1,0 +1,53 @@
+"""What happened lately, of one robot or of several: one log for all, tracks and charts of each.
+
+The chronicle of a single robot has no name. Of several robots each has its own, by name, and one
+without a name has what there is once: the log, and what concerns camera and program.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from navigation.config import Config
+from navigation.config.several.each_robot import each_robot
+from navigation.dashboard.messages.chronicle import Chronicle
+from navigation.loop.daemon_state import DaemonState
+from navigation.loop.fleet.fleet_state import FleetState
+from vision.camera.latest_frame import CameraStatus
+
+
+class Chronicles:
+    """Fed with each cycle's states; ``all`` is the one without a name."""
+
+    def __init__(self, config: Config) -> None:
+        self.configs: Mapping[str, Config] = each_robot(config)
+        self.all = Chronicle(config.robot.speed_m_s)
+        self.each: Mapping[str, Chronicle] = {
+            name: Chronicle(one.robot.speed_m_s, name, self.all.log)
+            for name, one in self.configs.items()
+        }
+
+    def rings(self) -> Iterator[tuple[str | None, Chronicle]]:
+        """Whose tracks and charts there are, by name; one without a name where it is one robot."""
+        yield from self.each.items() if self.each else ((None, self.all),)
+
+    def see(
+        self,
+        state: DaemonState,
+        fleet: FleetState | None,
+        camera: CameraStatus,
+        wire_s: float | None,
+        wall_s: float,
+    ) -> None:
+        """Take what is new; ``wire_s`` is a capture-to-wire time that was not told yet."""
+        if fleet is None:
+            self.all.see(state, camera, wall_s)
+        else:
+            self.all.see_arena(state, camera, wall_s)
+        for name, chronicle in self.rings():
+            mine = state if fleet is None or name is None else fleet.robots[name]
+            if name is not None:
+                chronicle.see_robot(mine, wall_s)
+            if wire_s is not None:
+                chronicle.time_wire(wire_s)
+            chronicle.sample(mine, camera)

@@ -1,0 +1,161 @@
+"""Six robots that run with their page, inside the test's process, so that the truth is at hand.
+
+They run in virtual time, no faster than real time and as slowly as the machine needs: nothing here
+goes stale because a browser has the processor.
+"""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from types import TracebackType
+from typing import Any
+
+from navigation.config import Config, parse_config
+from navigation.config.several.each_robot import each_robot
+from navigation.dashboard import Dashboard, ShownFleet
+from navigation.dashboard.hub import Hub
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.people import People
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import State, Station
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.fleet.fleet_warm_up import warm_up_fleet
+from navigation.run.kernels.warm_up import warm_up
+from tests.browser.live import CONFIGS
+from tests.support.waiting import wait_until
+
+FIRST_MISSION_ID = 7
+BREATH_S = 0.003
+"""After each cycle: whoever gives an order gets its turn."""
+
+
+def fleet_config(rate_hz: int = 8, **dashboard: object) -> Config:
+    """The six of the shipped fleet without missions of their own, their page at any free port."""
+    text = (CONFIGS / "fleet.yaml").read_text()
+    text = re.sub(r"^mission:.*\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
+    text = text.replace("rate_hz: 10", f"rate_hz: {rate_hz}")
+    lines = {"port": 0, **dashboard}
+    text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
+    return parse_config(text, "live_fleet.yaml", CONFIGS, {})
+
+
+class _OneAtATime(People):
+    """Orders between two cycles: the virtual world is one thread's at a time."""
+
+    def __init__(self, daemon: FleetDaemon, turn: threading.Lock) -> None:
+        super().__init__(daemon)
+        self._turn = turn
+
+    def give(self, stations: tuple[Station, ...], robot: str | None = None) -> None:
+        with self._turn:
+            super().give(stations, robot)
+
+    def stop(self, reason: str, robot: str | None = None) -> None:
+        with self._turn:
+            super().stop(reason, robot)
+
+    def pause(self, robot: str | None = None) -> None:
+        with self._turn:
+            super().pause(robot)
+
+    def resume(self, robot: str | None = None) -> None:
+        with self._turn:
+            super().resume(robot)
+
+    def replan(self, robot: str | None = None) -> None:
+        with self._turn:
+            super().replan(robot)
+
+    def describe(self, robot: str | None = None) -> dict[str, Any]:
+        with self._turn:
+            return super().describe(robot)
+
+    def preview(self, stations: tuple[Station, ...], robot: str) -> PlanAnswer:
+        with self._turn:
+            return super().preview(stations, robot)
+
+
+class LiveFleet:
+    """Daemon, control loop and dashboard of several robots."""
+
+    def __init__(self, config: Config) -> None:
+        self.config = config
+        self.world = FleetVirtualWorld(config)
+        self.daemon = FleetDaemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
+        self._turn = threading.Lock()
+        self.people = _OneAtATime(self.daemon, self._turn)
+        self.said: list[str] = []
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._cycle, name="control loop")
+        self._dashboard = Dashboard(
+            ShownFleet(self.daemon, self.people),
+            say=self.said.append,
+            clock=self.world.clock,
+        )
+
+    def __enter__(self) -> LiveFleet:
+        warm_up(self.config, self.said.append)
+        warm_up_fleet(self.config)
+        self.daemon.__enter__()
+        self._thread.start()
+        self._dashboard.__enter__()
+        assert self._dashboard.url is not None, self.said
+        assert wait_until(lambda: self._dashboard.hub is not None)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._dashboard.__exit__()
+        self._stopping.set()
+        self._thread.join()
+        self.daemon.__exit__(kind, error, trace)
+
+    def _cycle(self) -> None:
+        while not self._stopping.is_set():
+            began_s, then_s = time.monotonic(), self.world.clock()
+            with self._turn:
+                self.daemon.cycle()
+            spare_s = self.world.clock() - then_s - (time.monotonic() - began_s)
+            self._stopping.wait(max(BREATH_S, spare_s))
+
+    @property
+    def url(self) -> str:
+        """Where the page is."""
+        assert self._dashboard.url is not None
+        return self._dashboard.url
+
+    @property
+    def hub(self) -> Hub:
+        """The dashboard's inside."""
+        assert self._dashboard.hub is not None
+        return self._dashboard.hub
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all robots."""
+        return tuple(each_robot(self.config))
+
+    def state(self, name: str) -> State:
+        """Of one robot's mission."""
+        return self.daemon.seats[name].pilot.mission.state
+
+    def place(self, name: str) -> tuple[float, float]:
+        """Where a robot really is."""
+        x, y, _ = self.world.truths[name].robot.pose()
+        return x, y
+
+    def calm_down(self) -> None:
+        """Leave no stop, mission or operator behind for the next test."""
+        self.hub.seat.holder = None
+        self.people.stop("the test is over")
+        links = [seat.link for seat in self.daemon.seats.values()]
+        assert wait_until(lambda: all(link.snapshot().estopped for link in links))
+        self.people.resume()
+        assert wait_until(lambda: not any(link.snapshot().estopped for link in links))
+        assert wait_until(lambda: not any(self.state(n) is State.STOPPED for n in self.names))

@@ -1,0 +1,185 @@
+"""The page of six robots in a real browser: choosing, sending, waiting, stopping all and one."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import pytest
+
+pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+from playwright.sync_api import Browser, ConsoleMessage, Page, expect
+
+from navigation.mission.mission import State, Station
+from tests.browser.acting import click_at
+from tests.browser.live_fleet import LiveFleet, fleet_config
+from tests.browser.pages import Keep
+from tests.support.waiting import wait_until
+
+pytestmark = [pytest.mark.slow]
+
+EXCHANGE = {
+    "ada": (2.20, 1.60), "bob": (0.20, 1.60), "cleo": (0.20, 0.20),
+    "dan": (2.20, 0.20), "eve": (1.20, 1.62), "finn": (1.20, 0.18),
+}  # fmt: skip
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+ZOOMED = {"viewport": {"width": 680, "height": 430}, "device_scale_factor": 2}
+LOOKS: dict[str, dict[str, object]] = {
+    "light": {},
+    "dark": {"color_scheme": "dark"},
+    "forced": {"forced_colors": "active"},
+    "phone": PHONE,
+    "zoomed": ZOOMED,
+}
+OpenFleet = Callable[..., Page]
+
+
+@pytest.fixture(scope="module")
+def program(browser: Browser) -> Iterator[LiveFleet]:
+    with LiveFleet(fleet_config()) as live:
+        yield live
+
+
+@pytest.fixture
+def live(program: LiveFleet) -> Iterator[LiveFleet]:
+    yield program
+    program.calm_down()
+
+
+@pytest.fixture
+def open_fleet(browser: Browser, live: LiveFleet) -> Iterator[OpenFleet]:
+    contexts, errors = [], []
+
+    def open_fleet(**options: object) -> Page:
+        settings = {"viewport": {"width": 1360, "height": 860}, **options}
+        contexts.append(browser.new_context(**settings))  # type: ignore[arg-type]
+        page = contexts[-1].new_page()
+
+        def note(message: ConsoleMessage) -> None:
+            if message.type == "error":
+                errors.append(message.text)
+
+        page.on("console", note)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(live.url)
+        page.wait_for_function("n => globalThis.clearway?.picture.count >= n", arg=1)
+        expect(page.locator("[data-layer=fleet-bodies] .own-robot")).to_have_count(6)
+        return page
+
+    yield open_fleet
+    for context in contexts:
+        context.close()
+    assert errors == []
+
+
+def test_a_robot_is_chosen_by_click_or_number_and_the_goal_is_its_own(
+    open_fleet: OpenFleet, live: LiveFleet
+) -> None:
+    page = open_fleet()
+    expect(page.locator("#mission-state")).to_have_text("ada: Ready")
+    assert page.locator(".robot-name").all_inner_texts() == list(live.names)
+    click_at(page, *live.place("cleo"))
+    expect(page.locator("#robot-cleo")).to_have_attribute("aria-pressed", "true")
+    expect(page.locator("#goal-stations")).to_be_hidden()  # the press was for the robot
+    expect(page.locator("#mission-state")).to_have_text("cleo: Ready")
+    page.keyboard.press("5")
+    expect(page.locator("#send")).to_have_text("Send eve")
+    page.keyboard.press("]")
+    expect(page.locator("#send")).to_have_text("Send finn")
+    page.keyboard.press("1")
+    page.keyboard.press("[")
+    expect(page.locator("#send")).to_have_text("Send finn")
+    click_at(page, 1.55, 1.35)
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    page.locator("#send").click()
+    assert wait_until(lambda: live.state("finn") in (State.PROVING, State.PLANNING, State.DRIVING))
+    (goal,) = live.daemon.seats["finn"].pilot.mission.stations
+    assert math.dist((goal.x, goal.y), (1.55, 1.35)) < 0.01
+    assert all(live.state(name) is State.IDLE for name in live.names if name != "finn")
+    expect(page.locator("#log li", has_text="finn: GO to")).to_have_count(1)
+
+
+def test_with_the_keyboard_alone_a_robot_is_chosen_sent_stopped_and_rearmed(
+    open_fleet: OpenFleet, live: LiveFleet, keep: Keep
+) -> None:
+    page = open_fleet()
+    page.locator("#stage").focus()
+    page.keyboard.press("2")
+    for _ in range(6):
+        page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("Enter")
+    expect(page.locator("#goal-preview")).to_contain_text("clearance at least")
+    keep(page, "fleet_keyboard")
+    page.keyboard.press("Enter")
+    assert wait_until(lambda: bool(live.daemon.seats["bob"].pilot.mission.stations))
+    page.locator("#robot-bob").focus()
+    page.keyboard.press("Tab")  # re-arming is out of reach before it is stopped
+    expect(page.locator("#stop-bob")).to_be_focused()
+    page.keyboard.press("Enter")
+    assert wait_until(lambda: live.state("bob") is State.STOPPED)
+    assert all(live.state(name) is not State.STOPPED for name in live.names if name != "bob")
+    expect(page.locator("#rearm-bob")).to_have_attribute("aria-disabled", "false")
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Enter")
+    assert wait_until(lambda: live.state("bob") is State.IDLE)
+
+
+def test_the_big_stop_stops_all_and_is_left_for_each_or_for_all(
+    open_fleet: OpenFleet, live: LiveFleet
+) -> None:
+    page = open_fleet()
+    expect(page.locator("#stop")).to_contain_text("STOP all")
+    page.keyboard.press("Space")
+    assert wait_until(lambda: all(live.state(name) is State.STOPPED for name in live.names))
+    expect(page.locator(".robot-row .word", has_text="Stopped")).to_have_count(6)
+    expect(page.locator("#rearm-dan")).to_have_attribute("aria-disabled", "false")
+    page.locator("#resume-all").click(force=True)  # no order but one to re-arm leaves a stop
+    expect(page.locator("#refusal")).to_contain_text("Nothing to resume")
+    page.locator("#rearm-dan").click()
+    assert wait_until(lambda: live.state("dan") is State.IDLE)
+    assert all(live.state(name) is State.STOPPED for name in live.names if name != "dan")
+    page.locator("#rearm-all").click()
+    assert wait_until(lambda: all(live.state(name) is State.IDLE for name in live.names))
+
+
+def test_who_waits_for_whom_is_in_the_list_and_in_the_picture(
+    open_fleet: OpenFleet, live: LiveFleet, keep: Keep
+) -> None:
+    page = open_fleet()
+    for name, (x, y) in EXCHANGE.items():
+        live.people.give((Station(x, y),), name)
+    expect(page.locator("[data-layer=fleet-waits] .wait-head").first).to_be_attached()
+    row = page.locator(".robot-row", has=page.locator(".word", has_text="Waits for")).first
+    expect(row.locator(".robot-says")).to_contain_text("has to pass first")
+    expect(page.locator("[data-layer=fleet-plans] .own-path")).to_have_count(5)
+    expect(page.locator("[data-layer=plan] .path")).to_have_count(1)  # the chosen one's
+    strokes = page.locator("[data-layer=fleet-plans] .own-path").evaluate_all(
+        "paths => new Set(paths.map((path) => getComputedStyle(path).stroke)).size"
+    )
+    assert strokes == 5
+    keep(page, "fleet_light")
+
+
+@pytest.mark.parametrize("look", list(LOOKS))
+def test_nothing_is_cut_off_or_covered_however_the_page_is_looked_at(
+    look: str, open_fleet: OpenFleet, live: LiveFleet, keep: Keep
+) -> None:
+    page = open_fleet(**LOOKS[look])
+    live.people.stop("looked at", "finn")
+    expect(page.locator("#rearm-finn")).to_be_visible()
+    keep(page, f"fleet_{look}")
+    wide, shown = page.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+    )
+    assert wide <= shown
+    places = {}
+    for name in ("robot-finn", "rearm-finn", "stop-finn", "pause-all", "rearm-all"):
+        button = page.locator(f"#{name}")
+        button.scroll_into_view_if_needed()
+        box = button.bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= 24.0, name  # WCAG 2.2, 2.5.8
+        places[name] = box
+    rearm, stop = places["rearm-finn"], places["stop-finn"]
+    assert rearm["x"] + rearm["width"] <= stop["x"]
+    word = page.locator("#robot-finn .word").bounding_box()
+    assert word is not None
+    assert word["width"] > 50.0  # it says what is the matter
