@@ -27,17 +27,25 @@ from tests.browser.live import CONFIGS
 from tests.support.waiting import wait_until
 
 FIRST_MISSION_ID = 7
+EXCHANGE = {
+    "ada": (2.20, 1.60), "bob": (0.20, 1.60), "cleo": (0.20, 0.20),
+    "dan": (2.20, 0.20), "eve": (1.20, 1.62), "finn": (1.20, 0.18),
+}  # fmt: skip
+"""Where each goes when all exchange places."""
 BREATH_S = 0.003
 """After each cycle: whoever gives an order gets its turn."""
 
 
-def fleet_config(rate_hz: int = 8, **dashboard: object) -> Config:
+def fleet_config(rate_hz: int = 8, noise_grey: float | None = None) -> Config:
     """The six of the shipped fleet without missions of their own, their page at any free port."""
     text = (CONFIGS / "fleet.yaml").read_text()
     text = re.sub(r"^mission:.*\n(?:  .*\n)+", "", text, flags=re.MULTILINE)
     text = text.replace("rate_hz: 10", f"rate_hz: {rate_hz}")
-    lines = {"port": 0, **dashboard}
-    text += "\ndashboard:\n" + "".join(f"  {key}: {value}\n" for key, value in lines.items())
+    if noise_grey is not None:
+        text = text.replace(
+            "  time_limit_s", f"  camera: {{noise_grey: {noise_grey}}}\n  time_limit_s"
+        )
+    text += "\ndashboard: {port: 0}\n"
     return parse_config(text, "live_fleet.yaml", CONFIGS, {})
 
 

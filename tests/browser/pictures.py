@@ -2,8 +2,9 @@
 
     python -m tests.browser.pictures
 
-Writes docs/pictures/dashboard.png, a run seen through the page, and docs/pictures/plan.svg, what
-`clearway plan --render` draws. Needs Chromium, as the browser tests do.
+Writes docs/pictures/dashboard.png and fleet.png, runs of one robot and of six seen through the
+page, and docs/pictures/plan.svg, what `clearway plan --render` draws. Needs Chromium, as the
+browser tests do.
 """
 
 from __future__ import annotations
@@ -12,9 +13,11 @@ from pathlib import Path
 
 from playwright.sync_api import Page, expect, sync_playwright
 
+from navigation.mission.mission import Station
 from tests.browser.acting import click_at, drag, wait_for_picture
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
 from tests.browser.live import CONFIGS, Live, live_config
+from tests.browser.live_fleet import EXCHANGE, LiveFleet, fleet_config
 from tests.support.pictures import call
 from tests.support.waiting import wait_until
 
@@ -27,6 +30,7 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     draw_plan(FOLDER / "plan.svg")
     photograph(FOLDER / "dashboard.png")
+    photograph_fleet(FOLDER / "fleet.png")
     for file in sorted(FOLDER.iterdir()):
         size = file.stat().st_size
         assert size <= LARGEST_BYTES, f"{file}: {size} bytes: must be at most {LARGEST_BYTES}"
@@ -53,6 +57,20 @@ def photograph(file: Path) -> None:
         page.mouse.move(2, 400)
         assert wait_until(lambda: live.place()[1] > 1.3, 90.0)
         assert wait_until(lambda: live.drives() and taken(page, file, live), 30.0)
+        chromium.close()
+
+
+def photograph_fleet(file: Path) -> None:
+    """Six robots that exchange places, when one waits for another."""
+    with LiveFleet(fleet_config(noise_grey=0.0)) as live, sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        page = chromium.new_page(viewport={"width": 1280, "height": 830})
+        page.goto(live.url)
+        for name, (x, y) in EXCHANGE.items():
+            live.people.give((Station(x, y),), name)
+        expect(page.locator("[data-layer=fleet-waits] .wait-head").first).to_be_attached()
+        page.keyboard.press("3")
+        page.screenshot(path=file)
         chromium.close()
 
 

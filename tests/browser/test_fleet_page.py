@@ -10,16 +10,12 @@ from playwright.sync_api import Browser, ConsoleMessage, Page, expect
 
 from navigation.mission.mission import State, Station
 from tests.browser.acting import click_at
-from tests.browser.live_fleet import LiveFleet, fleet_config
+from tests.browser.live_fleet import EXCHANGE, LiveFleet, fleet_config
 from tests.browser.pages import Keep
 from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.slow]
 
-EXCHANGE = {
-    "ada": (2.20, 1.60), "bob": (0.20, 1.60), "cleo": (0.20, 0.20),
-    "dan": (2.20, 0.20), "eve": (1.20, 1.62), "finn": (1.20, 0.18),
-}  # fmt: skip
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 ZOOMED = {"viewport": {"width": 680, "height": 430}, "device_scale_factor": 2}
 LOOKS: dict[str, dict[str, object]] = {
