@@ -1,12 +1,14 @@
-"""Who drives when: all stand, are planned together, and drive as far as the order allows.
+"""Who drives when: new goals join those that drive, and who drives goes as far as the order allows.
 
 Rules
 - A robot that asks for a path and still stands on what it was promised continues there.
-- Anything else is planned for all: those that drive stop under control, and when all stand, one
-  plan is made of every robot that wants to move. What the others keep is taken: the place where
-  each stands, and of one that is not seen whatever it may have driven to since.
-- A robot that waits at a gate for one that will not come (stopped, failed, or held for longer than
-  ``PATIENCE_S``) has all planned again, around it.
+- Any other is planned against the promises of those that drive, who drive on. While the planner
+  works at it they are sent no more than they have.
+- Where that cannot be, or a robot waits at a gate for one that will not come (stopped, failed, or
+  held for longer than ``PATIENCE_S``), all are planned: those that drive stop under control, and
+  when all stand, one plan is made of every robot that wants to move.
+- What the others keep is taken: the place where each stands, and of one that is not seen whatever
+  it may have driven to since. One without a mission may have to step aside and come back.
 - Where no path was found for a robot it waits until something has changed that the plan hung on.
 
 Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
@@ -15,15 +17,16 @@ Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from navigation.fleet.orders import ON_TRACK_M, FleetOrders, Situation, ahead, holds_of, waits_of
 from navigation.fleet.places_kept import Member, comes_too_near, places_kept
 from navigation.fleet.releases import Held, Release, release_of
-from navigation.fleet.request import FleetAnswer, FleetRequest, Promise, Taken, Traveller
+from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Promise, Taken, Traveller
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
 from navigation.mission.running_plan import distance_to_polyline
@@ -34,50 +37,14 @@ PATIENCE_S: Final = 6.0
 """A robot that holds comes back by itself as a rule: marker hidden, link silent, for a moment."""
 ASK_S: Final = 0.6
 """A robot that is to plan again asks for it within this time, or does not take part."""
-ON_TRACK_M: Final = 0.02
-"""A robot that is so near to its promised path continues on it; more is planned for."""
+AHEAD: Final = 40
+"""Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 SLACK_M: Final = 0.01
 """How far below the radius a path's clearance may be in a new scene: the camera's error."""
 GOING: Final = (State.DRIVING, State.PLANNING, State.PROVING)
 OVER: Final = (State.FAILED, State.STOPPED, State.IDLE)
 
 Clearance = Callable[[FloatArray], float | None]
-
-
-@dataclass(frozen=True, slots=True)
-class FleetOrders:
-    """What follows from one cycle."""
-
-    plan_again: tuple[tuple[str, str], ...] = ()
-    """Robots that are to stop and ask for a path, and why."""
-    request: FleetRequest | None = None
-    answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
-    """For the pilots."""
-    waits: Mapping[str, str] = field(default_factory=dict)
-    """Who waits for whom and why, in a sentence each."""
-    waits_for: Mapping[str, str] = field(default_factory=dict)
-    """Of those the robots that wait for one other: for which."""
-    holds: Mapping[str, str] = field(default_factory=dict)
-    """Who may not move now, and why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """What a refusal hung on: while it is the same, another plan would be refused too."""
-
-    revision: int
-    goals: frozenset[tuple[str, Station]]
-    at_rest: Mapping[str, tuple[float, float]]
-    """Where those are that do not drive."""
-
-    def is_like(self, other: Situation | None) -> bool:
-        """Whether nothing has changed but by noise."""
-        if other is None or (self.revision, self.goals) != (other.revision, other.goals):
-            return False
-        if self.at_rest.keys() != other.at_rest.keys():
-            return False
-        places = ((at, other.at_rest[name]) for name, at in self.at_rest.items())
-        return all(math.dist(here, there) < ON_TRACK_M for here, there in places)
 
 
 class Coordinator:
@@ -107,14 +74,18 @@ class Coordinator:
         """One cycle; see the module's text for its rules."""
         self._follow(members)
         answers: dict[str, PlanAnswer] = {}
+        errands: dict[str, Station] = {}
         if answer is not None and self._asked is not None and answer.id == self._asked.id:
-            answers |= self._take(answer, members)
-        if self._gathering_s is None and self._asked is None:
-            answers |= self._continued(members, revision)
-            self._begin_round(now_s, members, revision, answers)
+            answers |= self._take(now_s, answer, members)
+            errands = {n: one.promise.station for n, one in self.held.items() if one.errand}
         plan_again: tuple[tuple[str, str], ...] = ()
         request = None
-        if self._gathering_s is not None:
+        if self._gathering_s is None and self._asked is None:
+            answers |= self._continued(members, revision)
+            if self._begin_round(now_s, members, revision, answers):
+                request, told = self._joining(members, revision, answers)
+                answers |= told
+        elif self._gathering_s is not None:
             plan_again = tuple(
                 (name, self._why) for name, one in members.items() if one.state is State.DRIVING
             )
@@ -123,8 +94,14 @@ class Coordinator:
                 answers |= told
         for name in answers:
             self._open.pop(name, None)
-        waits, waits_for = self._waits(members, answers)
-        return FleetOrders(plan_again, request, answers, waits, waits_for, self._holds(members))
+        refused = {
+            name: self._refused[name]
+            for name in self._open
+            if name not in answers and name in self._refused and self._gathering_s is None
+        }
+        waits, waits_for = waits_of(members, self.held, refused)
+        holds = holds_of(members, self.held)
+        return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:
         """The robot's promise is void: it is planned for again, and so are all."""
@@ -137,6 +114,11 @@ class Coordinator:
         if held is None:
             return None
         count, gate = release_of(name, self.held)
+        if self._asked is not None and self._asked.driving:
+            count = min(count, held.sent)
+        else:
+            count = min(count, held.executed + AHEAD)
+        held.sent = max(held.sent, count)
         return Release(max(0, count - held.base), gate)
 
     # What was promised.
@@ -150,6 +132,9 @@ class Coordinator:
             held = self.held.get(name)
             if held is None:
                 continue
+            if held.errand and one.obliging:
+                continue  # its pilot is given the errand in this cycle
+            held.errand = False
             if one.state is State.DONE:
                 held.executed = len(held.promise.targets)
             elif one.state in OVER:
@@ -168,7 +153,7 @@ class Coordinator:
                 continue
             if request.scene_revision != revision or not self._fits(held, request):
                 continue
-            if comes_too_near(self._ahead(name, request.start), name, members) is not None:
+            if comes_too_near(ahead(self.held, name, request.start), name, members) is not None:
                 continue
             held.base = held.executed
             promise = held.promise
@@ -190,12 +175,6 @@ class Coordinator:
         clearance_m = self._clearance_m(rest)
         return clearance_m is not None and clearance_m >= promise.radius_m - SLACK_M
 
-    def _ahead(self, name: str, here: tuple[float, float, float]) -> FloatArray:
-        """The places (n >= 1, 2) from here through what the robot may drive now."""
-        held = self.held[name]
-        count, _ = release_of(name, self.held)
-        return np.vstack([here[:2], held.promise.points[held.executed + 1 : count + 1]])
-
     # A plan for all.
 
     def _begin_round(
@@ -204,22 +183,30 @@ class Coordinator:
         members: Mapping[str, Member],
         revision: int,
         answers: dict[str, PlanAnswer],
-    ) -> None:
-        """Whether all have to stop and be planned together, and why."""
+    ) -> bool:
+        """Whether robots are to join those that drive; else gathers all where there is need."""
         same = self._situation(members, revision).is_like(self._refused_in)
+        drives = self._someone_drives(members)
+        joins = False
         for name, request in self._open.items():
             if name in answers:
                 continue
             if name not in self._refused or not same:
-                self._why = f"planning together with {name}"
-                self._gathering_s = now_s
-                return
-            if not self._someone_drives(members):
+                if drives:
+                    joins = True
+                    continue
+                self._gather(now_s, f"planning together with {name}")
+                return False
+            if not drives:
                 answers[name] = PlanAnswer(request.id, revision, NoPath(self._refused[name]))
         waiting = self._hopeless(now_s, members)
         if waiting is not None:
-            self._why = waiting
-            self._gathering_s = now_s
+            self._gather(now_s, waiting)
+            return False
+        return joins
+
+    def _gather(self, now_s: float, why: str) -> None:
+        self._why, self._gathering_s = why, now_s
 
     def _hopeless(self, now_s: float, members: Mapping[str, Member]) -> str | None:
         """The sentence where a robot waits for one that does not come."""
@@ -258,58 +245,121 @@ class Coordinator:
         self._gathering_s = None
         if not self._open:
             return None, {}
+        return self._ask(members, revision, list(self._open), ())
+
+    def _joining(
+        self, members: Mapping[str, Member], revision: int, answers: Mapping[str, PlanAnswer]
+    ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
+        """The request of those that ask and stand, while others drive on."""
+        ready = [
+            name for name in self._open
+            if name not in answers and (one := members[name]).stands and one.pose is not None
+        ]  # fmt: skip
+        driving = tuple(
+            Driving(held.promise, held.executed, max(held.sent, held.executed), one.limits)
+            for name, one in members.items()
+            if name not in ready and (held := self.held.get(name)) is not None
+            and not (held.is_finished or held.broken or held.errand)
+            and one.state in (*GOING, State.HOLDING)
+        )  # fmt: skip
+        if not ready or not driving or any(held.errand for held in self.held.values()):
+            return None, {}
+        return self._ask(members, revision, ready, driving)
+
+    def _ask(
+        self,
+        members: Mapping[str, Member],
+        revision: int,
+        asking: Sequence[str],
+        driving: tuple[Driving, ...],
+    ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
+        """The request for those that ask, or why nobody can be planned for."""
+        wishes = {name: self._open[name] for name in asking}
         unseen = [name for name, one in members.items() if one.pose is None]
         if unseen:
             why = f"{unseen[0]} was not seen yet: nobody knows where it is"
-            self._refused = dict.fromkeys(self._open, why)
+            self._refused = dict.fromkeys(wishes, why)
             self._refused_in = None
             return None, {
                 name: PlanAnswer(request.id, revision, NoPath(why))
-                for name, request in self._open.items()
+                for name, request in wishes.items()
             }
         travellers = tuple(
             Traveller(name, pose, request.stations[0], one.radius_m, one.limits_at(request))
-            for name, request in sorted(self._open.items())
+            for name, request in sorted(wishes.items())
             if (one := members[name]) and (pose := one.pose) is not None
         )
+        idle = tuple(
+            Traveller(name, pose, Station(*pose), one.radius_m, one.limits)
+            for name, one in members.items()
+            if name not in wishes and one.obliging and (pose := one.pose) is not None
+        )
+        known = {*wishes, *(one.promise.name for one in driving), *(one.name for one in idle)}
         taken = tuple(
             place
             for name, one in members.items()
-            if name not in self._open
+            if name not in known
             for place in places_kept(name, one, self.held.get(name))
         )
         strangers = {
             disc.robot_id: Taken(f"robot {disc.robot_id}", disc.x_m, disc.y_m, disc.radius_m)
-            for request in self._open.values()
+            for request in wishes.values()
             for disc in request.avoid
         }
         taken += tuple(strangers.values())
         self.rounds += 1
-        self._asked = FleetRequest(self.rounds, revision, travellers, taken)
-        self._asked_ids = {name: request.id for name, request in self._open.items()}
+        self._asked = FleetRequest(self.rounds, revision, travellers, taken, driving, idle)
+        self._asked_ids = {name: request.id for name, request in wishes.items()}
         return self._asked, {}
 
-    def _take(self, answer: FleetAnswer, members: Mapping[str, Member]) -> dict[str, PlanAnswer]:
-        """The new promises in place of all old ones, and the pilots' answers."""
+    def _take(
+        self, now_s: float, answer: FleetAnswer, members: Mapping[str, Member]
+    ) -> dict[str, PlanAnswer]:
+        """The new promises, all old ones out or with more gates, and the pilots' answers."""
         assert self._asked is not None
-        starts = {one.name: one.start for one in self._asked.travellers}
-        self._asked = None
-        self.held = {name: Held(promise) for name, promise in answer.promises.items()}
+        asked, self._asked = self._asked, None
+        starts = {one.name: one.start for one in (*asked.travellers, *asked.idle)}
+        if answer.cannot:
+            self._gather(now_s, f"planning together with {asked.travellers[0].name}")
+            return {}
+        if any(self._left_its_promise(one) for one in asked.driving):
+            return {}  # it was planned for what is not so any more: who asks, asks again
+        moved = [
+            one.name for one in asked.idle
+            if one.name in answer.promises and not members[one.name].obliging
+        ]  # fmt: skip
+        if moved:
+            return {}
+        new = {
+            name: Held(promise, errand=name not in self._asked_ids)
+            for name, promise in answer.promises.items()
+        }
+        if asked.driving:
+            for one in asked.driving:
+                gates = (answer.gates or {}).get(one.promise.name, one.promise.gates)
+                self.held[one.promise.name].promise = replace(one.promise, gates=gates)
+            self.held |= new
+        else:
+            self.held = new
         self._refused = dict(answer.refused)
         self._refused_in = self._situation(members, answer.scene_revision)
         answers = {}
         for name, request_id in self._asked_ids.items():
             request = self._open.get(name)
-            if request is None or request.id != request_id or name not in self.held:
+            if request is None or request.id != request_id or name not in new:
                 continue  # it holds, or has another mission: it asks again
             pose = members[name].pose
             if pose is None or math.dist(pose[:2], starts[name][:2]) > ON_TRACK_M:
                 continue
-            promise = self.held[name].promise
+            promise = new[name].promise
             answers[name] = PlanAnswer(
                 request.id, answer.scene_revision, promise.path, promise.trajectory, promise.targets
             )
         return answers
+
+    def _left_its_promise(self, one: Driving) -> bool:
+        held = self.held.get(one.promise.name)
+        return held is None or held.promise is not one.promise or held.broken
 
     def _situation(self, members: Mapping[str, Member], revision: int) -> Situation:
         at_rest = {
@@ -325,42 +375,14 @@ class Coordinator:
         return Situation(revision, goals, at_rest)
 
     def _drives(self, name: str, one: Member) -> bool:
+        """Whether it is on its promise, and asks for no other path."""
         held = self.held.get(name)
-        return held is not None and not held.is_finished and not held.broken and one.state in GOING
+        if held is None or held.is_finished or held.broken or name in self._open:
+            return False
+        return one.state in GOING
 
     def _someone_drives(self, members: Mapping[str, Member]) -> bool:
         return any(self._drives(name, one) for name, one in members.items())
-
-    # What people are told.
-
-    def _waits(
-        self, members: Mapping[str, Member], answers: Mapping[str, PlanAnswer]
-    ) -> tuple[dict[str, str], dict[str, str]]:
-        waits, waits_for = {}, {}
-        for name in self._open:
-            if name not in answers and name in self._refused and self._gathering_s is None:
-                waits[name] = f"waits for the others: {self._refused[name]}"
-        for name, one in members.items():
-            if one.state is not State.DRIVING or name not in self.held:
-                continue
-            count, gate = release_of(name, self.held)
-            if gate is not None and self.held[name].executed >= count:
-                x, y = self.held[name].promise.points[count].tolist()
-                why = members[gate.other].waits_because if gate.other in members else "is gone"
-                waits[name] = f"waits at ({x:.2f}, {y:.2f}) m for {gate.other}, which {why}"
-                waits_for[name] = gate.other
-        return waits, waits_for
-
-    def _holds(self, members: Mapping[str, Member]) -> dict[str, str]:
-        holds = {}
-        for name, one in members.items():
-            held = self.held.get(name)
-            if held is None or one.state is not State.DRIVING or one.pose is None:
-                continue
-            near = comes_too_near(self._ahead(name, one.pose), name, members)
-            if near is not None:
-                holds[name] = near
-        return holds
 
 
 def _is_seen_there(one: Member, promise: Promise, executed: int) -> bool:

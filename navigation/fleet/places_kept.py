@@ -51,6 +51,8 @@ class Member:
     """What it asks for in this cycle."""
     sentence: str = ""
     """What its mission says."""
+    obliging: bool = False
+    """It stands without a mission, is well, and may be asked to step aside."""
 
     def limits_at(self, request: PlanRequest) -> Limits:
         """What it can do, no faster than it asks for."""

@@ -67,12 +67,39 @@ def plan_promises(
 ) -> FleetAnswer:
     """Promises for all travellers that can move, two bodies ``keep_m`` apart where there is room.
 
+    Where one cannot because of robots that stand without a mission, these step aside and come back.
     ``roadmap`` is of the smallest robot in ``scene``.
     """
-    moving, taken = list(request.travellers), list(request.taken)
+    idle = [Taken(one.name, one.start[0], one.start[1], one.radius_m) for one in request.idle]
+    answer = _plan_for(roadmap, scene, request, [*request.taken, *idle], (), keep_m)
+    if not answer.refused or not idle:
+        return answer
+    more = _plan_for(roadmap, scene, request, request.taken, request.idle, keep_m)
+    asked = {one.name for one in request.travellers}
+    if len(asked & more.refused.keys()) >= len(answer.refused):
+        return answer
+    standing = {one.name for one in request.idle}
+    promises = {
+        name: promise
+        for name, promise in more.promises.items()
+        if name in asked or len(promise.points) > 1
+    }
+    refused = {name: why for name, why in more.refused.items() if name not in standing}
+    return FleetAnswer(request.id, request.scene_revision, promises, refused)
+
+
+def _plan_for(
+    roadmap: Roadmap,
+    scene: Scene,
+    request: FleetRequest,
+    kept: Sequence[Taken],
+    idle: Sequence[Traveller],
+    keep_m: float,
+) -> FleetAnswer:
+    moving, taken = [*request.travellers, *idle], list(kept)
     refused: dict[str, str] = {}
     while moving:
-        here = roadmap.updated(_with_taken(scene, taken, moving)) if taken else roadmap
+        here = roadmap.updated(with_taken(scene, taken, moving)) if taken else roadmap
         found = _try(here, moving, taken, keep_m)
         if isinstance(found, dict):
             return FleetAnswer(request.id, request.scene_revision, found, refused)
@@ -94,10 +121,10 @@ def _try(
                 return i, f"{other.name} is at its goal"
     found = _ordered(here, moving, keep_m)
     if isinstance(found, NoFleetPlan):
-        around = f" around {_listed([one.name for one in taken])}" if taken else ""
+        around = f" around {listed([one.name for one in taken])}" if taken else ""
         who = found.blocking or tuple(range(len(moving)))
-        return who[-1], f"{_with_names(found.reason, [one.name for one in moving])}{around}"
-    tracks, waits = found
+        return who[-1], f"{with_names(found.reason, [one.name for one in moving])}{around}"
+    tracks, waits, sizes = found
     promises = {}
     numbers = [point_numbers(track.targets) for track in tracks]
     for j, one in enumerate(moving):
@@ -108,7 +135,9 @@ def _try(
             if waiting == j and row < len(numbers[j]) and numbers[j][row] < last
         ]
         try:
-            promises[one.name] = _promise(here, one, tracks[j], gates)
+            promises[one.name] = make_promise(
+                here, one, tracks[j], gates, sizes[j] - one.radius_m
+            )
         except TrajectoryError as error:
             return j, str(error)
     return promises
@@ -116,8 +145,9 @@ def _try(
 
 def _ordered(
     here: Roadmap, moving: Sequence[Traveller], keep_m: float
-) -> tuple[list[CutTrack], list[Dependency]] | NoFleetPlan:
-    """Tracks in short pieces, and an order at shared places in which nobody waits in a circle.
+) -> tuple[list[CutTrack], list[Dependency], list[float]] | NoFleetPlan:
+    """Tracks in short pieces, an order at shared places in which nobody waits in a circle, and the
+    radii that they were planned with.
 
     With less room between the bodies, and then from other beginnings, where there is none else.
     """
@@ -140,7 +170,7 @@ def _ordered(
                 tracks = [one.targets for one in cut]
                 waits = find_dependencies(tracks, sizes)
                 if is_live(tracks, waits):
-                    return cut, waits
+                    return cut, waits, sizes
             refused = refused or NoFleetPlan(NOT_LIVE)
         elif seed == 0:
             refused = plan
@@ -149,7 +179,10 @@ def _ordered(
     return refused or NoFleetPlan(NOT_LIVE)
 
 
-def _promise(here: Roadmap, one: Traveller, track: CutTrack, gates: Sequence[Gate]) -> Promise:
+def make_promise(
+    here: Roadmap, one: Traveller, track: CutTrack, gates: Sequence[Gate], margin_m: float
+) -> Promise:
+    """The promise of one robot's track; ``TrajectoryError`` where the robot cannot drive it."""
     numbers = point_numbers(track.fine)
     smooth = np.ascontiguousarray(track.fine[np.unique(numbers, return_index=True)[1], 1:])
     at = np.unique(numbers[track.rows])
@@ -165,7 +198,15 @@ def _promise(here: Roadmap, one: Traveller, track: CutTrack, gates: Sequence[Gat
         )
     targets = _targets(points, _lengths(smooth)[at], trajectory, one.station, one.limits)
     return Promise(
-        one.name, one.station, points, targets, tuple(gates), path, trajectory, one.radius_m
+        one.name,
+        one.station,
+        points,
+        targets,
+        tuple(gates),
+        path,
+        trajectory,
+        one.radius_m,
+        margin_m,
     )
 
 
@@ -251,7 +292,7 @@ def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[fl
     return sizes
 
 
-def _with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]) -> Scene:
+def with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller]) -> Scene:
     """The scene with what is taken as round obstacles, smaller where a robot stands beside."""
     first = 1 + max((thing.id for thing in scene.objects), default=-1)
     things = []
@@ -267,16 +308,17 @@ def _with_taken(scene: Scene, taken: Sequence[Taken], moving: Sequence[Traveller
     return replace(scene, objects=(*scene.objects, *things))
 
 
-def _with_names(reason: str, names: Sequence[str]) -> str:
+def with_names(reason: str, names: Sequence[str]) -> str:
     """A reason that speaks of robots by number, with their names."""
 
     def named(found: re.Match[str]) -> str:
-        return _listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
+        return listed([names[int(n)] for n in re.findall(r"\d+", found.group(0))])
 
     return re.sub(r"\brobots? \d+(?:, \d+)*(?: and \d+)?", named, reason)
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Names as a sentence has them: "ada, bob and cleo", each once."""
     unique = list(dict.fromkeys(names))
     if len(unique) < 2:
         return "".join(unique)

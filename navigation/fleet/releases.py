@@ -26,6 +26,10 @@ class Held:
     """How many of them were executed when the plan that is driven now began."""
     broken: bool = False
     """The robot will not drive the rest."""
+    sent: int = 0
+    """How many of the targets the robot may have been given."""
+    errand: bool = False
+    """The robot has no mission of its own there, and has not been given this one yet."""
 
     @property
     def is_finished(self) -> bool:

@@ -40,6 +40,10 @@ class FleetRequest:
     scene_revision: int
     travellers: tuple[Traveller, ...]
     taken: tuple[Taken, ...] = ()
+    driving: tuple[Driving, ...] = ()
+    """Who drives on meanwhile; empty where all stand and are planned together."""
+    idle: tuple[Traveller, ...] = ()
+    """Who stands without a mission, and may step aside and come back to its station."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +71,40 @@ class Promise:
     path: Path
     trajectory: Trajectory | None
     radius_m: float
+    margin_m: float = 0.0
+    """By how much larger the robot was planned."""
+
+
+@dataclass(frozen=True, slots=True)
+class Driving:
+    """A robot that drives on: its promise, the targets of it that it has executed, and how many
+    it was given."""
+
+    promise: Promise
+    executed: int
+    sent: int
+    limits: Limits
+
+    @property
+    def as_traveller(self) -> Traveller:
+        """The same robot, from the target that it has executed last."""
+        x, y = self.promise.points[self.executed].tolist()
+        promise = self.promise
+        return Traveller(promise.name, (x, y, 0.0), promise.station, promise.radius_m, self.limits)
 
 
 @dataclass(frozen=True, slots=True)
 class FleetAnswer:
-    """A promise for each traveller that has one, and the reason for each that has none."""
+    """A promise for each traveller that has one, and the reason for each that has none.
+
+    ``gates`` are all gates of those that drive on, where the request had some; ``cannot`` is the
+    reason where nothing could be added to their promises. A promise of an idle robot asks it to
+    step aside and come back.
+    """
 
     id: int
     scene_revision: int
     promises: Mapping[str, Promise]
     refused: Mapping[str, str]
+    gates: Mapping[str, tuple[Gate, ...]] | None = None
+    cannot: str = ""

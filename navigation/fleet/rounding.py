@@ -47,10 +47,14 @@ class CutTrack:
         return np.ascontiguousarray(self.fine[self.rows])
 
     @classmethod
+    def whole(cls, track: FloatArray) -> CutTrack:
+        """A track whose every point is a target."""
+        return cls(track, np.arange(len(track), dtype=np.int64))
+
+    @classmethod
     def of(cls, track: FloatArray, piece_m: float) -> CutTrack:
         """A track as it is, with a target at each of its points."""
-        fine = split_track(np.asarray(track), piece_m)
-        return cls(fine, np.arange(len(fine), dtype=np.int64))
+        return cls.whole(split_track(np.asarray(track), piece_m))
 
     @classmethod
     def thinned(cls, track: FloatArray, piece_m: float) -> CutTrack:

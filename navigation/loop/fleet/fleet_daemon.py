@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from navigation.config import Config
@@ -29,6 +30,7 @@ from navigation.loop.reports import camera_reason, to_go_m
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
+from navigation.mission.mission import MissionError
 from navigation.mission.traffic import Mover
 from navigation.recording.events import FleetAsked, SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
@@ -343,6 +345,9 @@ class FleetDaemon:
         for name, why in fleet.plan_again:
             with self.lock:
                 self.seats[name].pilot.replan(why)
+        for name, station in fleet.errands.items():
+            with self.lock, suppress(MissionError):  # a person may have stopped it just now
+                self.seats[name].pilot.give((station,))
         self.waits, self._waits_for = fleet.waits, fleet.waits_for
         if fleet.request is not None:
             self._news.gets_request(now_s)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 from navigation.config import Config, limits_of
+from navigation.fleet.joining import join_promises
 from navigation.fleet.planning import plan_promises
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.loop.planning import ArenaPlanner
@@ -66,11 +68,12 @@ class FleetPlanner:
             return FleetAnswer(request.id, 0, {}, dict.fromkeys(names, "no scene was seen yet"))
         revision = self._arena.revision
         try:
-            answer = plan_promises(self.roadmap, self._scene, request, self._keep_m)
+            plan = join_promises if request.driving else plan_promises
+            answer = plan(self.roadmap, self._scene, request, self._keep_m)
         except Exception as error:  # noqa: BLE001 - said where the answer is, which is asked again
             why = f"the planner failed on this request ({in_words(error)})"
             return FleetAnswer(request.id, revision, {}, dict.fromkeys(names, why))
-        return FleetAnswer(answer.id, revision, answer.promises, answer.refused)
+        return replace(answer, scene_revision=revision)
 
 
 def limits_of_robot(config: Config) -> Limits:

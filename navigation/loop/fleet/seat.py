@@ -33,8 +33,6 @@ from navigation.witness import NO_EVIDENCE, Witness
 from vision.markers.markers import RobotPose
 
 PLANS_KEPT: Final = 200
-AHEAD: Final = 40
-"""Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 STOOD_S: Final = 0.25
 """A robot that was seen to stand for so long stands."""
 
@@ -115,7 +113,14 @@ class Seat:
             executed=self.pilot.plan.executed if self.pilot.plan.path is not None else None,
             request=orders.request,
             sentence=self.pilot.mission.reason,
+            obliging=self._is_obliging(age_s, snapshot),
         )
+
+    def _is_obliging(self, age_s: float, snapshot: LinkSnapshot) -> bool:
+        mission = self.pilot.mission
+        at_rest = mission.state in (State.IDLE, State.DONE) and not mission.remaining
+        well = snapshot.down_reason is None and not snapshot.estopped and not mission.paused
+        return at_rest and well and age_s <= self.config.safety.pose_stale_s
 
     @property
     def may_move(self) -> bool:
@@ -164,7 +169,7 @@ class Seat:
         if self.pilot.plan.path is None or orders.measure_latency:  # a turn on the spot
             self.link.upload(mission_id, to_wire(targets))
             return
-        count = 0 if release is None else min(release.targets, AHEAD)
+        count = 0 if release is None else release.targets
         self._sent = mission_id, count
         self.plans.append(DrivenPlan(self.pilot.plan.path, self.pilot.plan.trajectory, now_s))
         self.link.upload(mission_id, to_wire(targets), True, count)
@@ -174,7 +179,7 @@ class Seat:
         mission_id, before = self._sent
         if release is None:
             return
-        count = min(release.targets, self.pilot.plan.executed + AHEAD)
+        count = release.targets
         if count > before:
             self._sent = mission_id, count
             self.link.release(mission_id, count)

@@ -1,0 +1,233 @@
+"""New goals while others drive: promises for those that ask, and more gates for those that drive.
+
+Rules
+- What was sent to a robot stays as it is: nobody is made to wait before it, and no path changes
+  of a robot that drives. Those that ask pass behind what was sent, and in turn with the rest.
+- Robots that stand without a mission may have to step aside; they come back to their places.
+- Where a robot that drives would have to step aside, the one that asks waits until that has
+  arrived. Where the promises no longer fit the arena, nothing can be added to them
+  (`FleetAnswer.cannot`), and all are planned together.
+
+The path is found by `planner.FleetSchedule`. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from navigation.fleet.planning import (
+    OVERLAP_M,
+    PIECE_M,
+    SLACK_M,
+    listed,
+    make_promise,
+    point_numbers,
+    with_names,
+    with_taken,
+)
+from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Gate, Promise, Traveller
+from navigation.fleet.rounding import CutTrack, split_track
+from navigation.mission.running_plan import distance_to_polyline
+from planner.fleet.dependencies import find_dependencies, is_live
+from planner.fleet.fleet_plan import Dependency, FleetPlan, NoFleetPlan
+from planner.fleet.schedule import FleetSchedule
+from planner.motion.trajectory import TrajectoryError
+from planner.roadmap.roadmap import Roadmap
+from planner.scene import FloatArray, Scene
+
+TIME_LIMIT_S: Final = 1.0
+"""For moving others aside. Meanwhile nobody is sent more than it has: 2 m, or 8 s, as a rule."""
+
+
+class CannotJoinError(Exception):
+    """Nothing can be added to the promises; the text says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Party:
+    """All robots in one order: those that drive, those that ask, those that may step aside."""
+
+    driving: tuple[Driving, ...]
+    asking: tuple[Traveller, ...]
+    idle: tuple[Traveller, ...]
+
+    @property
+    def standing(self) -> tuple[Traveller, ...]:
+        return (*self.asking, *self.idle)
+
+    @property
+    def names(self) -> list[str]:
+        return [one.promise.name for one in self.driving] + [one.name for one in self.standing]
+
+    @property
+    def offsets(self) -> list[int]:
+        """The number of the target that each new track begins at."""
+        return [one.executed for one in self.driving] + [0] * len(self.standing)
+
+
+def join_promises(
+    roadmap: Roadmap, scene: Scene, request: FleetRequest, keep_m: float
+) -> FleetAnswer:
+    """Promises for those that ask, and new gates for those that drive; see the module's text.
+
+    ``roadmap`` is of the smallest robot in ``scene``.
+    """
+    party = _Party(request.driving, request.travellers, request.idle)
+    everybody = [*(one.as_traveller for one in party.driving), *party.standing]
+    here = roadmap
+    if request.taken:
+        here = roadmap.updated(with_taken(scene, request.taken, everybody))
+    try:
+        return _join(here, party, everybody, request, keep_m)
+    except CannotJoinError as error:
+        return FleetAnswer(request.id, request.scene_revision, {}, {}, cannot=str(error))
+
+
+def _join(
+    here: Roadmap,
+    party: _Party,
+    everybody: Sequence[Traveller],
+    request: FleetRequest,
+    keep_m: float,
+) -> FleetAnswer:
+    sizes = _sizes(here, party, keep_m)
+    schedule = _promised(here, party, everybody, sizes)
+    first, names = len(party.driving), party.names
+    sent = [one.sent - one.executed for one in party.driving] + [0] * len(party.standing)
+    refused: dict[str, str] = {}
+    for k, one in enumerate(party.asking, first):
+        found = schedule.with_goal(
+            k, (one.station.x, one.station.y), sent=sent, time_limit_s=TIME_LIMIT_S
+        )
+        if isinstance(found, NoFleetPlan):
+            refused[one.name] = with_names(found.reason, names)
+            continue
+        aside = [names[i] for i in found.changed if i < first]
+        if aside:
+            has = "have" if len(aside) > 1 else "has"
+            refused[one.name] = f"the path is free once {listed(aside)} {has} arrived"
+            continue
+        schedule, sent = found, list(found.sent)
+    tracks, waits = _in_pieces(schedule, first, sizes)
+    numbers = [point_numbers(track) for track in tracks]
+    gates = _gates(party, numbers, waits)
+    promises: dict[str, Promise] = {}
+    for k, one in enumerate(party.standing, first):
+        if one.name in refused or (len(numbers[k]) < 2 and k >= first + len(party.asking)):
+            continue  # an idle robot that need not move
+        try:
+            promises[one.name] = make_promise(
+                here, one, CutTrack.whole(tracks[k]), gates[k], sizes[k] - one.radius_m
+            )
+        except TrajectoryError as error:
+            raise CannotJoinError(f"{one.name}: {error}") from error
+    return FleetAnswer(
+        request.id,
+        request.scene_revision,
+        promises,
+        refused,
+        gates={one.promise.name: tuple(gates[j]) for j, one in enumerate(party.driving)},
+    )
+
+
+def _promised(
+    here: Roadmap, party: _Party, everybody: Sequence[Traveller], sizes: Sequence[float]
+) -> FleetSchedule:
+    """What is promised by now, as the planner's schedule: time zero is now."""
+    names, offsets = party.names, party.offsets
+    tracks = [_timed(one) for one in party.driving]
+    tracks += [np.array([[0.0, *one.start[:2]]]) for one in party.standing]
+    waits = []
+    for j, one in enumerate(party.driving):
+        for gate in one.promise.gates:
+            if gate.other not in names[: len(party.driving)]:
+                continue  # it has arrived, or asks for another path
+            i = names.index(gate.other)
+            passed, row = gate.passed - offsets[i], gate.before - offsets[j]
+            if passed > 0:
+                waits.append((i, passed, j, max(row, 0)))
+    plan = FleetPlan(tuple(tracks), tuple(waits), 0.0, 0.0)
+    try:
+        return FleetSchedule.of(here, plan, list(sizes), [one.limits for one in everybody])
+    except ValueError as error:
+        raise CannotJoinError(str(error)) from error
+
+
+def _timed(one: Driving) -> FloatArray:
+    points = one.promise.points[one.executed :]
+    steps_m = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.empty(0)
+    times_s = np.concatenate([[0.0], np.cumsum(steps_m)]) / one.limits.speed
+    return np.column_stack([times_s, points])
+
+
+def _sizes(here: Roadmap, party: _Party, keep_m: float) -> list[float]:
+    """Each robot's radius with the margin that it was promised, or that there is room for."""
+    sizes = []
+    for one in party.driving:
+        rest = np.ascontiguousarray(one.promise.points[one.executed :])
+        room_m = float(here.clearance(rest).min())
+        if len(rest) > 1:
+            room_m = min(room_m, here.path_clearance(rest).distance)
+        radius_m = one.promise.radius_m
+        if room_m < radius_m - OVERLAP_M:
+            raise CannotJoinError(f"the path of {one.promise.name} is not free any more")
+        sizes.append(min(radius_m + one.promise.margin_m, room_m))
+    margins = [_margin_m(here, one, party, sizes, keep_m) for one in party.standing]
+    more = [one.radius_m + m for one, m in zip(party.standing, margins, strict=True)]
+    return [*sizes, *more]
+
+
+def _margin_m(
+    here: Roadmap, one: Traveller, party: _Party, sizes: Sequence[float], keep_m: float
+) -> float:
+    ends = np.array([one.start[:2], (one.station.x, one.station.y)])
+    margin_m = min(0.5 * keep_m, float(here.clearance(ends).min()) - one.radius_m - SLACK_M)
+    for driving, size in zip(party.driving, sizes, strict=False):
+        rest = driving.promise.points[driving.executed :]
+        past_m = distance_to_polyline(rest, one.start[:2]) - size - one.radius_m
+        if past_m < -OVERLAP_M:  # it was to be gone by then, and has another goal now
+            raise CannotJoinError(f"{one.name} is in the path of {driving.promise.name}")
+        end_m = math.dist(rest[-1], ends[1]) - size - one.radius_m
+        margin_m = min(margin_m, past_m - SLACK_M, end_m - SLACK_M)
+    for other in party.standing:
+        if other is not one:
+            apart_m = math.dist(other.start[:2], one.start[:2]) - other.radius_m - one.radius_m
+            margin_m = min(margin_m, 0.5 * apart_m - SLACK_M)
+    return max(margin_m, -OVERLAP_M)
+
+
+def _in_pieces(
+    schedule: FleetSchedule, first: int, sizes: Sequence[float]
+) -> tuple[list[FloatArray], Sequence[Dependency]]:
+    """New tracks in short pieces, where the order still takes back nothing that was sent."""
+    plan = schedule.plan
+    tracks = [
+        split_track(track, PIECE_M) if k >= first else track for k, track in enumerate(plan.tracks)
+    ]
+    waits = find_dependencies(tracks, sizes)
+    takes_back = any(row < schedule.sent[j] for _, _, j, row in waits)
+    if takes_back or not is_live(tracks, waits):
+        return list(plan.tracks), plan.dependencies
+    return tracks, waits
+
+
+def _gates(
+    party: _Party, numbers: Sequence[FloatArray], waits: Sequence[Dependency]
+) -> list[list[Gate]]:
+    """For each robot its gates, by the numbers of its promise's targets."""
+    names, offsets = party.names, party.offsets
+    for one, number in zip(party.driving, numbers, strict=False):
+        if int(number[-1]) != len(one.promise.points) - 1 - one.executed:
+            raise CannotJoinError(f"the targets of {one.promise.name} would change")
+    gates: list[list[Gate]] = [[] for _ in names]
+    for i, passed, j, row in waits:
+        if row < len(numbers[j]) and numbers[j][row] < numbers[j][-1]:
+            before = offsets[j] + int(numbers[j][row])
+            done = offsets[i] + int(numbers[i][min(passed, len(numbers[i]) - 1)])
+            gates[j].append(Gate(before, names[i], done))
+    return gates

@@ -1,0 +1,101 @@
+"""What follows from one cycle of the coordinator, what a refusal hung on, and who waits for whom.
+
+Metres.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from navigation.fleet.places_kept import Member, comes_too_near
+from navigation.fleet.releases import Held, release_of
+from navigation.fleet.request import FleetRequest
+from navigation.mission.cycle import PlanAnswer
+from navigation.mission.mission import State, Station
+from planner.scene import FloatArray
+
+ON_TRACK_M: Final = 0.02
+"""A robot that is so near to its promised path continues on it; more is planned for."""
+
+
+@dataclass(frozen=True, slots=True)
+class FleetOrders:
+    """What follows from one cycle."""
+
+    plan_again: tuple[tuple[str, str], ...] = ()
+    """Robots that are to stop and ask for a path, and why."""
+    request: FleetRequest | None = None
+    answers: Mapping[str, PlanAnswer] = field(default_factory=dict)
+    """For the pilots."""
+    waits: Mapping[str, str] = field(default_factory=dict)
+    """Who waits for whom and why, in a sentence each."""
+    waits_for: Mapping[str, str] = field(default_factory=dict)
+    """Of those the robots that wait for one other: for which."""
+    holds: Mapping[str, str] = field(default_factory=dict)
+    """Who may not move now, and why."""
+    errands: Mapping[str, Station] = field(default_factory=dict)
+    """Robots without a mission that have to step aside, and the place that they come back to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What a refusal hung on: while it is the same, another plan would be refused too."""
+
+    revision: int
+    goals: frozenset[tuple[str, Station]]
+    at_rest: Mapping[str, tuple[float, float]]
+    """Where those are that do not drive."""
+
+    def is_like(self, other: Situation | None) -> bool:
+        """Whether nothing has changed but by noise."""
+        if other is None or (self.revision, self.goals) != (other.revision, other.goals):
+            return False
+        if self.at_rest.keys() != other.at_rest.keys():
+            return False
+        places = ((at, other.at_rest[name]) for name, at in self.at_rest.items())
+        return all(math.dist(here, there) < ON_TRACK_M for here, there in places)
+
+
+def waits_of(
+    members: Mapping[str, Member], held: Mapping[str, Held], refused: Mapping[str, str]
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Who waits, in a sentence each, and of those that wait for one other robot: for which.
+
+    ``refused`` are those that have no path yet, with the reason.
+    """
+    waits = {name: f"waits for the others: {why}" for name, why in refused.items()}
+    waits_for = {}
+    for name, one in members.items():
+        if one.state is not State.DRIVING or name not in held:
+            continue
+        count, gate = release_of(name, held)
+        if gate is not None and held[name].executed >= count:
+            x, y = held[name].promise.points[count].tolist()
+            why = members[gate.other].waits_because if gate.other in members else "is gone"
+            waits[name] = f"waits at ({x:.2f}, {y:.2f}) m for {gate.other}, which {why}"
+            waits_for[name] = gate.other
+    return waits, waits_for
+
+
+def holds_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> dict[str, str]:
+    """Who has another robot in what it may drive, and which."""
+    holds = {}
+    for name, one in members.items():
+        if name not in held or one.state is not State.DRIVING or one.pose is None:
+            continue
+        near = comes_too_near(ahead(held, name, one.pose), name, members)
+        if near is not None:
+            holds[name] = near
+    return holds
+
+
+def ahead(held: Mapping[str, Held], name: str, here: tuple[float, float, float]) -> FloatArray:
+    """The places (n >= 1, 2) from here through what the robot may drive now."""
+    mine = held[name]
+    count, _ = release_of(name, held)
+    return np.vstack([here[:2], mine.promise.points[mine.executed + 1 : count + 1]])
