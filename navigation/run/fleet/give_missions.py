@@ -1,26 +1,24 @@
 """The configured missions, each to its robot; tasks once it is known where all robots are.
 
-Tasks go to those robots that have no stations of their own so that the straight distances together
-are least. After a kill every journal's unfinished mission continues; what its journal says is over
-stays over as long as another robot's mission continues, so that nobody drives twice what was done
-once, or what a person has stopped. Metres, seconds.
+Tasks go to those robots that have no stations of their own so that their driving times together,
+each alone on its own path, are least; before anybody moves. After a kill every journal's unfinished
+mission continues; what its journal says is over stays over as long as another robot's mission
+continues, so that nobody drives twice what was done once, or what a person has stopped. Metres,
+seconds.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Final
-
-import networkx as nx
 
 from navigation.config.values import Station as ConfiguredStation
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_planner import limits_of_robot
 from navigation.loop.fleet.people import People
-from navigation.loop.fleet.seat import Seat
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import Mission, Station
-from planner.scene import Vec
+from planner.fleet.assignment import assign_tasks
 
 ROBOT_PATIENCE_S: Final = 3.0
 """How long a restart waits for the robots to say how far they have come."""
@@ -36,6 +34,7 @@ class GiveMissions:
         self._left: dict[str, Mission] = {}
         self._kept: dict[str, Mission] = {}
         """Of a run that continues: what each journal holds, finished or not."""
+        self._given: dict[str, tuple[Station, ...]] = {}
         for name, seat in daemon.seats.items():
             mission = None if seat.journal is None else seat.journal.mission()
             if mission is not None:
@@ -51,7 +50,7 @@ class GiveMissions:
         for name, seat in daemon.seats.items():
             stations = stations_of(seat.config)
             if stations and name not in self._kept:
-                self._people.give(stations, name)
+                self._given[name] = stations
         self._tasks = self._open_tasks()
         self.cycle()
 
@@ -73,24 +72,51 @@ class GiveMissions:
     @property
     def are_given(self) -> bool:
         """Whether every robot has what is configured for it."""
-        return not self._left and not self._tasks
+        return not self._left and not self._tasks and not self._given
 
     def cycle(self) -> None:
         """Give what can be given by now."""
+        if self._tasks:
+            self._assign()
+        if self._tasks:
+            return
         for name in list(self._left):
             self._continue(name)
+        for name, stations in self._given.items():
+            self._people.give(stations, name)
+        self._given = {}
+
+    def _assign(self) -> None:
+        """Tasks to free robots, once all of these were seen and there is a roadmap.
+
+        Nobody moves meanwhile: paths are planned for every pair, in the control loop.
+        """
         seats = self._daemon.seats
         free = {
             name: seat
             for name, seat in seats.items()
-            if not seat.pilot.mission.stations and name not in self._kept
+            if name not in self._given
+            and name not in self._kept
+            and not seat.pilot.mission.stations
         }
-        if self._tasks and all(seat.pose is not None for seat in free.values()):
-            stations = [_station(task) for task in self._tasks]
-            for name, number in best_placed(_places(free), stations).items():
-                self._people.give((stations[number],), name)
+        roadmap = self._daemon.roadmap
+        if roadmap is None or any(seat.pose is None for seat in free.values()):
+            return
+        names = list(free)
+        chosen = assign_tasks(
+            roadmap,
+            [(seat.pose.x, seat.pose.y) for seat in free.values() if seat.pose is not None],
+            [(task.x_m, task.y_m) for task in self._tasks],
+            [seat.config.robot.radius_m for seat in free.values()],
+            [limits_of_robot(seat.config) for seat in free.values()],
+        )
+        for name, number in zip(names, chosen.tasks, strict=True):
+            if number is not None:
+                self._given[name] = (_station(self._tasks[number]),)
                 self._say(f"task {number + 1} goes to {name}")
-            self._tasks = ()
+        for number in chosen.left_over:
+            self._say(f"task {number + 1} goes to nobody: no free robot has a path to it")
+        self._tasks = ()
 
     def _continue(self, name: str) -> None:
         """The journal's mission, once the robot has said how far it has come of it, or not."""
@@ -111,28 +137,5 @@ class GiveMissions:
         self._people.restore(name, mission)
 
 
-def _places(seats: Mapping[str, Seat]) -> dict[str, Vec]:
-    return {
-        name: (seat.pose.x, seat.pose.y) for name, seat in seats.items() if seat.pose is not None
-    }
-
-
 def _station(task: ConfiguredStation) -> Station:
     return Station(task.x_m, task.y_m, task.heading_rad, task.dwell_s)
-
-
-def best_placed(places: Mapping[str, Vec], stations: Sequence[Station]) -> dict[str, int]:
-    """Which robot goes to which station so that the distances together are least.
-
-    Exact (a matching of least weight); with fewer robots than stations some are left over.
-    """
-    graph: nx.Graph[str | int] = nx.Graph()
-    for name, place in places.items():
-        for number, station in enumerate(stations):
-            graph.add_edge(name, number, weight=-math.dist(place, (station.x, station.y)))
-    pairs = nx.max_weight_matching(graph, maxcardinality=True)
-    found = {}
-    for a, b in pairs:
-        name, number = (a, b) if isinstance(a, str) else (b, a)
-        found[name] = number
-    return dict(sorted(found.items(), key=lambda item: item[1]))
