@@ -250,11 +250,11 @@ class Coordinator:
     def _joining(
         self, members: Mapping[str, Member], revision: int, answers: Mapping[str, PlanAnswer]
     ) -> tuple[FleetRequest | None, dict[str, PlanAnswer]]:
-        """The request of those that ask and stand, while others drive on."""
-        ready = [
-            name for name in self._open
-            if name not in answers and (one := members[name]).stands and one.pose is not None
-        ]  # fmt: skip
+        """The request of those that ask, once all of them stand, while others drive on."""
+        asking = [name for name in self._open if name not in answers]
+        if not all(members[name].stands for name in asking):
+            return None, {}
+        ready = [name for name in asking if members[name].pose is not None]
         driving = tuple(
             Driving(held.promise, held.executed, max(held.sent, held.executed), one.limits)
             for name, one in members.items()

@@ -49,6 +49,8 @@ class Robot:
     plan: PlanAnswer | None = None
     executed: int = 0
     request_id: int = 0
+    brakes: int = 0
+    """Cycles until it stands."""
     dead: bool = False
 
     def go(self, *places: tuple[float, float]) -> None:
@@ -100,7 +102,7 @@ class Fleet:
             request = PlanRequest(one.request_id, (*one.place, 0.0), one.stations, 1)
         at_rest = one.state in (State.IDLE, State.DONE) and not one.dead
         return Member(
-            state=one.state, pose=(*one.place, 0.0), pose_age_s=0.0, stands=True,
+            state=one.state, pose=(*one.place, 0.0), pose_age_s=0.0, stands=one.brakes == 0,
             radius_m=RADIUS_M, limits=default_limits(RADIUS_M), max_deviation_m=0.05, reach_m=0.1,
             executed=None if one.plan is None else one.executed, request=request,
             sentence="the cable is out" if one.dead else "", obliging=at_rest,
@@ -139,6 +141,7 @@ class Fleet:
                 one.state, one.plan, one.executed = State.DRIVING, answer, 0
         self.waited |= orders.waits_for
         for name, one in self.robots.items():
+            one.brakes = max(0, one.brakes - 1)
             release = self.coordinator.release(name)
             one.drive(0 if release is None else release.targets)
         for a, b in combinations(self.robots.values(), 2):
@@ -299,3 +302,23 @@ def test_one_that_was_to_step_aside_and_gets_a_goal_meanwhile_is_not_run_into() 
     fleet.run()
     assert at(fleet, "a", (1.8, 0.8))
     assert fleet.least_gap_m > -0.003
+
+
+def test_nobody_is_planned_for_while_one_that_asks_still_brakes() -> None:
+    fleet = Fleet(HALL, {"a": (0.3, 0.3), "b": (1.7, 0.3), "c": (1.0, 1.3)})
+    fleet.robots["a"].go((1.7, 1.3))
+    fleet.robots["b"].go((0.3, 0.8))
+    fleet.until_driving("a", "b")
+    asked = len(fleet.requests)
+    fleet.robots["b"].go((1.7, 0.8))
+    fleet.robots["b"].brakes = 4
+    fleet.robots["c"].go((1.0, 0.8))
+    for _ in range(4):
+        fleet.step()
+    assert len(fleet.requests) == asked
+    fleet.step()
+    assert {one.name for one in fleet.requests[-1].travellers} == {"b", "c"}
+    fleet.run()
+    assert at(fleet, "b", (1.7, 0.8))
+    assert at(fleet, "c", (1.0, 0.8))
+    assert fleet.stopped == []
