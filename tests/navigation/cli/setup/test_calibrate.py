@@ -71,6 +71,8 @@ def test_pictures_and_points_give_the_whole_calibration(
     assert "view9.png: left out: no chessboard" in said.err
     assert "line 6: left out" in said.err
     assert "over 6 of 7 points" in said.out
+    assert "model: brown; on pictures left out by turns: brown 0." in said.out
+    assert ", fisheye " in said.out
     found = load_calibration(out)
     assert found.camera_center_m is not None
     assert found.camera_center_m[2] == pytest.approx(1.5, abs=0.03)
