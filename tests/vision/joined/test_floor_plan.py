@@ -138,7 +138,7 @@ def test_three_cameras_in_a_row_are_one_arena() -> None:
 
 
 def test_between_cameras_without_overlap_the_floor_is_closed() -> None:
-    cameras = (camera(0.35, 0.6, high_m=1.4), camera(1.65, 0.6, high_m=1.4))
+    cameras = (camera(0.35, 0.6, high_m=1.2), camera(1.65, 0.6, high_m=1.2))
     plan = FloorPlan.of(cameras, BOUNDS)
     unknown = plan.unknown((True, True))
     assert unknown is not None
