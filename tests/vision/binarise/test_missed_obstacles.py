@@ -76,10 +76,15 @@ def test_obstacles_in_a_shadow_of_70_percent_are_counted(wide, at, noise, side) 
 
 
 def test_a_faint_line_that_is_left_out_is_said() -> None:
+    """With 12 % of the light it may be a joint of the floor; with 25 % it is an obstacle."""
     x = np.arange(640.0)[None].repeat(480, axis=0)
     lit = 1.0 - 0.4 / (1.0 + np.exp(-(x - 430) / 40))
-    lit[300:303, 20:160] *= 0.75
-    picture = draw([CircleRecord((100.0, 100.0), 40.0)], (640, 480), lit=lit)
+    clear = lit.copy()
+    clear[300:303, 20:160] *= 0.75
+    lit[300:303, 20:160] *= 0.88
+    disc = [CircleRecord((100.0, 100.0), 40.0)]
+    assert binarise(draw(disc, (640, 480), lit=clear)).inside[301, 100] == 1
+    picture = draw(disc, (640, 480), lit=lit)
     binary = binarise(picture)
     assert binary.inside[301, 100] == 0
     (said,) = [remark for remark in binary.remarks if "faint" in remark]
