@@ -40,6 +40,10 @@ ASTRAY_PX = 0.6
 """From here on a point is beside a corner: chosen, half a pixel is what rounding does, and a little
 is left for noise."""
 
+ENOUGH = 4.0
+"""Square pixels of the staircase that tell: chosen, a hundred times the variance of points in noise
+of 0.2 px; looking at all borders took a tenth to a fifth of a picture's time, this takes 3 %."""
+
 
 @njit(**OWNING)
 def follow_staircase(points, starts, blur):
@@ -47,7 +51,8 @@ def follow_staircase(points, starts, blur):
 
     ``blur``: how far light spreads at an edge, pixels. Returns the sum of what points leave their
     parabola by times what the staircase does, and the sum of the latter's squares, square pixels:
-    their quotient is 0 for what was drawn with grey, and 1 for what was not. O(points).
+    their quotient is 0 for what was drawn with grey, and 1 for what was not. Where enough of them
+    tell, the rest is not looked at. O(points).
     """
     longest = 0
     for b in range(starts.shape[0] - 1):
@@ -68,7 +73,7 @@ def follow_staircase(points, starts, blur):
         for axis in range(2):
             begin = _first_break(border, axis)
             k = 0
-            while k < n:
+            while k < n and squares < ENOUGH:
                 count = _course(border, axis, begin + k, n - k)
                 if count > 2 * (NARROWEST + reach):
                     for i in range(count):
