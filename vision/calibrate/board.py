@@ -20,8 +20,9 @@ from vision.calibration.calibration import CalibrationError, FloatArray
 from vision.camera.camera import Image
 from vision.markers.marker_search import MarkerError, dictionary_by_name, grey_of
 
-_WINDOW_SHARE = 0.35
-"""Half the refinement window, as a share of the distance to the nearest corner."""
+WINDOW_SHARE = 0.35
+"""Half the refinement window, as a share of the distance to the nearest corner: the largest of
+those that `window` chooses from."""
 
 _MIN_CHARUCO_CORNERS = 8
 
@@ -63,6 +64,14 @@ class BoardSpec:
         if self.kind == "charuco":
             return self.columns - 1, self.rows - 1
         return self.columns, self.rows
+
+    @property
+    def looks_the_same_turned(self) -> bool:
+        """Whether half a turn takes the board's pattern into itself: its first corner is unknown.
+
+        So it does unless one side has an even number of squares and the other an odd one.
+        """
+        return self.kind == "chessboard" and (self.columns + self.rows) % 2 == 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,6 +156,8 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
             points = (places[np.ravel(ids), :2] - places[0, :2]) * (1.0, -1.0)
             best = np.asarray(corners, dtype=np.float64).reshape(-1, 2), points
     if best is None:
+        if _is_mirrored(grey, book):
+            return "the picture is mirrored: its markers can be read in a mirror only"
         return (
             f"no ChArUco board of {spec.columns}x{spec.rows} squares with {spec.dictionary}, or "
             "one too small in the picture"
@@ -161,18 +172,26 @@ def _find_charuco(grey: Image, spec: BoardSpec) -> tuple[FloatArray, FloatArray]
     return best
 
 
+def _is_mirrored(grey: Image, book: cv2.aruco.Dictionary) -> bool:
+    """Whether a mirror shows more markers than the picture; a single one may be chance."""
+    detector = cv2.aruco.ArucoDetector(book)
+    mirror = np.ascontiguousarray(grey[:, ::-1])
+    counts = [len(detector.detectMarkers(picture)[0]) for picture in (grey, mirror)]
+    return counts[1] >= 2 and counts[1] > 2 * counts[0]
+
+
 def _board_points(columns: int, rows: int, square_m: float) -> FloatArray:
     """(rows * columns, 2), row by row, y up."""
     x, y = np.meshgrid(np.arange(columns), np.arange(rows))
     return np.stack([x.ravel() * square_m, -y.ravel() * square_m], axis=1).astype(np.float64)
 
 
-def refine_corners(grey: Image, corners_px: FloatArray) -> FloatArray:
-    """Each corner (n, 2) refined in a window of its own, sized by its nearest neighbour."""
+def refine_corners(grey: Image, corners_px: FloatArray, share: float = WINDOW_SHARE) -> FloatArray:
+    """Each corner (n, 2) refined in a window of its own, a share of the way to its neighbour."""
     corners = np.asarray(corners_px, dtype=np.float64).reshape(-1, 2)
     away = np.linalg.norm(corners[:, None] - corners[None], axis=2)
     np.fill_diagonal(away, np.inf)
-    halves = np.clip(np.round(away.min(axis=1) * _WINDOW_SHARE), 2, 11).astype(int)
+    halves = np.clip(np.round(away.min(axis=1) * share), 2, 11).astype(int)
     refined = corners.copy()
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
     for half in np.unique(halves):

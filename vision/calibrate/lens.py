@@ -4,7 +4,8 @@ Rules
 - Brown's model by Zhang's method as OpenCV implements it, the fisheye's by
   ``vision.calibrate.fisheye``; the number of terms is the one that the Bayesian
   information criterion prefers, as terms that the pictures do not determine do harm outside.
-- Pictures that fit badly are named and left out, the worst first, and never more than a third.
+- Pictures that do not belong to the others (`suspects`) are named and left out; more than a third
+  of them is an error.
 - A focal length that the pictures do not determine (all taken from straight above) is an
   error, not a number.
 """
@@ -14,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import cv2
@@ -22,12 +24,14 @@ from numpy.typing import NDArray
 
 from vision.calibrate.board import BoardView
 from vision.calibrate.fisheye import fit_fisheye
+from vision.calibrate.left_out import left_out_px
+from vision.calibrate.suspects import refuse_too_many, suspects
 from vision.calibration.calibration import CalibrationError, FloatArray
 
 MIN_VIEWS = 3
+_BAD_VIEW_PX, _BAD_VIEW_FACTOR = 0.5, 3.0
+"""Of a fisheye's view: the rms that is too much, and how many times the usual."""
 
-_BAD_VIEW_FACTOR = 3.0
-_BAD_VIEW_PX = 0.5
 _WEAK_FOCAL = 0.01
 _UNKNOWN_FOCAL = 0.1
 _LEAST_TURN_DEG = 8.0
@@ -56,7 +60,8 @@ class Lens:
 
     ``terms`` is how many distortion terms were estimated; ``used`` the pictures' names with the
     rms of each; ``remarks`` are plain sentences; ``left_out_px`` each model's residual on views
-    left out, where models were compared.
+    left out, where models were compared; ``left_out_rms_px`` that of Brown's, None where there are
+    too few views.
     """
 
     size: tuple[int, int]
@@ -68,6 +73,7 @@ class Lens:
     remarks: tuple[str, ...]
     model: str = "brown"
     left_out_px: tuple[tuple[str, float], ...] = ()
+    left_out_rms_px: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,21 +109,15 @@ def estimate_lens(
         raise CalibrationError(
             f"{len(good)} usable pictures of the board: must be at least {MIN_VIEWS}"
         )
-    fit = fit_lens(good, 2, model)
-    start = fit.camera_matrix
-    most_left_out = len(good) // 3
-    while len(good) > MIN_VIEWS and most_left_out > 0:
-        worst = int(np.argmax(fit.view_px))
-        limit = max(_BAD_VIEW_PX, _BAD_VIEW_FACTOR * float(np.median(fit.view_px)))
-        if fit.view_px[worst] <= limit:
-            break
-        remarks.append(
-            f"{good[worst].name}: left out, {fit.view_px[worst]:.2f} px rms where "
-            f"{np.median(fit.view_px):.2f} px is usual"
-        )
-        del good[worst]
-        most_left_out -= 1
-        fit = fit_lens(good, 2, model, start)
+    start: FloatArray | None = None
+    if model == "fisheye":
+        good, start = _without_bad_views(good, remarks)
+    else:
+        foreign = suspects(good, plain_estimate)
+        refuse_too_many(good, foreign)
+        remarks += [f"{good[one.index].name}: left out, {one.reason}" for one in foreign]
+        left_out = {one.index for one in foreign}
+        good = [view for i, view in enumerate(good) if i not in left_out]
     chosen = terms if terms is not None else _best_terms(good, model, start)
     fit = fit_lens(good, chosen, model, start)
     if fit.focal_spread > _UNKNOWN_FOCAL or fit.turn_deg < _LEAST_TURN_DEG:
@@ -140,7 +140,50 @@ def estimate_lens(
         used,
         tuple(remarks),
         model,
+        left_out_rms_px=_left_out_rms_px(good, chosen) if model == "brown" else None,
     )
+
+
+def plain_estimate(views: Sequence[BoardView]) -> LensFit:
+    """Brown's lens with two distortion terms: what is doubtful in pictures shows with these.
+
+    Raises ``CalibrationError`` where the views determine none.
+    """
+    return fit_lens(views, 2)
+
+
+def _without_bad_views(
+    views: list[BoardView], remarks: list[str]
+) -> tuple[list[BoardView], FloatArray]:
+    """A fisheye's views without those that fit badly, the worst first, and a camera matrix near it.
+
+    At most a third is left out, and named in ``remarks``.
+    """
+    good = list(views)
+    fit = fit_lens(good, 2, "fisheye")
+    start = fit.camera_matrix
+    most_left_out = len(good) // 3
+    while len(good) > MIN_VIEWS and most_left_out > 0:
+        worst = int(np.argmax(fit.view_px))
+        limit = max(_BAD_VIEW_PX, _BAD_VIEW_FACTOR * float(np.median(fit.view_px)))
+        if fit.view_px[worst] <= limit:
+            break
+        remarks.append(
+            f"{good[worst].name}: left out, {fit.view_px[worst]:.2f} px rms where "
+            f"{np.median(fit.view_px):.2f} px is usual"
+        )
+        del good[worst]
+        most_left_out -= 1
+        fit = fit_lens(good, 2, "fisheye", start)
+    return good, start
+
+
+def _left_out_rms_px(views: Sequence[BoardView], terms: int) -> float | None:
+    """The rms of views under the lens of others; None where the others are too few."""
+    if len(views) <= MIN_VIEWS:
+        return None
+    found = left_out_px(views, partial(fit_lens, terms=terms))
+    return float(np.sqrt(np.mean(found * found)))
 
 
 def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
@@ -156,7 +199,7 @@ def _same_size(views: Sequence[BoardView]) -> tuple[list[BoardView], list[str]]:
     return [v for v in views if v.size == common], remarks
 
 
-def _best_terms(views: Sequence[BoardView], model: str, start: FloatArray) -> int:
+def _best_terms(views: Sequence[BoardView], model: str, start: FloatArray | None) -> int:
     """The number of terms with the smallest Bayesian information criterion."""
     values = 2 * sum(len(v.corners_px) for v in views)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -230,18 +231,26 @@ def _moved(last: BoardView | None, view: BoardView) -> bool:
 
 def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None, model: str) -> Lens:
     from vision.calibrate.board import find_boards
-    from vision.calibrate.lens import estimate_lens
+    from vision.calibrate.lens import estimate_lens, plain_estimate
     from vision.calibrate.lens_choice import choose_lens
+    from vision.calibrate.window import choose_window
 
     views, without = find_boards(taken, spec)
     for missing in without:
         click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
     lens = choose_lens(views, terms) if model == "auto" else estimate_lens(views, terms, model)
+    if lens.model == "brown":
+        found = {view.name for view in views}
+        pictures = [image for name, image in taken if name in found]
+        views = list(choose_window(pictures, views, plain_estimate).views)
+        lens = replace(estimate_lens(views, terms), left_out_px=lens.left_out_px)
     for remark in lens.remarks:
         click.echo(remark, err=True)
     fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]
+    left_out_px = lens.left_out_rms_px
+    left_out = "" if left_out_px is None else f", {left_out_px:.3f} px on ones left out"
     click.echo(
-        f"lens: {lens.rms_px:.3f} px rms over {len(lens.used)} pictures, "
+        f"lens: {lens.rms_px:.3f} px rms over {len(lens.used)} pictures{left_out}, "
         f"focal length {fx:.1f}, {fy:.1f} px, {lens.terms} distortion terms"
     )
     if lens.left_out_px and not any(math.isfinite(rms_px) for _, rms_px in lens.left_out_px):
@@ -310,6 +319,13 @@ def _survey(
     view = find_board(floor, spec, str(floor_picture))
     if isinstance(view, NoBoard):
         raise CalibrationError(f"{view.name}: {view.reason}")
+    if spec.looks_the_same_turned:
+        px, py = view.corners_px[0]
+        click.echo(
+            f"{view.name}: this chessboard looks the same turned by half a turn: the first corner "
+            f"is taken to be the one at ({px:.0f}, {py:.0f}) px",
+            err=True,
+        )
     x, y, heading_deg = _floor_at(floor_at)
     return board_survey(view, (x, y), math.radians(heading_deg))
 

@@ -1,0 +1,69 @@
+"""Residuals of views of a board under a lens that was estimated without them.
+
+Rules and units
+- A view's own pull on the lens would hide its error, so it is judged by the others' lens; its pose
+  alone is fitted to it.
+- Of many views a share is left out at a time (cross-validation in folds), so that judging takes
+  at most ``FOLDS`` estimates.
+- Residuals are raw pixels: of a corner the vector, of a view the rms of their lengths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol, TypeAlias
+
+import cv2
+import numpy as np
+
+from vision.calibrate.board import BoardView
+from vision.calibration.calibration import FloatArray
+
+FOLDS = 10
+
+
+class SeenThrough(Protocol):
+    """A lens, as far as a view needs it."""
+
+    @property
+    def camera_matrix(self) -> FloatArray:
+        """(3, 3)."""
+
+    @property
+    def distortion(self) -> FloatArray:
+        """OpenCV's terms."""
+
+
+Estimate: TypeAlias = Callable[[Sequence[BoardView]], SeenThrough]
+"""The lens from some views; raises ``CalibrationError`` where they do not determine one."""
+
+
+def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
+    """(n, 2): where the lens puts the corners of the board's best pose, minus where they are."""
+    board = np.column_stack([view.points_m, np.zeros(len(view.points_m))])
+    corners = np.ascontiguousarray(view.corners_px, dtype=np.float64)
+    try:
+        found, turn, shift = cv2.solvePnP(board, corners, lens.camera_matrix, lens.distortion)
+    except cv2.error:
+        found = False
+    if not found:
+        return np.full_like(corners, np.inf)
+    seen, _ = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
+    return np.asarray(seen.reshape(-1, 2) - corners, dtype=np.float64)
+
+
+def rms_px(residuals: FloatArray) -> float:
+    """The rms length of residuals (n, 2)."""
+    return float(np.sqrt(np.mean(np.sum(residuals * residuals, axis=1))))
+
+
+def left_out_px(views: Sequence[BoardView], estimate: Estimate) -> FloatArray:
+    """(n,) the rms of each view under the lens of views among which it is not."""
+    found = np.empty(len(views))
+    folds = min(FOLDS, len(views))
+    for fold in range(folds):
+        others = [view for i, view in enumerate(views) if i % folds != fold]
+        lens = estimate(others)
+        for i in range(fold, len(views), folds):
+            found[i] = rms_px(residuals_px(views[i], lens))
+    return found

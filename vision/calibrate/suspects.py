@@ -1,0 +1,205 @@
+"""Views that do not belong to the others: mirrored, upside down, of another camera, or spoiled.
+
+Rules
+- The lens is that of the half of the views that agree best: least trimmed squares with the
+  concentration steps of Rousseeuw and Van Driessen (1999), which a minority of others cannot move.
+- A view is judged as it is, mirrored, and turned by half a turn. A lens whose centre is not the
+  picture's sees the difference. Where it is, nothing is lost by not seeing it.
+- A chessboard is its own mirror image: where all pictures are mirrored alike nothing shows it. The
+  markers of a ChArUco board do (`board`).
+- Two cameras: the views are parted by whichever of two lenses fits each better, again and again
+  (the classification EM of Celeux and Govaert 1992). They are two only if views that were left out
+  then fit clearly better than through one lens: the two halves of one camera's pictures do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.calibrate.board import BoardView
+from vision.calibrate.left_out import Estimate, SeenThrough, left_out_px, residuals_px, rms_px
+from vision.calibration.calibration import CalibrationError, FloatArray
+
+_STARTS, _STEPS, _START_VIEWS = 6, 3, 4
+_FEW = 6
+"""Below so many views no half can be distinguished from the other."""
+_BAD_FACTOR, _BAD_PX = 3.0, 0.5
+_DOUBTFUL = 1.25
+"""Real views differ by this factor without any fault."""
+_EXPLAINED = 0.7
+"""An explanation counts if it takes a view's rms to this share: by chance never, at 20 corners."""
+_OWN_LENS_VIEWS = 4
+"""Fewer views fit any lens."""
+_PARTINGS = 5
+_TWO_LENSES = 0.9
+"""Two lenses take the rms of views left out to this share: 0.84 for the two very similar cameras
+of the classic stereo set, 0.94 at least for one of them (python -m benchmarks.calibration)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Suspect:
+    """A view by its index, and why it does not belong to the others."""
+
+    index: int
+    reason: str
+
+
+def mirrored(view: BoardView) -> BoardView:
+    """The view as a mirrored picture would show it: left and right exchanged."""
+    corners = view.corners_px * (-1.0, 1.0) + (view.size[0] - 1.0, 0.0)
+    return BoardView(view.name, view.size, corners, view.points_m * (-1.0, 1.0))
+
+
+def upside_down(view: BoardView) -> BoardView:
+    """The view as a picture that is turned by half a turn would show it."""
+    corners = np.array(view.size) - 1.0 - view.corners_px
+    return BoardView(view.name, view.size, corners, view.points_m)
+
+
+def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
+    """The views that do not belong to the others, the worst first; none of fewer than four."""
+    if len(views) < 4:
+        return []
+    if len(views) < _FEW:
+        found = _all_px(views, estimate(views))
+        return _badly_fitting(found, float(np.median(found)), set())[:1]
+    parted = _two_cameras(views, estimate)
+    if parted is not None:
+        return parted
+    lens, usual_px = _agreed(views, estimate)
+    found = _all_px(views, lens)
+    named: dict[int, str] = {}
+    for i in np.flatnonzero(found > _DOUBTFUL * usual_px).tolist():
+        way = _turned_over([views[i]], lens, found[[i]])
+        if way is not None:
+            named[i] = f"the picture is {way}"
+    foreign = [Suspect(i, f"{named[i]}: {_compared(found[i], usual_px)}") for i in named]
+    foreign.sort(key=lambda one: -float(found[one.index]))
+    return foreign + _badly_fitting(found, usual_px, set(named))
+
+
+def refuse_too_many(views: Sequence[BoardView], found: Sequence[Suspect]) -> None:
+    """``CalibrationError`` where more than a third of the views do not belong to the others."""
+    if 3 * len(found) <= len(views):
+        return
+    names = "; ".join(f"{views[one.index].name}: {one.reason}" for one in found)
+    raise CalibrationError(
+        f"{len(found)} of {len(views)} pictures do not belong to the others; at most a third may "
+        f"be left out: {names}"
+    )
+
+
+def _all_px(views: Sequence[BoardView], lens: SeenThrough) -> FloatArray:
+    return np.array([rms_px(residuals_px(view, lens)) for view in views])
+
+
+def _agreed(views: Sequence[BoardView], estimate: Estimate) -> tuple[SeenThrough, float]:
+    """The lens on which most views agree, and their median rms."""
+    half = len(views) // 2 + 1
+    rng = np.random.default_rng(0)
+    best: tuple[float, SeenThrough] | None = None
+    for _ in range(_STARTS):
+        chosen = np.sort(rng.choice(len(views), _START_VIEWS, replace=False))
+        try:
+            for _ in range(_STEPS):
+                lens = estimate([views[i] for i in chosen])
+                found = _all_px(views, lens)
+                chosen = np.sort(np.argsort(found)[:half])
+        except CalibrationError:
+            continue  # these few determine no lens
+        trimmed = float(np.sum(np.sort(found)[:half] ** 2))
+        if best is None or trimmed < best[0]:
+            best = trimmed, lens
+    lens = estimate(views) if best is None else best[1]
+    # From the half to all that agree with it: a half's own residuals are smaller than usual.
+    for _ in range(2):
+        found = _all_px(views, lens)
+        usual_px = float(np.median(np.sort(found)[:half]))
+        agreeing = found <= 2.0 * _DOUBTFUL * usual_px
+        lens = estimate([view for view, fits in zip(views, agreeing, strict=True) if fits])
+    found = _all_px(views, lens)
+    return lens, float(np.median(found[agreeing]))
+
+
+def _turned_over(views: Sequence[BoardView], lens: SeenThrough, found: FloatArray) -> str | None:
+    """How these pictures were turned over, where that explains their residuals."""
+    ways = {"mirrored": mirrored, "upside down": upside_down}
+    rms = {way: _mean_px(_all_px([over(v) for v in views], lens)) for way, over in ways.items()}
+    best = min(rms, key=lambda way: rms[way])
+    return best if rms[best] <= _EXPLAINED * _mean_px(found) else None
+
+
+def _two_cameras(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect] | None:
+    """The smaller part of views that two lenses explain far better than one; None otherwise."""
+    if len(views) < 2 * _OWN_LENS_VIEWS:
+        return None
+    best: tuple[float, NDArray[np.bool_]] | None = None
+    rng = np.random.default_rng(0)
+    for _ in range(_STARTS):
+        try:
+            parted = _part(views, estimate, rng.choice(len(views), _START_VIEWS, replace=False))
+        except CalibrationError:
+            continue
+        if parted is not None and (best is None or parted[0] < best[0]):
+            best = parted
+    if best is None:
+        return None
+    first = best[1] if 2 * np.count_nonzero(best[1]) >= len(views) else ~best[1]
+    larger = [view for view, one in zip(views, first, strict=True) if one]
+    smaller = [view for view, one in zip(views, first, strict=True) if not one]
+    try:
+        parts = [left_out_px(part, estimate) for part in (larger, smaller)]
+        together = left_out_px(views, estimate)
+        lens = estimate(larger)
+    except CalibrationError:
+        return None
+    if _mean_px(np.concatenate(parts)) > _TWO_LENSES * _mean_px(together):
+        return None
+    found = _all_px(views, lens)
+    usual_px = float(np.median(found[first]))
+    way = _turned_over(smaller, lens, found[~first])
+    reason = "of another camera, zoom or focus" if way is None else f"the picture is {way}"
+    return [
+        Suspect(i, f"{reason}: {_compared(found[i], usual_px)}")
+        for i in np.flatnonzero(~first).tolist()
+    ] + _badly_fitting(found, usual_px, set(np.flatnonzero(~first).tolist()))
+
+
+def _part(
+    views: Sequence[BoardView], estimate: Estimate, start: NDArray[np.int64]
+) -> tuple[float, NDArray[np.bool_]] | None:
+    """(rms, whose lens is the first) of a parting from some views; None where one part is small."""
+    found = _all_px(views, estimate([views[i] for i in start]))
+    first = found <= np.median(found)
+    for _ in range(_PARTINGS):
+        if min(np.count_nonzero(first), np.count_nonzero(~first)) < _OWN_LENS_VIEWS:
+            return None
+        one, other = (
+            _all_px(views, estimate([v for v, chosen in zip(views, part, strict=True) if chosen]))
+            for part in (first, ~first)
+        )
+        nearer = one <= other
+        if np.array_equal(nearer, first):
+            break
+        first = nearer
+    if min(np.count_nonzero(first), np.count_nonzero(~first)) < _OWN_LENS_VIEWS:
+        return None
+    return _mean_px(np.minimum(one, other)), first
+
+
+def _mean_px(found: FloatArray) -> float:
+    return float(np.sqrt(np.mean(found * found)))
+
+
+def _compared(found_px: float, usual_px: float) -> str:
+    return f"{found_px:.2f} px rms where {usual_px:.2f} px is usual"
+
+
+def _badly_fitting(found: FloatArray, usual_px: float, named: set[int]) -> list[Suspect]:
+    limit = max(_BAD_PX, _BAD_FACTOR * usual_px)
+    worst_first = [i for i in np.argsort(-found).tolist() if found[i] > limit and i not in named]
+    return [Suspect(i, _compared(found[i], usual_px)) for i in worst_first]
