@@ -22,7 +22,14 @@ import cv2
 import numpy as np
 
 from navigation.config import Config, load_config
-from navigation.simulator.picture.drawing import ArenaPainter, Look, blurred, box_around, looked_up
+from navigation.simulator.picture.drawing import (
+    ArenaPainter,
+    FloatImage,
+    Look,
+    blurred,
+    box_around,
+    looked_up,
+)
 from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
 from planner.scene import Bounds, CircleRecord, FloatArray, Scene, SceneObject
 from vision.camera.camera import Image
@@ -34,7 +41,10 @@ PAPER_WHITE, PAPER_BLACK = 225.0, 30.0
 
 @dataclass(frozen=True, slots=True)
 class Board:
-    """A ChArUco board: squares across and down, their side and the markers', the family."""
+    """A ChArUco board: squares across and down, their side and the markers', the family.
+
+    A chessboard of so many squares if ``dictionary`` is empty.
+    """
 
     columns: int = 8
     rows: int = 6
@@ -48,10 +58,18 @@ class Board:
         return self.columns * self.square_m, self.rows * self.square_m
 
     def opencv(self) -> cv2.aruco.CharucoBoard:
-        """The same for OpenCV."""
+        """The same for OpenCV, of a ChArUco board."""
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, self.dictionary))
         shape = (self.columns, self.rows)
         return cv2.aruco.CharucoBoard(shape, self.square_m, self.marker_m, dictionary)
+
+    def sheet(self, size_px: tuple[int, int]) -> Image:
+        """The print (height, width), black on white; ``size_px`` is width and height."""
+        if self.dictionary:
+            return np.asarray(self.opencv().generateImage(size_px), dtype=np.uint8)
+        dark = np.add.outer(np.arange(self.rows), np.arange(self.columns)) % 2 == 0
+        cells = np.where(dark, 0, 255).astype(np.uint8)
+        return np.asarray(cv2.resize(cells, size_px, interpolation=cv2.INTER_NEAREST), np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +92,18 @@ class BoardPainter:
         self._painter = ArenaPainter(pinhole, look)
         self._background = self._painter.picture(scene)
         size = (board.columns * TEXELS_PER_SQUARE, board.rows * TEXELS_PER_SQUARE)
-        print_ = board.opencv().generateImage(size)
+        print_ = board.sheet(size)
         grey = np.where(print_ > 127, PAPER_WHITE, PAPER_BLACK).astype(np.uint8)
         self._texture = np.dstack([grey, np.full_like(grey, 255)])
 
     def picture(self, pose: BoardPose, rng: np.random.Generator) -> Image:
         """The picture (h, w) of the board at a pose, with noise."""
+        picture = self.clean(pose)
+        noise = rng.normal(0.0, self._look.noise_grey, picture.shape)
+        return np.asarray(np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8))
+
+    def clean(self, pose: BoardPose, samples: int = BOARD_SAMPLES) -> FloatImage:
+        """The same without noise, grey levels; ``samples`` a pixel and side."""
         picture = self._background.astype(np.float32)
         box = box_around(self._corners_px(pose), picture.shape)
         if box is not None:
@@ -94,13 +118,12 @@ class BoardPainter:
                 self._texture,
                 self._painter.rays[here],
                 texture_from_board @ board_from_ray,
-                BOARD_SAMPLES,
+                samples,
             )
             grey, covered = cv2.split(blurred(seen, self._look.blur_px))
             lit = grey * self._painter.light[here]
             picture[here] = picture[here] * (1.0 - covered) + lit
-        noise = rng.normal(0.0, self._look.noise_grey, picture.shape)
-        return np.asarray(np.clip(np.rint(picture + noise), 0, 255).astype(np.uint8))
+        return picture
 
     def is_in_picture(self, pose: BoardPose) -> bool:
         """Whether the whole board is seen."""

@@ -50,7 +50,7 @@ def test_pictures_that_were_turned_over_are_named(
     assert shown
     assert shown <= named <= {f"picture {i}" for i in range(count)}
     assert all(f"the picture is {word}" in r for r in lens.remarks)
-    assert lens.camera_matrix[0, 2] == pytest.approx(334.0, abs=1.5)
+    assert lens.camera_matrix[0, 2] == pytest.approx(334.0, abs=3.0)
 
 
 def test_the_mirror_image_of_a_view_is_what_a_mirrored_picture_shows() -> None:

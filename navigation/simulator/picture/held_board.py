@@ -1,0 +1,172 @@
+"""A simulated camera before which somebody holds a calibration board, here and there.
+
+Rules
+- The board moves to a place, rests, and moves on: to where it is asked for, or else to places,
+  tilts and distances in an order that the seed shuffles. While it rests only the noise changes.
+- The camera is that of the configuration's simulation: lens, blur, light and noise are its own, and
+  `clearway calibrate --live` finds the lens that `simulation.camera` has.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from typing import Final
+
+import cv2
+import numpy as np
+
+from navigation.config import Config
+from navigation.simulator.picture.boards import Board, BoardPainter, BoardPose
+from navigation.simulator.picture.camera import Wait
+from navigation.simulator.picture.drawing import FloatImage, Look
+from navigation.simulator.picture.pinhole import Pinhole, pinhole_of
+from planner.scene import Bounds, FloatArray, Scene
+from vision.calibrate.board import BoardSpec
+from vision.calibrate.covariance import KnownLens
+from vision.calibrate.live.guide import HeldPose, held_poses
+from vision.camera.camera import CameraError, Clock, Frame, RateMeter, SourceState
+
+MOVE_S: Final = 0.7
+REST_S: Final = 1.1
+MOVING_SAMPLES: Final = 2
+"""Samples a pixel and side of a board that moves: nobody measures it."""
+
+
+class HeldBoardCamera:
+    """A board in the hand before a camera; `vision.camera.camera.Camera` says what members mean.
+
+    ``clock`` gives monotonic seconds, ``wait`` lets them pass; ``seed`` makes it repeatable.
+    ``asked`` says how the board shall be held next, None where nothing is asked.
+    """
+
+    name = "simulated camera and board"
+    reason = ""
+    may_repeat = False
+
+    def __init__(
+        self,
+        config: Config,
+        spec: BoardSpec,
+        clock: Clock,
+        wait: Wait = time.sleep,
+        seed: int = 0,
+        asked: Callable[[], HeldPose | None] = lambda: None,
+    ) -> None:
+        if config.simulation is None:
+            raise CameraError("the configuration has no section 'simulation'")
+        camera = config.simulation.camera
+        self._pinhole = pinhole_of(config)
+        look = Look(camera.blur_px, camera.noise_grey, camera.light_fall)
+        empty = Scene("m", Bounds(*config.arena.bounds_m), ())
+        board = _board(spec)
+        self._painter = BoardPainter(self._pinhole, look, board, empty)
+        self._noise_grey = camera.noise_grey
+        self._clock, self._wait = clock, wait
+        self._period_s = 1.0 / config.camera.rate_hz
+        self._rng = np.random.default_rng(seed)
+        held = held_poses(_true_lens(self._pinhole), spec)
+        if not held:
+            raise CameraError(f"{self.name}: the board is nowhere wholly in the picture")
+        order = self._rng.permutation(len(held))
+        self._spec, self._board, self._asked = spec, board, asked
+        self._others = itertools.cycle([self._board_pose(held[i]) for i in order])
+        self._last_asked: HeldPose | None = None
+        self._here = self._there = next(self._others)
+        self._stage = 0
+        self._resting: FloatImage | None = None
+        self._meter = RateMeter()
+        self._began_s = self._next_s = 0.0
+        self._sequence = 0
+        self.state: SourceState = "closed"
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames a second really got lately; 0.0 before the second frame."""
+        return self._meter.rate_hz
+
+    def open(self) -> None:
+        """Start giving frames."""
+        self.state = "running"
+        self._began_s = self._next_s = self._clock()
+
+    def close(self) -> None:
+        """Stop; it can be opened again."""
+        self.state = "closed"
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame at its time; None where that is later than ``timeout_s`` from now."""
+        if self.state != "running":
+            raise CameraError(f"{self.name}: is not open")
+        delay_s = self._next_s - self._clock()
+        if delay_s > timeout_s:
+            self._wait(timeout_s)
+            return None
+        if delay_s > 0.0:
+            self._wait(delay_s)
+        captured_s = self._clock()
+        late = max(0, int((captured_s - self._next_s) / self._period_s))
+        self._next_s += (late + 1) * self._period_s
+        picture = self._picture(captured_s - self._began_s)
+        noise = self._rng.standard_normal(picture.shape, dtype=np.float32)
+        noisy = np.clip(np.rint(picture + self._noise_grey * noise), 0, 255).astype(np.uint8)
+        self._meter.add(captured_s)
+        self._sequence += 1
+        return Frame(noisy, captured_s, self._sequence - 1, self.name)
+
+    def _picture(self, passed_s: float) -> FloatImage:
+        """The board at a moment: it rests at a place first, then moves to the next."""
+        number, within_s = divmod(passed_s, REST_S + MOVE_S)
+        stage = 2 * int(number) + (within_s > REST_S)
+        if stage != self._stage:
+            self._here, self._resting = self._there, None
+            if stage % 2:
+                self._there = self._next()
+            self._stage = stage
+        if stage % 2:
+            share = (within_s - REST_S) / MOVE_S
+            return self._painter.clean(_between(self._here, self._there, share), MOVING_SAMPLES)
+        if self._resting is None:
+            self._resting = self._painter.clean(self._here)
+        return self._resting
+
+    def _next(self) -> BoardPose:
+        """Where it is asked for; elsewhere if that was asked just now, as it brought no view."""
+        asked = self._asked()
+        if asked is None or asked is self._last_asked:
+            return next(self._others)
+        self._last_asked = asked
+        return self._board_pose(asked)
+
+    def _board_pose(self, held: HeldPose) -> BoardPose:
+        """From the camera's view of the first inner corner to the sheet's lower left one."""
+        camera_from_board = np.asarray(cv2.Rodrigues(held.turn)[0], dtype=np.float64)
+        arena_from_camera = self._pinhole.camera_from_arena.T
+        arena_from_board = arena_from_camera @ camera_from_board
+        first = self._pinhole.position_m + arena_from_camera @ held.shift
+        square_m = self._spec.square_m
+        corner = np.array([-square_m, square_m - self._board.size_m[1], 0.0])
+        return BoardPose(arena_from_board, first + arena_from_board @ corner)
+
+
+def _board(spec: BoardSpec) -> Board:
+    columns, rows = spec.inner
+    marker_m = spec.marker_m if spec.marker_m is not None else spec.square_m / 2.0
+    family = spec.dictionary if spec.kind == "charuco" else ""
+    return Board(columns + 1, rows + 1, spec.square_m, marker_m, family)
+
+
+def _true_lens(pinhole: Pinhole) -> KnownLens:
+    return KnownLens(
+        pinhole.size_px, np.array(pinhole.matrix), np.array(pinhole.distortion), np.eye(9), 1.0
+    )
+
+
+def _between(here: BoardPose, there: BoardPose, share: float) -> BoardPose:
+    """A hand's way: slow at both ends."""
+    eased = share * share * (3.0 - 2.0 * share)
+    turn = np.asarray(cv2.Rodrigues(here.arena_from_board.T @ there.arena_from_board)[0])
+    step: FloatArray = np.asarray(cv2.Rodrigues(turn * eased)[0], dtype=np.float64)
+    origin = here.origin_m + (there.origin_m - here.origin_m) * eased
+    return BoardPose(here.arena_from_board @ step, origin)

@@ -1,0 +1,205 @@
+"""How well pictures of a board determine the lens, as pixels of the picture.
+
+Rules and units
+- Parameters are fx, fy, cx, cy and the first distortion terms in OpenCV's order (k1, k2, p1, p2,
+  k3). Their covariance is the inverse of the normal matrix without the boards' poses (Schur's
+  complement) times the corners' variance, which is that of the residuals.
+- The figure for a picture point is the spread of where the undistorted picture shows it, in pixels.
+  What a homography of the picture would undo is left out, as placing the camera over an arena
+  fits one anew: focal length and centre count as far as they bend lines. Of the focal length
+  itself, by which heights are seen, the spread is a figure of its own.
+- Nothing here knows errors that are alike in all views: residuals of left-out views show those.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.calibrate.board import BoardView
+from vision.calibration.calibration import CalibrationError, FloatArray
+
+MOST_TERMS = 5
+_TERM_FLAGS = {
+    0: cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
+    1: cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
+    2: cv2.CALIB_FIX_K3 | cv2.CALIB_ZERO_TANGENT_DIST,
+    4: cv2.CALIB_FIX_K3,
+    5: 0,
+}
+_ROUNDS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 1e-9)
+_UNDISTORT_ROUNDS = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-10)
+_FOLDED_PX = 0.05
+"""A point that undistorts to another one lies where the lens model folds: unknown there."""
+_LEAST_NOISE_PX = 0.01
+"""Corners are nowhere found better than so; keeps drawings without noise from being certain."""
+_PRIOR_FOCAL, _PRIOR_CENTRE, _PRIOR_TERMS = 0.3, 0.05, (0.3, 0.3, 0.01, 0.01, 0.3)
+"""What is known of a lens before any picture: spreads as shares of the picture's width."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownLens:
+    """A lens and how well it is known.
+
+    ``size`` px; ``camera_matrix`` (3, 3); ``distortion`` (5,); ``normal`` (4 + terms, 4 + terms),
+    the inverse of the parameters' covariance at a corner's noise of 1 px; ``noise_px`` that of each
+    coordinate of a corner.
+    """
+
+    size: tuple[int, int]
+    camera_matrix: FloatArray
+    distortion: FloatArray
+    normal: FloatArray
+    noise_px: float
+
+    def sigma_px(self, points_px: FloatArray, more: FloatArray | None = None) -> FloatArray:
+        """(n,) the spread, rms length in pixels, at picture points (n, 2); inf where unknown.
+
+        ``more`` is what further views would add to ``normal`` (see ``information``).
+        """
+        normal = self.normal if more is None else self.normal + more
+        slopes, known = self._slopes(points_px)
+        try:
+            covariance = np.linalg.inv(normal) * self.noise_px**2
+        except np.linalg.LinAlgError:
+            return np.full(len(points_px), np.inf)
+        variances = np.einsum("nij,jk,nik->n", slopes, covariance, slopes)
+        good = known & (variances >= 0.0) & np.isfinite(variances)
+        return np.where(good, np.sqrt(np.where(good, variances, 0.0)), np.inf)
+
+    @property
+    def focal_share(self) -> float:
+        """The spread of the focal length as a share of it; inf where it is unknown."""
+        try:
+            covariance = np.linalg.inv(self.normal)
+        except np.linalg.LinAlgError:
+            return float("inf")
+        spread = float(covariance[0, 0]) * self.noise_px**2
+        return float(np.sqrt(spread) / self.camera_matrix[0, 0]) if spread >= 0.0 else float("inf")
+
+    def _slopes(self, points_px: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """(n, 2, 4 + terms) how undistorted points move with the parameters; (n,) known ones."""
+        points = np.asarray(points_px, dtype=np.float64).reshape(-1, 1, 2)
+        found = cv2.undistortPoints(
+            points, self.camera_matrix, self.distortion, criteria=_UNDISTORT_ROUNDS
+        )
+        rays = np.asarray(found, dtype=np.float64).reshape(-1, 2)
+        space = np.column_stack([rays, np.ones(len(rays))])
+        zero = np.zeros(3)
+        seen, slopes = cv2.projectPoints(space, zero, zero, self.camera_matrix, self.distortion)
+        known = np.linalg.norm(seen.reshape(-1, 2) - points.reshape(-1, 2), axis=1) < _FOLDED_PX
+        slopes = slopes.reshape(len(rays), 2, -1)
+        by_ray = slopes[:, :, 3:5]
+        count = self.normal.shape[0]
+        turned = np.linalg.pinv(by_ray) @ slopes[:, :, 6 : 6 + count]
+        focal = np.array([self.camera_matrix[0, 0], self.camera_matrix[1, 1]])
+        moved = -focal[None, :, None] * turned
+        return _without_homography(rays, focal, moved, known), known
+
+
+def _without_homography(
+    rays: FloatArray, focal: FloatArray, moved: FloatArray, known: NDArray[np.bool_]
+) -> FloatArray:
+    """What remains of movements (n, 2, m) after the small homography that undoes most of them."""
+    if np.count_nonzero(known) < 4:
+        return moved
+    x, y = rays.T
+    one, none = np.ones_like(x), np.zeros_like(x)
+    right = np.stack([one, x, y, none, none, none, x * x, x * y], axis=1) * focal[0]
+    down = np.stack([none, none, none, one, x, y, x * y, y * y], axis=1) * focal[1]
+    small = np.stack([right, down], axis=1)
+    of_known, by_known = small[known].reshape(-1, 8), moved[known].reshape(-1, moved.shape[2])
+    undone = np.linalg.lstsq(of_known, by_known, rcond=None)[0]
+    return np.asarray(moved - small @ undone)
+
+
+def supposed_lens(size: tuple[int, int]) -> KnownLens:
+    """What is known of a camera of which nothing is known: a focal length near its width."""
+    width = float(max(size))
+    camera = np.array(
+        [
+            [0.9 * width, 0.0, (size[0] - 1) / 2],
+            [0.0, 0.9 * width, (size[1] - 1) / 2],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+    return KnownLens(size, camera, np.zeros(5), prior_normal(size, 0.2), 0.2)
+
+
+def prior_normal(size: tuple[int, int], noise_px: float) -> FloatArray:
+    """The normal matrix of what is known before any picture."""
+    width = float(max(size))
+    spreads = [_PRIOR_FOCAL * width] * 2 + [_PRIOR_CENTRE * width] * 2 + list(_PRIOR_TERMS)
+    return np.diag((noise_px / np.array(spreads)) ** 2)
+
+
+def known_lens(
+    views: Sequence[BoardView], terms: int = MOST_TERMS, start: KnownLens | None = None
+) -> KnownLens:
+    """The lens from views of one size, and how well they determine it; begins at ``start``.
+
+    Raises ``CalibrationError`` where they determine none.
+    """
+    boards = [_space(view) for view in views]
+    flags = _TERM_FLAGS[terms]
+    camera, lens = np.eye(3), np.zeros(5)
+    if start is not None:
+        flags |= cv2.CALIB_USE_INTRINSIC_GUESS
+        camera, lens = start.camera_matrix.copy(), start.distortion.copy()
+    try:
+        _, matrix, distortion, turns, shifts = cv2.calibrateCamera(
+            [board.astype(np.float32) for board in boards],
+            [view.corners_px.astype(np.float32) for view in views],
+            views[0].size,
+            camera,
+            lens,
+            flags=flags,
+            criteria=_ROUNDS,
+        )
+    except cv2.error as error:
+        raise CalibrationError("the lens cannot be estimated from these pictures") from error
+    found = np.asarray(matrix, dtype=np.float64)
+    bends = np.asarray(distortion, dtype=np.float64).reshape(-1)[:5]
+    if not (np.isfinite(found).all() and np.isfinite(bends).all()):
+        raise CalibrationError("the lens cannot be estimated from these pictures")
+    normal = np.zeros((4 + terms, 4 + terms))
+    squares, values = 0.0, 0
+    for view, board, turn, shift in zip(views, boards, turns, shifts, strict=True):
+        seen, slopes = cv2.projectPoints(board, turn, shift, found, bends)
+        normal += _reduced(slopes, terms)
+        squares += float(np.sum((seen.reshape(-1, 2) - view.corners_px) ** 2))
+        values += 2 * len(board)
+    free = values - 6 * len(views) - 4 - terms
+    if free <= 0:
+        raise CalibrationError("the pictures show too few corners to determine the lens")
+    noise_px = max(_LEAST_NOISE_PX, float(np.sqrt(squares / free)))
+    return KnownLens(views[0].size, found, bends, normal, noise_px)
+
+
+def information(
+    lens: KnownLens, points_m: FloatArray, turn: FloatArray, shift: FloatArray
+) -> FloatArray:
+    """What a view of board points (n, 2) would add to ``normal``; the pose is camera from board."""
+    board = np.column_stack([points_m, np.zeros(len(points_m))])
+    _, slopes = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
+    return _reduced(slopes, lens.normal.shape[0] - 4)
+
+
+def _reduced(slopes: NDArray[Any], terms: int) -> FloatArray:
+    """A view's part of the normal matrix of the lens, its own pose being free."""
+    by_pose, by_lens = slopes[:, :6], slopes[:, 6 : 10 + terms]
+    # poses are turns and metres: scaled alike, so that the small matrix can be inverted
+    scale = np.linalg.norm(by_pose, axis=0)
+    by_pose = by_pose / np.where(scale > 0.0, scale, 1.0)
+    held = np.linalg.lstsq(by_pose, by_lens, rcond=None)[0]
+    rest = by_lens - by_pose @ held
+    return np.asarray(rest.T @ rest, dtype=np.float64)
+
+
+def _space(view: BoardView) -> FloatArray:
+    return np.column_stack([view.points_m, np.zeros(len(view.points_m))])

@@ -1,0 +1,247 @@
+"""Which parts of the picture still want a board, and how to hold it next.
+
+Rules and units
+- The picture is parted in cells. One is done when a board's corner was seen in it and the lens is
+  known there to the limit (`covariance.KnownLens.sigma_px`, the worst of several points).
+- The next place is the one of some hundred (place, tilt, distance) that leaves the fewest cells
+  without a board, and among those the one that makes the worst spread smallest: the guide of Peng
+  and Sturm (Calibration Wizard, 2019) with a choice of poses instead of a search.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.calibrate.board import BoardSpec, BoardView
+from vision.calibrate.covariance import KnownLens, information
+from vision.calibration.calibration import FloatArray
+
+LONG_SIDE_CELLS: Final = 6
+POINTS_A_CELL: Final = 3
+"""Along each side of a cell; its rim belongs to it."""
+TILT_DEG: Final = 35
+TILTS: Final = {
+    "": (0.0, 0.0),
+    "left": (0.0, -1.0),
+    "right": (0.0, 1.0),
+    "upper": (1.0, 0.0),
+    "lower": (-1.0, 0.0),
+}
+"""Which edge comes towards the camera, and the turns about the picture's x and y axes."""
+SIZES: Final = {"far": 0.25, "at middle distance": 0.4, "near": 0.55}
+"""Half the board's longer side as a share of the picture's shorter one."""
+NEW_SHARE: Final = 0.04
+"""A view is new where its corners are so far from any other's, as a share of the picture."""
+_PLACES: Final = (0.0, 0.5, 1.0)
+_MARGIN_PX: Final = 8.0
+_FACING: Final = np.diag([1.0, -1.0, -1.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """The picture's cells: ``sigma_px`` (rows, columns), and where a board was ``seen``."""
+
+    sigma_px: FloatArray
+    seen: NDArray[np.bool_]
+    limit_px: float
+
+    @property
+    def done(self) -> NDArray[np.bool_]:
+        """(rows, columns) where no board is wanted any more."""
+        return np.asarray(self.seen & (self.sigma_px <= self.limit_px))
+
+    @property
+    def worst_px(self) -> float:
+        """The largest spread in the picture."""
+        return float(self.sigma_px.max())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldPose:
+    """A place of the board: camera from board, and the ``view`` that the camera would have.
+
+    ``edge`` comes towards the camera ("" for none), ``distance`` is a name of ``SIZES``.
+    """
+
+    edge: str
+    distance: str
+    turn: FloatArray
+    shift: FloatArray
+    view: BoardView
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wanted:
+    """How to hold the board next: a sentence, its outline (4, 2) in the picture, and the pose."""
+
+    sentence: str
+    outline_px: FloatArray
+    pose: HeldPose
+
+
+def is_new(view: BoardView, views: Sequence[BoardView]) -> bool:
+    """Whether a view shows the board where none of the others does."""
+    least_px = NEW_SHARE * max(view.size)
+    return all(_apart_px(view, other) >= least_px for other in views)
+
+
+def _apart_px(view: BoardView, other: BoardView) -> float:
+    """The mean distance of the corners that both have; far where they have few in common."""
+    places = {tuple(p): i for i, p in enumerate(np.round(other.points_m, 6).tolist())}
+    pairs = [
+        (i, places[key])
+        for i, point in enumerate(np.round(view.points_m, 6).tolist())
+        if (key := tuple(point)) in places
+    ]
+    if len(pairs) < 4:
+        return math.inf
+    here, there = (np.array(column) for column in zip(*pairs, strict=True))
+    steps = view.corners_px[here] - other.corners_px[there]
+    return float(np.linalg.norm(steps, axis=1).mean())
+
+
+def cell_shape(size: tuple[int, int]) -> tuple[int, int]:
+    """(rows, columns) of nearly square cells."""
+    side = max(size) / LONG_SIDE_CELLS
+    return max(1, round(size[1] / side)), max(1, round(size[0] / side))
+
+
+def judge_cells(
+    lens: KnownLens | None, views: Sequence[BoardView], size: tuple[int, int], limit_px: float
+) -> Cells:
+    """The cells' state after some views; without a lens nothing is known anywhere."""
+    shape = cell_shape(size)
+    sigma = np.full(shape, np.inf)
+    if lens is not None:
+        sigma = _worst_of_cells(lens.sigma_px(_points(size)), shape)
+    return Cells(sigma, _seen(views, size, shape), limit_px)
+
+
+def next_place(lens: KnownLens, spec: BoardSpec, views: Sequence[BoardView]) -> Wanted | None:
+    """How to hold the board next; None where no new place of it is wholly in the picture."""
+    size = lens.size
+    shape = cell_shape(size)
+    seen, points = _seen(views, size, shape), _points(size)
+    best: tuple[tuple[int, float], Wanted] | None = None
+    for pose in held_poses(lens, spec):
+        if not is_new(pose.view, views):
+            continue
+        there = seen | _seen([pose.view], size, shape)
+        more = information(lens, pose.view.points_m, pose.turn, pose.shift)
+        worst_px = float(lens.sigma_px(points, more).max())
+        rank = (int(np.count_nonzero(~there)), worst_px)
+        if best is None or rank < best[0]:
+            best = rank, Wanted(_sentence(pose, size), _outline(lens, spec, pose), pose)
+    return None if best is None else best[1]
+
+
+def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
+    """Places, tilts and distances at which the whole board is in the picture."""
+    columns, rows = spec.inner
+    x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
+    points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)
+    middle = np.array([(columns - 1) / 2, -(rows - 1) / 2, 0.0]) * spec.square_m
+    focal, centre = float(lens.camera_matrix[0, 0]), lens.camera_matrix[:2, 2]
+    found = []
+    for distance, share in SIZES.items():
+        length_px = 2.0 * share * min(lens.size)
+        z = focal * max(columns, rows) * spec.square_m / length_px
+        for edge, about in TILTS.items():
+            tilt = cv2.Rodrigues(np.array([*about, 0.0]) * math.radians(TILT_DEG))[0]
+            rotation = np.asarray(tilt @ _FACING, dtype=np.float64)
+            for right in _PLACES:
+                for down in _PLACES:
+                    at = np.array([right * (lens.size[0] - 1), down * (lens.size[1] - 1)])
+                    for _ in range(4):
+                        shift = np.array([*((at - centre) / focal * z), z]) - rotation @ middle
+                        turn = np.asarray(cv2.Rodrigues(rotation)[0], dtype=np.float64).ravel()
+                        corners = _project(lens, points, turn, shift)
+                        beyond = _beyond(corners, lens.size)
+                        if not beyond.any():
+                            break
+                        at = at + beyond
+                    else:
+                        continue
+                    view = BoardView("wanted", lens.size, corners, points)
+                    found.append(HeldPose(edge, distance, turn, shift, view))
+    return found
+
+
+def _project(
+    lens: KnownLens, points: FloatArray, turn: FloatArray, shift: FloatArray
+) -> FloatArray:
+    board = np.column_stack([points, np.zeros(len(points))])
+    seen, _ = cv2.projectPoints(board, turn, shift, lens.camera_matrix, lens.distortion)
+    return np.asarray(seen.reshape(-1, 2), dtype=np.float64)
+
+
+def _beyond(corners: FloatArray, size: tuple[int, int]) -> FloatArray:
+    """How far (2,) the corners must be moved to be in the picture."""
+    low = np.maximum(0.0, _MARGIN_PX - corners.min(axis=0))
+    high = np.maximum(0.0, corners.max(axis=0) - (np.array(size) - 1.0 - _MARGIN_PX))
+    return np.asarray(low - high)
+
+
+def _outline(lens: KnownLens, spec: BoardSpec, pose: HeldPose) -> FloatArray:
+    columns, rows = spec.inner
+    rim = np.array([[0, 0], [columns - 1, 0], [columns - 1, 1 - rows], [0, 1 - rows]])
+    return _project(lens, rim * spec.square_m, pose.turn, pose.shift)
+
+
+def _sentence(pose: HeldPose, size: tuple[int, int]) -> str:
+    x, y = pose.view.corners_px.mean(axis=0) / np.array(size)
+    words = [w for w in (_third(y, "upper", "lower"), _third(x, "left", "right")) if w]
+    if len(words) == 2:
+        where = f"in the {words[0]} {words[1]} corner"
+    elif words:
+        where = f"at the {words[0]} edge"
+    else:
+        where = "in the middle"
+    how = "facing the camera"
+    if pose.edge:
+        how = f"tilted by {TILT_DEG} degrees, its {pose.edge} edge towards the camera"
+    return f"hold the board {where} of the picture, {pose.distance}, {how}"
+
+
+def _third(share: float, low: str, high: str) -> str:
+    if share < 0.42:
+        return low
+    return high if share > 0.58 else ""
+
+
+def _points(size: tuple[int, int]) -> FloatArray:
+    """Points of the picture, ``POINTS_A_CELL`` along each side of a cell, row by row."""
+    rows, columns = cell_shape(size)
+    x = np.linspace(0.0, size[0] - 1.0, columns * (POINTS_A_CELL - 1) + 1)
+    y = np.linspace(0.0, size[1] - 1.0, rows * (POINTS_A_CELL - 1) + 1)
+    return np.stack(np.meshgrid(x, y), axis=2).reshape(-1, 2)
+
+
+def _worst_of_cells(sigma: FloatArray, shape: tuple[int, int]) -> FloatArray:
+    step = POINTS_A_CELL - 1
+    rows, columns = shape
+    grid = sigma.reshape(rows * step + 1, columns * step + 1)
+    found = np.empty(shape)
+    for row in range(rows):
+        for column in range(columns):
+            part = grid[row * step : (row + 1) * step + 1, column * step : (column + 1) * step + 1]
+            found[row, column] = part.max()
+    return found
+
+
+def _seen(
+    views: Sequence[BoardView], size: tuple[int, int], shape: tuple[int, int]
+) -> NDArray[np.bool_]:
+    seen = np.zeros(shape, dtype=np.bool_)
+    for view in views:
+        place = view.corners_px / np.array(size) * np.array(shape[::-1])
+        columns, rows = np.clip(place.astype(int), 0, np.array(shape[::-1]) - 1).T
+        seen[rows, columns] = True
+    return seen

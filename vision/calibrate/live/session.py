@@ -1,0 +1,203 @@
+"""A live calibration: frames in, what to show out. Opens nothing, reads no clock.
+
+Rules
+- A view is taken when the board stands still where no view is yet, and if it fits those before.
+- After each the lens is fitted anew with all five distortion terms, whatever the lens will have at
+  last: terms that the views do not determine are what still wants views.
+- Enough: every cell is done, and the focal length is known to ``FOCAL_SHARE``.
+- Views that do not fit are not taken. Where three in a row are not, those before may be wrong: all
+  are judged together (`suspects`), and the smaller part goes.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from vision.calibrate.board import BoardSpec, BoardView, find_board
+from vision.calibrate.covariance import (
+    MOST_TERMS,
+    KnownLens,
+    known_lens,
+    prior_normal,
+    supposed_lens,
+)
+from vision.calibrate.left_out import residuals_px, rms_px
+from vision.calibrate.lens import plain_estimate
+from vision.calibrate.live.following import BoardFollower
+from vision.calibrate.live.guide import Cells, Wanted, is_new, judge_cells, next_place
+from vision.calibrate.live.stillness import Stillness
+from vision.calibrate.suspects import suspects
+from vision.calibration.calibration import CalibrationError
+from vision.camera.camera import Frame, Image
+
+LIMIT_PX: Final = 0.2
+FOCAL_SHARE: Final = 0.005
+"""A marker 0.1 m above the floor, seen 1 m off by a camera 2 m up, is 0.25 mm off by it."""
+FEWEST_VIEWS: Final = 6
+MOST_VIEWS: Final = 60
+"""More bring little: what they have in common, a bent board, stays."""
+_FITTED_FROM: Final = 3
+_BAD_PX, _BAD_FACTOR = 0.5, 3.0
+_DOUBTS: Final = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiveState:
+    """What to show of one frame.
+
+    ``view`` is the board in it, None with why not in ``remark``; ``still`` 0 to 1; ``taken``: this
+    frame became a view; ``count`` of views; ``cells`` and ``focal_share`` what is known;
+    ``wanted`` how to hold the board next; ``done`` that it is enough.
+    """
+
+    size: tuple[int, int]
+    view: BoardView | None
+    still: float
+    taken: bool
+    count: int
+    cells: Cells
+    focal_share: float
+    wanted: Wanted | None
+    remark: str
+    done: bool
+
+
+class LiveSession:
+    """Takes views of a board from frames; ``limit_px`` is the spread that is small enough."""
+
+    def __init__(self, spec: BoardSpec, limit_px: float = LIMIT_PX) -> None:
+        if not (math.isfinite(limit_px) and limit_px > 0.0):
+            raise CalibrationError(f"limit = {limit_px} px: must be > 0")
+        self._spec, self._limit_px = spec, limit_px
+        self._follower, self._stillness = BoardFollower(spec), Stillness()
+        self._taken: list[tuple[BoardView, Image]] = []
+        self._doubted: list[tuple[BoardView, Image]] = []
+        self._size: tuple[int, int] | None = None
+        self._lens: KnownLens | None = None
+        self._cells: Cells | None = None
+        self._wanted: Wanted | None = None
+        self._number = 0
+        self._done = False
+
+    @property
+    def pictures(self) -> list[tuple[str, Image]]:
+        """Names and pictures of the views taken."""
+        return [(view.name, image) for view, image in self._taken]
+
+    @property
+    def views(self) -> list[BoardView]:
+        """The views taken."""
+        return [view for view, _ in self._taken]
+
+    @property
+    def wanted(self) -> Wanted | None:
+        """How to hold the board next; None before the first frame and when it is enough."""
+        return self._wanted
+
+    def look(self, frame: Frame) -> LiveState:
+        """The next frame; raises ``CalibrationError`` where its size is another than before."""
+        if self._size is None:
+            self._size = frame.size
+            self._judge()
+        if frame.size != self._size:
+            raise CalibrationError(
+                f"{frame.source}: a picture of {frame.size[0]}x{frame.size[1]} pixels where those "
+                f"before had {self._size[0]}x{self._size[1]}"
+            )
+        found = self._follower.look(frame.image, "the picture")
+        view = found if isinstance(found, BoardView) else None
+        still = self._stillness.add(frame.captured_s, view)
+        remark, taken = "" if view is not None else str(getattr(found, "reason", "")), False
+        if view is not None and not is_new(view, self.views):
+            remark = "there is a view from here already: move on"
+        elif view is not None and still >= 1.0 and not self._done:
+            taken, remark = self._take(frame)
+            self._stillness.begin_again()
+        return self._state(view, still, taken, remark)
+
+    def _state(self, view: BoardView | None, still: float, taken: bool, remark: str) -> LiveState:
+        assert self._size is not None
+        assert self._cells is not None
+        focal_share = math.inf if self._lens is None else self._lens.focal_share
+        return LiveState(
+            self._size, view, still, taken, len(self._taken), self._cells, focal_share,
+            None if self._done else self._wanted, remark, self._done,
+        )  # fmt: skip
+
+    def _take(self, frame: Frame) -> tuple[bool, str]:
+        """Whether this frame becomes a view, and what to say."""
+        self._number += 1
+        name = f"view {self._number}"
+        view = find_board(frame.image, self._spec, name)
+        if not isinstance(view, BoardView):
+            return False, view.reason
+        doubt = self._doubt(view)
+        if doubt:
+            self._doubted.append((view, frame.image))
+            if len(self._doubted) < _DOUBTS:
+                return False, f"{name}: not taken: {doubt}"
+            return False, self._reconsider()
+        self._doubted.clear()
+        self._taken.append((view, frame.image))
+        self._judge()
+        return True, f"{name}: taken"
+
+    def _doubt(self, view: BoardView) -> str:
+        """Why a view does not fit those before it; empty where it does."""
+        if self._lens is None or len(self._taken) < FEWEST_VIEWS:
+            return ""
+        usual_px = math.sqrt(2.0) * self._lens.noise_px
+        unknown_px = float(self._lens.sigma_px(view.corners_px).max())
+        limit_px = max(_BAD_PX, _BAD_FACTOR * math.hypot(usual_px, unknown_px))
+        off_px = rms_px(residuals_px(view, self._lens))
+        if off_px <= limit_px:
+            return ""
+        return (
+            f"{off_px:.2f} px rms from the views before, where at most {limit_px:.2f} px is usual: "
+            "is the board flat, and the same?"
+        )
+
+    def _reconsider(self) -> str:
+        """Judge views and doubted ones together; the smaller part goes."""
+        everything = [*self._taken, *self._doubted]
+        self._doubted.clear()
+        foreign = {one.index for one in suspects([v for v, _ in everything], plain_estimate)}
+        gone = [view.name for i, (view, _) in enumerate(everything) if i in foreign]
+        self._taken = [pair for i, pair in enumerate(everything) if i not in foreign]
+        self._judge()
+        return f"views judged anew; left out: {', '.join(gone) or 'none'}"
+
+    def _judge(self) -> None:
+        """Fit the lens, and see what is still wanted."""
+        assert self._size is not None
+        views = self.views
+        self._lens = self._fit(views)
+        self._cells = judge_cells(self._lens, views, self._size, self._limit_px)
+        known = (
+            self._lens is not None
+            and len(views) >= FEWEST_VIEWS
+            and self._lens.focal_share <= FOCAL_SHARE
+            and bool(self._cells.done.all())
+        )
+        self._done = known or len(views) >= MOST_VIEWS
+        guess = self._guess()
+        self._wanted = None if self._done else next_place(guess, self._spec, views)
+
+    def _fit(self, views: list[BoardView]) -> KnownLens | None:
+        if len(views) < _FITTED_FROM:
+            return None
+        try:
+            return known_lens(views, MOST_TERMS)
+        except CalibrationError:
+            return None
+
+    def _guess(self) -> KnownLens:
+        """The lens with what is known before any picture, so that a next place always follows."""
+        assert self._size is not None
+        lens = self._lens
+        if lens is None or not lens.focal_share < 0.2:
+            return supposed_lens(self._size)
+        normal = lens.normal + prior_normal(self._size, lens.noise_px)
+        return KnownLens(lens.size, lens.camera_matrix, lens.distortion, normal, lens.noise_px)

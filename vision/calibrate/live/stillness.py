@@ -1,0 +1,75 @@
+"""Whether a board stands still: what its corners move together, against what noise moves.
+
+Rules and units
+- Pixels from one frame to the next, seconds of the frames' own times.
+- What an affine map takes along is movement, what it leaves is noise. Still is a movement below
+  ``STILL_PX``, which blurs no corner, or below what such noise feigns; and so for ``STILL_S``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from vision.calibrate.board import BoardView
+
+STILL_S: Final = 0.5
+"""Longer than a hand that passes a place, shorter than one can hold a board."""
+STILL_PX: Final = 0.75
+"""A hand holds a board so still: 1 mm of tremor at 1.5 m; it blurs less than a lens does."""
+LONGEST_GAP_S: Final = 0.4
+"""Frames further apart say nothing on what was between them."""
+FEWEST_CORNERS: Final = 8
+_NOISES: Final = 3.0
+
+
+class Stillness:
+    """Told of each view of a board in turn."""
+
+    def __init__(self) -> None:
+        self._last: tuple[float, BoardView] | None = None
+        self._since_s: float | None = None
+
+    def add(self, now_s: float, view: BoardView | None) -> float:
+        """How still the board has been, 0 (it moves) to 1 (for ``STILL_S``)."""
+        last, self._last = self._last, None if view is None else (now_s, view)
+        if view is None or last is None or not 0.0 < now_s - last[0] <= LONGEST_GAP_S:
+            self._since_s = None
+            return 0.0
+        movement = _movement(last[1], view)
+        if movement is None or movement[0] > max(STILL_PX, movement[1]):
+            self._since_s = None
+            return 0.0
+        if self._since_s is None:
+            self._since_s = last[0]
+        return min(1.0, (now_s - self._since_s) / STILL_S)
+
+    def begin_again(self) -> None:
+        """Forget how long the board has stood still."""
+        self._since_s = None
+
+
+def _movement(before: BoardView, after: BoardView) -> tuple[float, float] | None:
+    """(rms of the common movement, what the noise feigns of it) in px; None without enough corners.
+
+    An affine map fitted to noise of spread s on n corners moves them by s sqrt(6 / n) rms.
+    """
+    places = {tuple(point): i for i, point in enumerate(np.round(before.points_m, 6).tolist())}
+    pairs = [
+        (places[key], i)
+        for i, point in enumerate(np.round(after.points_m, 6).tolist())
+        if (key := tuple(point)) in places
+    ]
+    if len(pairs) < FEWEST_CORNERS:
+        return None
+    here, there = (np.array(column) for column in zip(*pairs, strict=True))
+    start = before.corners_px[here]
+    steps = after.corners_px[there] - start
+    basis = np.column_stack([start - start.mean(axis=0), np.ones(len(start))])
+    together = basis @ np.linalg.lstsq(basis, steps, rcond=None)[0]
+    n = len(start)
+    noise = math.sqrt(float(np.sum((steps - together) ** 2)) / (2 * n - 6))
+    movement = math.sqrt(float(np.mean(np.sum(together**2, axis=1))))
+    return movement, _NOISES * noise * math.sqrt(6.0 / n)
