@@ -214,18 +214,19 @@ def find_boards(
     """
     found = [find_board(image, spec, name) for name, image in pictures]
     views = [f for f in found if isinstance(f, BoardView)]
-    if spec.kind == "chessboard":
-        seen = {view.name for view in views}
-        _refuse_part([grey_of(image) for name, image in pictures if name in seen], spec)
+    seen = {view.name for view in views}
+    refuse_part([grey_of(image) for name, image in pictures if name in seen], spec)
     return views, [f for f in found if isinstance(f, NoBoard)]
 
 
-def _refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
-    """A part of a board is as good a board to the search, with its first corner anywhere.
+def refuse_part(pictures: Sequence[Image], spec: BoardSpec) -> None:
+    """``CalibrationError`` where what was found is a part of a larger chessboard.
 
-    Pictures are looked at until most of them agree: a shadow beside a board may be taken for one
-    more row of it.
+    A part is as good a board to the search, with its first corner anywhere. Grey pictures are
+    looked at until most of them agree: a shadow beside a board may be taken for one more row of it.
     """
+    if spec.kind != "chessboard":
+        return
     larger = [_larger_board(grey, *spec.inner) for grey in pictures[:MOST_LOOKED_AT]]
     for size in {size for size in larger if size is not None}:
         if 2 * larger.count(size) > len(larger):

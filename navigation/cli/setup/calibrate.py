@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from navigation.cli.options import POSITIVE
 from navigation.cli.outputs import keep_apart
 
 if TYPE_CHECKING:
@@ -18,13 +19,28 @@ if TYPE_CHECKING:
     from vision.camera.camera import Image
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
-_LIVE_PICTURES = 20
-_LIVE_SECONDS = 120.0
 
 
 @click.command("calibrate")
 @click.argument("pictures", nargs=-1, type=click.Path(path_type=Path))
-@click.option("--camera", help="Take the pictures of the board from this camera, live.")
+@click.option(
+    "--live",
+    "--camera",
+    "live",
+    metavar="SOURCE",
+    help="Take the views from this camera, live: a source, or a configuration.",
+)
+@click.option(
+    "--limit-px",
+    type=POSITIVE,
+    help="--live ends where the lens is known so well everywhere in the picture; default 0.3.",
+)
+@click.option(
+    "--page",
+    type=click.IntRange(0, 65535),
+    metavar="PORT",
+    help="Show --live on a page at this port of this machine, too; 0 takes any.",
+)
 @click.option(
     "--board",
     type=click.Choice(["charuco", "chessboard"]),
@@ -63,7 +79,9 @@ _LIVE_SECONDS = 120.0
 @click.option("--residual-map", type=_FILE, help="A picture of the surveyed points' residuals.")
 def command(  # noqa: PLR0913 (an argument for each option of the command line)
     pictures: tuple[Path, ...],
-    camera: str | None,
+    live: str | None,
+    limit_px: float | None,
+    page: int | None,
     board: str,
     squares: str | None,
     square_mm: float,
@@ -82,27 +100,40 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
 ) -> None:
     """Calibrate a camera from PICTURES of a board, or live, and place it above the arena.
 
+    With --live the views are taken by themselves: it shows which parts of the picture still want
+    the board and how to hold it, takes a view when it stands still, and ends when the lens is known
+    well enough.
+
     With --points or --floor-picture the result maps pixels to the arena's metres; without
     them the lens alone is written, for --lens of a later call. Pictures and points that do not
     fit are named and left out.
     """
-    if lens_file is not None and (pictures or camera is not None):
-        raise click.UsageError("--lens takes the place of pictures and of --camera")
+    if lens_file is not None and (pictures or live is not None):
+        raise click.UsageError("--lens takes the place of pictures and of --live")
+    if pictures and live is not None:
+        raise click.UsageError("give pictures of a board, or --live")
+    if live is None and (limit_px is not None or page is not None):
+        raise click.UsageError("--limit-px and --page need --live")
     if points is None and floor_picture is None and residual_map is not None:
         raise click.UsageError("--residual-map needs --points or --floor-picture")
-    if not pictures and camera is None and points is None and floor_picture is None:
-        raise click.UsageError("give pictures of a board, --camera, --points or --floor-picture")
+    if not pictures and live is None and points is None and floor_picture is None:
+        raise click.UsageError("give pictures of a board, --live, --points or --floor-picture")
+    from navigation.cli.calibrating.command import taken_live
+
     # The calibration whose lens is taken may be the one that is made anew.
     read = (*pictures, points, floor_picture)
     keep_apart((("--output", output), ("--residual-map", residual_map)), read)
     given_size = None if size is None else _pair(size, "--size")
     spec = None
-    if pictures or camera is not None or (floor_picture is not None and points is None):
+    if pictures or live is not None or (floor_picture is not None and points is None):
         spec = board_spec(board, squares, square_mm, marker_mm, dictionary)
     lens = None
-    if spec is not None and (pictures or camera is not None):
-        taken = _read_all(pictures) if pictures else _take_live(str(camera), spec)
-        lens = _lens(taken, spec, None if terms is None else int(terms), lens_model)
+    if spec is not None and (pictures or live is not None):
+        if live is None:
+            images, views = _taken_from_pictures(pictures, spec)
+        else:
+            images, views = taken_live(live, spec, limit_px, page)
+        lens = _lens(images, views, None if terms is None else int(terms), lens_model)
     if lens_file is not None:
         lens = _known_lens(lens_file)
     if points is None and floor_picture is None:
@@ -192,58 +223,29 @@ def _read_all(paths: tuple[Path, ...]) -> list[tuple[str, Image]]:
     return taken
 
 
-def _take_live(source: str, spec: BoardSpec) -> list[tuple[str, Image]]:
-    """Pictures from a camera, one whenever the board has moved, until there are enough."""
-    import time
-
-    from vision.calibrate.board import BoardView, find_board
-    from vision.camera.sources import camera_for
-
-    camera = camera_for(source, clock=time.monotonic)
-    camera.open()
-    taken: list[tuple[str, Image]] = []
-    last: BoardView | None = None
-    end_s = time.monotonic() + _LIVE_SECONDS
-    click.echo(f"{camera.name}: show the board at all places and tilts; Ctrl-C ends it", err=True)
-    try:
-        while len(taken) < _LIVE_PICTURES and time.monotonic() < end_s and camera.state != "ended":
-            frame = camera.read(0.5)
-            view = find_board(frame.image, spec, "live") if frame is not None else None
-            if frame is None or not isinstance(view, BoardView) or not _moved(last, view):
-                continue
-            last = view
-            taken.append((f"picture {len(taken) + 1}", frame.image))
-            click.echo(f"picture {len(taken)} of {_LIVE_PICTURES}", err=True)
-    except KeyboardInterrupt:
-        click.echo("enough pictures, as you say", err=True)
-    finally:
-        camera.close()
-    return taken
-
-
-def _moved(last: BoardView | None, view: BoardView) -> bool:
-    """Whether the board's corners have moved by a twentieth of the picture on average."""
-    if last is None or last.corners_px.shape != view.corners_px.shape:
-        return True
-    moved = ((view.corners_px - last.corners_px) ** 2).sum(axis=1) ** 0.5
-    return bool(moved.mean() > 0.05 * max(view.size))
-
-
-def _lens(taken: list[tuple[str, Image]], spec: BoardSpec, terms: int | None, model: str) -> Lens:
+def _taken_from_pictures(
+    pictures: tuple[Path, ...], spec: BoardSpec
+) -> tuple[list[Image], list[BoardView]]:
+    """The pictures that show the board, with its views; the others are named."""
     from vision.calibrate.board import find_boards
+
+    taken = _read_all(pictures)
+    views, without = find_boards(taken, spec)
+    for missing in without:
+        click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
+    found = {view.name for view in views}
+    return [image for name, image in taken if name in found], views
+
+
+def _lens(images: list[Image], views: list[BoardView], terms: int | None, model: str) -> Lens:
     from vision.calibrate.lens import estimate_lens, plain_estimate
     from vision.calibrate.lens_choice import choose_lens
     from vision.calibrate.window import choose_window
 
-    views, without = find_boards(taken, spec)
-    for missing in without:
-        click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
     lens = choose_lens(views, terms) if model == "auto" else estimate_lens(views, terms, model)
     if lens.model == "brown":
-        found = {view.name for view in views}
-        pictures = [image for name, image in taken if name in found]
-        views = list(choose_window(pictures, views, plain_estimate).views)
-        lens = replace(estimate_lens(views, terms), left_out_px=lens.left_out_px)
+        chosen = choose_window(images, views, plain_estimate)
+        lens = replace(estimate_lens(chosen.views, terms), left_out_px=lens.left_out_px)
     for remark in lens.remarks:
         click.echo(remark, err=True)
     fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]

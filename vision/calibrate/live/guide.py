@@ -37,9 +37,9 @@ TILTS: Final = {
 """Which edge comes towards the camera, and the turns about the picture's x and y axes."""
 SIZES: Final = {"far": 0.25, "at middle distance": 0.4, "near": 0.55}
 """Half the board's longer side as a share of the picture's shorter one."""
-NEW_SHARE: Final = 0.04
+NEW_SHARE: Final = 0.025
 """A view is new where its corners are so far from any other's, as a share of the picture."""
-_PLACES: Final = (0.0, 0.5, 1.0)
+_PLACES: Final = (0.0, 1 / 3, 2 / 3, 1.0)
 _MARGIN_PX: Final = 8.0
 _FACING: Final = np.diag([1.0, -1.0, -1.0])
 
@@ -148,6 +148,7 @@ def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
     x, y = np.meshgrid(np.arange(columns) * spec.square_m, np.arange(rows) * -spec.square_m)
     points: FloatArray = np.stack([x.ravel(), y.ravel()], axis=1)
     middle = np.array([(columns - 1) / 2, -(rows - 1) / 2, 0.0]) * spec.square_m
+    rim = _rim(spec)
     focal, centre = float(lens.camera_matrix[0, 0]), lens.camera_matrix[:2, 2]
     found = []
     for distance, share in SIZES.items():
@@ -162,13 +163,13 @@ def held_poses(lens: KnownLens, spec: BoardSpec) -> list[HeldPose]:
                     for _ in range(4):
                         shift = np.array([*((at - centre) / focal * z), z]) - rotation @ middle
                         turn = np.asarray(cv2.Rodrigues(rotation)[0], dtype=np.float64).ravel()
-                        corners = _project(lens, points, turn, shift)
-                        beyond = _beyond(corners, lens.size)
+                        beyond = _beyond(_project(lens, rim, turn, shift), lens.size)
                         if not beyond.any():
                             break
                         at = at + beyond
                     else:
                         continue
+                    corners = _project(lens, points, turn, shift)
                     view = BoardView("wanted", lens.size, corners, points)
                     found.append(HeldPose(edge, distance, turn, shift, view))
     return found
@@ -183,16 +184,21 @@ def _project(
 
 
 def _beyond(corners: FloatArray, size: tuple[int, int]) -> FloatArray:
-    """How far (2,) the corners must be moved to be in the picture."""
+    """How far (2,) points must be moved to be in the picture."""
     low = np.maximum(0.0, _MARGIN_PX - corners.min(axis=0))
     high = np.maximum(0.0, corners.max(axis=0) - (np.array(size) - 1.0 - _MARGIN_PX))
     return np.asarray(low - high)
 
 
 def _outline(lens: KnownLens, spec: BoardSpec, pose: HeldPose) -> FloatArray:
+    return _project(lens, _rim(spec), pose.turn, pose.shift)
+
+
+def _rim(spec: BoardSpec) -> FloatArray:
+    """The corners (4, 2) of the outer squares: all of these must be seen, metres."""
     columns, rows = spec.inner
-    rim = np.array([[0, 0], [columns - 1, 0], [columns - 1, 1 - rows], [0, 1 - rows]])
-    return _project(lens, rim * spec.square_m, pose.turn, pose.shift)
+    rim = np.array([[-1, 1], [columns, 1], [columns, -rows], [-1, -rows]], dtype=np.float64)
+    return rim * spec.square_m
 
 
 def _sentence(pose: HeldPose, size: tuple[int, int]) -> str:

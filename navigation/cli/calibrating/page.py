@@ -1,0 +1,192 @@
+"""A live calibration on a page: the picture with the board, the parts still wanted, the spread.
+
+Rules
+- The page only looks: what there is to do is done with the board. So it needs no token; the gate of
+  the dashboard (`dashboard.admission.access`) refuses names that are not this machine's.
+- The loop leaves its last state and frame here and goes on; the page asks for them, and a picture
+  is encoded when it is asked for.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import socket
+import threading
+from importlib.resources import files
+from typing import Any, Final
+
+import cv2
+import numpy as np
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from navigation.cli.calibrating.said import (
+    board_line,
+    cells_line,
+    figure_px,
+    known_line,
+    wanted_line,
+)
+from navigation.config.dashboard import DashboardSection
+from navigation.dashboard.admission.access import Gate
+from navigation.dashboard.app import HEADERS, TYPES
+from navigation.dashboard.messages.palette import stylesheet
+from navigation.dashboard.server import listen
+from vision.calibrate.live.session import LiveState
+from vision.camera.camera import Frame
+
+HOST: Final = "127.0.0.1"
+LARGEST_PX: Final = 1280
+JPEG_QUALITY: Final = 80
+MOST_REMARKS: Final = 50
+CLOSE_WITHIN_S: Final = 2.0
+
+
+class LivePage:
+    """Serves the page in a thread of its own; a context manager. ``url`` is where.
+
+    Raises ``OSError`` where the port cannot be had.
+    """
+
+    def __init__(self, port: int) -> None:
+        self._socket: socket.socket = listen(HOST, port)
+        number = self._socket.getsockname()[1]
+        self.url = f"http://{HOST}:{number}/"
+        self._gate = Gate(DashboardSection(host=HOST, port=number))
+        self._shown: tuple[LiveState, Frame] | None = None
+        self._remarks: list[str] = []
+        self._ended = ""
+        self._files = _page_files()
+        self._server = uvicorn.Server(
+            uvicorn.Config(
+                self._app(), lifespan="off", log_config=None, log_level="critical",
+                access_log=False, server_header=False, timeout_graceful_shutdown=1,
+            )
+        )  # fmt: skip
+        self._thread = threading.Thread(target=self._run, name="page", daemon=True)
+
+    def __enter__(self) -> LivePage:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self._server.should_exit = True
+        self._thread.join(CLOSE_WITHIN_S)
+        self._socket.close()
+
+    def show(self, state: LiveState, frame: Frame) -> None:
+        """The next frame; costs nothing until the page asks."""
+        if (state.taken or "not taken" in state.remark) and state.remark not in self._remarks[-1:]:
+            self._remarks = [*self._remarks, state.remark][-MOST_REMARKS:]
+        self._shown = state, frame
+
+    def end(self, sentence: str) -> None:
+        """What came of it."""
+        self._ended = sentence
+
+    def _run(self) -> None:
+        asyncio.run(self._server.serve(sockets=[self._socket]))
+
+    def _app(self) -> ASGIApp:
+        app = Starlette(
+            routes=[
+                *[Route(address, self._file) for address in self._files],
+                Route("/state", self._state),
+                Route("/picture.jpg", self._picture),
+            ]
+        )
+
+        async def gated(scope: Scope, receive: Receive, send: Send) -> None:
+            if scope["type"] != "http":
+                return
+            headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+            refusal = self._gate.admit(headers.get(b"host"), headers.get(b"origin"))
+            if refusal is None:
+                await app(scope, receive, send)
+            else:
+                await Response(refusal.sentence, refusal.status)(scope, receive, send)
+
+        return gated
+
+    async def _file(self, request: Request) -> Response:
+        body, kind = self._files[request.url.path]
+        return Response(body, media_type=kind, headers=HEADERS)
+
+    async def _state(self, _request: Request) -> Response:
+        shown = self._shown
+        state = None if shown is None else as_json(*shown)
+        body = {"state": state, "remarks": self._remarks, "ended": self._ended}
+        return JSONResponse(body, headers=HEADERS)
+
+    async def _picture(self, _request: Request) -> Response:
+        shown = self._shown
+        if shown is None:
+            return Response(status_code=404, headers=HEADERS)
+        return Response(_jpeg(shown[1]), media_type="image/jpeg", headers=HEADERS)
+
+
+def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
+    """What the page draws, in pixels of the frame; spreads that are unknown are null."""
+    cells = state.cells
+    outline = None
+    if state.view is not None:
+        hull = cv2.convexHull(state.view.corners_px.astype(np.float32)).reshape(-1, 2)
+        outline = np.round(hull, 1).tolist()
+    corners = [] if state.view is None else np.round(state.view.corners_px, 1).tolist()
+    return {
+        "frame": frame.sequence,
+        "size": list(state.size),
+        "cells": [
+            [
+                {
+                    "px": round(sigma, 3) if math.isfinite(sigma) else None,
+                    "seen": bool(state.cells.seen[row, column]),
+                    "done": bool(cells.done[row, column]),
+                }
+                for column, sigma in enumerate(line)
+            ]
+            for row, line in enumerate(cells.sigma_px.tolist())
+        ],
+        "outline": outline,
+        "corners": corners,
+        "wanted": None if state.wanted is None else state.wanted.outline_px.round(1).tolist(),
+        "sentence": wanted_line(state),
+        "board": board_line(state),
+        "known": known_line(state),
+        "parts": cells_line(state),
+        "spread": figure_px(cells.worst_px),
+        "worst_px": cells.worst_px if math.isfinite(cells.worst_px) else None,
+        "limit_px": cells.limit_px,
+        "still": state.still,
+        "count": state.count,
+        "done": state.done,
+    }
+
+
+def _jpeg(frame: Frame) -> bytes:
+    image = frame.image
+    scale = min(1.0, LARGEST_PX / max(frame.size))
+    if scale < 1.0:
+        image = np.asarray(
+            cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), np.uint8
+        )
+    _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+    return data.tobytes()
+
+
+def _page_files() -> dict[str, tuple[bytes, str]]:
+    """The page's files by their address."""
+    folder = files("navigation.cli.calibrating") / "static"
+    found = {
+        f"/{item.name}": (item.read_bytes(), TYPES["." + item.name.rsplit(".", 1)[-1]])
+        for item in folder.iterdir()
+        if "." + item.name.rsplit(".", 1)[-1] in TYPES
+    }
+    found["/"] = found["/calibrate.html"]
+    found["/palette.css"] = (stylesheet().encode(), TYPES[".css"])
+    return found

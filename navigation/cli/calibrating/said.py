@@ -1,0 +1,52 @@
+"""A live calibration in sentences: the same for the terminal and the page."""
+
+from __future__ import annotations
+
+import math
+
+from vision.calibrate.live.session import FOCAL_SHARE, LiveState
+
+
+def figure_px(value: float) -> str:
+    """A spread in pixels; it is unknown before the lens is."""
+    if not math.isfinite(value):
+        return "unknown"
+    return "more than 100 px" if value >= 100.0 else f"{value:.2f} px"
+
+
+def board_line(state: LiveState) -> str:
+    """What the board does."""
+    if state.view is None:
+        return f"board: not seen: {state.remark}"
+    if state.taken or state.remark:
+        return f"board: seen; {state.remark}"
+    if state.still > 0.0:
+        return "board: seen, stands still"
+    return "board: seen, moves"
+
+
+def known_line(state: LiveState) -> str:
+    """What is known of the lens, and what is wanted."""
+    focal = f"{100.0 * state.focal_share:.2f} %" if math.isfinite(state.focal_share) else "unknown"
+    return (
+        f"largest spread {figure_px(state.cells.worst_px)}, wanted {state.cells.limit_px:g} px; "
+        f"focal length {'' if focal == 'unknown' else '+-'}{focal}, wanted "
+        f"+-{100.0 * FOCAL_SHARE:g} %"
+    )
+
+
+def wanted_line(state: LiveState) -> str:
+    """How to hold the board next."""
+    if state.done:
+        return "enough: the board can be put down"
+    if state.wanted is None:
+        if state.count:
+            return "hold the board where and as it was not held yet"
+        return "the board fits into the picture nowhere: take a smaller one"
+    return state.wanted.sentence
+
+
+def cells_line(state: LiveState) -> str:
+    """How much of the picture is done."""
+    done = state.cells.done
+    return f"{int(done.sum())} of {done.size} parts of the picture done"
