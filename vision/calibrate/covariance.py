@@ -181,6 +181,17 @@ def known_lens(
     return KnownLens(views[0].size, found, bends, normal, noise_px)
 
 
+def seen_through(lens: KnownLens, view: BoardView) -> FloatArray:
+    """What a view adds to ``normal`` through a lens that may be a guess; 0 where it cannot be."""
+    found, turn, shift = cv2.solvePnP(
+        _space(view), view.corners_px.copy(), lens.camera_matrix, lens.distortion
+    )
+    if not found:
+        return np.zeros_like(lens.normal)
+    pose = (np.asarray(one, dtype=np.float64).ravel() for one in (turn, shift))
+    return information(lens, view.points_m, *pose)
+
+
 def information(
     lens: KnownLens, points_m: FloatArray, turn: FloatArray, shift: FloatArray
 ) -> FloatArray:

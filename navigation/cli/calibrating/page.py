@@ -13,6 +13,7 @@ import asyncio
 import math
 import socket
 import threading
+from collections import deque
 from importlib.resources import files
 from typing import Any, Final
 
@@ -29,7 +30,7 @@ from navigation.cli.calibrating.said import (
     board_line,
     cells_line,
     figure_px,
-    known_line,
+    focal_line,
     wanted_line,
 )
 from navigation.config.dashboard import DashboardSection
@@ -44,6 +45,9 @@ HOST: Final = "127.0.0.1"
 LARGEST_PX: Final = 1280
 JPEG_QUALITY: Final = 80
 MOST_REMARKS: Final = 50
+FRAMES_KEPT: Final = 16
+"""A page asks for the picture of a state some time after the state."""
+LAST_WORDS_S: Final = 1.0
 CLOSE_WITHIN_S: Final = 2.0
 
 
@@ -59,6 +63,9 @@ class LivePage:
         self.url = f"http://{HOST}:{number}/"
         self._gate = Gate(DashboardSection(host=HOST, port=number))
         self._shown: tuple[LiveState, Frame] | None = None
+        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
+        self._asked = False
+        self._told = threading.Event()
         self._remarks: list[str] = []
         self._ended = ""
         self._files = _page_files()
@@ -75,6 +82,8 @@ class LivePage:
         return self
 
     def __exit__(self, *_exc: object) -> None:
+        if self._asked and self._ended:
+            self._told.wait(LAST_WORDS_S)
         self._server.should_exit = True
         self._thread.join(CLOSE_WITHIN_S)
         self._socket.close()
@@ -83,6 +92,7 @@ class LivePage:
         """The next frame; costs nothing until the page asks."""
         if (state.taken or "not taken" in state.remark) and state.remark not in self._remarks[-1:]:
             self._remarks = [*self._remarks, state.remark][-MOST_REMARKS:]
+        self._frames.append(frame)
         self._shown = state, frame
 
     def end(self, sentence: str) -> None:
@@ -118,16 +128,22 @@ class LivePage:
         return Response(body, media_type=kind, headers=HEADERS)
 
     async def _state(self, _request: Request) -> Response:
-        shown = self._shown
+        shown, ended = self._shown, self._ended
+        self._asked = True
+        if ended:
+            self._told.set()
         state = None if shown is None else as_json(*shown)
-        body = {"state": state, "remarks": self._remarks, "ended": self._ended}
+        body = {"state": state, "remarks": self._remarks, "ended": ended}
         return JSONResponse(body, headers=HEADERS)
 
-    async def _picture(self, _request: Request) -> Response:
-        shown = self._shown
-        if shown is None:
+    async def _picture(self, request: Request) -> Response:
+        """The frame that a state was of, or the newest where it is no longer kept."""
+        frames = list(self._frames)
+        if not frames:
             return Response(status_code=404, headers=HEADERS)
-        return Response(_jpeg(shown[1]), media_type="image/jpeg", headers=HEADERS)
+        asked = request.query_params.get("frame", "")
+        frame = next((one for one in frames if str(one.sequence) == asked), frames[-1])
+        return Response(_jpeg(frame), media_type="image/jpeg", headers=HEADERS)
 
 
 def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
@@ -157,7 +173,7 @@ def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
         "wanted": None if state.wanted is None else state.wanted.outline_px.round(1).tolist(),
         "sentence": wanted_line(state),
         "board": board_line(state),
-        "known": known_line(state),
+        "focal": focal_line(state),
         "parts": cells_line(state),
         "spread": figure_px(cells.worst_px),
         "worst_px": cells.worst_px if math.isfinite(cells.worst_px) else None,

@@ -26,13 +26,18 @@ def board_line(state: LiveState) -> str:
 
 
 def known_line(state: LiveState) -> str:
-    """What is known of the lens, and what is wanted."""
-    focal = f"{100.0 * state.focal_share:.2f} %" if math.isfinite(state.focal_share) else "unknown"
+    """What is known of the lens, and what is wanted of it."""
     return (
         f"largest spread {figure_px(state.cells.worst_px)}, wanted {state.cells.limit_px:g} px; "
-        f"focal length {'' if focal == 'unknown' else '+-'}{focal}, wanted "
-        f"+-{100.0 * FOCAL_SHARE:g} %"
+        f"{focal_line(state)}"
     )
+
+
+def focal_line(state: LiveState) -> str:
+    """How well the focal length is known."""
+    share = state.focal_share
+    known = f"± {100.0 * share:.2f} %" if math.isfinite(share) else "unknown"
+    return f"focal length {known}, wanted ± {100.0 * FOCAL_SHARE:g} %"
 
 
 def wanted_line(state: LiveState) -> str:

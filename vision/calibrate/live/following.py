@@ -77,7 +77,10 @@ class BoardFollower:
         )
         if not np.all(np.ravel(met) == 1):
             return None
-        corners = refine_corners(grey, np.asarray(moved, dtype=np.float64).reshape(-1, 2))
+        start_px = np.asarray(moved, dtype=np.float64).reshape(-1, 2)
+        if not ((start_px > 0.0) & (start_px < np.array(grey.shape[::-1]) - 1.0)).all():
+            return None
+        corners = refine_corners(grey, start_px)
         if not _moved_as_a_plane(view.corners_px, corners):
             return None
         self._followed += 1

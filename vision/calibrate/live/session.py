@@ -21,6 +21,7 @@ from vision.calibrate.covariance import (
     KnownLens,
     known_lens,
     prior_normal,
+    seen_through,
     supposed_lens,
 )
 from vision.calibrate.left_out import residuals_px, rms_px
@@ -42,6 +43,8 @@ MOST_VIEWS: Final = 60
 _FITTED_FROM: Final = 3
 _BAD_PX, _BAD_FACTOR = 0.5, 3.0
 _DOUBTS: Final = 3
+_USABLE_FOCAL: Final = 0.2
+"""With a focal length known worse than so, a supposed lens guides as well."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -199,7 +202,8 @@ class LiveSession:
         """The lens with what is known before any picture, so that a next place always follows."""
         assert self._size is not None
         lens = self._lens
-        if lens is None or not lens.focal_share < 0.2:
-            return supposed_lens(self._size)
-        normal = lens.normal + prior_normal(self._size, lens.noise_px)
-        return KnownLens(lens.size, lens.camera_matrix, lens.distortion, normal, lens.noise_px)
+        if lens is not None and lens.focal_share < _USABLE_FOCAL:
+            normal = lens.normal + prior_normal(self._size, lens.noise_px)
+            return replace(lens, normal=normal)
+        lens = supposed_lens(self._size)
+        return replace(lens, normal=lens.normal + sum(seen_through(lens, v) for v in self.views))

@@ -1,12 +1,12 @@
 // The page of a live calibration: asks for the state, and draws it over the picture it belongs to.
 
 const ASK_EVERY_MS = 120;
-const LOST_AFTER = 5;
+const ASK_AGAIN_MS = 2000;
+const LOST_AFTER = 3;
 const SVG = "http://www.w3.org/2000/svg";
 const byId = (id) => document.getElementById(id);
 let lastFrame = null;
 let failures = 0;
-let ended = "";
 
 function element(name, attributes, text) {
   const made = document.createElementNS(SVG, name);
@@ -72,7 +72,7 @@ function tell(state, remarks) {
   say("spread", state.spread);
   say("limit", `${state.limit_px} px`);
   byId("known").value = state.worst_px === null ? 0 : Math.min(1, state.limit_px / state.worst_px);
-  say("knownline", upper(state.known));
+  say("focal", upper(state.focal));
   say("parts", upper(state.parts));
   say("count", String(state.count));
   const list = byId("remarks");
@@ -99,22 +99,22 @@ async function ask() {
   try {
     const answer = await (await fetch("state")).json();
     failures = 0;
-    ended = answer.ended;
     if (answer.state && answer.state.frame !== lastFrame) {
       lastFrame = answer.state.frame;
       await pictureOf(lastFrame);
       drawn(answer.state);
       tell(answer.state, answer.remarks);
     }
-    if (ended) {
+    if (answer.ended) {
       phase("ended", "good");
-      say("sentence", upper(ended));
+      say("sentence", upper(answer.ended));
+      return;
     }
   } catch {
     failures += 1;
-    if (failures >= LOST_AFTER) phase(ended ? "ended" : "the program has ended, or is not reached", ended ? "good" : "bad");
+    if (failures >= LOST_AFTER) phase("the program has ended, or is not reached", "bad");
   }
-  setTimeout(ask, ASK_EVERY_MS);
+  setTimeout(ask, failures >= LOST_AFTER ? ASK_AGAIN_MS : ASK_EVERY_MS);
 }
 
 ask();
