@@ -66,6 +66,17 @@ class BoardSpec:
         return self.columns, self.rows
 
     @property
+    def window_share(self) -> float:
+        """Half the largest refinement window, as a share of a square's side.
+
+        A window that reaches a marker's edge pulls the corner there: 0.65 px on a tilted board.
+        """
+        if self.kind == "chessboard":
+            return WINDOW_SHARE
+        marker_m = self.marker_m if self.marker_m is not None else self.square_m / 2.0
+        return min(WINDOW_SHARE, (1.0 - marker_m / self.square_m) / 2.0)
+
+    @property
     def looks_the_same_turned(self) -> bool:
         """Whether half a turn takes the board's pattern into itself: its first corner is unknown.
 
@@ -101,7 +112,7 @@ def find_board(image: Image, spec: BoardSpec, name: str) -> BoardView | NoBoard:
     if isinstance(found, str):
         return NoBoard(name, found)
     corners, points = found
-    refined = refine_corners(grey, corners)
+    refined = refine_corners(grey, corners, spec.window_share)
     refined.setflags(write=False)
     points.setflags(write=False)
     return BoardView(name, (grey.shape[1], grey.shape[0]), refined, points)

@@ -41,30 +41,35 @@ class WindowChoice:
 
 
 def choose_window(
-    pictures: Sequence[Image], views: Sequence[BoardView], estimate: Estimate
+    pictures: Sequence[Image],
+    views: Sequence[BoardView],
+    estimate: Estimate,
+    largest: float = WINDOW_SHARE,
 ) -> WindowChoice:
     """The views of these pictures, in the window that suits them; ``estimate`` makes a lens.
 
+    ``largest`` is the share that the views are refined with, ``BoardSpec.window_share``.
     Takes some 40 estimates. Raises ``CalibrationError`` where the views determine no lens.
     """
     sizes = {view.size for view in views}
     if len(views) < FEWEST_VIEWS or len(sizes) > 1:
-        return WindowChoice(tuple(views), WINDOW_SHARE, ())
+        return WindowChoice(tuple(views), largest, ())
+    shares = [share * largest / WINDOW_SHARE for share in WINDOW_SHARES[:-1]]
     refined = [
         [_refined(image, view, share) for image, view in zip(pictures, views, strict=True)]
-        for share in WINDOW_SHARES
+        for share in shares
     ]
+    refined.append(list(views))
+    shares.append(largest)
     errors = np.array([left_out_px(these, estimate) for these in refined])
     far_off_px = _FAR_OFF * float(np.median(errors, axis=1).min())
     scores = np.sqrt(np.mean(np.minimum(errors, far_off_px) ** 2, axis=1))
     best = int(np.argmin(scores))
-    table = tuple(zip(WINDOW_SHARES, scores.tolist(), strict=True))
-    return WindowChoice(tuple(refined[best]), WINDOW_SHARES[best], table)
+    table = tuple(zip(shares, scores.tolist(), strict=True))
+    return WindowChoice(tuple(refined[best]), shares[best], table)
 
 
 def _refined(image: Image, view: BoardView, share: float) -> BoardView:
-    if share == WINDOW_SHARE:
-        return view
     corners = refine_corners(grey_of(image), view.corners_px, share)
     corners.setflags(write=False)
     return BoardView(view.name, view.size, corners, view.points_m)

@@ -133,7 +133,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             images, views = _taken_from_pictures(pictures, spec)
         else:
             images, views = taken_live(live, spec, limit_px, page)
-        lens = _lens(images, views, None if terms is None else int(terms), lens_model)
+        lens = _lens(images, views, spec, None if terms is None else int(terms), lens_model)
     if lens_file is not None:
         lens = _known_lens(lens_file)
     if points is None and floor_picture is None:
@@ -237,15 +237,17 @@ def _taken_from_pictures(
     return [image for name, image in taken if name in found], views
 
 
-def _lens(images: list[Image], views: list[BoardView], terms: int | None, model: str) -> Lens:
+def _lens(
+    images: list[Image], views: list[BoardView], spec: BoardSpec, terms: int | None, model: str
+) -> Lens:
     from vision.calibrate.lens import estimate_lens, plain_estimate
     from vision.calibrate.lens_choice import choose_lens
     from vision.calibrate.window import choose_window
 
     lens = choose_lens(views, terms) if model == "auto" else estimate_lens(views, terms, model)
     if lens.model == "brown":
-        chosen = choose_window(images, views, plain_estimate)
-        lens = replace(estimate_lens(chosen.views, terms), left_out_px=lens.left_out_px)
+        choice = choose_window(images, views, plain_estimate, spec.window_share)
+        lens = replace(estimate_lens(choice.views, terms), left_out_px=lens.left_out_px)
     for remark in lens.remarks:
         click.echo(remark, err=True)
     fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]

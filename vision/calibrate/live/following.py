@@ -62,7 +62,8 @@ class BoardFollower:
         if isinstance(found, NoBoard):
             return found
         ratio = np.array([grey.shape[1] / small.shape[1], grey.shape[0] / small.shape[0]])
-        corners = refine_corners(grey, (found.corners_px + 0.5) * ratio - 0.5)
+        start_px = (found.corners_px + 0.5) * ratio - 0.5
+        corners = refine_corners(grey, start_px, self._spec.window_share)
         return _view(name, grey, corners, found.points_m)
 
     def _follow(self, grey: Image, name: str) -> BoardView | None:
@@ -80,7 +81,7 @@ class BoardFollower:
         start_px = np.asarray(moved, dtype=np.float64).reshape(-1, 2)
         if not ((start_px > 0.0) & (start_px < np.array(grey.shape[::-1]) - 1.0)).all():
             return None
-        corners = refine_corners(grey, start_px)
+        corners = refine_corners(grey, start_px, self._spec.window_share)
         if not _moved_as_a_plane(view.corners_px, corners):
             return None
         self._followed += 1
