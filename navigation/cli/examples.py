@@ -65,9 +65,9 @@ EXAMPLES: dict[str, Example] = {
     ),
     "check": Example("clearway check arena.yaml", "Report every error with its line and column."),
     "calibrate": Example(
-        "clearway calibrate board_1.png board_2.png board_3.png --squares 7x5 --square-mm 30"
+        "clearway calibrate --live /dev/video0 --squares 7x5 --square-mm 30"
         " --floor-picture floor.png -o calibration.yaml",
-        "Calibrate lens and floor from pictures of a printed board.",
+        "Calibrate lens with a printed board before the camera, and floor from a picture.",
     ),
     "reanchor": Example(
         "clearway reanchor arena.yaml floor.png",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from navigation.config import Config, load_config
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
+from vision.calibrate.live.guide import HeldPose
 from vision.calibrate.live.session import LiveSession
 
 CHARUCO = BoardSpec("charuco", 8, 6, 0.1, 0.075, "DICT_5X5_100")
@@ -43,7 +44,7 @@ def held_board(
 ) -> HeldBoardCamera:
     """The camera; the board does what a session asks, or wanders about."""
 
-    def asked():  # type: ignore[no-untyped-def]
+    def asked() -> HeldPose | None:
         return None if session is None or session.wanted is None else session.wanted.pose
 
     return HeldBoardCamera(small_config(), spec, time.clock, time.wait, seed, asked)

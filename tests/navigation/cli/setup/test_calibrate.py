@@ -160,15 +160,6 @@ def test_a_board_larger_than_named_is_refused(
     assert not out.exists()
 
 
-def test_a_live_source_is_watched_for_new_places_of_the_board(
-    pictures: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["calibrate", "--camera", str(pictures), *BOARD]) == 0
-    said = capsys.readouterr()
-    assert "picture 3 of 20" in said.err
-    assert "lens:" in said.out
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -177,6 +168,10 @@ def test_a_live_source_is_watched_for_new_places_of_the_board(
         (["--points", "nowhere.csv", "--size", "10x10"], "nowhere.csv: cannot be read"),
         (["--points", "p.csv", "--size", "10"], "two whole numbers"),
         (["--camera", "/dev/video991"], "plugged in"),
+        (["--live", "/dev/video991"], "plugged in"),
+        (["a.png", "--live", "0"], "give pictures of a board, or --live"),
+        (["a.png", "--page", "0"], "need --live"),
+        (["--live", "0", "--limit-px", "0"], "--limit-px"),
         (["a.png", "--squares", "9"], "9x6"),
         (["a.png", "--square-mm", "0"], "square = 0.0 m"),
         (["--residual-map", "m.png"], "--residual-map needs"),
