@@ -37,7 +37,7 @@ _OWN_LENS_VIEWS = 4
 _PARTINGS = 5
 _TWO_LENSES = 0.9
 """Two lenses take the rms of views left out to this share: 0.84 for the two very similar cameras
-of the classic stereo set, 0.94 at least for one of them (python -m benchmarks.calibration)."""
+of the classic stereo set, 0.94 at least for one of them (python -m benchmarks.camera.boards)."""
 
 
 @dataclass(frozen=True, slots=True)

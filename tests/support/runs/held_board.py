@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from navigation.config import Config, load_config
 from navigation.simulator.picture.held_board import HeldBoardCamera
 from vision.calibrate.board import BoardSpec
@@ -11,6 +13,7 @@ from vision.calibrate.live.session import LiveSession
 CHARUCO = BoardSpec("charuco", 8, 6, 0.1, 0.075, "DICT_5X5_100")
 CHESSBOARD = BoardSpec("chessboard", 9, 6, 0.08)
 FOCAL_PX = 617.0
+CONFIG = Path(__file__).parents[3] / "configs" / "simulation.yaml"
 
 
 class VirtualTime:
@@ -28,7 +31,7 @@ class VirtualTime:
 
 def small_config() -> Config:
     """The simulation's camera with pictures of a quarter of the size, ten a second."""
-    config = load_config("configs/simulation.yaml", {})
+    config = load_config(CONFIG, {})
     assert config.simulation is not None
     lens = config.simulation.camera.model_copy(update={"focal_px": FOCAL_PX})
     return config.model_copy(

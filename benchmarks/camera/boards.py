@@ -1,6 +1,6 @@
 """Windows of corner refinement, and foreign pictures, on folders of real chessboard pictures.
 
-    python -m benchmarks.calibration FOLDER [FOLDER ...] [--squares 9x6]
+    python -m benchmarks.camera.boards FOLDER [FOLDER ...] [--squares 9x6]
 
 For each folder, one camera's: the rms in pixels with a plain ``cornerSubPix`` window of 7, with the
 largest share of the distance to the next corner, and with the share that is chosen, in the fit and
@@ -57,7 +57,7 @@ def row(name: str, views: list[BoardView]) -> str:
 
 def main() -> None:
     """Print the tables."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.camera.boards", description=__doc__)
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--squares", default="9x6", help="inner corners")
     options = parser.parse_args()
