@@ -7,6 +7,7 @@ const SVG = "http://www.w3.org/2000/svg";
 const byId = (id) => document.getElementById(id);
 let lastFrame = null;
 let failures = 0;
+let enough = false;
 
 function element(name, attributes, text) {
   const made = document.createElementNS(SVG, name);
@@ -83,6 +84,7 @@ function tell(state, remarks) {
       return item;
     }));
   }
+  enough = state.done;
   if (state.done) phase("enough views", "good");
   else if (!state.outline) phase("no board seen", "warn");
   else if (state.still > 0) phase("hold still", "good");
@@ -112,7 +114,9 @@ async function ask() {
     }
   } catch {
     failures += 1;
-    if (failures >= LOST_AFTER) phase("the program has ended, or is not reached", "bad");
+    if (failures >= LOST_AFTER) {
+      phase(enough ? "enough views; the program has ended" : "the program has ended, or is not reached", enough ? "good" : "bad");
+    }
   }
   setTimeout(ask, failures >= LOST_AFTER ? ASK_AGAIN_MS : ASK_EVERY_MS);
 }
