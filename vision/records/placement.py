@@ -28,6 +28,9 @@ from planner.scene import (
 from vision.errors import PictureError
 from vision.records.unseen import blind_of
 
+_MILD = 0.2
+"""A fifth more or less than nominal is no matter for tolerances, which are chosen no finer."""
+
 
 class Calibration(Protocol):
     """What turns pixels into metres."""
@@ -125,6 +128,7 @@ class Placement:
             lengths.append(total[starts[1:]] - total[starts[:-1]])
         ratio = np.ones(len(starts) - 1)
         np.divide(lengths[0], lengths[1], out=ratio, where=(lengths[1] > 0.0) & (lengths[0] > 0.0))
+        ratio[np.abs(np.log(ratio)) < _MILD] = 1.0
         return ratio
 
 
