@@ -135,9 +135,7 @@ def _try(
             if waiting == j and row < len(numbers[j]) and numbers[j][row] < last
         ]
         try:
-            promises[one.name] = make_promise(
-                here, one, tracks[j], gates, sizes[j] - one.radius_m
-            )
+            promises[one.name] = make_promise(here, one, tracks[j], gates, sizes[j] - one.radius_m)
         except TrajectoryError as error:
             return j, str(error)
     return promises

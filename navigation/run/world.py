@@ -19,8 +19,8 @@ import numpy as np
 from navigation.config import Config
 from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED, RobotSection
-from navigation.config.simulation import SimulatedKnockSection
 from navigation.config.several.each_camera import each_camera
+from navigation.config.simulation import SimulatedKnockSection
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest

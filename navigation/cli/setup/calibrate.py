@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -118,6 +117,7 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
         raise click.UsageError("--residual-map needs --points or --floor-picture")
     if not pictures and live is None and points is None and floor_picture is None:
         raise click.UsageError("give pictures of a board, --live, --points or --floor-picture")
+    from navigation.cli.calibrating.chosen_lens import lens_from_views
     from navigation.cli.calibrating.command import taken_live
 
     # The calibration whose lens is taken may be the one that is made anew.
@@ -133,7 +133,9 @@ def command(  # noqa: PLR0913 (an argument for each option of the command line)
             images, views = _taken_from_pictures(pictures, spec)
         else:
             images, views = taken_live(live, spec, limit_px, page)
-        lens = _lens(images, views, spec, None if terms is None else int(terms), lens_model)
+        lens = lens_from_views(
+            images, views, spec, None if terms is None else int(terms), lens_model
+        )
     if lens_file is not None:
         lens = _known_lens(lens_file)
     if points is None and floor_picture is None:
@@ -235,41 +237,6 @@ def _taken_from_pictures(
         click.echo(f"{missing.name}: left out: {missing.reason}", err=True)
     found = {view.name for view in views}
     return [image for name, image in taken if name in found], views
-
-
-def _lens(
-    images: list[Image], views: list[BoardView], spec: BoardSpec, terms: int | None, model: str
-) -> Lens:
-    from vision.calibrate.lens import estimate_lens, plain_estimate
-    from vision.calibrate.lens_choice import choose_lens
-    from vision.calibrate.window import choose_window
-
-    lens = choose_lens(views, terms) if model == "auto" else estimate_lens(views, terms, model)
-    if lens.model == "brown":
-        choice = choose_window(images, views, plain_estimate, spec.window_share)
-        lens = replace(estimate_lens(choice.views, terms), left_out_px=lens.left_out_px)
-    for remark in lens.remarks:
-        click.echo(remark, err=True)
-    fx, fy = lens.camera_matrix[0, 0], lens.camera_matrix[1, 1]
-    left_out_px = lens.left_out_rms_px
-    left_out = "" if left_out_px is None else f", {left_out_px:.3f} px on ones left out"
-    click.echo(
-        f"lens: {lens.rms_px:.3f} px rms over {len(lens.used)} pictures{left_out}, "
-        f"focal length {fx:.1f}, {fy:.1f} px, {lens.terms} distortion terms"
-    )
-    if lens.left_out_px and not any(math.isfinite(rms_px) for _, rms_px in lens.left_out_px):
-        click.echo(
-            f"model: {lens.model}; four pictures and more show which fits: --lens-model says which",
-            err=True,
-        )
-    elif lens.left_out_px:
-        both = ", ".join(f"{name} {_rms(rms_px)}" for name, rms_px in lens.left_out_px)
-        click.echo(f"model: {lens.model}; on pictures left out by turns: {both}")
-    return lens
-
-
-def _rms(rms_px: float) -> str:
-    return f"{rms_px:.3f} px rms" if math.isfinite(rms_px) else "no fit"
 
 
 def _save_lens_alone(lens: Lens, output: Path) -> None:

@@ -28,7 +28,7 @@ from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.replay.player import Player
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes
-from navigation.mission.cycle import PlanAnswer
+from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import Mission, MissionError, State, Station
 from navigation.mission.watch import Action, Verdict
 from navigation.recording.files import RecordingError
@@ -54,10 +54,11 @@ class ReplayedRun:
     def __init__(
         self, tape: Tape, player: Player, section: DashboardSection, clock: Callable[[], float]
     ) -> None:
-        if tape.recording.config.robots:
+        robots = tape.recording.config.robots
+        if robots:
             raise RecordingError(
-                f"{tape.recording.path}: is of {len(tape.recording.config.robots)} robots; the page "
-                "replays one: `clearway replay` and Foxglove show several"
+                f"{tape.recording.path}: is of {len(robots)} robots; the page replays one: "
+                "`clearway replay` and Foxglove show several"
             )
         self.tape, self.player, self._clock = tape, player, clock
         folder = tape.recording.path.parent
@@ -145,7 +146,8 @@ class ReplayedRun:
     def _mission(self, time_s: float) -> Mission:
         said = self.tape.said_at(time_s)
         planned = self.tape.plan_at(time_s)
-        stations = () if planned is None else planned.request.stations
+        request = None if planned is None else planned.request
+        stations = request.stations if isinstance(request, PlanRequest) else ()
         if said is None:
             return Mission(stations, reason="nothing was said of the mission yet")
         name, _, sentence = said.partition(": ")

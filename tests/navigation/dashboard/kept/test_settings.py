@@ -17,7 +17,7 @@ from navigation.mission.mission import State
 from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Site
 from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
 
-CONFIGS = Path(__file__).parents[3] / "configs"
+CONFIGS = Path(__file__).parents[4] / "configs"
 SECRET = "a-secret-of-some-length"
 
 

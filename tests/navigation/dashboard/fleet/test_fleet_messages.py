@@ -22,7 +22,7 @@ from navigation.mission.mission import MissionError, State, Station
 from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
 from tests.support.runs.shown import laboratory
 
-ALCOVE = load_config(Path(__file__).parents[3] / "configs" / "alcove.yaml", {})
+ALCOVE = load_config(Path(__file__).parents[4] / "configs" / "alcove.yaml", {})
 A, B = (one.name for one in ALCOVE.robots)
 
 

@@ -1,0 +1,1 @@
+"""The page of several robots: what it is told, and its colours."""
