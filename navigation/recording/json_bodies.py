@@ -7,15 +7,26 @@ the text of `planner.formats.scene_text`, the calibration that of
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide_in
-from navigation.fleet.request import FleetRequest, Promise
+from navigation.fleet.request import (
+    Driving,
+    FleetRequest,
+    Gate,
+    Promise,
+    Taken,
+    Traveller,
+)
 from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import Station
 from navigation.mission.targets import Target
 from navigation.recording.events import (
     FleetAnswered,
@@ -26,7 +37,7 @@ from navigation.recording.events import (
     SceneSeen,
 )
 from planner.formats.scene_text import write_scene_text
-from planner.path import NoPath, Path, Trajectory
+from planner.path import Limits, NoPath, Path, Trajectory
 from vision.camera.sources import without_password
 
 SCHEMA: Final = "clearway.recording/1"
@@ -45,7 +56,73 @@ TOPICS: Final = (
 schemas."""
 
 _REQUEST: TypeAdapter[PlanRequest] = TypeAdapter(PlanRequest)
-_FLEET_REQUEST: TypeAdapter[FleetRequest] = TypeAdapter(FleetRequest)
+
+
+@dataclass(frozen=True, slots=True)
+class _Promised:
+    """Of a robot that drives on what its planner looks at: a promise without targets and path."""
+
+    name: str
+    station: Station
+    points: tuple[tuple[float, float], ...]
+    gates: tuple[Gate, ...]
+    radius_m: float
+    margin_m: float
+    executed: int
+    sent: int
+    limits: Limits
+
+    @classmethod
+    def of(cls, one: Driving) -> _Promised:
+        promise = one.promise
+        return cls(
+            promise.name,
+            promise.station,
+            tuple((float(x), float(y)) for x, y in promise.points),
+            promise.gates,
+            promise.radius_m,
+            promise.margin_m,
+            one.executed,
+            one.sent,
+            one.limits,
+        )
+
+    @property
+    def driving(self) -> Driving:
+        """The same as the planner gets it; nothing was ever said of its clearances here."""
+        points = np.array(self.points)
+        unknown = np.full(len(points), np.nan)
+        path = Path(
+            points, unknown, math.nan, math.nan, self.points[0], self.radius_m,
+            (0, len(points) - 1), (None, None),
+        )  # fmt: skip
+        promise = Promise(
+            self.name,
+            self.station,
+            points,
+            (),
+            self.gates,
+            path,
+            None,
+            self.radius_m,
+            self.margin_m,
+        )
+        return Driving(promise, self.executed, self.sent, self.limits)
+
+
+@dataclass(frozen=True, slots=True)
+class _FleetAsked:
+    """A `FleetRequest` in plain values."""
+
+    id: int
+    scene_revision: int
+    travellers: tuple[Traveller, ...]
+    taken: tuple[Taken, ...] = ()
+    driving: tuple[_Promised, ...] = ()
+    idle: tuple[Traveller, ...] = ()
+
+
+_FLEET_REQUEST: TypeAdapter[_FleetAsked] = TypeAdapter(_FleetAsked)
 
 
 def configuration_body(
@@ -140,13 +217,20 @@ def _way(path: Path, trajectory: Trajectory | None, targets: Sequence[Target]) -
 
 def fleet_request_body(asked: FleetAsked) -> dict[str, Any]:
     """What the planner of several robots was asked, every field of it."""
-    request = _FLEET_REQUEST.dump_python(asked.request, mode="json")
+    one = asked.request
+    driving = tuple(map(_Promised.of, one.driving))
+    plain = _FleetAsked(one.id, one.scene_revision, one.travellers, one.taken, driving, one.idle)
+    request = _FLEET_REQUEST.dump_python(plain, mode="json")
     return {"time_s": asked.time_s, "request": request}
 
 
 def fleet_request_of(body: dict[str, Any]) -> FleetRequest:
     """The request in a message; pydantic's ValidationError (a ValueError) where it is none."""
-    return _FLEET_REQUEST.validate_python(body["request"])
+    plain = _FLEET_REQUEST.validate_python(body["request"])
+    driving = tuple(one.driving for one in plain.driving)
+    return FleetRequest(
+        plain.id, plain.scene_revision, plain.travellers, plain.taken, driving, plain.idle
+    )
 
 
 def fleet_plan_body(answered: FleetAnswered) -> dict[str, Any]:

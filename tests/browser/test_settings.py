@@ -12,8 +12,10 @@ pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Page, expect
 
 from navigation.config.load import load_config
+from navigation.mission.mission import State
 from tests.browser.acting import wait_for_picture
 from tests.browser.live import CONFIGS, Live
+from tests.browser.pages import drive
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.timed  # the simulation behind the page runs in real time
@@ -85,3 +87,24 @@ def test_keys_are_found_by_their_meaning_and_the_form_by_keyboard(
     page.keyboard.press("Escape")
     expect(page.locator("#settings")).to_be_hidden()
     expect(page.locator("#settings-open")).to_be_focused()
+
+
+def test_a_space_is_typed_while_nothing_moves_and_stops_while_something_does(
+    open_page: OpenPage, live: Live, file: Path
+) -> None:
+    page = open_page()
+    wait_for_picture(page)
+    page.locator("#settings-open").click()
+    bounds = page.get_by_label("bounds_m", exact=True)
+    bounds.fill("")
+    bounds.press_sequentially("0, 0, 2.4, 1.7")
+    expect(bounds).to_have_value("0, 0, 2.4, 1.7")
+    assert live.state is not State.STOPPED
+    assert not live.daemon.link.snapshot().estopped
+    page.locator("#settings-close").click()
+    drive(live, page)
+    page.locator("#settings-open").click()
+    page.locator("#settings-find").focus()
+    page.keyboard.press("Space")
+    assert wait_until(lambda: live.state is State.STOPPED, 1.0)
+    expect(page.locator("#settings-find")).to_have_value("")

@@ -10,10 +10,14 @@ import { allow, onPress } from "./press.js";
 const REARM_AFTER_MS = 1000;
 const LINE_MS = 400;
 const REQUEST_MS = 1500;
+const AT_REST = ["idle", "done", "failed", "stopped"];
+const TYPED = "input[type=text], input[type=search], input[type=password]";
 
 export class Stop {
   #stoppedSince = 0;
   #pressedAt = -Infinity;
+  /** Every robot, as far as the page knows now: only then a space can be typed somewhere. */
+  #isAtRest = false;
 
   constructor(connection, seat, say) {
     Object.assign(this, { connection, seat, say });
@@ -32,6 +36,7 @@ export class Stop {
     }, { capture: true });
     onPress(this.rearm, say, () => this.#leave());
     connection.on("state", (state) => this.#follow(state));
+    connection.on("down", () => { this.#isAtRest = false; });
   }
 
   async fire() {
@@ -73,6 +78,7 @@ export class Stop {
 
   #key(event) {
     if (event.code !== "Space" || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (this.#isAtRest && event.target.matches?.(TYPED)) return;
     event.preventDefault();
     event.stopPropagation();
     if (!event.repeat) this.fire();
@@ -85,6 +91,7 @@ export class Stop {
   }
 
   #follow(state) {
+    this.#isAtRest = (state.robots ?? [state]).every((one) => AT_REST.includes(one.mission.state));
     const stopped = state.mission.state === "stopped";
     if (stopped && this.note.hidden) this.#stoppedSince = performance.now();
     this.note.hidden = this.rearm.hidden = !stopped;
