@@ -204,7 +204,9 @@ def test_settings_are_read_checked_and_saved_over_the_page(open_page: Site, offi
     assert last is not None
 
 
-@pytest.mark.parametrize("state", set(State) - {State.IDLE, State.DONE, State.FAILED})
+@pytest.mark.parametrize(
+    "state", [one for one in State if one not in (State.IDLE, State.DONE, State.FAILED)]
+)
 def test_nothing_is_saved_while_a_mission_is_under_way_or_the_robot_is_stopped(
     open_page: Site, office: Office, state: State
 ) -> None:
