@@ -335,6 +335,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("camera", "cameras"), camera_checks.names_and_sources_differ),
     (("camera", "cameras"), camera_checks.each_has_a_calibration),
     (("cameras", "robots"), camera_checks.one_robot_is_driven),
+    (("arena", "cameras"), camera_checks.markers_are_watched_by_one),
     (("cameras", "simulation"), camera_checks.simulated_cameras_are_known),
     (("vision",), _fixed_has_a_threshold),
     (("robot",), _robot_fits_together),

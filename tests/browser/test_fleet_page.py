@@ -14,7 +14,7 @@ from tests.browser.live_fleet import EXCHANGE, LiveFleet, fleet_config
 from tests.browser.pages import Keep
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.slow]
+pytestmark = pytest.mark.timed  # a browser draws in real time
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 ZOOMED = {"viewport": {"width": 680, "height": 430}, "device_scale_factor": 2}

@@ -66,6 +66,15 @@ def one_robot_is_driven(cameras: Any, robots: Any) -> _Found:
         yield ("cameras",), "several cameras are for one robot so far: several robots need 'camera'"
 
 
+def markers_are_watched_by_one(arena: Any, cameras: Any) -> _Found:
+    """Whether each of several cameras is where it was is not watched so far."""
+    if cameras and arena.floor_markers:
+        yield (
+            ("arena", "floor_markers"),
+            "floor markers are watched by one camera so far: leave them out, or use 'camera'",
+        )
+
+
 def simulated_cameras_are_known(cameras: Any, simulation: Any) -> _Found:
     """What is said of simulated cameras is of cameras that there are, once each."""
     known = {entry.name for entry in cameras}

@@ -13,6 +13,8 @@ from tests.browser.pages import Keep, OpenPage
 from tests.navigation.dashboard.site import Site
 from tests.support.runs.shown import FakeDaemon, laboratory, shown_config
 
+pytestmark = pytest.mark.timed  # a browser draws in real time
+
 TAPE = "clearway_2026-01-25_12-00-05_001.mcap"
 PICTURE = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="200">'

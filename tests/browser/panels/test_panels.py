@@ -20,6 +20,9 @@ from tests.support.runs.shown import FakeDaemon, frame, laboratory, pose
 # In the tests the site comes before the pages, so that these are closed before it ends.
 
 
+pytestmark = pytest.mark.timed  # a browser draws in real time
+
+
 @pytest.fixture
 def site(tmp_path: Path) -> Iterator[Site]:
     """A daemon that shows something new ten times a second."""

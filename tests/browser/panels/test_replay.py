@@ -21,6 +21,9 @@ from tests.navigation.dashboard.kept.test_replay import drive
 from tests.support.runs.recordings import make_recording
 
 
+pytestmark = pytest.mark.timed  # a browser draws in real time
+
+
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
     (file,) = make_recording(tmp_path, drive, picture_rate_hz=60.0)

@@ -92,6 +92,14 @@ def test_a_simulated_camera_that_there_is_not_is_refused() -> None:
     assert "'back' is none of cameras: left, right" in the_problem(text)[1]
 
 
+def test_floor_markers_are_watched_by_one_camera_so_far() -> None:
+    line = next(one for one in SIMULATED.splitlines(keepends=True) if "bounds_m:" in one)
+    text = SIMULATED.replace(
+        line, line + "  floor_markers:\n    - {marker_id: 40, size_m: 0.1}\n", 1
+    )
+    assert "are watched by one camera so far" in the_problem(text)[1]
+
+
 def test_several_robots_have_one_camera_so_far() -> None:
     robots = "robots:\n  - {name: a, marker_id: 1}\n  - {name: b, marker_id: 2}\n"
     text = SIMULATED.replace(
