@@ -20,7 +20,6 @@ from tests.browser.pages import Keep, OpenPage
 from tests.navigation.dashboard.kept.test_replay import drive
 from tests.support.runs.recordings import make_recording
 
-
 pytestmark = pytest.mark.timed  # a browser draws in real time
 
 
