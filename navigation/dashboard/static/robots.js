@@ -3,7 +3,6 @@
 
 import { condition } from "./fleet.js";
 import { allow, onPress } from "./press.js";
-import { MAY_NOT_DRIVE } from "./seat.js";
 
 const REARM_AFTER_MS = 1000; // a second press of a hurried hand does not undo the first
 const STOP_MS = 800;
@@ -117,7 +116,7 @@ export class Robots {
   }
 
   #whyNotRearm(names) {
-    if (!this.seat.mayDrive) return MAY_NOT_DRIVE;
+    if (this.seat.mayNot) return this.seat.mayNot;
     if (!names.length) return "nothing to re-arm: no robot is stopped";
     const soon = names.some((name) => performance.now() - this.#stoppedSince.get(name) < REARM_AFTER_MS);
     return soon ? "re-arm a second after the stop, not sooner" : "";
@@ -127,8 +126,8 @@ export class Robots {
     const busy = robots.filter(({ mission, paused }) => !paused && ["planning", "proving", "driving", "holding"].includes(mission.state));
     const waits = robots.filter(({ mission, paused }) => mission.state !== "stopped" && (paused || (["idle", "failed"].includes(mission.state) && mission.stations.length > mission.visited)));
     const whyNot = {
-      pause: this.seat.mayDrive ? busy.length ? "" : "nothing to pause: no robot is under way" : MAY_NOT_DRIVE,
-      resume: this.seat.mayDrive ? waits.length ? "" : "nothing to resume: no robot is paused or broken off" : MAY_NOT_DRIVE,
+      pause: this.seat.mayNot || (busy.length ? "" : "nothing to pause: no robot is under way"),
+      resume: this.seat.mayNot || (waits.length ? "" : "nothing to resume: no robot is paused or broken off"),
       rearm: this.#whyNotRearm(robots.filter(({ mission }) => mission.state === "stopped").map(({ name }) => name)),
     };
     for (const [order, button] of this.all) allow(button, whyNot[order]);
