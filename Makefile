@@ -41,7 +41,7 @@ WORKERS ?= $(shell expr $$(nproc) + 1)
 TIMED = $(shell grep -rlE "mark\.timed" tests --include='test_*.py')
 test: $(VENV)/.installed-dev ## every test
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadfile --no-loadscope-reorder -m "not timed"
-	$(BIN)/python -m pytest -m timed --reruns 1 $(TIMED)
+	$(BIN)/python -m pytest -m timed --reruns 1 -raR $(TIMED)
 
 coverage: $(VENV)/.installed-dev ## the tests, with the lines that they never reach
 	$(BIN)/python -m pytest --cov --cov-report=term-missing
