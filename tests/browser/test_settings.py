@@ -68,7 +68,7 @@ def test_stop_is_never_covered_by_the_settings(
     wait_for_picture(page)
     page.locator("#settings-open").click()
     expect(page.locator("#settings")).to_be_visible()
-    page.locator("#stop").click(timeout=2000)
+    page.locator("#stop").click()
     assert wait_until(lambda: live.daemon.link.snapshot().estopped)
 
 
