@@ -69,6 +69,7 @@ def test_stop_is_never_covered_by_the_settings(
     page.locator("#settings-open").click()
     expect(page.locator("#settings")).to_be_visible()
     page.locator("#stop").click()
+    assert wait_until(lambda: live.state is State.STOPPED)
     assert wait_until(lambda: live.daemon.link.snapshot().estopped)
 
 
