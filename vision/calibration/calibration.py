@@ -27,7 +27,6 @@ from vision.calibration.lens_model import (
     MOST_TERMS,
     STRAIGHT,
     LensArrays,
-    bent,
     folds,
     lens_arrays,
 )
@@ -38,6 +37,8 @@ LEAST_SHOWN = 0.5
 """Of a picture that a lens folds in, so much has to be shown once: what folds so early is a wrong
 file rather than a lens."""
 _MOST_TILT_RAD = math.radians(45.0)
+_PLANES_KEPT = 64
+"""Heights whose homographies are remembered: as many as robots have markers, and more."""
 """Between the middle of a picture with a horizon in it and the floor's normal: beyond it the camera
 looks along the floor, not at it."""
 
@@ -74,6 +75,9 @@ class Calibration:
     lens: LensArrays = field(init=False, repr=False, compare=False)
     _front: float = field(init=False, repr=False, compare=False)
     _pixel_from_arena: FloatArray = field(init=False, repr=False, compare=False)
+    _planes: dict[float, tuple[FloatArray, FloatArray]] = field(
+        init=False, repr=False, compare=False
+    )
 
     def __post_init__(self) -> None:
         width, height = self.size
@@ -98,6 +102,7 @@ class Calibration:
         inverse = np.array(np.linalg.inv(homography), dtype=np.float64)
         inverse.setflags(write=False)
         object.__setattr__(self, "_pixel_from_arena", inverse)
+        object.__setattr__(self, "_planes", {0.0: (homography, inverse)})
         center = self.camera_center_m
         if center is not None and not (
             len(center) == 3 and all(math.isfinite(v) for v in center) and center[2] > 0.0
@@ -148,29 +153,28 @@ class Calibration:
 
         NaN for pixels that look at no floor: the lens folds there, or they lie behind the horizon.
         """
-        ideal = self.undistort_points(points_px)
-        floor = _apply(self.arena_from_pixel, ideal, self._front)
-        if height_m == 0.0:
-            return floor
-        foot, shrink = self._parallax(height_m)
-        return foot + (floor - foot) * shrink
+        homography = self.plane_from_pixel(height_m)
+        if self.lens.model == STRAIGHT:
+            return _apply(homography, _points(points_px), self._front)
+        # Imported late: a plan to scale has no lens and needs no compiled code.
+        from vision.calibration.calibration_kernels import plane_from_image
+
+        points = np.array(_points(points_px), order="C")
+        return plane_from_image(points, homography, self._front, self.lens)
 
     def plane_from_pixel(self, height_m: float = 0.0) -> FloatArray:
         """The homography (3, 3) from undistorted pixels to the plane at ``height_m``."""
-        if height_m == 0.0:
-            return self.arena_from_pixel
-        foot, shrink = self._parallax(height_m)
-        lift = np.diag([shrink, shrink, 1.0])
-        lift[:2, 2] = foot * (1.0 - shrink)
-        return np.asarray(lift @ self.arena_from_pixel)
+        return self._plane(height_m)[0]
 
     def image_from_arena(self, points_m: ArrayLike, height_m: float = 0.0) -> FloatArray:
         """Metres (n, 2) at ``height_m`` above the floor to raw pixels (n, 2); NaN out of sight."""
-        points = _points(points_m)
-        if height_m != 0.0:
-            foot, shrink = self._parallax(height_m)
-            points = foot + (points - foot) / shrink
-        return self.distort_points(_apply(self._pixel_from_arena, points, self._front))
+        homography = self._plane(height_m)[1]
+        if self.lens.model == STRAIGHT:
+            return _apply(homography, _points(points_m), self._front)
+        from vision.calibration.calibration_kernels import image_from_plane
+
+        points = np.array(_points(points_m), order="C")
+        return image_from_plane(points, homography, self._front, self.lens)
 
     @property
     def metres_per_pixel(self) -> float:
@@ -214,15 +218,26 @@ class Calibration:
         ideal = _points(points_px)
         if self.lens.model == STRAIGHT:
             return ideal.copy()
-        return self._pixels(bent(self.lens, self._normalised(ideal)))
+        from vision.calibration.calibration_kernels import distort_all
 
-    def _normalised(self, pixels: FloatArray) -> FloatArray:
-        k = self.camera_matrix
-        return np.asarray((pixels - k[:2, 2]) / np.array([k[0, 0], k[1, 1]]))
+        return distort_all(np.array(ideal, order="C"), self.lens)
 
-    def _pixels(self, normalised: FloatArray) -> FloatArray:
-        k = self.camera_matrix
-        return np.asarray(normalised * np.array([k[0, 0], k[1, 1]]) + k[:2, 2])
+    def _plane(self, height_m: float) -> tuple[FloatArray, FloatArray]:
+        """The homographies (3, 3) of the plane at ``height_m`` from undistorted pixels and back."""
+        known = self._planes.get(height_m)
+        if known is not None:
+            return known
+        foot, shrink = self._parallax(height_m)
+        lift = np.diag([shrink, shrink, 1.0])
+        lift[:2, 2] = foot * (1.0 - shrink)
+        there = lift @ self.arena_from_pixel
+        back = self._pixel_from_arena @ np.linalg.inv(lift)
+        for homography in (there, back):
+            homography.setflags(write=False)
+        if len(self._planes) >= _PLANES_KEPT:
+            self._planes.clear()
+        self._planes[height_m] = there, back
+        return there, back
 
     def _parallax(self, height_m: float) -> tuple[FloatArray, float]:
         """The point below the camera, and (H - h) / H."""

@@ -1,4 +1,4 @@
-"""The compiled loops of ``vision.calibration.calibration``: a lens undone.
+"""The compiled loops of ``vision.calibration.calibration``: a lens undone and laid on again.
 
 Raw and undistorted pixels, centres at integers; ``lens`` as
 ``vision.calibration.lens_model.lens_arrays`` gives it. NaN for a pixel that no ray within the
@@ -122,3 +122,71 @@ def undistort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.f
     for i in range(len(points)):
         found[i, 0], found[i, 1] = undistort(points[i, 0], points[i, 1], lens)
     return found
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def distort(x_px: float, y_px: float, lens: LensArrays) -> tuple[float, float]:
+    """One undistorted pixel to a raw one; NaN beyond the lens's reach."""
+    if lens.model == STRAIGHT:
+        return x_px, y_px
+    camera, terms = lens.camera, lens.terms
+    x, y = (x_px - camera[2]) / camera[0], (y_px - camera[3]) / camera[1]
+    radius = math.hypot(x, y)
+    if not radius <= lens.reach:
+        return math.nan, math.nan
+    if lens.model == FISHEYE:
+        ratio = _angle_seen(math.atan(radius), terms) / radius if radius > 0.0 else 1.0
+        tx, ty = x * ratio, y * ratio
+    else:
+        k1, k2, p1, p2, k3 = terms[0], terms[1], terms[2], terms[3], terms[4]
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        tx = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+        ty = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+    return tx * camera[0] + camera[2], ty * camera[1] + camera[3]
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def distort_all(points: NDArray[np.float64], lens: LensArrays) -> NDArray[np.float64]:
+    """Undistorted pixels (n, 2) to raw ones."""
+    found = np.empty_like(points)
+    for i in range(len(points)):
+        found[i, 0], found[i, 1] = distort(points[i, 0], points[i, 1], lens)
+    return found
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def image_from_plane(
+    points: NDArray[np.float64], homography: NDArray[np.float64], front: float, lens: LensArrays
+) -> NDArray[np.float64]:
+    """Points (n, 2) of a plane to raw pixels; NaN behind the camera and beyond the lens's reach.
+
+    ``homography`` (3, 3) leads to undistorted pixels, with a third coordinate of the sign of
+    ``front`` before the camera.
+    """
+    found = np.empty_like(points)
+    for i in range(len(points)):
+        x, y = _moved(points[i, 0], points[i, 1], homography, front)
+        found[i, 0], found[i, 1] = distort(x, y, lens)
+    return found
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def plane_from_image(
+    points: NDArray[np.float64], homography: NDArray[np.float64], front: float, lens: LensArrays
+) -> NDArray[np.float64]:
+    """Raw pixels (n, 2) to points of a plane; NaN where they show none."""
+    found = np.empty_like(points)
+    for i in range(len(points)):
+        x, y = undistort(points[i, 0], points[i, 1], lens)
+        found[i, 0], found[i, 1] = _moved(x, y, homography, front)
+    return found
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[float, float]:
+    """Through a homography; NaN where the third coordinate has not the sign of ``front``."""
+    w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
+    if not w * front > 0.0:
+        return math.nan, math.nan
+    return (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w, (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w

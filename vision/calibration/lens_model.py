@@ -71,39 +71,6 @@ def folds(lens: LensArrays) -> bool:
     return lens.model == BROWN and lens.reach < _MOST_RADIUS
 
 
-def bent(lens: LensArrays, points: FloatArray) -> FloatArray:
-    """Where a lens puts normalised points (n, 2); NaN for those beyond its reach."""
-    if lens.model == STRAIGHT:
-        return points.copy()
-    radius = np.hypot(points[:, 0], points[:, 1])
-    if lens.model == FISHEYE:
-        angle = np.arctan(radius)
-        ratio = np.ones_like(radius)
-        np.divide(_fisheye(angle, lens.terms), radius, out=ratio, where=radius > 0.0)
-        moved = points * ratio[:, None]
-    else:
-        moved = _brown(points, lens.terms)
-    moved[~(radius <= lens.reach)] = np.nan
-    return np.asarray(moved)
-
-
-def _fisheye(angle: FloatArray, terms: FloatArray) -> FloatArray:
-    k1, k2, k3, k4, _ = terms
-    a2 = angle * angle
-    return np.asarray(angle * (1.0 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4)))))
-
-
-def _brown(points: FloatArray, terms: FloatArray) -> FloatArray:
-    k1, k2, p1, p2, k3 = terms
-    x, y = points[:, 0], points[:, 1]
-    r2 = x * x + y * y
-    radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
-    moved = np.empty_like(points)
-    moved[:, 0] = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
-    moved[:, 1] = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
-    return moved
-
-
 def _fisheye_reach_rad(terms: FloatArray) -> float:
     """The largest angle up to which theta_d grows; a step of 0.05 degrees on the safe side."""
     k1, k2, k3, k4, _ = terms

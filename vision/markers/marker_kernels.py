@@ -1,5 +1,5 @@
 """The compiled loops of ``vision.markers.marker_corners``: edge points and lines along a marker's
-sides.
+sides, and the corners in which these meet.
 
 Raw pixels, centres at integers; ``lens`` as ``vision.calibration.lens_model`` has it.
 """
@@ -11,13 +11,167 @@ from numba import njit
 from numpy.typing import NDArray
 
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
-from vision.calibration.calibration_kernels import undistort
-from vision.calibration.lens_model import LensArrays
+from vision.calibration.calibration_kernels import distort, undistort
+from vision.calibration.lens_model import STRAIGHT, LensArrays
 
 _ENDS = 0.1  # share of a side left out at each end: the neighbouring side's blur reaches there
 _STEP_PX = 0.5
 _MIN_CONTRAST = 12.0
 _OUTLIER_MADS = 4.0
+
+_ROUNDS = 3
+_MIN_SEEN = 0.7
+"""Share of a side's profiles that must show the edge."""
+_MIN_SINE = 0.1
+"""Of the angle between two neighbouring sides."""
+
+FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART = 0, 1, 2, 3, 4, 5
+"""What became of a quadrilateral."""
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def fit_quad(
+    grey: NDArray[np.uint8],
+    seen_px: NDArray[np.float64],
+    cells: int,
+    lens: LensArrays,
+    out_ideal: NDArray[np.float64],
+) -> tuple[int, float]:
+    """The corners in which a marker's four sides meet, into ``out_ideal`` (4, 2), undistorted.
+
+    ``seen_px`` (4, 2) are raw corners, good to a few pixels, clockwise on the screen. Returns what
+    became of it, and the rms distance of edge points from the sides, pixels.
+    """
+    side_px = 0.0
+    for i in range(4):
+        dx = seen_px[(i + 1) % 4, 0] - seen_px[i, 0]
+        dy = seen_px[(i + 1) % 4, 1] - seen_px[i, 1]
+        side_px += 0.25 * np.sqrt(dx * dx + dy * dy)
+    widest = max(1.5, 0.75 * side_px / cells)
+    corners = seen_px.copy()
+    roughness_px = 0.0
+    for turn in range(_ROUNDS):
+        # The detector may be a pixel or two off: look wide first, then close.
+        reach_px = min(4.0 if turn == 0 else 3.0, widest)
+        if not _is_inside(corners, reach_px, grey):
+            return AT_EDGE, roughness_px
+        for i in range(4):
+            out_ideal[i, 0], out_ideal[i, 1] = undistort(corners[i, 0], corners[i, 1], lens)
+        frame, back = np.eye(3), np.eye(3)
+        if lens.model != STRAIGHT and not _frame_at(out_ideal, corners, frame, back):
+            return FOLDED, roughness_px
+        lines, seen = fit_sides(grey, corners, reach_px, lens, frame)
+        if seen.min() < _MIN_SEEN:
+            return HIDDEN, roughness_px
+        if not _intersect(lines, back, out_ideal):
+            return PARALLEL, roughness_px
+        farthest = max(4.0, 0.15 * side_px)
+        for i in range(4):
+            x, y = distort(out_ideal[i, 0], out_ideal[i, 1], lens)
+            corners[i, 0], corners[i, 1] = x, y
+            if not (abs(x - seen_px[i, 0]) <= farthest and abs(y - seen_px[i, 1]) <= farthest):
+                return APART, roughness_px
+        roughness_px = np.sqrt(np.mean(lines[:, 3] ** 2))
+    return FITTED, roughness_px
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _is_inside(corners: NDArray[np.float64], reach_px: float, grey: NDArray[np.uint8]) -> bool:
+    """Whether profiles that reach so far stay in the picture."""
+    height, width = grey.shape
+    for i in range(4):
+        x, y = corners[i, 0], corners[i, 1]
+        if not (x >= reach_px and y >= reach_px):
+            return False
+        if not (x + reach_px <= width - 1 and y + reach_px <= height - 1):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _frame_at(
+    ideal: NDArray[np.float64],
+    corners: NDArray[np.float64],
+    out_frame: NDArray[np.float64],
+    out_back: NDArray[np.float64],
+) -> bool:
+    """The homography that takes undistorted corners to raw ones, and its inverse; False for none.
+
+    Each is two homographies of a unit square, one inverted (Heckbert, Fundamentals of texture
+    mapping and image warping, 1989).
+    """
+    first, second = np.empty((3, 3)), np.empty((3, 3))
+    if not (_from_square(ideal, first) and _from_square(corners, second)):
+        return False
+    one, two = np.empty((3, 3)), np.empty((3, 3))
+    if not (_invert(first, one) and _invert(second, two)):
+        return False
+    _multiply(second, one, out_frame)
+    _multiply(first, two, out_back)
+    return True
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _from_square(quad: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
+    """The homography from the unit square to a quadrilateral (4, 2)."""
+    sx = quad[0, 0] - quad[1, 0] + quad[2, 0] - quad[3, 0]
+    sy = quad[0, 1] - quad[1, 1] + quad[2, 1] - quad[3, 1]
+    ax, ay = quad[1, 0] - quad[2, 0], quad[1, 1] - quad[2, 1]
+    bx, by = quad[3, 0] - quad[2, 0], quad[3, 1] - quad[2, 1]
+    determinant = ax * by - bx * ay
+    if not abs(determinant) > 0.0:
+        return False
+    g, h = (sx * by - bx * sy) / determinant, (ax * sy - sx * ay) / determinant
+    for i in range(2):
+        out[i, 0] = quad[1, i] * (1.0 + g) - quad[0, i]
+        out[i, 1] = quad[3, i] * (1.0 + h) - quad[0, i]
+        out[i, 2] = quad[0, i]
+    out[2, 0], out[2, 1], out[2, 2] = g, h, 1.0
+    return True
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _invert(m: NDArray[np.float64], out: NDArray[np.float64]) -> bool:
+    """The inverse of (3, 3) by cofactors; False where there is none."""
+    for i in range(3):
+        a, b = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            c, d = (j + 1) % 3, (j + 2) % 3
+            out[j, i] = m[a, c] * m[b, d] - m[a, d] * m[b, c]
+    determinant = m[0, 0] * out[0, 0] + m[0, 1] * out[1, 0] + m[0, 2] * out[2, 0]
+    if not abs(determinant) > 0.0:
+        return False
+    for i in range(3):
+        for j in range(3):
+            out[i, j] /= determinant
+    return True
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _multiply(a: NDArray[np.float64], b: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = a[i, 0] * b[0, j] + a[i, 1] * b[1, j] + a[i, 2] * b[2, j]
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _intersect(
+    lines: NDArray[np.float64], homography: NDArray[np.float64], out: NDArray[np.float64]
+) -> bool:
+    """Corner i is where side i - 1 meets side i, moved; False where two neighbours are parallel."""
+    h = homography
+    for i in range(4):
+        before = (i + 3) % 4
+        a, b, c = lines[before, 0], lines[before, 1], lines[before, 2]
+        d, e, f = lines[i, 0], lines[i, 1], lines[i, 2]
+        sine = a * e - b * d
+        if abs(sine) < _MIN_SINE:
+            return False
+        x, y = (c * e - b * f) / sine, (a * f - c * d) / sine
+        w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
+        out[i, 0] = (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w
+        out[i, 1] = (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
+    return True
 
 
 @njit(cache=True, nogil=True, fastmath=False)

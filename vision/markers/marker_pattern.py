@@ -20,7 +20,12 @@ import numpy as np
 
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
-from vision.markers.marker_pattern_kernels import UNKNOWNS, collect_pixels, normal_equations
+from vision.markers.marker_pattern_kernels import (
+    LEAST_PIXELS,
+    UNKNOWNS,
+    collect_pixels,
+    settle_pattern,
+)
 
 _RIM_PX = 3.0
 _RIM_CELLS = 0.75
@@ -29,23 +34,6 @@ _RIM_CELLS = 0.75
 _MOST_PIXELS = 12_000
 """In the box around a marker: more are thinned out. From 200 px on the centre stays within 0.01 px
 (``test_marker_pattern.py``)."""
-_EDGE_PX, _BLUR_PX = 1.2, 2.5
-"""Beyond the border's edge the rim is looked at so far out, and within it no floor is felt."""
-_LEAST_LIGHT = 0.8
-"""Of the contrast that a rim of paper shows at least."""
-
-_START_BLUR_PX = 0.8
-_LEAST_BLUR_PX = 0.25
-_MOST_BLUR_CELLS = 0.45
-_MOST_STEPS = 12
-_DONE_CELLS = 2e-5
-_HUBER = 2.5
-"""Residuals beyond so many of their own rms weigh less."""
-
-_MIN_CONTRAST = 12.0
-_MAX_MISFIT = 0.3
-"""The residuals' rms as a share of the contrast."""
-
 _MAX_MOVE_PX = 1.5
 
 
@@ -80,16 +68,10 @@ def fit_pattern(
     if metric is None:
         return None
     cell_px = float(np.linalg.norm(np.roll(seen_px, -1, axis=0) - seen_px, axis=1).mean()) / cells
-    pixels = _pixels(grey, local, center, unit_m, cells, calibration, height_m, state, cell_px)
-    if len(pixels) < 8 * UNKNOWNS:
-        return None
-    state[6] = _START_BLUR_PX
-    dark, light = np.percentile(pixels[:, 2], (15.0, 85.0))
-    state[7], state[10] = dark, light - dark
-    pixels = _on_paper(pixels, state, cells, cell_px)
-    if len(pixels) < 8 * UNKNOWNS:
-        return None
-    if not _settle(pixels, bits, state, metric):
+    pixels = _pixels(
+        grey, seen_px, local, center, unit_m, cells, calibration, height_m, state, cell_px
+    )
+    if len(pixels) < LEAST_PIXELS or not settle_pattern(pixels, bits, state, metric, cell_px):
         return None
     found = _corners(state, cells)
     placed = np.asarray(center + unit_m * found)
@@ -107,59 +89,9 @@ def _metric(
     return jacobian @ jacobian.T if np.isfinite(jacobian).all() else None
 
 
-def _on_paper(pixels: FloatArray, state: FloatArray, cells: int, cell_px: float) -> FloatArray:
-    """The pixels, without the rim and the border's edge where the rim is not light.
-
-    A marker may be cut tightly, and the floor beside it is no part of the pattern: then the inner
-    cells alone say where it is.
-    """
-    u = pixels[:, :2] @ state[[0, 1]] + state[2]
-    v = pixels[:, :2] @ state[[3, 4]] + state[5]
-    outside = np.stack([-u, -v, u - cells, v - cells])
-    dark, paper = np.percentile(pixels[outside.max(axis=0) < -0.5, 2], (15.0, 95.0))
-    beyond = _EDGE_PX / cell_px
-    for off in outside:
-        # along the side, but not at its corners
-        side = (off > beyond) & ((outside > 0.0).sum(axis=0) == 1)
-        if not side.any():
-            continue
-        light = (np.median(pixels[side, 2]) - dark) / max(paper - dark, 1.0)
-        if light < _LEAST_LIGHT:
-            return np.asarray(pixels[outside.max(axis=0) < -min(_BLUR_PX / cell_px, 0.5)])
-    return pixels
-
-
-def _settle(pixels: FloatArray, bits: FloatArray, state: FloatArray, metric: FloatArray) -> bool:
-    """Gauss-Newton until nothing moves; whether the pattern is there. Changes ``state``."""
-    # cells that a pixel crosses, along u and along v
-    per_px = max(math.sqrt(p @ metric @ p) for p in (state[:2], state[3:5]))
-    most_blur_px = max(_MOST_BLUR_CELLS / per_px, _LEAST_BLUR_PX)
-    matrix, right = np.empty((UNKNOWNS, UNKNOWNS)), np.empty(UNKNOWNS)
-    limit = math.inf
-    for _ in range(_MOST_STEPS):
-        rms = normal_equations(pixels, bits, state, limit, metric, matrix, right)
-        limit = _HUBER * rms
-        try:
-            step = np.linalg.solve(matrix, right)
-        except np.linalg.LinAlgError:
-            return False
-        if not np.isfinite(step).all():
-            return False
-        # A step over more than a cell would land on the next grid line.
-        size = float(np.abs(step[:6]).max())
-        state += step * min(1.0, 0.5 / max(size, 1e-12))
-        state[6] = min(max(state[6], _LEAST_BLUR_PX), most_blur_px)
-        if size < _DONE_CELLS:
-            break
-    else:
-        if size > 100.0 * _DONE_CELLS:
-            return False
-    contrast = float(state[10])
-    return contrast > _MIN_CONTRAST and rms < _MAX_MISFIT * contrast
-
-
 def _pixels(
     grey: Image,
+    inner_px: FloatArray,
     local: FloatArray,
     center: FloatArray,
     unit_m: float,
@@ -176,8 +108,7 @@ def _pixels(
     height, width = grey.shape
     ends = np.array([width - 1, height - 1])
     # A part of the rim may be missing, but nothing of the marker itself.
-    inner = calibration.image_from_arena(center + unit_m * local, height_m)
-    if not (np.isfinite(seen).all() and (inner >= 0.0).all() and (inner <= ends).all()):
+    if not (np.isfinite(seen).all() and (inner_px >= 0.0).all() and (inner_px <= ends).all()):
         return np.empty((0, 3))
     x0, y0 = (max(0, math.floor(v) - 1) for v in seen.min(axis=0))
     x1, y1 = np.minimum(np.ceil(seen.max(axis=0)) + 1, ends).astype(int).tolist()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tests.support.drawn.boards import LIGHT, Patch, marker_patch, pose_bound, render
 from vision.calibration.calibration import Calibration
-from vision.markers import marker_pattern
+from vision.markers import marker_pattern, marker_pattern_kernels
 from vision.markers.marker_pattern import fit_pattern, pattern_bits
 from vision.markers.markers import dictionary_by_name
 
@@ -208,3 +208,29 @@ def test_of_a_large_marker_no_more_pixels_are_used_than_the_bound(monkeypatch):
         assert np.linalg.norm(found.mean(axis=0) - truth.mean(axis=0)) < 0.015
     assert max(used) <= marker_pattern._MOST_PIXELS
     assert used[0] > 3000, "a small marker keeps all of its pixels"
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.integers(0, 255), min_size=1, max_size=60), st.floats(0.0, 1.0))
+def test_quantiles_of_grey_values_are_numpy_s(values: list[int], share: float) -> None:
+    counts = np.bincount(values, minlength=256).astype(np.int64)
+    expected = np.quantile(np.array(values, dtype=np.float64), share)
+    assert marker_pattern_kernels._quantile(counts, share) == pytest.approx(expected, abs=1e-9)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(1, 13), st.integers(0, 2**32 - 1), st.floats(0.0, 6.0))
+def test_equations_are_solved_as_numpy_solves_them(count: int, seed: int, scale: float) -> None:
+    rng = np.random.default_rng(seed)
+    rows = rng.normal(size=(30, count)) * 10.0 ** rng.uniform(-scale, scale, count)
+    matrix, right = rows.T @ rows, rows.T @ rng.normal(size=30)
+    found, lower = right.copy(), np.tril(matrix)
+    assert marker_pattern_kernels._solve(lower, found)
+    assert rows @ found == pytest.approx(rows @ np.linalg.solve(matrix, right), abs=1e-6)
+
+
+def test_equations_of_an_unknown_that_is_not_seen_are_refused() -> None:
+    rows = np.random.default_rng(0).normal(size=(30, 4))
+    rows[:, 3] = rows[:, 1]
+    for matrix in (rows.T @ rows, np.zeros((3, 3)), np.full((2, 2), np.nan)):
+        assert not marker_pattern_kernels._solve(matrix.copy(), np.ones(len(matrix)))
