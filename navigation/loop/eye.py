@@ -96,32 +96,33 @@ class Eye:
     def look(self, frame: Frame, tell: Callable[[Poses], None] = lambda _: None) -> Glimpse:
         """Poses in this frame; a scene as soon as the robot was seen and after every change.
 
-        ``tell`` gets the poses before anything else is looked at: they are wanted first.
+        ``tell`` gets each pose before anything else is looked at: they are wanted first.
 
         While no driven robot can be seen, or one never was, nobody knows which dark place is
         its body: the scene stays as it was, and the pilots hold the robots anyway.
         """
         # Markers, changes and obstacles are judged by their grey: it is made once.
         frame = replace(frame, image=grey_of(frame.image))
-        poses = {pose.id: pose for pose in self._tracker.update(frame)}
-        tell(poses)
+        seen = self._tracker.update(frame, lambda pose: tell({pose.id: pose}))
+        poses = {pose.id: pose for pose in seen}
         self._last_seen.update(poses)
-        place = self._look_at_camera_place(frame, poses)
+        discs = self._body_discs(poses) if self._last_seen else None
+        place = self._look_at_camera_place(frame, discs)
         driven = self.settings.driven_ids
         if not all(i in self._last_seen for i in driven) or not any(i in poses for i in driven):
             return Glimpse(frame.captured_s, poses, None, None, self._doubles(), place)
-        change = self._watcher.update(frame.image, self._body_discs(poses))
+        assert discs is not None
+        change = self._watcher.update(frame.image, discs)
         scene = None
         if change is not None or self._known is None:
             self._known = self._brought_up_to_date(change)
             scene = self._known.scene
         return Glimpse(frame.captured_s, poses, scene, change, self._doubles(), place)
 
-    def _look_at_camera_place(self, frame: Frame, poses: Poses) -> PlaceReport | None:
+    def _look_at_camera_place(self, frame: Frame, discs: FloatArray | None) -> PlaceReport | None:
         """Its points are learned once the robots were seen: none of them is on a robot."""
         if self._camera_place is None:
             return None
-        discs = self._body_discs(poses) if self._last_seen else None
         return self._camera_place.look(
             frame.image, discs, frame.captured_s, may_learn=self._known is not None
         )

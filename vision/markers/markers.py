@@ -14,7 +14,7 @@ Rules and units
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -126,9 +126,12 @@ class MarkerTracker:
         self._suspects: frozenset[int] = frozenset()
         self._searches = 0
 
-    def update(self, frame: Frame) -> tuple[RobotPose, ...]:
+    def update(
+        self, frame: Frame, tell: Callable[[RobotPose], None] = lambda _: None
+    ) -> tuple[RobotPose, ...]:
         """The poses of the robots seen in this frame, by id; empty where none is.
 
+        ``tell`` gets each pose as soon as it is known, before the next robot is looked for.
         Raises ``MarkerError`` for a frame of another size than the calibration's.
         """
         height, width = frame.image.shape[:2]
@@ -144,22 +147,28 @@ class MarkerTracker:
         grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
         refusals: list[str] = []
         found: dict[int, _Sighting] = {}
+        poses: dict[int, RobotPose] = {}
+
+        def find(sighting: _Sighting | None) -> None:
+            if sighting is None:
+                return
+            found[sighting.id] = sighting
+            pose = self._believe(sighting, frame.captured_s, refusals)
+            if pose is not None:
+                poses[pose.id] = pose
+                tell(pose)
+
         for robot in self._robots.values():
-            sighting = self._look_near(grey, robot, frame.captured_s, refusals)
-            if sighting is not None:
-                found[robot.id] = sighting
+            find(self._look_near(grey, robot, frame.captured_s, refusals))
         missing = [i for i in self._robots if i not in found]
         worth = bool(missing) and self._worth_searching(missing, frame.captured_s)
         if worth or self._frames % _DOUBLES_EVERY == 0:
-            everywhere = self._search(grey, refusals)
+            everywhere = self._search(grey, found, refusals)
             for robot_id in missing if worth else ():
-                best = self._best(everywhere[robot_id], robot_id, frame.captured_s)
-                if best is not None:
-                    found[robot_id] = best
+                find(self._best(everywhere[robot_id], robot_id, frame.captured_s))
             self._look_for_doubles(everywhere, found)
-        poses = [self._believe(found[i], frame.captured_s, refusals) for i in sorted(found)]
         self.refusals = tuple(refusals)
-        return tuple(pose for pose in poses if pose is not None)
+        return tuple(poses[i] for i in sorted(poses))
 
     def unseen_ms(self, robot_id: int, now_s: float) -> float | None:
         """Since when a robot has not been seen; None where it has never been."""
@@ -232,8 +241,13 @@ class MarkerTracker:
         self.doubles = {i: poses for i, poses in places.items() if i in self._suspects}
         self._suspects = frozenset(places)
 
-    def _search(self, grey: Image, refusals: list[str]) -> dict[int, list[_Sighting]]:
-        """Every robot's sightings in the whole picture, with another recipe each time."""
+    def _search(
+        self, grey: Image, found: Mapping[int, _Sighting], refusals: list[str]
+    ) -> dict[int, list[_Sighting]]:
+        """Every robot's sightings in the whole picture, with another recipe each time.
+
+        What was ``found`` in this picture is not looked at closely again.
+        """
         # where the picture is coarsest: a wide lens shows its rim many times smaller
         least_m = min(robot.marker_size_m for robot in self._robots.values())
         smallest = least_m / coarsest_pixel_m(self._calibration)
@@ -254,6 +268,7 @@ class MarkerTracker:
                 sighting
                 for i, quad in seen
                 if i == robot_id
+                and not _is_there(quad, found.get(i))
                 and (sighting := self._sight(grey, robot, quad, refusals)) is not None
             ]
             for robot_id, robot in self._robots.items()
@@ -343,3 +358,12 @@ class MarkerTracker:
 
     def _side_px(self, robot: MarkedRobot) -> float:
         return robot.marker_size_m / self._calibration.metres_per_pixel
+
+
+def _is_there(quad_px: FloatArray, known: _Sighting | None) -> bool:
+    """Whether a quadrilateral's middle lies within the marker that is known already."""
+    if known is None:
+        return False
+    middle = known.corners_px.mean(axis=0)
+    side_px = math.dist(known.corners_px[0], known.corners_px[1])
+    return math.dist(quad_px.mean(axis=0), middle) < 0.5 * side_px

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -16,6 +17,7 @@ from tests.support.drawn.boards import DARK, LIGHT, Patch, marker_patch, render
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.sources import read_picture
+from vision.markers import markers
 from vision.markers.markers import (
     MarkedRobot,
     MarkerError,
@@ -158,6 +160,31 @@ def test_the_mount_and_its_inverse_agree(
     assert wrap(back[2] - heading) == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_pose_is_told_before_the_next_robot_is_looked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calibration = overhead()
+    robots = [MarkedRobot(2, 0.08), MarkedRobot(9, 0.08)]
+    places = {2: (0.2, 0.3, 0.0), 9: (0.5, 0.2, 2.0)}
+    patches = [marker_patch(DICTIONARY, r.id, 0.08, places[r.id]) for r in robots]
+    image = render(calibration, patches, samples=2)
+    tracker = MarkerTracker(calibration, robots)
+    for i in range(6):
+        tracker.update(Frame(image, i / 30.0, i, "t"))
+    happened: list[str] = []
+    plain = markers.fit_pattern
+
+    def seen(*arguments: Any) -> Any:
+        happened.append("looked")
+        return plain(*arguments)
+
+    monkeypatch.setattr(markers, "fit_pattern", seen)
+    for i in range(6, 18):  # with two searches of the whole picture for markers seen twice
+        happened.clear()
+        tracker.update(Frame(image, i / 30.0, i, "t"), lambda _: happened.append("told"))
+        assert happened == ["looked", "told", "looked", "told"]
+
+
 def test_several_robots_are_told_apart_and_followed() -> None:
     calibration, rng = overhead(), np.random.default_rng(4)
     robots = [MarkedRobot(2, 0.08), MarkedRobot(9, 0.08, marker_yaw_rad=0.7)]
@@ -169,7 +196,10 @@ def test_several_robots_are_told_apart_and_followed() -> None:
             marker_patch(DICTIONARY, r.id, 0.08, marker_pose(truth[r.id], r)) for r in robots
         ]
         image = render(calibration, patches, rng=rng, noise=5.0, samples=2)
-        found = {p.id: p for p in tracker.update(Frame(image, time_s, i, "t"))}
+        told: list[RobotPose] = []
+        poses = tracker.update(Frame(image, time_s, i, "t"), told.append)
+        assert sorted(told, key=lambda pose: pose.id) == list(poses)
+        found = {p.id: p for p in poses}
     assert set(found) == {2, 9}
     for robot_id, pose in found.items():
         assert (pose.x, pose.y) == pytest.approx(truth[robot_id][:2], abs=5e-4)
