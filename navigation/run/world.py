@@ -7,17 +7,12 @@ report asks for the truth. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import math
-import random
-import shlex
 import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-import numpy as np
-
 from navigation.config import Config
-from navigation.config.known_robots import CLEARWAY
 from navigation.config.sections import SIMULATED, RobotSection
 from navigation.config.several.each_camera import each_camera
 from navigation.config.simulation import SimulatedKnockSection
@@ -25,27 +20,23 @@ from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.run.devices.device_settings import device_settings
-from navigation.run.devices.driven import driver_of, link_of, twin_of
+from navigation.run.devices.driven import driver_of, link_of
+from navigation.run.devices.simulated import (
+    AnySimulatedRobot,
+    pose_of,
+    shared_pose,
+    simulated_robot,
+)
 from navigation.simulator.arena import SimulatedArena, load_arena
-from navigation.simulator.emulated_robot import EmulatedRobot
 from navigation.simulator.happenings import ScriptedTrack, arenas_over_time, tracks_of
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera
 from navigation.simulator.picture.knocked_camera import Knock, KnockedCamera
 from navigation.simulator.picture.pinhole import pinhole_of
-from navigation.simulator.robot import SimulatedRobot
-from navigation.simulator.settings import (
-    drive_model_of,
-    drive_settings_of,
-    faults_of,
-    true_start_of,
-)
-from navigation.simulator.shared_pose import PoseFileError, PoseReader
 from navigation.simulator.truth import Truth
-from navigation.simulator.twins.twin_robot import TwinRobot
 from planner.scene import Bounds
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import load_calibration
-from vision.camera.camera import Camera, CameraError
+from vision.camera.camera import Camera
 from vision.camera.latest_frame import LatestFrame
 from vision.camera.several_frames import SeveralFrames
 from vision.camera.sources import KnownCamera, camera_for
@@ -71,15 +62,15 @@ class World:
         self._cameras = each_camera(config)
         sources = [one.camera.source for one in (self._cameras or {"": config}).values()]
         simulated_camera = SIMULATED in sources
-        self._robot: SimulatedRobot | EmulatedRobot | TwinRobot | None = None
+        self._robot: AnySimulatedRobot | None = None
         self.arenas: list[tuple[float, SimulatedArena]] = []
         self.tracks = tracks_of(config)
         if simulated_port or simulated_camera:
             self.arenas = arenas_over_time(config, load_arena(config))
         if simulated_port:
-            self._robot = self._make_robot()
+            self._robot = simulated_robot(config, clock)
             self.truth = Truth(self.arenas, self._robot, others_of(config, self.tracks))
-        self._shared = _shared_pose(config) if self._robot is None and simulated_camera else None
+        self._shared = shared_pose(config) if self._robot is None and simulated_camera else None
         self._known_cameras: defaultdict[str | None, KnownCamera] = defaultdict(KnownCamera)
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
@@ -87,31 +78,6 @@ class World:
         self.floor_plan = floor_plan_of(config)
         plan = self.floor_plan
         self.calibration = calibration_of(config) if plan is None else plan.calibration
-
-    def _make_robot(self) -> SimulatedRobot | EmulatedRobot | TwinRobot:
-        simulation = self.config.simulation
-        seed = 0 if simulation is None else simulation.seed
-        if simulation is not None and simulation.robot.emulator:
-            return EmulatedRobot(
-                shlex.split(simulation.robot.emulator),
-                true_start_of(self.config),
-                rng=np.random.default_rng(seed),
-                model=drive_model_of(self.config),
-                faults=faults_of(self.config),
-                clock=self._clock,
-            )
-        if self.config.robot.driver != CLEARWAY:
-            return twin_of(self.config, self._clock)
-        return SimulatedRobot(
-            true_start_of(self.config),
-            rng=np.random.default_rng(seed),
-            model=drive_model_of(self.config),
-            settings=drive_settings_of(self.config),
-            faults=faults_of(self.config),
-            baud=self.config.serial.baud,
-            boot_ids=random.Random(seed),
-            clock=self._clock,
-        )
 
     def clock(self) -> float:
         """Monotonic seconds."""
@@ -164,14 +130,7 @@ class World:
 
     def pose_now(self) -> tuple[float, float, float]:
         """Where the simulated robot is, as the simulated camera sees it."""
-        if self._robot is not None:
-            return self._robot.pose()
-        if self._shared is not None:
-            try:
-                return self._shared.read()
-            except PoseFileError as error:
-                raise CameraError(f"{SimulatedCamera.name}: {error}") from None
-        return true_start_of(self.config)
+        return pose_of(self.config, self._robot, self._shared)
 
     def start(self) -> None:
         """Switch the simulated robot and its driver on; what happens counts from here."""
@@ -189,11 +148,6 @@ class World:
             self._driver.stop()
         if self._robot is not None:
             self._robot.stop()
-
-
-def _shared_pose(config: Config) -> PoseReader | None:
-    path = None if config.simulation is None else config.simulation.robot.poses
-    return None if path is None else PoseReader(path)
 
 
 def others_of(
