@@ -47,7 +47,7 @@ class FleetRunner(Runner):
                 self._write(folder, report)
                 return report, folder, FAILED if self._once else DONE
             warm_up_fleet(self.config)
-            world = FleetWorld(self.config, self._clock, wait_for_port=not self._once)
+            world = FleetWorld(self.config, wait_for_port=not self._once)
             ports = ", ".join(f"{name} on {port}" for name, port in world.ports.items())
             self._say(f"camera {self.config.camera.source}, {ports}")
             first_id = random.SystemRandom().randrange(1, 1 << 32)

@@ -12,46 +12,54 @@ from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.link.serial_link import SerialLink
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import PlannerThread, SceneCheck
-from navigation.run.world import Clock, World, calibration_of, camera_over
+from navigation.run.devices.device_settings import device_settings
+from navigation.run.devices.driven import driver_of, link_of
+from navigation.run.fleet.simulated_fleet import is_simulated
+from navigation.run.fleet.simulation_apart import RobotApart, SimulationApart
+from navigation.run.world import calibration_of
+from navigation.simulator.arena import load_arena
+from navigation.simulator.happenings import arenas_over_time
 from navigation.simulator.truth import Truth
 from vision.camera.camera import Camera
 from vision.camera.latest_frame import LatestFrame
-from vision.camera.sources import camera_for
+from vision.camera.sources import KnownCamera, camera_for
 
 
 class FleetWorld:
     """Makes what the configuration names; `start` switches simulated robots on.
 
-    ``wait_for_port`` False: a serial port that is not ready is a ``PortError`` of its link.
+    What is simulated is in a process of its own. ``wait_for_port`` False: a serial port that is
+    not ready is a ``PortError`` of its link.
     """
 
-    def __init__(
-        self, config: Config, clock: Clock = time.monotonic, *, wait_for_port: bool = True
-    ) -> None:
+    def __init__(self, config: Config, *, wait_for_port: bool = True) -> None:
         self.config = config
-        self._clock = clock
-        self._worlds = {
-            name: World(one, clock, wait_for_port=wait_for_port)
-            for name, one in each_robot(config).items()
+        self._wait_for_port = wait_for_port
+        self._simulation = SimulationApart(config) if is_simulated(config) else None
+        simulated = {} if self._simulation is None else self._simulation.ports
+        self._alone = each_robot(config)
+        self.ports = {
+            name: simulated.get(name, one.serial.port) for name, one in self._alone.items()
         }
-        self._began_s = clock()
-        self.calibration = calibration_of(config)
-
-    @property
-    def ports(self) -> dict[str, str]:
         """By name."""
-        return {name: world.port for name, world in self._worlds.items()}
-
-    @property
-    def truths(self) -> dict[str, Truth]:
-        """By name, of the simulated robots."""
-        return {
-            name: world.truth for name, world in self._worlds.items() if world.truth is not None
+        self._drivers = {
+            name: driver
+            for name, one in self._alone.items()
+            if (driver := driver_of(one, self.ports[name])) is not None
         }
+        self.truths: dict[str, Truth] = {}
+        """By name, of the simulated robots."""
+        if self._simulation is not None and simulated:
+            arenas = arenas_over_time(config, load_arena(config))
+            self.truths = {
+                name: Truth(arenas, RobotApart(self._simulation, name)) for name in simulated
+            }
+        self.calibration = calibration_of(config)
+        self._known_camera = KnownCamera()
 
     def clock(self) -> float:
         """Monotonic seconds."""
-        return self._clock()
+        return time.monotonic()
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
@@ -59,11 +67,17 @@ class FleetWorld:
 
     def make_frames(self) -> LatestFrame:
         """The camera in a thread of its own."""
-        return LatestFrame(self.open_camera, self._clock)
+        return LatestFrame(self.open_camera, self.clock)
 
     def make_link(self, name: str) -> SerialLink:
         """The serial link to one robot in a thread of its own."""
-        return self._worlds[name].make_link()
+        driver = self._drivers.get(name)
+        if driver is not None:
+            return link_of(driver, self.clock, wait_for_port=self._wait_for_port)
+        baud = self._alone[name].serial.baud
+        return SerialLink(
+            self.ports[name], baud, clock=self.clock, wait_for_port=self._wait_for_port
+        )
 
     def make_fleet_planner(
         self,
@@ -78,31 +92,30 @@ class FleetWorld:
         """A new camera, closed; the same source each time."""
         camera = self.config.camera
         if camera.source == SIMULATED:
-            first = next(iter(self._worlds.values()))
-            return camera_over(
-                self.config,
-                first.arenas,
-                first.tracks,
-                first.pose_now,
-                self._clock,
-                self._began_s,
-                fleet=[(world.config.robot, world.pose_now) for world in self._worlds.values()],
-            )
+            assert self._simulation is not None
+            return self._simulation.open_camera()
         return camera_for(
             camera.source,
-            clock=self._clock,
+            clock=self.clock,
             rate_hz=camera.rate_hz,
             size=camera.size_px,
             loop=camera.loop,
+            device=device_settings(camera),
+            known=self._known_camera,
         )
 
     def start(self) -> None:
-        """Switch the simulated robots on; what happens in the arena counts from here."""
-        self._began_s = self._clock()
-        for world in self._worlds.values():
-            world.start()
+        """Switch the simulated robots and all drivers on; what happens counts from here."""
+        for truth in self.truths.values():
+            truth.began_s = self.clock()
+        if self._simulation is not None:
+            self._simulation.start()
+        for driver in self._drivers.values():
+            driver.start()
 
     def stop(self) -> None:
         """Switch them off."""
-        for world in self._worlds.values():
-            world.stop()
+        for driver in self._drivers.values():
+            driver.stop()
+        if self._simulation is not None:
+            self._simulation.stop()

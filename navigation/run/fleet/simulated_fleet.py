@@ -1,0 +1,82 @@
+"""The simulated robots of one arena and the simulated camera above it, in real time.
+
+Whoever runs it hands out ports and pictures only; `fleet_world` has it in a process of its own.
+Metres, radians, seconds of the clock that is passed in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from navigation.config import Config
+from navigation.config.sections import SIMULATED
+from navigation.config.several.each_robot import each_robot
+from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
+from navigation.run.world import camera_over
+from navigation.simulator.arena import load_arena
+from navigation.simulator.happenings import arenas_over_time, tracks_of
+from planner.scene import FloatArray
+from vision.camera.camera import Camera
+
+
+def is_simulated(config: Config) -> bool:
+    """Whether a robot or the camera is."""
+    ports = [one.serial.port for one in each_robot(config).values()]
+    return SIMULATED in (config.camera.source, *ports)
+
+
+class SimulatedFleet:
+    """Everything of a configuration that is simulated, switched off until `start`."""
+
+    def __init__(self, config: Config, clock: Callable[[], float]) -> None:
+        self._config, self._clock = config, clock
+        self._robots = {
+            name: simulated_robot(one, clock)
+            for name, one in each_robot(config).items()
+            if one.serial.port == SIMULATED
+        }
+        self._arenas = arenas_over_time(config, load_arena(config))
+        self._tracks = tracks_of(config)
+        self._began_s = clock()
+
+    @property
+    def ports(self) -> dict[str, str]:
+        """By name, of the robots that are simulated."""
+        return {name: robot.port for name, robot in self._robots.items()}
+
+    def track(self, name: str) -> FloatArray:
+        """Where the robot has been: (n, 4) of the clock's seconds, x_m, y_m, heading_rad."""
+        return self._robots[name].track()
+
+    def pose(self, name: str) -> tuple[float, float, float]:
+        """Where the robot is now."""
+        return self._robots[name].pose()
+
+    def open_camera(self) -> Camera:
+        """A new camera, closed; the same source each time."""
+        fleet = []
+        for name, one in each_robot(self._config).items():
+            robot = self._robots.get(name)
+            shared = shared_pose(one) if robot is None else None
+            fleet.append((one.robot, partial(pose_of, one, robot, shared)))
+        return camera_over(
+            self._config,
+            self._arenas,
+            self._tracks,
+            fleet[0][1],
+            self._clock,
+            self._began_s,
+            fleet=fleet,
+        )
+
+    def start(self) -> None:
+        """Switch the robots on; what happens in the arena counts from here."""
+        self._began_s = self._clock()
+        for robot in self._robots.values():
+            robot.start()
+
+    def stop(self) -> None:
+        """Switch them off."""
+        for robot in self._robots.values():
+            robot.stop()

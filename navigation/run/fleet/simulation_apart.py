@@ -1,0 +1,206 @@
+"""The simulated fleet in a process of its own: what is simulated takes no time from the daemon.
+
+Robots' processors and a camera's sensor work beside a real daemon, not in it; in one process their
+threads would share one interpreter with the control loop, which then is late. Only what a cable
+would carry comes here: the ports' names, pictures, and, for the report, the truth.
+
+One question is answered after the other on each pipe; the camera has one of its own. The process
+ends with this one. Both have the same clock: seconds of `time.monotonic`.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import Any, Final
+
+import numpy as np
+
+from navigation.config import Config
+from navigation.machine.child import FRESH, start_child
+from navigation.run.fleet.simulated_fleet import SimulatedFleet
+from navigation.simulator.drive_model import TruePose
+from planner.scene import FloatArray
+from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
+
+ENDED: Final = "the simulation's process has ended"
+END_S: Final = 2.0
+"""So long the process has for its own end."""
+
+
+class SimulationEndedError(RuntimeError):
+    """The simulation's process is gone."""
+
+
+class _Asked:
+    """This end of a pipe: asks for a method and waits for what it returns, or raises."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe = pipe
+        self._lock = threading.Lock()
+
+    def __call__(self, name: str, *arguments: object) -> Any:
+        with self._lock:
+            try:
+                self._pipe.send((name, arguments))
+                answer, error = self._pipe.recv()
+            except (EOFError, OSError):
+                raise SimulationEndedError(ENDED) from None
+        if error is not None:
+            raise error
+        return answer
+
+
+class SimulationApart:
+    """`SimulatedFleet` in another process; the methods are the same."""
+
+    def __init__(self, config: Config) -> None:
+        ours, theirs = FRESH.Pipe()
+        pictures, their_pictures = FRESH.Pipe()
+        self.process = start_child(_simulate, theirs, their_pictures, config)
+        theirs.close()
+        their_pictures.close()
+        self._ask, self._ask_camera = _Asked(ours), _Asked(pictures)
+        self.ports: dict[str, str] = self._ask("ports")
+
+    def track(self, name: str) -> FloatArray:
+        """Where the robot has been (n, 4); nothing is known once the process has ended."""
+        try:
+            track: FloatArray = self._ask("track", name)
+        except SimulationEndedError:
+            return np.empty((0, 4))
+        return track
+
+    def pose(self, name: str) -> tuple[float, float, float]:
+        """Where the robot is now; ``SimulationEndedError`` where nobody knows."""
+        pose: tuple[float, float, float] = self._ask("pose", name)
+        return pose
+
+    def open_camera(self) -> Camera:
+        """A new camera, closed."""
+        return CameraApart(self._ask_camera)
+
+    def start(self) -> None:
+        """Switch the robots on."""
+        self._ask("start")
+
+    def stop(self) -> None:
+        """Switch them off, and end the process."""
+        try:
+            self._ask("stop")
+        except SimulationEndedError:
+            return
+        self.process.join(END_S)
+        self.process.kill()
+
+
+class RobotApart:
+    """One robot of the simulation, for those who ask for the truth."""
+
+    def __init__(self, simulation: SimulationApart, name: str) -> None:
+        self._simulation, self._name = simulation, name
+
+    def pose(self) -> TruePose:
+        """Where it is now."""
+        return TruePose(*self._simulation.pose(self._name))
+
+    def track(self) -> FloatArray:
+        """Where it has been."""
+        return self._simulation.track(self._name)
+
+
+class CameraApart:
+    """The simulated camera, as a `vision.camera.camera.Camera` of this process."""
+
+    def __init__(self, ask: _Asked) -> None:
+        self._ask = ask
+        self.name, self.may_repeat = self._asked("make")
+        self.state: SourceState = "closed"
+        self.reason = ""
+        self.rate_hz = 0.0
+
+    def open(self) -> None:
+        """Start giving frames."""
+        self._asked("open")
+        self.state = "running"
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame; None where none came in time."""
+        seen, self.rate_hz = self._asked("read", timeout_s)
+        if seen is None:
+            return None
+        image, captured_s, sequence = seen
+        return Frame(image, captured_s, sequence, self.name)
+
+    def close(self) -> None:
+        """Stop; harmless when closed."""
+        if self.state == "running":
+            self.state = "closed"
+            try:
+                self._ask("close")
+            except SimulationEndedError:
+                return
+
+    def _asked(self, name: str, *arguments: object) -> Any:
+        try:
+            return self._ask(name, *arguments)
+        except SimulationEndedError as error:
+            raise CameraError(f"simulated camera: {error}") from None
+
+
+def _simulate(pipe: Connection, pictures: Connection, config: Config) -> None:
+    """The process: answer until the fleet is stopped, or nobody asks any more."""
+    fleet = SimulatedFleet(config, time.monotonic)
+    camera = _CameraHere(fleet)
+    threading.Thread(target=_answer, args=(pictures, camera), name="camera", daemon=True).start()
+    _answer(pipe, fleet, last="stop")
+
+
+class _CameraHere:
+    """The camera's side of the pipe: one camera at a time."""
+
+    def __init__(self, fleet: SimulatedFleet) -> None:
+        self._fleet = fleet
+        self._camera: Camera | None = None
+
+    def make(self) -> tuple[str, bool]:
+        """A new camera's name, and whether its pictures may repeat."""
+        self.close()
+        self._camera = self._fleet.open_camera()
+        return self._camera.name, self._camera.may_repeat
+
+    def open(self) -> None:
+        """Start giving frames."""
+        assert self._camera is not None
+        self._camera.open()
+
+    def read(self, timeout_s: float) -> tuple[tuple[Image, float, int] | None, float]:
+        """The next frame's picture, time and number, and the rate."""
+        assert self._camera is not None
+        frame = self._camera.read(timeout_s)
+        seen = None if frame is None else (frame.image, frame.captured_s, frame.sequence)
+        return seen, self._camera.rate_hz
+
+    def close(self) -> None:
+        """Stop giving frames."""
+        if self._camera is not None:
+            self._camera.close()
+
+
+def _answer(pipe: Connection, side: object, last: str = "") -> None:
+    """Carry out what is asked for, and send what came of it."""
+    while True:
+        try:
+            name, arguments = pipe.recv()
+        except EOFError:
+            return
+        try:
+            member = getattr(side, name)
+            answer = member(*arguments) if isinstance(member, Callable) else member  # type: ignore[arg-type]
+            pipe.send((answer, None))
+        except Exception as error:  # noqa: BLE001 - it belongs to who asked
+            pipe.send((None, error))
+        if name == last:
+            return

@@ -1,0 +1,117 @@
+"""The simulated fleet in its own process: the same pictures and wheels, an end for everybody."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from navigation.config import Config, load_config
+from navigation.link.serial_link import SerialLink
+from navigation.run.fleet.simulated_fleet import SimulatedFleet
+from navigation.run.fleet.simulation_apart import SimulationApart
+from tests.support.waiting import wait_until
+from vision.camera.camera import CameraError
+
+CONFIGS = Path(__file__).parents[4] / "configs"
+
+
+@pytest.fixture(scope="module")
+def config() -> Config:
+    return load_config(CONFIGS / "crossing.yaml")
+
+
+@pytest.fixture
+def apart(config: Config) -> Iterator[SimulationApart]:
+    simulation = SimulationApart(config)
+    yield simulation
+    simulation.stop()
+
+
+def test_its_camera_shows_what_the_camera_of_this_process_shows(
+    config: Config, apart: SimulationApart
+) -> None:
+    here = SimulatedFleet(config, time.monotonic)
+    cameras = [apart.open_camera(), here.open_camera()]
+    pictures = []
+    for camera in cameras:
+        camera.open()
+        frame = camera.read(5.0)
+        assert frame is not None
+        assert camera.state == "running"
+        assert not frame.image.flags.writeable
+        assert 0.0 <= time.monotonic() - frame.captured_s < 5.0
+        pictures.append(frame.image)
+        camera.close()
+    assert np.array_equal(*pictures)
+    assert cameras[0].may_repeat == cameras[1].may_repeat
+    assert cameras[0].name == cameras[1].name
+
+
+def test_a_camera_that_is_asked_too_early_gives_nothing_yet(apart: SimulationApart) -> None:
+    camera = apart.open_camera()
+    camera.open()
+    first = camera.read(5.0)
+    assert first is not None
+    assert camera.read(0.0) is None
+
+
+def test_a_camera_that_is_not_open_says_so(apart: SimulationApart) -> None:
+    with pytest.raises(CameraError, match="is not open"):
+        apart.open_camera().read(0.1)
+
+
+def test_its_robots_answer_at_their_ports_and_keep_their_track(apart: SimulationApart) -> None:
+    assert len(set(apart.ports.values())) == 8
+    apart.start()
+    with SerialLink(apart.ports["west1"]) as link:
+        assert wait_until(lambda: link.snapshot().status is not None)
+    assert apart.pose("west1") == pytest.approx((0.17, 0.78, 0.0))
+    assert wait_until(lambda: len(apart.track("west1")) > 2)
+    assert np.ptp(apart.track("west1")[:, 1:], axis=0).max() == 0.0
+
+
+def test_when_its_process_dies_the_camera_and_the_links_say_so(apart: SimulationApart) -> None:
+    apart.start()
+    camera = apart.open_camera()
+    camera.open()
+    with SerialLink(apart.ports["west1"]) as link:
+        assert wait_until(lambda: link.snapshot().status is not None)
+        apart.process.kill()
+        with pytest.raises(CameraError, match="the simulation's process has ended"):
+            camera.read(5.0)
+        assert wait_until(lambda: link.snapshot().down_reason is not None)
+    assert apart.track("west1").shape == (0, 4)
+    camera.close()
+
+
+def test_it_ends_with_the_process_that_asks_for_it() -> None:
+    program = f"""
+import os
+from pathlib import Path
+from navigation.config import load_config
+from navigation.run.fleet.simulation_apart import SimulationApart
+if __name__ == "__main__":
+    simulation = SimulationApart(load_config(Path({str(CONFIGS / "crossing.yaml")!r})))
+    print(simulation.process.pid, flush=True)
+    os.kill(os.getpid(), 9)
+"""
+    told = subprocess.run(
+        [sys.executable, "-c", program], check=False, capture_output=True, text=True, timeout=120
+    )
+    pid = int(told.stdout)
+    assert wait_until(lambda: not is_alive(pid))
+
+
+def is_alive(pid: int) -> bool:
+    """Whether the process does something still: who waits for its parent to look is dead."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
