@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import cv2
 import numpy as np
@@ -117,6 +117,14 @@ class ArenaPainter:
         np.maximum(covered[y0:y1, x0:x1], part, out=covered[y0:y1, x0:x1])
 
 
+class _Layers(NamedTuple):
+    """Where a robot is in the picture, what part of each pixel is seen past it, and its light."""
+
+    here: tuple[slice, ...]
+    uncovered: FloatImage
+    grey: FloatImage
+
+
 class RobotPainter:
     """Draws one robot: an upright cylinder with its marker on top."""
 
@@ -137,6 +145,8 @@ class RobotPainter:
         sample_m /= ROBOT_SAMPLES
         self._top, self._texel_m = _top_texture(marker, radius_m, marker_size_m, sample_m)
         self._plane_from_ray = pinhole.plane_from_ray(height_m)
+        self._drawn: tuple[object, _Layers | None] = None, None
+        """What was drawn last, and for which pose: most robots of several stand."""
         turns = np.linspace(0.0, math.tau, 128, endpoint=False)
         rim = radius_m * np.column_stack([np.cos(turns), np.sin(turns)])
         self._rims = np.concatenate(
@@ -159,26 +169,36 @@ class RobotPainter:
 
     def paint(self, picture: Image, pose: tuple[float, float, float]) -> None:
         """Draw the robot at (x, y, heading) into ``picture``, in place."""
-        rims = self._rims_seen(pose)
-        hull = cv2.convexHull(rims.astype(np.float32)).reshape(-1, 2).astype(np.float64)
-        box = box_around(rims, picture.shape)
-        if box is None:
+        if self._drawn[0] != (pose, picture.shape):
+            self._drawn = (pose, picture.shape), self._layers(picture.shape, pose)
+        layers = self._drawn[1]
+        if layers is None:
             return
+        here, uncovered, grey = layers
+        mixed = picture[here] * uncovered + grey
+        picture[here] = np.rint(np.clip(mixed, 0.0, 255.0)).astype(np.uint8)
+
+    def _layers(self, shape: tuple[int, ...], pose: tuple[float, float, float]) -> _Layers | None:
+        """The robot in a picture of this shape; None where it is out of sight."""
+        rims = self._rims_seen(pose)
+        box = box_around(rims, shape)
+        if box is None:
+            return None
+        hull = cv2.convexHull(rims.astype(np.float32)).reshape(-1, 2).astype(np.float64)
         x0, y0, x1, y1 = box
         here = np.s_[y0:y1, x0:x1]
         layers = np.zeros((y1 - y0, x1 - x0, 3), dtype=np.float32)
         layers[:, :, 2] = _coverage(
             [hull - (x0, y0)], (x1 - x0, y1 - y0), ROBOT_SAMPLES, ROBOT_PASSES
         )
-        top_box = box_around(rims[len(rims) // 2 :], picture.shape)
+        top_box = box_around(rims[len(rims) // 2 :], shape)
         if top_box is not None:
             left, up, right, down = top_box
             top = self._top_seen(self._painter.rays[up:down, left:right], pose)
             layers[up - y0 : down - y0, left - x0 : right - x0, :2] = top
         grey_top, is_top, is_body = cv2.split(blurred(layers, self._look.blur_px))
         grey = grey_top + np.maximum(is_body - is_top, 0.0) * BODY_SIDE_GREY
-        mixed = picture[here] * (1.0 - is_body) + grey * self._painter.light[here]
-        picture[here] = np.rint(np.clip(mixed, 0.0, 255.0)).astype(np.uint8)
+        return _Layers(here, 1.0 - is_body, grey * self._painter.light[here])
 
     def _top_seen(self, rays: FloatImage, pose: tuple[float, float, float]) -> FloatImage:
         """The top's grey value times its coverage, and its coverage, (h, w, 2)."""

@@ -194,6 +194,19 @@ def test_the_background_stays_as_it_was_whatever_is_drawn_on_it(still: Simulated
     assert np.array_equal(still.render([(9.0, 9.0, 0.0)], None), before)
 
 
+def test_what_was_drawn_before_changes_no_picture(config: Config, arena: SimulatedArena) -> None:
+    used = _camera(config, arena, Clock())
+    fewer = replace(arena.scene, objects=arena.scene.objects[1:])
+    here, there, outside = (0.2, 0.2, 0.0), (0.2, 0.2, 0.1), (9.0, 9.0, 0.0)
+    for pose, scene in [
+        (here, arena.scene), (here, fewer), (there, fewer), (outside, fewer), (here, arena.scene)
+    ]:  # fmt: skip
+        used.set_scene(scene)
+        fresh = _camera(config, arena, Clock())
+        fresh.set_scene(scene)
+        assert np.array_equal(used.render([pose], None), fresh.render([pose], None))
+
+
 def test_other_robots_are_drawn_where_they_are(config: Config, arena: SimulatedArena) -> None:
     other = MarkerSection(marker_id=9, marker_size_m=0.08, marker_height_m=0.2, radius_m=0.08)
     two = config.model_copy(update={"other_robots": (other,)})
