@@ -14,7 +14,7 @@ import select
 import threading
 import time
 import tty
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -112,9 +112,8 @@ class SimulatedRobot:
     # Life.
 
     def start(self) -> None:
-        """Switch the robot on."""
-        self._start_s = self._clock()
-        self._time.begin(self._start_s)
+        """Switch the robot on, in a thread of its own."""
+        self.switched_on()
         self._thread = threading.Thread(target=self._run, name="simulated robot", daemon=True)
         self._thread.start()
 
@@ -169,21 +168,34 @@ class SimulatedRobot:
     def _run(self) -> None:
         try:
             while not self._stop.is_set():
-                now_s = self._clock()
-                self._time.limit(now_s)
-                while (end_s := self._time.next_step_s(now_s)) is not None:
-                    self._exchange(end_s)
-                    self._step(end_s)
-                    self._time.done(end_s)
-                self._exchange(now_s)
-                self._view = self._look()
-                wait_s = self._time.due_in_s(self._clock())
-                try:
-                    select.select([self._fd], [], [], wait_s)
-                except PORT_FAULTS:
-                    self._stop.wait(wait_s)
+                wait_until_due([self], self.turn())
         finally:
-            self._time.end()
+            self.switched_off()
+
+    def switched_on(self) -> None:
+        """It is driven from now on: by its own thread, or by who calls :meth:`turn`."""
+        self._start_s = self._clock()
+        self._time.begin(self._start_s)
+
+    def switched_off(self) -> None:
+        """Nobody drives it any more."""
+        self._time.end()
+
+    def fileno(self) -> int:
+        """What the host's bytes arrive at."""
+        return self._fd
+
+    def turn(self) -> float:
+        """Make all steps that are due, and exchange bytes; how long until the next, seconds."""
+        now_s = self._clock()
+        self._time.limit(now_s)
+        while (end_s := self._time.next_step_s(now_s)) is not None:
+            self._exchange(end_s)
+            self._step(end_s)
+            self._time.done(end_s)
+        self._exchange(now_s)
+        self._view = self._look()
+        return self._time.due_in_s(self._clock())
 
     def _meet_scheduled_faults(self, now_s: float) -> None:
         if now_s - self._start_s >= self._faults.reset_at_s and not self._reset_done:
@@ -248,3 +260,11 @@ class SimulatedRobot:
             executed=control.exec_next,
             exec_crc=control.exec_crc,
         )
+
+
+def wait_until_due(robots: Sequence[SimulatedRobot], wait_s: float) -> None:
+    """Until bytes arrive for one of the robots, or so long."""
+    try:
+        select.select(robots, [], [], wait_s)
+    except (*PORT_FAULTS, ValueError):  # a line that was closed is no file any more
+        time.sleep(wait_s)

@@ -6,6 +6,7 @@ Metres, radians, seconds of the clock that is passed in.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from functools import partial
 
@@ -16,6 +17,7 @@ from navigation.run.devices.simulated import pose_of, shared_pose, simulated_rob
 from navigation.run.world import camera_over
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
+from navigation.simulator.robot import SimulatedRobot, wait_until_due
 from planner.scene import FloatArray
 from vision.camera.camera import Camera
 
@@ -36,6 +38,9 @@ class SimulatedFleet:
             for name, one in each_robot(config).items()
             if one.serial.port == SIMULATED
         }
+        self._together = [one for one in self._robots.values() if isinstance(one, SimulatedRobot)]
+        self._thread: threading.Thread | None = None
+        self._stop = threading.Event()
         self._arenas = arenas_over_time(config, load_arena(config))
         self._tracks = tracks_of(config)
         self._began_s = clock()
@@ -74,9 +79,27 @@ class SimulatedFleet:
         """Switch the robots on; what happens in the arena counts from here."""
         self._began_s = self._clock()
         for robot in self._robots.values():
-            robot.start()
+            if robot not in self._together:
+                robot.start()
+        for robot in self._together:
+            robot.switched_on()
+        self._thread = threading.Thread(target=self._run, name="simulated robots", daemon=True)
+        self._thread.start()
 
     def stop(self) -> None:
         """Switch them off."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
         for robot in self._robots.values():
             robot.stop()
+
+    def _run(self) -> None:
+        """All that are steps of this program in one thread: eight would wait for each other."""
+        robots = self._together
+        try:
+            while robots and not self._stop.is_set():
+                wait_until_due(robots, min(robot.turn() for robot in robots))
+        finally:
+            for robot in robots:
+                robot.switched_off()
