@@ -173,7 +173,8 @@ class Agreement:
     def _roll(self, pose: tuple[float, float, float], wheels: WheelMotion) -> float:
         """Carry the rolled place on to the newest pose's time; how far was driven.
 
-        What the wheels did while nobody knew of it is left out, and shows as slip.
+        What the wheels did while nobody saw the robot counts; what nobody knows of, because they
+        did not report, is left out and shows as slip.
         """
         assert self._rolled is not None
         before, then = self._last if self._last is not None else (pose, wheels)
@@ -188,7 +189,7 @@ class Agreement:
             y + way_m * math.sin(middle),
             math.remainder(heading + turn_rad + self._bend.value * way_m, math.tau),
         )
-        return wheels.driven_m - then.driven_m
+        return max(0.0, wheels.driven_m - then.driven_m)  # less than nothing where dated earlier
 
     def _anchor(
         self, time_s: float, pose: tuple[float, float, float], wheels: WheelMotion

@@ -137,7 +137,7 @@ class Witness:
         known = self._measured or UNKNOWN
         if abs(known.latency_s - self._compared_s) > REDATED_S:
             self._compared_s = known.latency_s
-            self._agreement.break_off()  # what was dated otherwise would show as slip
+            self._agreement.begin_again()  # what was dated otherwise would show as a parting
         wheels = self.wheels.at(time_s - self._compared_s)
         if wheels is None:
             return

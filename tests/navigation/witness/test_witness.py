@@ -127,6 +127,28 @@ def test_slip_keeps_what_a_robot_was_carried_while_nobody_looked() -> None:
     assert evidence.slip_rad == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.parametrize("latency_s", [0.0, 0.14])
+@pytest.mark.parametrize("forgotten_s", [10.05, 10.3, 11.0])
+def test_a_camera_that_is_opened_again_makes_no_slip_of_what_it_missed(
+    latency_s: float, forgotten_s: float
+) -> None:
+    """The wheels drive 0.3 m unseen; the robot is seen where they brought it."""
+    robot, witness = MovingRobot(), Witness(LIMITS)
+    before = after = (0.0, 0.0)
+    forgotten = False
+    for at_s, evidence in robot.told(
+        witness,
+        latency_s=latency_s,
+        sight=lambda t, pose: None if 10.0 < t < 11.2 else pose,
+    ):
+        if at_s >= forgotten_s and not forgotten:
+            witness.forget_latency()
+            forgotten = True
+        before, after = (evidence.slip_m, after) if at_s < 10.0 else (before, evidence.slip_m)
+        assert evidence.parted is None
+    assert math.dist(before, after) < 0.03
+
+
 def test_a_held_up_report_is_no_late_motion() -> None:
     """Reports of a quarter of a second arrive in one burst: their own clock dates them."""
 
