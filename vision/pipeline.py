@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise.binary import Binary, with_fence
+from vision.binarise.binary import Binary
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey import as_array
 from vision.binarise.methods import Method, Polarity
@@ -32,11 +32,10 @@ from vision.records.placement import (
     Calibration,
     Placement,
     drop_outside,
-    fenced_pixels,
     ignored_pixels,
 )
 from vision.records.records import build_objects, find_specks
-from vision.records.unseen import blind_of, unseen_objects, with_unseen, without_blind
+from vision.records.unseen import blind_of, hidden_by_lens, with_unseen, without_blind
 from vision.shared.scratch import Room
 
 Mode: TypeAlias = Literal["exact", "paper"]
@@ -53,7 +52,6 @@ def extract(
     calibration: Calibration | None = None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
-    fence: NDArray[np.float32] | None = None,
 ) -> Scene:
     """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
 
@@ -66,8 +64,7 @@ def extract(
     metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
     or far too much is found, a remark says so (see ``vision.doubts``).
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
-    pixels. ``fence`` (h, w) marks pixels that are obstacle whatever they show, by the share of
-    each from 0 to 1: what nobody sees. Raises ``PictureError`` for a picture or an option that
+    pixels. Raises ``PictureError`` for a picture or an option that
     cannot be used, and where no pixel is free. Safe to call from several threads. O(pixels) to
     threshold, then O(border pixels).
     """
@@ -78,8 +75,6 @@ def extract(
     if bounds is not None and calibration is None:
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
     clock = _StopWatch()
-    if mode == "paper" and fence is not None:
-        raise PictureError("mode paper: works without a fence")
     image = as_array(image)
     blind = blind_of(calibration)
     if blind is not None:
@@ -88,8 +83,6 @@ def extract(
     binary = binarise_by_colour(
         image, polarity=polarity, method=method, threshold=threshold, ignore=skip, room=_ROOM
     )
-    if fence is not None:
-        binary = with_fence(binary, fenced_pixels(fence, image))
     clock.lap("binarise")
     borders = follow_borders(binary.mask, _ROOM)
     if mode == "paper":
@@ -114,8 +107,7 @@ def extract(
     scene = _scene(binary, objects, placement, borders.pixels, clock, (*specks.remarks, *remarks))
     if blind is None:
         return scene
-    unseen = unseen_objects(calibration, placement.bounds, extract)
-    return with_unseen(scene, unseen, float(blind.mean()))
+    return with_unseen(scene, hidden_by_lens(calibration, placement.bounds, extract))
 
 
 def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:

@@ -8,7 +8,7 @@ Rules and units
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -75,22 +75,3 @@ def black_and_white(
     mask = look.mask_below(level, calming, strongest)
     by_level = calming is NO_CALMING
     return Binary(mask, look.grey, level, noise, contrast, how, remarks, by_level, not safe)
-
-
-def with_fence(binary: Binary, fence: NDArray[np.float32]) -> Binary:
-    """The same, with obstacle where ``fence`` (h, w), shares from 0 to 1, is a half or more.
-
-    Greys are mixed by the shares, so that the fence's border is an edge as any other: sub-pixel.
-    """
-    grey, level, contrast = binary.grey.copy(), binary.level, binary.contrast
-    if not 0.0 < level < 255.0:  # all alike: there is no level yet
-        contrast = max(float(np.median(grey[::4, ::4])), 1.0)
-        level = 0.5 * contrast
-    dark = max(level - 0.5 * contrast, 0.0)
-    met = fence > 0.0
-    share, before = fence[met], grey[met].astype(np.float32)
-    mixed = np.minimum(before, before * (1.0 - share) + dark * share)
-    grey[met] = np.rint(mixed).astype(grey.dtype) if grey.dtype == np.uint8 else mixed
-    mask = binary.mask.copy()
-    mask[1:-1, 1 : grey.shape[1] + 1] |= (fence >= 0.5).view(np.uint8)
-    return replace(binary, mask=mask, grey=grey, level=level, contrast=contrast, by_level=False)

@@ -11,8 +11,8 @@ Rules and units
 - So the pixel over an obstacle's foot shows that obstacle, or one in front of it, and never the
   floor behind it. An obstacle on the seam is one region of one picture, and its edges are fitted
   through the points of both cameras: nothing has to be matched, cut or joined afterwards.
-- A pixel that no camera sees is unknown. How far a pixel is unknown is a share, so that the border
-  of what is unknown is straight to a fraction of a pixel.
+- A pixel that no camera sees, or only where its lens is blind, is unknown. How far it is unknown is
+  a share, so that the border of what is unknown is straight to a fraction of a pixel.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds
+
 from vision.calibration.calibration import (
     Calibration,
     CalibrationError,
@@ -289,6 +290,12 @@ def _view(
     x, y = seen.T
     rim = np.minimum(np.minimum(x + 0.5, right - x), np.minimum(y + 0.5, low - y))
     rim = np.where(np.isfinite(rim), rim, -np.inf)
+    blind = camera.blind
+    if blind is not None:
+        to_blind = cv2.distanceTransform((~blind).view(np.uint8), cv2.DIST_L2, 5)
+        at = np.flatnonzero(rim > 0.0)
+        columns, rows = np.rint(seen[at]).astype(np.int64).T
+        rim[at] = np.minimum(rim[at], to_blind[rows, columns])
     inside = np.flatnonzero(rim > 0.0)
     back = camera.arena_from_image(seen[inside])
     away = ~(np.hypot(*(back - floor[inside]).T) < SAME_M)

@@ -158,16 +158,6 @@ def ignored_pixels(
     return mask
 
 
-def fenced_pixels(fence: NDArray[np.float32], image: NDArray[Any]) -> NDArray[np.float32]:
-    """The shares (h, w) of pixels that are obstacle whatever they show; ``PictureError``."""
-    shares = np.asarray(fence, dtype=np.float32)
-    if shares.shape != image.shape[:2]:
-        raise PictureError(f"fence: a shape of {shares.shape}: must be {image.shape[:2]}")
-    if not ((shares >= 0.0) & (shares <= 1.0)).all():
-        raise PictureError("fence: shares must be in 0..1")
-    return shares
-
-
 def _as_bounds(bounds: Bounds | Sequence[float] | NDArray[np.float64]) -> Bounds:
     """The bounds as such, from themselves or from x_min, y_min, x_max, y_max."""
     if isinstance(bounds, Bounds):

@@ -1,16 +1,18 @@
-"""What a camera cannot see of its arena: unknown ground, which a scene holds as an obstacle.
+"""Ground that no camera sees now: unknown, which a scene holds as an obstacle, whatever the reason.
 
 Rules
-- Blind pixels (``vision.calibration.blind``) are given the picture's middle grey before a level is
-  sought: whatever a lens shows there twice, or not at all, is neither an edge nor an obstacle.
-- The ground that they hide within the bounds is outlined as any picture is, from its plan, and
-  added to the scene's objects, with a sentence: nobody drives on what nobody has seen.
+- A plan of the ground says for each of its pixels which share of it nobody sees: because a lens
+  folds or looks sideways (``vision.calibration.blind``), because no camera looks there, or because
+  the one that did is lost (``vision.joined.floor_plan``). It is outlined as any picture is, and
+  added to the scene's objects with a sentence that says why: nobody drives on what nobody has seen.
+- What a picture shows where it shows no ground is neither an edge nor an obstacle: a lens's blind
+  pixels are given the picture's middle grey before a level is sought.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
@@ -20,10 +22,21 @@ from numpy.typing import NDArray
 from planner.scene import Bounds, Scene, SceneObject
 from vision.errors import PictureError
 
-_KNOWN: dict[tuple[object, Bounds], tuple[SceneObject, ...]] = {}
-_MOST_KNOWN = 16
 _BLUR_PX = 3.0
-"""Of the plan, whose blind part is larger by more than twice of it: the outline needs few edges."""
+"""Of a lens's plan, whose blind part is larger by more than twice of it: its outline needs few
+edges."""
+_MOST_KNOWN = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Unseen:
+    """The ground that nobody sees, in metres, and the sentence that says so."""
+
+    objects: tuple[SceneObject, ...] = ()
+    said: str = ""
+
+
+_KNOWN: dict[tuple[object, Bounds], Unseen] = {}
 
 
 def blind_of(calibration: object) -> NDArray[np.bool_] | None:
@@ -48,23 +61,39 @@ def without_blind(image: NDArray[Any], blind: NDArray[np.bool_]) -> NDArray[Any]
     return filled
 
 
-def unseen_objects(
-    calibration: object, bounds: Bounds, outline: Callable[..., Scene]
+def unseen_ground(
+    shares: NDArray[Any], plan: object, bounds: Bounds, outline: Callable[..., Scene]
 ) -> tuple[SceneObject, ...]:
-    """The unseen ground within the bounds as objects, metres; ``outline`` is ``vision.extract``.
+    """What a plan (h, w) of shares from 0 to 1 says is seen by nobody, as objects in metres.
+
+    ``plan`` is the calibration of the plan's pixels, ``outline`` is ``vision.extract``.
+    """
+    drawn = np.rint(255.0 * (1.0 - shares)).astype(np.uint8)
+    return outline(drawn, method="fixed", threshold=128, calibration=plan, bounds=bounds).objects
+
+
+def hidden_by_lens(calibration: object, bounds: Bounds, outline: Callable[..., Scene]) -> Unseen:
+    """What a camera's lens hides of the ground in the bounds; ``outline`` is ``vision.extract``.
 
     Raises ``PictureError`` where nothing within the bounds is seen. Made once, then remembered.
     """
-    if not hasattr(calibration, "blind_plan"):
-        return ()
+    blind = blind_of(calibration)
+    if blind is None or not hasattr(calibration, "blind_plan"):
+        return Unseen()
     if (calibration, bounds) not in _KNOWN:
         while len(_KNOWN) >= _MOST_KNOWN:
             _KNOWN.pop(next(iter(_KNOWN)), None)
-        _KNOWN[calibration, bounds] = _outlined(calibration, bounds, outline)
+        objects = _hidden(calibration, bounds, outline)
+        where = "and its ground is an obstacle" if objects else "outside the bounds"
+        _KNOWN[calibration, bounds] = Unseen(
+            objects,
+            f"{100.0 * float(blind.mean()):.0f} % of the picture is unknown, where the lens folds "
+            f"or looks sideways, {where}",
+        )
     return _KNOWN[calibration, bounds]
 
 
-def _outlined(
+def _hidden(
     calibration: Any, bounds: Bounds, outline: Callable[..., Scene]
 ) -> tuple[SceneObject, ...]:
     plan = calibration.blind_plan(bounds)
@@ -73,18 +102,14 @@ def _outlined(
     blind, plan_calibration = plan
     if blind.all():
         raise PictureError("nothing within the bounds is seen: the lens folds, or looks elsewhere")
-    drawn = cv2.GaussianBlur(np.where(blind, 0, 255).astype(np.uint8), (0, 0), _BLUR_PX)
-    return outline(
-        drawn, method="fixed", threshold=128, calibration=plan_calibration, bounds=bounds
-    ).objects
+    shares = cv2.GaussianBlur(blind.astype(np.float32), (0, 0), _BLUR_PX)
+    return unseen_ground(shares, plan_calibration, bounds, outline)
 
 
-def with_unseen(scene: Scene, unseen: tuple[SceneObject, ...], share: float) -> Scene:
-    """The scene with its unseen ground; ``share`` of the picture is blind."""
+def with_unseen(scene: Scene, unseen: Unseen) -> Scene:
+    """The scene with the ground that nobody sees among its objects, and its sentence."""
+    if not unseen.said:
+        return scene
     first = 1 + max((o.id for o in scene.objects), default=-1)
-    added = tuple(replace(o, id=first + i) for i, o in enumerate(unseen))
-    end = " and its ground is an obstacle" if unseen else ", outside the bounds"
-    said = (
-        f"{100.0 * share:.0f} % of the picture is unknown, where the lens folds or looks sideways"
-    )
-    return replace(scene, objects=(*scene.objects, *added), remarks=(*scene.remarks, said + end))
+    added = tuple(replace(o, id=first + i) for i, o in enumerate(unseen.objects))
+    return replace(scene, objects=(*scene.objects, *added), remarks=(*scene.remarks, unseen.said))

@@ -24,7 +24,7 @@ from vision.camera.camera import Image
 from vision.doubts import doubts_about, with_doubts
 from vision.errors import PictureError
 from vision.pipeline import extract
-from vision.records.unseen import blind_of, unseen_objects
+from vision.records.unseen import Unseen, blind_of, hidden_by_lens
 from vision.watch.change import Rectangle
 
 _MARGIN_PX = 12
@@ -67,30 +67,28 @@ class _Part:
 class KnownScene:
     """A scene in metres and, for each of its objects, the pixels that hold it.
 
-    The boxes of objects that stay are never computed again. ``fence``: as ``vision.extract`` was
-    given it, the same in every picture.
+    The boxes of objects that stay are never computed again.
     """
 
     scene: Scene
     calibration: Calibration
     boxes: tuple[_Box, ...]
-    fence: NDArray[np.float32] | None = None
 
     @classmethod
     def of(
         cls,
         scene: Scene,
         calibration: Calibration,
-        fence: NDArray[np.float32] | None = None,
+        unseen: Unseen | None = None,
     ) -> KnownScene:
-        """A scene as ``vision.extract`` gives it. O(records)."""
-        unseen = unseen_objects(calibration, scene.bounds, extract)
-        hidden = {o.records for o in unseen}
+        """A scene as ``vision.extract`` gives it, ``unseen`` if not by the lens. O(records)."""
+        unseen = unseen or hidden_by_lens(calibration, scene.bounds, extract)
+        hidden = {o.records for o in unseen.objects}
         boxes = _boxes_of(scene.objects, calibration)
         # unseen ground is no part of any picture, and stays whatever changes there
         found = zip(scene.objects, boxes, strict=True)
         kept = tuple(_NOWHERE if o.records in hidden else b for o, b in found)
-        return cls(scene, calibration, kept, fence)
+        return cls(scene, calibration, kept)
 
     def refitted(self, image: Image, rectangles: Sequence[Rectangle]) -> KnownScene | None:
         """The scene of ``image``, where that differs in ``rectangles`` only.
@@ -122,7 +120,7 @@ class KnownScene:
         kept = [o for o, stay in zip(scene.objects, stays, strict=True) if stay]
         boxes = [b for b, stay in zip(self.boxes, stays, strict=True) if stay] + boxes
         joined = _joined(scene, kept, found)
-        return KnownScene(joined, self.calibration, tuple(boxes), self.fence)
+        return KnownScene(joined, self.calibration, tuple(boxes))
 
     def _extract(self, image: Image, part: _Box, how: Binarisation) -> Scene | None:
         x0, y0, x1, y1 = part
@@ -136,7 +134,6 @@ class KnownScene:
                 threshold=how.threshold,
                 calibration=_Part(self.calibration, x0, y0, part_blind),
                 bounds=self.scene.bounds,
-                fence=None if self.fence is None else self.fence[y0:y1, x0:x1],
             )
         except PictureError:
             return None

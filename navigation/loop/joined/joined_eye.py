@@ -5,9 +5,9 @@ Rules
   pictures. Only where something changed its picture is laid onto the floor plan, and the plan's
   picture is extracted as a single camera's would be.
 - A camera that gives no new picture for ``stale_s`` while the others do is lost: unplugged, frozen
-  or hung, it is the same. What only it saw is fenced as an obstacle at once; a robot in there
-  holds. The camera's picture counts again from the first one in which the robots' places are
-  known, and the fence goes with it.
+  or hung, it is the same. What only it saw is an obstacle at once, as all ground is that no camera
+  sees; a robot in there holds. The camera's picture counts again from the first one in which the
+  robots' places are known, and its ground is open again.
 - Before every camera has given a picture, or had ``START_S`` for it, there is no scene.
 Units: metres and radians in the arena, seconds.
 """
@@ -31,6 +31,7 @@ from vision.joined.floor_plan import FloorPlan, Part, Rectangle
 from vision.joined.pose_fusion import PoseFusion, carried
 from vision.markers.marker_search import grey_of
 from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px
+from vision.records.unseen import Unseen, unseen_ground, with_unseen
 from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import KnownScene
 
@@ -91,6 +92,7 @@ class JoinedEye:
         self._live: tuple[bool, ...] = (False,) * len(trackers)
         self._owners = plan.owners(self._live)
         self._unknown = plan.unknown(self._live)
+        self._unseen = Unseen()
         self._gains: FloatArray = np.ones(len(trackers))
         self._canvas = np.zeros(self._owners.shape, np.uint8)
         self._parts: list[Part | None] = [None] * len(trackers)
@@ -226,6 +228,7 @@ class JoinedEye:
             self._live = live
             self._owners, self._unknown = self.plan.owners(live), self.plan.unknown(live)
             self._parts = [Part.of(self._owners, i) for i in range(len(live))]
+            self._unseen = self._not_seen()
         pictures = [one.background for one in self._views]
         whole = anew or self._known is None or change is None or change.first or change.relit
         if whole:
@@ -242,9 +245,21 @@ class JoinedEye:
             **extract_settings(self.settings),
             calibration=self.plan.calibration,
             bounds=self.settings.bounds_m,
-            fence=self._unknown,
         )
-        return KnownScene.of(scene, self.plan.calibration, self._unknown)
+        return KnownScene.of(with_unseen(scene, self._unseen), self.plan.calibration, self._unseen)
+
+    def _not_seen(self) -> Unseen:
+        """The ground that no camera sees now, and why."""
+        if self._unknown is None:
+            return Unseen()
+        ground = unseen_ground(
+            self._unknown, self.plan.calibration, self.settings.bounds_m, vision.extract
+        )
+        share = 100.0 * float(self._unknown.mean())
+        return Unseen(
+            ground,
+            f"{share:.0f} % of the arena is seen by no camera and an obstacle{self._who_is_lost()}",
+        )
 
     def _on_the_plan(self, index: int, change: Change) -> list[Rectangle]:
         found = [self.plan.rectangle(index, one) for one in change.rectangles]

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import vision
-from planner.scene import Scene
+from planner.scene import Bounds, Scene
 from tests.vision.joined.floor_truth import (
     BOUNDS,
     Picture,
@@ -25,6 +25,7 @@ from tests.vision.joined.floor_truth import (
 )
 from vision.calibration.calibration import Calibration, CalibrationError
 from vision.joined.floor_plan import MARGIN_PX, FloorPlan
+from vision.records.unseen import Unseen, unseen_ground, with_unseen
 
 LEFT = camera(0.62, 0.62, tilt_deg=(1.2, -0.8), turn_deg=0.7)
 RIGHT = camera(1.40, 0.58, tilt_deg=(-0.6, 1.1), turn_deg=-1.3)
@@ -36,9 +37,12 @@ PIXEL_M = PLAN.calibration.metres_per_pixel
 def joined(plan: FloorPlan, pictures: Sequence[Picture | None]) -> Scene:
     live = [one is not None for one in pictures]
     image = plan.picture(pictures, plan.owners(live), plan.gains(pictures))
-    return vision.extract(
-        image, calibration=plan.calibration, bounds=BOUNDS, fence=plan.unknown(live)
-    )
+    scene = vision.extract(image, calibration=plan.calibration, bounds=BOUNDS)
+    unknown = plan.unknown(live)
+    if unknown is None:
+        return scene
+    ground = unseen_ground(unknown, plan.calibration, BOUNDS, vision.extract)
+    return with_unseen(scene, Unseen(ground, "not seen"))
 
 
 def pictures_of(cameras: Sequence[Calibration], shapes: list[Points]) -> list[Picture]:
@@ -207,3 +211,19 @@ def test_a_rectangle_of_a_camera_lies_where_its_pixels_do() -> None:
     assert (at >= (x, y)).all()
     assert (at <= (x + w, y + h)).all()
     assert PLAN.rectangle(0, (0, 0, 2, 2)) is None or LEFT.arena_from_image([(0, 0)])[0, 0] > 0.0
+
+
+def test_where_the_lens_of_a_camera_is_blind_the_floor_is_unknown() -> None:
+    """Low above the floor: towards the horizon a pixel covers too much of it."""
+    lens = np.array([[100.0, 0.0, 319.5], [0.0, 100.0, 239.5], [0.0, 0.0, 1.0]])
+    down = np.array([[1.0, 0.0, 0.0, -0.5], [0.0, -1.0, 0.0, 0.6], [0.0, 0.0, -1.0, 0.3]])
+    wide = Calibration.from_camera((640, 480), lens, np.zeros(4), down, "fisheye")
+    plan = FloorPlan.of((wide,), Bounds(0.0, 0.0, 6.0, 1.2))
+    unknown = plan.unknown((True,))
+    assert unknown is not None
+    assert wide.blind is not None
+    assert not plan.is_unknown(unknown, 0.5, 0.6, 0.1)
+    ((x, y),) = wide.image_from_arena([(5.5, 0.6)])
+    assert 0.0 < x < 639.0
+    assert wide.blind[round(y), round(x)]
+    assert plan.is_unknown(unknown, 5.5, 0.6, 0.05)
