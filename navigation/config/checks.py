@@ -264,6 +264,10 @@ def _happenings_end_after_they_begin(simulation: Any) -> _Found:
     for where, happenings in (
         (("simulation", "obstacles"), simulation.obstacles),
         (("simulation", "camera", "knocks"), simulation.camera.knocks),
+        *(
+            (("simulation", "cameras", number, "knocks"), one.knocks or ())
+            for number, one in enumerate(simulation.cameras)
+        ),
     ):
         for index, one in enumerate(happenings):
             if one.until_s is not None and one.until_s <= one.from_s:
@@ -334,8 +338,7 @@ CHECKS: tuple[tuple[tuple[str, ...], Callable[..., _Found]], ...] = (
     (("camera", "cameras"), _camera_has_a_scale),
     (("camera", "cameras"), camera_checks.names_and_sources_differ),
     (("camera", "cameras"), camera_checks.each_has_a_calibration),
-    (("cameras", "robots"), camera_checks.one_robot_is_driven),
-    (("arena", "cameras"), camera_checks.markers_are_watched_by_one),
+    (("arena", "cameras"), camera_checks.markers_of_several_have_places),
     (("cameras", "simulation"), camera_checks.simulated_cameras_are_known),
     (("vision",), _fixed_has_a_threshold),
     (("robot",), _robot_fits_together),

@@ -126,6 +126,9 @@ class SimulatedCameraEntry(Section):
     latency_s: Annotated[NotNegative, Field(le=10)] | None = Field(
         default=None, description="from the exposure to the program"
     )
+    knocks: tuple[SimulatedKnockSection, ...] | None = Field(
+        default=None, max_length=MOST_HAPPENINGS, description="knocks against it alone"
+    )
 
 
 class SimulatedRobotSection(Section):

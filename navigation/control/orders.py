@@ -69,8 +69,9 @@ class CanReanchor(Protocol):
     """A daemon whose camera may be placed anew."""
 
     @property
-    def reanchor(self) -> Callable[[], Sequence[str]] | None:
-        """Does it, and says what was found, or MissionError; None where a run cannot."""
+    def reanchor(self) -> Callable[[str | None], Sequence[str]] | None:
+        """Does it with the camera of a name, or the only one, and says what was found, or
+        MissionError; None where a run cannot."""
         ...
 
 
@@ -91,7 +92,7 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
             case "replan":
                 daemon.replan()
             case "reanchor":
-                further["anchoring"] = list(_reanchor(daemon))
+                further["anchoring"] = list(_reanchor(request, daemon))
             case "status":
                 pass
             case other:
@@ -104,11 +105,14 @@ def carry_out(request: Mapping[str, Any], daemon: Commanded) -> dict[str, Any]:
     return {"schema": SCHEMA, "ok": True, **daemon.describe(), **further}
 
 
-def _reanchor(daemon: Commanded) -> Sequence[str]:
+def _reanchor(request: Mapping[str, Any], daemon: Commanded) -> Sequence[str]:
     how = daemon.reanchor if isinstance(daemon, CanReanchor) else None
     if how is None:
         raise ControlError("reanchor: this run cannot place its camera anew")
-    return how()
+    camera = request.get("camera")
+    if camera is not None and not isinstance(camera, str):
+        raise ControlError(f"camera: must be a name, not {in_short(camera)}")
+    return how(camera)
 
 
 def _meant(request: Mapping[str, Any], daemon: Commanded) -> Commanded:

@@ -113,7 +113,8 @@ class Daemon:
         self._forget_latency = False
         self._evidence = NO_EVIDENCE
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
-        self.reanchor: Callable[[], list[str]] | None = None
+        self.reanchor: Callable[[str | None], list[str]] | None = None
+        self.newest = self._vision.newest
         self.started_s = self._clock()
         self._revision = self._measurable_revision = 0
         self._frame_s = -math.inf
@@ -343,7 +344,7 @@ class Daemon:
             others=self.others.movers(now_s),
             doubles=tuple(self._glimpse.doubles.values()),
             evidence=self._evidence,
-            scene_doubt=self._glimpse.hold or self._scene_doubt.hold,
+            scene_doubt=self._scene_doubt.hold or self._glimpse.hold,
         )
 
     def _write_journal(self, orders: Orders) -> None:

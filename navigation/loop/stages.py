@@ -9,10 +9,13 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+import numpy as np
+
 from firmware_protocol.wire.framing import wire_bytes
 from firmware_protocol.wire.messages import Status
 from navigation.config import Config, limits_of
 from navigation.config.sections import RobotSection, SafetySection
+from navigation.config.values import FloorMarkerSection
 from navigation.loop.eye import Body, EyeSettings
 from navigation.loop.planning import PlanSettings
 from navigation.mission.cycle import PilotSettings
@@ -22,6 +25,8 @@ from navigation.mission.watch import SafetyLimits
 from navigation.witness import WitnessLimits
 from navigation.witness.agreement import AgreementLimits
 from planner.scene import Bounds
+from vision.calibration.blind import is_shown
+from vision.calibration.calibration import Calibration
 from vision.markers.markers import MarkedRobot
 from vision.watch.camera_place import FloorMarker, PlaceSettings
 
@@ -105,15 +110,28 @@ def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSett
     )
 
 
-def place_settings(config: Config) -> PlaceSettings:
-    """What says whether the camera is where it was."""
-    markers = tuple(FloorMarker(one.marker_id, one.place_m) for one in config.arena.floor_markers)
+def place_settings(config: Config, one_of_several: Calibration | None = None) -> PlaceSettings:
+    """What says whether the camera is where it was; of several, by the markers that it shows."""
+    markers = tuple(
+        FloorMarker(one.marker_id, one.place_m)
+        for one in config.arena.floor_markers
+        if one_of_several is None or _is_in_picture(one, one_of_several)
+    )
     return PlaceSettings(
         bounds_m=Bounds(*config.arena.bounds_m),
         markers=markers,
         dictionary=config.robot.dictionary,
         limit_px=config.safety.camera_moved_px,
     )
+
+
+def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool:
+    """Whether a camera shows a marker whole, however it is turned, with some white around it."""
+    if marker.place_m is None:
+        return False
+    reach = 0.5 * math.sqrt(2.0) * 1.25 * marker.size_m
+    sides = np.array([(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)])
+    return bool(is_shown(calibration, np.array(marker.place_m) + sides).all())
 
 
 def stop_s(robot: RobotSection, safety: SafetySection) -> float:

@@ -13,6 +13,7 @@ from typing import Protocol
 
 from navigation.config import Config
 from navigation.config.sections import RobotSection
+from navigation.config.several.each_camera import each_camera
 from navigation.loop.eye import Eye, Glimpse
 from navigation.loop.joined.joined_eye import JoinedEye
 from navigation.loop.joined.joined_parts import joined_eye
@@ -54,7 +55,8 @@ class VisionStage:
         self._driven = tuple(driven)
         self._witness, self._clock = witness, clock
         self._failure: str | None = None
-        self._camera_place = CameraPlace(calibration, place_settings(config), clock())
+        self._places = self._watched_places()
+        self._newest: dict[str, Frame] = {}
         self.eye = self._open_eye()
         self.look_s: float | None = None
 
@@ -78,6 +80,7 @@ class VisionStage:
         if self._failure is not None:
             return None
         frame = self._dated(frame)
+        self._newest[frame.source if self._floor_plan is not None else ""] = frame
         try:
             glimpse = self.eye.look(frame, tell)
         except Exception as error:  # noqa: BLE001 - said, and the eye is made anew
@@ -86,14 +89,29 @@ class VisionStage:
         self.look_s = self._clock() - began_s
         return glimpse.picture or frame, glimpse
 
+    def newest(self, camera: str | None) -> Frame | None:
+        """The newest picture as it came; ``camera`` is the name of one of several."""
+        newest = tuple(self._newest.values()) if camera is None else (self._newest.get(camera),)
+        return newest[0] if newest else None
+
+    def _watched_places(self) -> tuple[CameraPlace, ...]:
+        """Where each camera is; they outlive an eye."""
+        config, plan, began_s = self._config, self._floor_plan, self._clock()
+        if plan is None:
+            return (CameraPlace(self._calibration, place_settings(config), began_s),)
+        return tuple(
+            CameraPlace(calibration, place_settings(config, calibration), began_s, name)
+            for name, calibration in zip(each_camera(config), plan.cameras, strict=True)
+        )
+
     def _open_eye(self) -> Eye | JoinedEye:
         if self._floor_plan is not None:
-            return joined_eye(self._config, self._floor_plan, self._driven)
+            return joined_eye(self._config, self._floor_plan, self._driven, self._places)
         robots = marked_robots(self._config, self._driven)
         rolling_s = self._config.camera.rolling_shutter_ms / 1000.0
         tracker = MarkerTracker(self._calibration, robots, self._config.robot.dictionary, rolling_s)
         settings = eye_settings(self._config, self._driven)
-        return Eye(self._calibration, tracker, settings, self._camera_place)
+        return Eye(self._calibration, tracker, settings, *self._places)
 
     def _dated(self, frame: Frame) -> Frame:
         """The frame with the time at which it was exposed, as far as that is known.

@@ -10,10 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import Final
 
 from navigation.config import Config
+from navigation.config.several.each_camera import each_camera
 from navigation.config.values import wrapped_rad
 from navigation.mission.mission import MissionError
+from navigation.shared.outside import printable
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 from vision.calibrate.reanchor import Anchor, Reanchored, reanchor
 from vision.calibration.calibration import Calibration, CalibrationError, FloatArray
@@ -21,6 +24,8 @@ from vision.calibration.calibration_file import calibration_text, parse_calibrat
 from vision.camera.camera import Frame, Image
 from vision.markers.marker_search import MarkerError, grey_of
 from vision.markers.reading import find_markers
+
+NAME_CHARACTERS: Final = 64
 
 
 class AnchoringError(ValueError):
@@ -50,6 +55,22 @@ class Renewed:
         )
         told.append(f"written: {self.file}; the one before: {self.backup}")
         return told
+
+
+def of_camera(config: Config, name: str | None) -> Config:
+    """The configuration of the camera that is meant; of several one has to be named.
+
+    Raises ``AnchoringError`` where there is none of that name.
+    """
+    cameras = each_camera(config)
+    if name in cameras:
+        return cameras[name]
+    names = ", ".join(cameras) or "one, which has no name"
+    if name is not None:
+        raise AnchoringError(f"camera '{printable(name, NAME_CHARACTERS)}': there is {names}")
+    if cameras:
+        raise AnchoringError(f"there are several cameras: say which one (--camera: {names})")
+    return config
 
 
 def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
@@ -99,16 +120,22 @@ def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[
 
 
 def renew_while_running(
-    config: Config, frame: Frame | None, reload: Callable[[], None] | None
+    config: Config,
+    camera: str | None,
+    newest: Callable[[str | None], Frame | None],
+    reload: Callable[[], None] | None,
 ) -> list[str]:
-    """Renew by the newest picture of a run, and have the run take it over; what to say of it.
+    """Renew by a run's newest picture of a camera, and have the run take it over; what to say.
 
-    Raises ``MissionError`` where that cannot be, as any other order that is refused.
+    ``camera`` is the name of one of several. Raises ``MissionError`` where that cannot be, as any
+    other order that is refused.
     """
-    if frame is None:
-        raise MissionError("no picture has come from the camera yet")
     try:
-        told = renew(config, [frame.image], datetime.now()).lines()
+        meant = of_camera(config, camera)
+        frame = newest(camera)
+        if frame is None:
+            raise MissionError("no picture has come from the camera yet")
+        told = renew(meant, [frame.image], datetime.now()).lines()
     except AnchoringError as error:
         raise MissionError(str(error)) from None
     if reload is None:

@@ -150,7 +150,7 @@ class Runner:
                     recorder=recorder,
                 )
             )
-            daemon.reanchor = lambda: self.reanchor(daemon.state.frame if daemon.state else None)
+            daemon.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             control = open_things.enter_context(ControlServer(socket, daemon))
             daemon.look_after(
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
@@ -332,9 +332,11 @@ class Runner:
             return NO_PATH
         return DONE if interrupted and not daemon.pilot.mission.stations else FAILED
 
-    def reanchor(self, frame: Frame | None) -> list[str]:
-        """Place the camera anew by its newest picture; what to say of it, or ``MissionError``."""
-        told = renew_while_running(self.config, frame, self.reload)
+    def reanchor(
+        self, camera: str | None, newest: Callable[[str | None], Frame | None]
+    ) -> list[str]:
+        """Place a camera anew by its newest picture; what to say of it, or ``MissionError``."""
+        told = renew_while_running(self.config, camera, newest, self.reload)
         self._log.write("warning", "anchoring", reason="; ".join(told))
         return told
 

@@ -9,7 +9,7 @@ run is the same on every machine and every time. Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Generic, Protocol, TypeVar
@@ -29,7 +29,7 @@ from navigation.run.troubled_camera import (
 )
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_troubles import Troubles, virtual_loop_of
-from navigation.run.world import calibration_of, camera_over, floor_plan_of, others_of
+from navigation.run.world import camera_over, floor_plan_of, others_of, shown_calibration
 from navigation.shared.supervisor import in_words
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
@@ -75,8 +75,8 @@ class VirtualTime(Protocol):
     def after(self, seconds: float, call: Callable[[], None]) -> None:
         """Have something done when so much time has passed."""
 
-    def open_camera(self) -> Camera:
-        """A new camera, closed."""
+    def open_camera(self, name: str | None = None) -> Camera:
+        """A new camera, closed; ``name`` is one of several."""
         ...
 
 
@@ -100,8 +100,7 @@ class VirtualWorld:
         self._arenas = arenas_over_time(config, load_arena(config))
         self._tracks = tracks_of(config)
         self.floor_plan = floor_plan_of(config)
-        plan = self.floor_plan
-        self.calibration = calibration_of(config) if plan is None else plan.calibration
+        self.calibration = shown_calibration(config, self.floor_plan)
         self.robot = VirtualRobot(self.loop)
         self.truth = Truth(self._arenas, self.robot, others_of(config, self._tracks))
         self.port = "virtual"
@@ -143,9 +142,7 @@ class VirtualWorld:
 
     def make_frames(self) -> VirtualFrames:
         """The camera, or several as one."""
-        openers = {name: partial(self.open_camera, name) for name in self._cameras}
-        several = SeveralFrames(openers, self.clock, VIRTUAL_LIMITS) if openers else None
-        return VirtualFrames(self, several)
+        return VirtualFrames(self, tuple(self._cameras))
 
     def make_link(self) -> VirtualLink:
         """The link to the robot."""
@@ -188,11 +185,19 @@ class VirtualWorld:
 
 
 class VirtualFrames:
-    """`LatestFrame` without its thread, or several: its loop turns while the control loop waits."""
+    """`LatestFrame` without its thread, or several: its loop turns while the control loop waits.
 
-    def __init__(self, world: VirtualTime, several: SeveralFrames | None = None) -> None:
+    ``names`` are those of several cameras.
+    """
+
+    def __init__(self, world: VirtualTime, names: Sequence[str] = ()) -> None:
         self._world = world
-        self._latest = several or LatestFrame(world.open_camera, world.clock, VIRTUAL_LIMITS)
+        openers = {name: partial(world.open_camera, name) for name in names}
+        self._latest = (
+            SeveralFrames(openers, world.clock, VIRTUAL_LIMITS)
+            if openers
+            else LatestFrame(world.open_camera, world.clock, VIRTUAL_LIMITS)
+        )
         self._woken = False
         self.turns = 0
 

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cached_property
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED, RobotSection
@@ -19,7 +18,7 @@ from navigation.config.simulation import SimulatedKnockSection
 from navigation.link.serial_link import SerialLink
 from navigation.loop.planning import ArenaPlanner, PlannerThread, SceneCheck
 from navigation.mission.cycle import PlanAnswer, PlanRequest
-from navigation.run.devices.device_settings import device_settings
+from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, link_of
 from navigation.run.devices.simulated import (
     AnySimulatedRobot,
@@ -39,7 +38,6 @@ from vision.calibration.calibration_file import load_calibration
 from vision.camera.camera import Camera
 from vision.camera.latest_frame import LatestFrame
 from vision.camera.several_frames import SeveralFrames
-from vision.camera.sources import KnownCamera, camera_for
 from vision.joined.floor_plan import FloorPlan
 
 Clock = Callable[[], float]
@@ -59,8 +57,7 @@ class World:
         self._clock = clock
         self.truth: Truth | None = None
         simulated_port = config.serial.port == SIMULATED
-        self._cameras = each_camera(config)
-        sources = [one.camera.source for one in (self._cameras or {"": config}).values()]
+        sources = [one.camera.source for one in (each_camera(config) or {"": config}).values()]
         simulated_camera = SIMULATED in sources
         self._robot: AnySimulatedRobot | None = None
         self.arenas: list[tuple[float, SimulatedArena]] = []
@@ -71,13 +68,20 @@ class World:
             self._robot = simulated_robot(config, clock)
             self.truth = Truth(self.arenas, self._robot, others_of(config, self.tracks))
         self._shared = shared_pose(config) if self._robot is None and simulated_camera else None
-        self._known_cameras: defaultdict[str | None, KnownCamera] = defaultdict(KnownCamera)
+        self._cameras = Cameras(config, clock, self._simulated)
         self._began_s = clock()
         self.port = config.serial.port if self._robot is None else self._robot.port
         self._driver = driver_of(config, self.port)
-        self.floor_plan = floor_plan_of(config)
-        plan = self.floor_plan
-        self.calibration = calibration_of(config) if plan is None else plan.calibration
+
+    @cached_property
+    def floor_plan(self) -> FloorPlan | None:
+        """The floor under several cameras; None where there is one."""
+        return floor_plan_of(self.config)
+
+    @cached_property
+    def calibration(self) -> Calibration:
+        """Where pixels lie on the floor, of the picture that people are shown."""
+        return shown_calibration(self.config, self.floor_plan)
 
     def clock(self) -> float:
         """Monotonic seconds."""
@@ -89,10 +93,7 @@ class World:
 
     def make_frames(self) -> LatestFrame | SeveralFrames:
         """The camera in a thread of its own, or each of several."""
-        if not self._cameras:
-            return LatestFrame(self.open_camera, self._clock)
-        openers = {name: partial(self.open_camera, name) for name in self._cameras}
-        return SeveralFrames(openers, self._clock)
+        return self._cameras.frames()
 
     def make_link(self) -> SerialLink:
         """The serial link in a thread of its own; it waits for a robot that is plugged in later."""
@@ -112,20 +113,11 @@ class World:
 
     def open_camera(self, name: str | None = None) -> Camera:
         """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
-        config = self.config if name is None else self._cameras[name]
-        camera = config.camera
-        if camera.source == SIMULATED:
-            return camera_over(
-                config, self.arenas, self.tracks, self.pose_now, self._clock, self._began_s
-            )
-        return camera_for(
-            camera.source,
-            clock=self._clock,
-            rate_hz=camera.rate_hz,
-            size=camera.size_px,
-            loop=camera.loop,
-            device=device_settings(camera),
-            known=self._known_cameras[name],
+        return self._cameras.open(name)
+
+    def _simulated(self, _name: str | None, config: Config) -> Camera:
+        return camera_over(
+            config, self.arenas, self.tracks, self.pose_now, self._clock, self._began_s
         )
 
     def pose_now(self) -> tuple[float, float, float]:
@@ -238,6 +230,11 @@ def floor_plan_of(config: Config) -> FloorPlan | None:
         return None
     calibrations = [calibration_of(one) for one in cameras.values()]
     return FloorPlan.of(calibrations, Bounds(*config.arena.bounds_m), tuple(cameras))
+
+
+def shown_calibration(config: Config, plan: FloorPlan | None) -> Calibration:
+    """Where the pixels of the picture that people are shown lie on the floor."""
+    return calibration_of(config) if plan is None else plan.calibration
 
 
 def camera_words(config: Config) -> str:

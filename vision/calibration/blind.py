@@ -34,6 +34,8 @@ _PLAN_MARGIN_PX = 8
 """The plan's blind part is grown by so much: an outline of it is right to a pixel, and without the
 teeth of the mask's pixels, which are long on the floor."""
 _REACH = 1e6
+SAME_M = 1e-3
+"""A pixel looks at a place where its own way back to the floor ends as near to it as this."""
 
 
 class Plan(NamedTuple):
@@ -112,6 +114,19 @@ def blind_plan(calibration: Seeing, bounds: Bounds) -> Plan | None:
     grown = cv2.dilate(blind.astype(np.uint8), _disc(_PLAN_MARGIN_PX)) > 0
     grown.setflags(write=False)
     return Plan(np.asarray(grown), (float(x[0]), float(y[0])), pixel_m)
+
+
+def is_shown(calibration: Seeing, places_m: FloatArray) -> NDArray[np.bool_]:
+    """Whether each place (n, 2) on the floor is in the picture (n), and not where that is blind."""
+    width, height = calibration.size
+    with np.errstate(all="ignore"):  # places behind the camera or its lens's fold have no pixel
+        pixels = calibration.image_from_arena(places_m)
+    inside = ((pixels > -0.5) & (pixels < (width - 0.5, height - 0.5))).all(axis=1)
+    shown = np.zeros(len(places_m), np.bool_)
+    back = calibration.arena_from_image(pixels[inside])
+    shown[inside] = np.hypot(*(back - places_m[inside]).T) < SAME_M  # else it shows another place
+    mask = blind_pixels(calibration)
+    return shown if mask is None else shown & ~_is_blind(pixels, mask)
 
 
 def _is_blind(pixels: FloatArray, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:

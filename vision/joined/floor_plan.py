@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds
-
+from vision.calibration.blind import SAME_M
 from vision.calibration.calibration import (
     Calibration,
     CalibrationError,
@@ -45,8 +45,6 @@ UNEVEN_M: Final = 0.01
 """Height that things on a floor have at least: chosen, a strip of wood."""
 MOST_PX: Final = 12_000_000
 """Of a plan; a larger one has larger pixels."""
-SAME_M: Final = 1e-3
-"""A pixel looks at a place where its own way back to the floor ends as near to it as this."""
 DARKEST_FOR_GAIN: Final = 30.0
 LEAST_FOR_GAIN: Final = 200
 """Pixels that two pictures must have in common, before their light is compared."""

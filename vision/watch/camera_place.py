@@ -14,7 +14,7 @@ Rules and units
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,15 +82,32 @@ class PlaceReport:
 NOTHING_KNOWN = PlaceReport()
 
 
+def said_together(reports: Iterable[PlaceReport]) -> PlaceReport:
+    """What several cameras' reports say of all: every one that has moved or is lost counts."""
+    reports = tuple(reports)
+    return PlaceReport(
+        "; ".join(one.moved for one in reports if one.moved),
+        "; ".join(one.lost for one in reports if one.lost),
+        tuple(text for one in reports for text in one.remarks),
+        max((one.moved_px for one in reports if one.moved_px is not None), default=None),
+    )
+
+
 class CameraPlace:
     """Learns the fixed points of one picture and watches them in all that follow.
 
-    ``began_s`` is the moment that its sentences count from.
+    ``began_s`` is the moment that its sentences count from; ``name`` is one of several cameras.
     """
 
     def __init__(
-        self, calibration: Calibration, settings: PlaceSettings, began_s: float = 0.0
+        self,
+        calibration: Calibration,
+        settings: PlaceSettings,
+        began_s: float = 0.0,
+        name: str = "",
     ) -> None:
+        self._of = f"camera {name}" if name else "the camera"
+        self._renewal = f"clearway reanchor --camera {name}" if name else "clearway reanchor"
         self._calibration, self._settings = calibration, settings
         self._meter: PointMeter | None = None
         self._zero: FloatArray = np.empty((0, 2))
@@ -187,7 +204,7 @@ class CameraPlace:
             return ""
         where = f", {away_px.max():.1f} px from where they belong" if len(away_px) else ""
         return (
-            f"{len(away_px)} of {surveyed} floor markers are seen{where}: whether the camera is "
+            f"{len(away_px)} of {surveyed} floor markers are seen{where}: whether {self._of} is "
             f"where it was calibrated takes one in its place, or {LEAST_POINTS} that tell where it "
             "is now"
         )
@@ -249,7 +266,8 @@ class CameraPlace:
         count = len(self.points)
         if self._meter is not None and count < LEAST_POINTS:
             remarks.append(
-                f"a knocked camera would not be noticed: {count} fixed point{'s' * (count != 1)} "
+                f"a knocked {self._of.removeprefix('the ')} would not be noticed: "
+                f"{count} fixed point{'s' * (count != 1)} "
                 f"in the picture, at least {LEAST_POINTS} are needed: lay floor markers "
                 "(arena.floor_markers)"
             )
@@ -257,7 +275,7 @@ class CameraPlace:
             numbers = ", ".join(map(str, self._unseen_ids))
             plural = "s" * (len(self._unseen_ids) != 1)
             remarks.append(
-                f"floor marker{plural} {numbers}: not seen steadily when the camera's place was "
+                f"floor marker{plural} {numbers}: not seen steadily when {self._of}'s place was "
                 "learned, and not watched"
             )
         if away_px is None:
@@ -294,10 +312,10 @@ class CameraPlace:
         when = self._into_the_run(self._camera.since_s[0])
         self._said["moved"] = (
             size_px,
-            f"the camera has moved: {len(which)} of {len(self.points)} fixed points "
+            f"{self._of} has moved: {len(which)} of {len(self.points)} fixed points "
             f"({_listed(which)}) are seen {size_px:.1f} px ({size_mm:.0f} mm on the floor) or "
             f"more from their places, since {'before the run' if self._misplaced else when}: put "
-            "the camera back, or renew its anchoring by clearway reanchor",
+            f"the camera back, or renew its anchoring by {self._renewal}",
         )
 
     def _say_lost(self) -> None:
@@ -307,7 +325,7 @@ class CameraPlace:
         self._said["lost"] = (
             0.0,
             f"{count} of {len(self.points)} fixed points are not seen where they were, since "
-            f"{self._into_the_run(self._lost.since_s[0])}: the camera was knocked, or they are "
+            f"{self._into_the_run(self._lost.since_s[0])}: {self._of} was knocked, or they are "
             "hidden",
         )
 
@@ -329,7 +347,7 @@ class CameraPlace:
             else:
                 continue
             said.add(key)
-            self._said.setdefault(key, (0.0, f"{point.name} {text}; the camera has not moved"))
+            self._said.setdefault(key, (0.0, f"{point.name} {text}; {self._of} has not moved"))
         return said
 
     def _into_the_run(self, at_s: float) -> str:

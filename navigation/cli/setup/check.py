@@ -173,14 +173,23 @@ def _cameras_see_the_arena(
         yield ("cameras",), str(error)
         return
     unknown = plan.unknown([True] * len(names))
-    for index, station in enumerate(config.mission.stations):
-        if unknown is not None and plan.is_unknown(
-            unknown, station.x_m, station.y_m, config.robot.radius_m
-        ):
-            yield (
-                ("mission", "stations", index),
-                f"({station.x_m:g}, {station.y_m:g}) m: no camera sees all of the floor there",
-            )
+    if unknown is None:
+        return
+    sent: list[tuple[Location, Sequence[Place]]] = [
+        (("mission", "stations"), config.mission.stations),
+        (("tasks",), config.tasks),
+        *(
+            (("mission", "robots", number, "stations"), one.stations)
+            for number, one in enumerate(config.mission.robots)
+        ),
+    ]
+    for where, stations in sent:
+        for index, station in enumerate(stations):
+            if plan.is_unknown(unknown, station.x_m, station.y_m, config.robot.radius_m):
+                yield (
+                    (*where, index),
+                    f"({station.x_m:g}, {station.y_m:g}) m: no camera sees all of the floor there",
+                )
 
 
 def _markers_are_below(config: Config, calibration: Calibration) -> Iterator[tuple[Location, str]]:

@@ -24,7 +24,8 @@ PATIENCE_S: Final = 5.0
 @click.option(
     "--socket", "path", type=click.Path(path_type=Path), help="The daemon's socket, without CONFIG."
 )
-def command(config: Path | None, source: str | None, path: Path | None) -> None:
+@click.option("--camera", "name", help="Which of several cameras.")
+def command(config: Path | None, source: str | None, path: Path | None, name: str | None) -> None:
     """Place a camera that was moved anew, by the floor markers of arena.floor_markers.
 
     Without CONFIG the running daemon does it by its newest picture, and begins again with the new
@@ -35,24 +36,25 @@ def command(config: Path | None, source: str | None, path: Path | None) -> None:
     beside it.
     """
     if config is None:
-        _ask_the_daemon(path)
+        _ask_the_daemon(path, name)
         return
     if path is not None:
         raise click.UsageError("--socket is for the running daemon: without CONFIG")
     from datetime import datetime
 
     from navigation.cli.setup.check import load_checked
-    from navigation.run.anchoring import renew
+    from navigation.run.anchoring import of_camera, renew
 
-    loaded = load_checked(config)
+    loaded = of_camera(load_checked(config), name)
     for line in renew(loaded, _pictures(loaded, source), datetime.now()).lines():
         click.echo(line)
 
 
-def _ask_the_daemon(path: Path | None) -> None:
+def _ask_the_daemon(path: Path | None, name: str | None) -> None:
     from navigation.control import default_socket, send_order
 
-    answer = send_order(path or default_socket(), {"order": "reanchor"})
+    order = {"order": "reanchor"} | ({} if name is None else {"camera": name})
+    answer = send_order(path or default_socket(), order)
     for line in answer["anchoring"]:
         click.echo(line)
 

@@ -60,19 +60,15 @@ def each_has_a_calibration(camera: Any, cameras: Any) -> _Found:
             )
 
 
-def one_robot_is_driven(cameras: Any, robots: Any) -> _Found:
-    """Several robots are followed by one camera so far."""
-    if len(cameras) > 1 and len(robots) > 1:
-        yield ("cameras",), "several cameras are for one robot so far: several robots need 'camera'"
-
-
-def markers_are_watched_by_one(arena: Any, cameras: Any) -> _Found:
-    """Whether each of several cameras is where it was is not watched so far."""
-    if cameras and arena.floor_markers:
-        yield (
-            ("arena", "floor_markers"),
-            "floor markers are watched by one camera so far: leave them out, or use 'camera'",
-        )
+def markers_of_several_have_places(arena: Any, cameras: Any) -> _Found:
+    """By its place it is known which of several cameras shows a marker."""
+    for index, marker in enumerate(arena.floor_markers if cameras else ()):
+        if marker.place_m is None:
+            yield (
+                ("arena", "floor_markers", index),
+                f"floor marker {marker.marker_id} needs a place_m: of several cameras each watches "
+                "those that it must see",
+            )
 
 
 def simulated_cameras_are_known(cameras: Any, simulation: Any) -> _Found:

@@ -1,4 +1,4 @@
-"""The running program with several robots: one camera sees all, each has a pilot and a link.
+"""The running program with several robots: one eye sees all, each has a pilot and a link.
 
 Threads are those of a run with one robot, and a link's for each. A cycle of the control loop is:
 newest frame -> eye -> every pilot -> coordinator -> orders to the planner and the links. The
@@ -20,13 +20,15 @@ from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.request import FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.loop.eye import Glimpse
 from navigation.loop.fleet.fleet_parts import FleetSurroundings
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
-from navigation.loop.fleet.seat import Seat
+from navigation.loop.fleet.seat import Seat, Witnesses
 from navigation.loop.other_robots import OtherRobots, mover_of
+from navigation.loop.parts import camera_part
 from navigation.loop.planner_news import PlannerNews
-from navigation.loop.reports import camera_reason, to_go_m
+from navigation.loop.reports import camera_openings, camera_reason, to_go_m
 from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
@@ -45,17 +47,6 @@ if TYPE_CHECKING:
 LONGEST_CYCLE_S: Final = 0.05
 SETTLE_S: Final = 0.3
 """An order's answer waits so long at most for a cycle that acts on it."""
-
-
-class _Witnesses:
-    """All robots see the same camera: it is as late as the one that has measured most."""
-
-    def __init__(self, seats: Mapping[str, Seat]) -> None:
-        self._seats = seats
-
-    def latency_s(self) -> float:
-        """How late the camera's pictures are, as far as that was measured."""
-        return max(seat.witness.latency_s() for seat in self._seats.values())
 
 
 class FleetDaemon:
@@ -82,8 +73,14 @@ class FleetDaemon:
         }
         driven = [one.robot for one in configs.values()]
         self._vision = VisionStage(
-            config, world.calibration, _Witnesses(self.seats), self._clock, driven
+            config,
+            world.calibration,
+            Witnesses(self.seats),
+            self._clock,
+            driven,
+            world.floor_plan,
         )
+        self.newest = self._vision.newest
         self._fleet_planner = FleetPlanner(configs)
         self._news = PlannerNews[FleetAnswer](
             self._fleet_planner, self._clock, self.camera.wake, recorder
@@ -96,7 +93,7 @@ class FleetDaemon:
             {
                 "vision": Part(self._vision.failure, self._vision.restart),
                 "planner": Part(self._planner.failure, self._restart_planner),
-                "camera's thread": Part(self._camera_failure, self._restart_camera),
+                "camera's thread": camera_part(self.camera),
                 **{
                     f"{name}'s serial link": Part(seat.link.failure, seat.link.restart)
                     for name, seat in self.seats.items()
@@ -113,11 +110,10 @@ class FleetDaemon:
         """What the last cycle ended with; replaced as a whole, so any thread may read it."""
         self.troubles: dict[str, str] = {}
         self.started_s = self._clock()
-        self._revision = 0
+        self._revision = self._measurable_revision = 0
         self._frame_s = -float("inf")
         self._frame: Frame | None = None
-        self._poses: Mapping[int, RobotPose] = {}
-        self._doubles: Mapping[int, str] = {}
+        self._glimpse = Glimpse(-float("inf"), {}, None, None)
         self._reopened = 0
         self._forget_latency = False
         self.waits: Mapping[str, str] = {}
@@ -165,13 +161,6 @@ class FleetDaemon:
         self._planner.restart()
         if self.scene is not None:
             self._planner.see(self.scene, self._revision, None)
-
-    def _camera_failure(self) -> str | None:
-        return self.camera.status().reason if self.camera.has_died() else None
-
-    def _restart_camera(self) -> None:
-        self.camera.stop()
-        self.camera.start()
 
     def look_after(self, name: str, part: Part, turns: Callable[[], int]) -> None:
         """Watch one more stage like those of the daemon: its failures, and whether it turns."""
@@ -255,14 +244,16 @@ class FleetDaemon:
             return
         frame, glimpse = seen
         self.processed += 1
-        self._frame, self._poses, self._doubles = frame, glimpse.poses, glimpse.doubles
+        held, self._frame, self._glimpse = self._glimpse.hold, frame, glimpse
         self.others.see(glimpse.poses)
-        self.troubles |= self._scene_doubt.look(glimpse)
+        self.troubles |= {**glimpse.troubles, **self._scene_doubt.look(glimpse)}
         if glimpse.scene is not None:
             self._revision += 1
             self.scene = glimpse.scene
             self._news.gets_scene()
             self._planner.see(glimpse.scene, self._revision, None)
+        if held and not glimpse.hold:
+            self._measurable_revision = self._revision  # the planner may not know it yet
         if self._recorder is not None:
             scene, at_s = glimpse.scene, frame.captured_s
             event = None if scene is None else SceneSeen(at_s, self._revision, scene)
@@ -274,7 +265,7 @@ class FleetDaemon:
 
     def _look_at_camera(self) -> None:
         """Whether the camera is another one than before, for which latency counts again."""
-        reopened = self.camera.status().reopened
+        reopened = camera_openings(self.camera.status())
         forget = reopened != self._reopened or self._forget_latency
         self._reopened, self._forget_latency = reopened, False
         if forget:
@@ -303,9 +294,12 @@ class FleetDaemon:
 
     def _sight(self, seat: Seat, now_s: float, failed: str | None) -> Sight:
         place = None if seat.pose is None else seat.witness.carried(seat.pose, now_s)
-        clearance = None if place is None else self._fleet_planner.clearance_m(place[:2])
+        clearance = None  # in the unknown nothing can be measured
+        measurable = self._news.known_revision >= self._measurable_revision
+        if place is not None and measurable and not self._glimpse.hold:
+            clearance = self._fleet_planner.clearance_m(place[:2])
         seat.clearance_m = clearance
-        double = self._doubles.get(seat.config.robot.marker_id)
+        double = self._glimpse.doubles.get(seat.config.robot.marker_id)
         return Sight(
             frame_age_s=now_s - self._frame_s,
             pose_age_s=now_s - seat.pose_arrived_s,
@@ -317,7 +311,7 @@ class FleetDaemon:
             others=(*self.others.movers(now_s), *self._runaways(seat, now_s)),
             doubles=() if double is None else (double,),
             evidence=seat.evidence,
-            scene_doubt=self._scene_doubt.hold,
+            scene_doubt=self._scene_doubt.hold or self._glimpse.hold,
             partner=seat.partner,
         )
 
@@ -390,7 +384,7 @@ class FleetDaemon:
             clearance_m=seat.clearance_m,
             verdict=seat.pilot.verdict,
             frame=self._frame,
-            poses=self._poses,
+            poses=self._glimpse.poses,
             roadmap=self._fleet_planner.roadmap,
             path=seat.pilot.plan.path,
             times=StageTimes(self._vision.look_s, self._news.roadmap_s, self._news.plan_s),

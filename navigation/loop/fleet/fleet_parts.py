@@ -13,6 +13,7 @@ from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.parts import Frames, Link, PlannerPart
 from navigation.loop.planning import SceneCheck
 from vision.calibration.calibration import Calibration
+from vision.joined.floor_plan import FloorPlan
 
 
 class FleetSurroundings(Protocol):
@@ -20,7 +21,12 @@ class FleetSurroundings(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """Where pixels lie on the floor."""
+        """Where pixels lie on the floor, of the picture that people are shown."""
+        ...
+
+    @property
+    def floor_plan(self) -> FloorPlan | None:
+        """The floor under several cameras; None where there is one."""
         ...
 
     def clock(self) -> float:

@@ -21,7 +21,7 @@ class People:
 
     def __init__(self, daemon: FleetDaemon) -> None:
         self._daemon, self._seats = daemon, daemon.seats
-        self.reanchor: Callable[[], list[str]] | None = None
+        self.reanchor: Callable[[str | None], list[str]] | None = None
 
     def _chosen(self, robot: str | None) -> list[Seat]:
         if robot is None:

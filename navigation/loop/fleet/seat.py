@@ -194,3 +194,14 @@ class Seat:
             sent = SentPlan(orders.upload[0], mission.visited, orders.upload[1])
         self.journal.keep(mission, sent, now_s)
         return self.journal.trouble
+
+
+class Witnesses:
+    """All robots are seen by the same eye: it is as late as the one that has measured most."""
+
+    def __init__(self, seats: Mapping[str, Seat]) -> None:
+        self._seats = seats
+
+    def latency_s(self) -> float:
+        """How late the camera's pictures are, as far as that was measured."""
+        return max(seat.witness.latency_s() for seat in self._seats.values())

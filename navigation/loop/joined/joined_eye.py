@@ -8,6 +8,8 @@ Rules
   or hung, it is the same. What only it saw is an obstacle at once, as all ground is that no camera
   sees; a robot in there holds. The camera's picture counts again from the first one in which the
   robots' places are known, and its ground is open again.
+- Whether a camera was knocked is watched on its own pictures: one that has moved holds every robot,
+  for nobody knows what is where it looks. While it is lost nothing is driven by its word.
 - Before every camera has given a picture, or had ``START_S`` for it, there is no scene.
 Units: metres and radians in the arena, seconds.
 """
@@ -32,6 +34,7 @@ from vision.joined.pose_fusion import PoseFusion, carried
 from vision.markers.marker_search import grey_of
 from vision.markers.markers import MarkerTracker, RobotPose, body_discs_px
 from vision.records.unseen import Unseen, unseen_ground, with_unseen
+from vision.watch.camera_place import NOTHING_KNOWN, CameraPlace, PlaceReport, said_together
 from vision.watch.change import Change, SceneWatcher
 from vision.watch.refit import KnownScene
 
@@ -67,6 +70,9 @@ class _View:
     missed: int = 0
     """Frames of the other cameras since its last."""
     edges: FloatArray | None = None
+    place: CameraPlace | None = None
+    """Watches whether it was knocked."""
+    placed: PlaceReport = NOTHING_KNOWN
 
 
 class JoinedEye:
@@ -79,10 +85,14 @@ class JoinedEye:
         fusion: PoseFusion,
         settings: EyeSettings,
         joined: JoinedSettings,
+        places: Sequence[CameraPlace] = (),
     ) -> None:
         self.plan, self.settings = plan, settings
         self._joined = joined
-        self._views = [_View(tracker) for tracker in trackers]
+        watched: Sequence[CameraPlace | None] = places or [None] * len(trackers)
+        self._views = [
+            _View(tracker, place=place) for tracker, place in zip(trackers, watched, strict=True)
+        ]
         self._index = {name: i for i, name in enumerate(joined.names)}
         self._fusion = fusion
         self._last_seen: dict[int, RobotPose] = {}
@@ -113,7 +123,15 @@ class JoinedEye:
         tell(fused)
         self._last_seen.update({i: self._on_plan(index, pose) for i, pose in fused.items()})
         now = self._present(frame.captured_s)
-        change = self._watch(index, frame, now)
+        discs = self._body_discs(index, frame.captured_s, now)
+        if view.place is not None:
+            view.placed = view.place.look(
+                frame.image,
+                discs if self._last_seen else None,
+                frame.captured_s,
+                may_learn=view.background is not None,
+            )
+        change = self._watch(index, frame, now, discs)
         scene = None
         if self._is_ready(frame.captured_s) and self._is_new(change):
             self._known = self._brought_up_to_date(index, change)
@@ -128,6 +146,7 @@ class JoinedEye:
             scene,
             change,
             doubles,
+            said_together(one.placed for one in self._views),
             picture=self._picture(frame.captured_s),
             hold=self._hold(),
             troubles=self._troubles(),
@@ -152,6 +171,7 @@ class JoinedEye:
             one = self._views[i]
             if one.background is not None:
                 one.background, one.watcher, one.edges = None, SceneWatcher(), None
+                one.placed = NOTHING_KNOWN
                 self._fusion.forget(i)
                 self._apart = {pair: v for pair, v in self._apart.items() if i not in pair}
 
@@ -179,13 +199,13 @@ class JoinedEye:
         stale_s = self._joined.stale_s
         return {i: p for i, p in self._last_seen.items() if abs(now_s - p.captured_s) <= stale_s}
 
-    def _watch(self, index: int, frame: Frame, now: Poses) -> Change | None:
+    def _watch(self, index: int, frame: Frame, now: Poses, discs: FloatArray) -> Change | None:
         """What this camera sees change, while it is known where the robots are."""
         driven = self.settings.driven_ids
         if not all(i in self._last_seen for i in driven) or not any(i in now for i in driven):
             return None
         view = self._views[index]
-        change = view.watcher.update(frame.image, self._body_discs(index, frame.captured_s, now))
+        change = view.watcher.update(frame.image, discs)
         if change is not None:
             view.background = view.watcher.background
             view.edges = None

@@ -12,14 +12,19 @@ from navigation.loop.stages import eye_settings, marked_robots
 from vision.joined.floor_plan import FloorPlan
 from vision.joined.pose_fusion import PoseFusion
 from vision.markers.markers import MarkerTracker
+from vision.watch.camera_place import CameraPlace
 
 
 def joined_eye(
     config: Config,
     plan: FloorPlan,
     driven: Sequence[RobotSection] = (),
+    places: Sequence[CameraPlace] = (),
 ) -> JoinedEye:
-    """The eye of a configuration's several cameras, whose floor is laid out in ``plan``."""
+    """The eye of a configuration's several cameras, whose floor is laid out in ``plan``.
+
+    ``places`` watch whether each camera stays where it is.
+    """
     robots = marked_robots(config, driven)
     cameras = each_camera(config)
     trackers = [
@@ -38,4 +43,5 @@ def joined_eye(
         PoseFusion(plan.cameras, names, robots, safety.cameras_apart_m),
         eye_settings(config, driven),
         JoinedSettings(names, safety.frame_stale_s, safety.cameras_apart_m),
+        places,
     )

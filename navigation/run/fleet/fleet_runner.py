@@ -26,6 +26,7 @@ from navigation.run.fleet.fleet_warm_up import warm_up_fleet
 from navigation.run.fleet.fleet_world import FleetWorld
 from navigation.run.fleet.give_missions import GiveMissions
 from navigation.run.runner import DONE, FAILED, NO_PATH, PROGRESS_EVERY_S, Runner
+from navigation.run.world import camera_words
 from navigation.shared.supervisor import Part
 from navigation.shared.whole_file import UnwrittenFileError
 
@@ -49,7 +50,8 @@ class FleetRunner(Runner):
             warm_up_fleet(self.config)
             world = FleetWorld(self.config, wait_for_port=not self._once)
             ports = ", ".join(f"{name} on {port}" for name, port in world.ports.items())
-            self._say(f"camera {self.config.camera.source}, {ports}")
+            seen_by = camera_words(self.config)
+            self._say(f"{seen_by}, {ports}")
             first_id = random.SystemRandom().randrange(1, 1 << 32)
             recorder = self._open_recorder(open_things, world.calibration)
             daemon = open_things.enter_context(
@@ -59,7 +61,7 @@ class FleetRunner(Runner):
                 daemon.seats[name].journal = journal
             socket = self._socket or default_socket()
             people = People(daemon)
-            people.reanchor = lambda: self.reanchor(daemon.frame)
+            people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
             control = open_things.enter_context(ControlServer(socket, people))
             daemon.look_after(
                 "control socket", Part(control.failure, control.restart), lambda: control.turns
@@ -70,7 +72,7 @@ class FleetRunner(Runner):
             page = self._serve_dashboard(daemon, open_things, socket, folder)
             missions = GiveMissions(daemon, self._say)
             self._notifier.send("READY=1")
-            self._log.write("info", "ready", camera=self.config.camera.source, port=ports)
+            self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=ports)
             open_things.callback(self._notifier.send, "STOPPING=1")
             state, reason = self._drive_all(daemon, missions)
             daemon.halt()

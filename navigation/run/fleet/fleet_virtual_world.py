@@ -1,10 +1,11 @@
-"""Several simulated robots in virtual time: each its own line, wheels and troubles, one camera.
+"""Several simulated robots in virtual time: each its own line, wheels and troubles.
 
 Metres, radians, virtual seconds.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from firmware_protocol.robot.controller import WheelSpeeds
 from navigation.config import Config
+from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.loop.fleet.fleet_planner import FleetPlanner
@@ -20,7 +22,7 @@ from navigation.run.troubled_camera import CameraTroubles, Memory, TroubledCamer
 from navigation.run.virtual_link import VirtualLink
 from navigation.run.virtual_troubles import Troubles, virtual_loop_of
 from navigation.run.virtual_world import VirtualFrames, VirtualPlanner, VirtualTimes
-from navigation.run.world import calibration_of, camera_over
+from navigation.run.world import camera_over, floor_plan_of, shown_calibration
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time, tracks_of
 from navigation.simulator.truth import Truth
@@ -73,13 +75,20 @@ class FleetVirtualWorld:
         assert config.simulation is not None
         self.config = config
         self.times = times or VirtualTimes()
-        self.camera_troubles = CameraTroubles()
+        self.troubles: defaultdict[str | None, CameraTroubles] = defaultdict(CameraTroubles)
+        """Of the camera, or of each of several by name."""
         alone = each_robot(config) if bodies is None else bodies
         self.bodies = {name: _body(one) for name, one in alone.items()}
-        self._memory = Memory(np.random.default_rng(config.simulation.seed))
+        self._cameras = each_camera(config)
+        seed = config.simulation.seed
+        self._memories = {
+            name: Memory(np.random.default_rng(seed + i))
+            for i, name in enumerate(self._cameras or [None])
+        }
         self._arenas = arenas_over_time(config, load_arena(config))
         self._tracks = tracks_of(config)
-        self.calibration = calibration_of(config)
+        self.floor_plan = floor_plan_of(config)
+        self.calibration = shown_calibration(config, self.floor_plan)
         self.truths = {name: Truth(self._arenas, body.robot) for name, body in self.bodies.items()}
         self._began_s = 0.0
         self._due: list[tuple[float, Callable[[], None]]] = []
@@ -111,8 +120,8 @@ class FleetVirtualWorld:
         self._due.append((self.clock() + seconds, call))
 
     def make_frames(self) -> VirtualFrames:
-        """The camera."""
-        return VirtualFrames(self)
+        """The camera, or several as one."""
+        return VirtualFrames(self, tuple(self._cameras))
 
     def make_link(self, name: str) -> VirtualLink:
         """The link to one robot."""
@@ -128,9 +137,10 @@ class FleetVirtualWorld:
         """The planner."""
         return VirtualPlanner(self, planner, on_scene, on_answer)
 
-    def open_camera(self) -> Camera:
-        """A new camera over what the arena is by now."""
-        if self.camera_troubles.camera_lost:
+    def open_camera(self, name: str | None = None) -> Camera:
+        """A new camera over what the arena is by now; ``name`` is one of several."""
+        troubles = self.troubles[name]
+        if troubles.camera_lost:
             raise CameraError("simulated camera: is unplugged")
 
         def pose_of(body: Body) -> Callable[[], tuple[float, float, float]]:
@@ -138,7 +148,7 @@ class FleetVirtualWorld:
 
         bodies = list(self.bodies.values())
         camera = camera_over(
-            self.config,
+            self.config if name is None else self._cameras[name],
             self._arenas,
             self._tracks,
             pose_of(bodies[0]),
@@ -147,7 +157,7 @@ class FleetVirtualWorld:
             self.wait,
             fleet=[(body.config.robot, pose_of(body)) for body in bodies],
         )
-        return TroubledCamera(camera, self.camera_troubles, self._memory, self.clock, self.wait)
+        return TroubledCamera(camera, troubles, self._memories[name], self.clock, self.wait)
 
     def start(self) -> None:
         """What happens in the arena counts from the first start."""

@@ -1,4 +1,4 @@
-"""What a run of several robots is connected to, in real time: one camera, a port for each robot."""
+"""What a run of several robots is connected to, in real time: cameras, a port for each."""
 
 from __future__ import annotations
 
@@ -6,23 +6,22 @@ import time
 from collections.abc import Callable
 
 from navigation.config import Config
-from navigation.config.sections import SIMULATED
 from navigation.config.several.each_robot import each_robot
 from navigation.fleet.request import FleetAnswer, FleetRequest
 from navigation.link.serial_link import SerialLink
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.planning import PlannerThread, SceneCheck
-from navigation.run.devices.device_settings import device_settings
+from navigation.run.devices.cameras import Cameras
 from navigation.run.devices.driven import driver_of, link_of
 from navigation.run.fleet.simulated_fleet import is_simulated
 from navigation.run.fleet.simulation_apart import RobotApart, SimulationApart
-from navigation.run.world import calibration_of
+from navigation.run.world import floor_plan_of, shown_calibration
 from navigation.simulator.arena import load_arena
 from navigation.simulator.happenings import arenas_over_time
 from navigation.simulator.truth import Truth
 from vision.camera.camera import Camera
 from vision.camera.latest_frame import LatestFrame
-from vision.camera.sources import KnownCamera, camera_for
+from vision.camera.several_frames import SeveralFrames
 
 
 class FleetWorld:
@@ -54,8 +53,9 @@ class FleetWorld:
             self.truths = {
                 name: Truth(arenas, RobotApart(self._simulation, name)) for name in simulated
             }
-        self.calibration = calibration_of(config)
-        self._known_camera = KnownCamera()
+        self._cameras = Cameras(config, self.clock, self._simulated)
+        self.floor_plan = floor_plan_of(config)
+        self.calibration = shown_calibration(config, self.floor_plan)
 
     def clock(self) -> float:
         """Monotonic seconds."""
@@ -65,9 +65,9 @@ class FleetWorld:
         """Let time pass."""
         time.sleep(seconds)  # what `wait` is for
 
-    def make_frames(self) -> LatestFrame:
-        """The camera in a thread of its own."""
-        return LatestFrame(self.open_camera, self.clock)
+    def make_frames(self) -> LatestFrame | SeveralFrames:
+        """The camera in a thread of its own, or each of several."""
+        return self._cameras.frames()
 
     def make_link(self, name: str) -> SerialLink:
         """The serial link to one robot in a thread of its own."""
@@ -88,21 +88,9 @@ class FleetWorld:
         """The planner in a thread of its own."""
         return PlannerThread(planner, on_scene, on_answer)
 
-    def open_camera(self) -> Camera:
-        """A new camera, closed; the same source each time."""
-        camera = self.config.camera
-        if camera.source == SIMULATED:
-            assert self._simulation is not None
-            return self._simulation.open_camera()
-        return camera_for(
-            camera.source,
-            clock=self.clock,
-            rate_hz=camera.rate_hz,
-            size=camera.size_px,
-            loop=camera.loop,
-            device=device_settings(camera),
-            known=self._known_camera,
-        )
+    def _simulated(self, name: str | None, _config: Config) -> Camera:
+        assert self._simulation is not None
+        return self._simulation.open_camera(name)
 
     def start(self) -> None:
         """Switch the simulated robots and all drivers on; what happens counts from here."""

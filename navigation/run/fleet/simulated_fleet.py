@@ -12,6 +12,7 @@ from functools import partial
 
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
+from navigation.config.several.each_camera import each_camera
 from navigation.config.several.each_robot import each_robot
 from navigation.run.devices.simulated import pose_of, shared_pose, simulated_robot
 from navigation.run.world import camera_over
@@ -23,9 +24,15 @@ from vision.camera.camera import Camera
 
 
 def is_simulated(config: Config) -> bool:
-    """Whether a robot or the camera is."""
+    """Whether a robot or a camera is."""
     ports = [one.serial.port for one in each_robot(config).values()]
-    return SIMULATED in (config.camera.source, *ports)
+    return SIMULATED in (*(one.camera.source for one in cameras_of(config).values()), *ports)
+
+
+def cameras_of(config: Config) -> dict[str | None, Config]:
+    """The configuration of each of several cameras by name; of the only one, that has none."""
+    several = each_camera(config)
+    return {name: several[name] for name in several} if several else {None: config}
 
 
 class SimulatedFleet:
@@ -58,15 +65,15 @@ class SimulatedFleet:
         """Where the robot is now."""
         return self._robots[name].pose()
 
-    def open_camera(self) -> Camera:
-        """A new camera, closed; the same source each time."""
+    def open_camera(self, name: str | None = None) -> Camera:
+        """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
         fleet = []
         for name, one in each_robot(self._config).items():
             robot = self._robots.get(name)
             shared = shared_pose(one) if robot is None else None
             fleet.append((one.robot, partial(pose_of, one, robot, shared)))
         return camera_over(
-            self._config,
+            cameras_of(self._config)[name],
             self._arenas,
             self._tracks,
             fleet[0][1],

@@ -4,7 +4,7 @@ Robots' processors and a camera's sensor work beside a real daemon, not in it; i
 threads would share one interpreter with the control loop, which then is late. Only what a cable
 would carry comes here: the ports' names, pictures, and, for the report, the truth.
 
-One question is answered after the other on each pipe; the camera has one of its own. The process
+One question is answered after the other on each pipe; every camera has one of its own. The process
 ends with this one. Both have the same clock: seconds of `time.monotonic`.
 """
 
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from navigation.config import Config
 from navigation.machine.child import FRESH, start_child
-from navigation.run.fleet.simulated_fleet import SimulatedFleet
+from navigation.run.fleet.simulated_fleet import SimulatedFleet, cameras_of
 from navigation.simulator.drive_model import TruePose
 from planner.scene import FloatArray
 from vision.camera.camera import Camera, CameraError, Frame, Image, SourceState
@@ -58,11 +58,13 @@ class SimulationApart:
 
     def __init__(self, config: Config) -> None:
         ours, theirs = FRESH.Pipe()
-        pictures, their_pictures = FRESH.Pipe()
-        self.process = start_child(_simulate, theirs, their_pictures, config)
-        theirs.close()
-        their_pictures.close()
-        self._ask, self._ask_camera = _Asked(ours), _Asked(pictures)
+        pictures = {name: FRESH.Pipe() for name in cameras_of(config)}
+        sides = {name: side for name, (_, side) in pictures.items()}
+        self.process = start_child(_simulate, theirs, sides, config)
+        for side in (theirs, *sides.values()):
+            side.close()
+        self._ask = _Asked(ours)
+        self._cameras = {name: _Asked(side) for name, (side, _) in pictures.items()}
         self.ports: dict[str, str] = self._ask("ports")
 
     def track(self, name: str) -> FloatArray:
@@ -78,9 +80,9 @@ class SimulationApart:
         pose: tuple[float, float, float] = self._ask("pose", name)
         return pose
 
-    def open_camera(self) -> Camera:
-        """A new camera, closed."""
-        return CameraApart(self._ask_camera)
+    def open_camera(self, name: str | None = None) -> Camera:
+        """A new camera, closed; ``name`` is one of several cameras."""
+        return CameraApart(self._cameras[name])
 
     def start(self) -> None:
         """Switch the robots on."""
@@ -150,25 +152,26 @@ class CameraApart:
             raise CameraError(f"simulated camera: {error}") from None
 
 
-def _simulate(pipe: Connection, pictures: Connection, config: Config) -> None:
+def _simulate(pipe: Connection, pictures: Mapping[str | None, Connection], config: Config) -> None:
     """The process: answer until the fleet is stopped, or nobody asks any more."""
     fleet = SimulatedFleet(config, time.monotonic)
-    camera = _CameraHere(fleet)
-    threading.Thread(target=_answer, args=(pictures, camera), name="camera", daemon=True).start()
+    for name, side in pictures.items():
+        camera = _CameraHere(fleet, name)
+        threading.Thread(target=_answer, args=(side, camera), name="camera", daemon=True).start()
     _answer(pipe, fleet, last="stop")
 
 
 class _CameraHere:
     """The camera's side of the pipe: one camera at a time."""
 
-    def __init__(self, fleet: SimulatedFleet) -> None:
-        self._fleet = fleet
+    def __init__(self, fleet: SimulatedFleet, name: str | None) -> None:
+        self._fleet, self._name = fleet, name
         self._camera: Camera | None = None
 
     def make(self) -> tuple[str, bool]:
         """A new camera's name, and whether its pictures may repeat."""
         self.close()
-        self._camera = self._fleet.open_camera()
+        self._camera = self._fleet.open_camera(self._name)
         return self._camera.name, self._camera.may_repeat
 
     def open(self) -> None:

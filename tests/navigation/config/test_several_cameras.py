@@ -92,19 +92,29 @@ def test_a_simulated_camera_that_there_is_not_is_refused() -> None:
     assert "'back' is none of cameras: left, right" in the_problem(text)[1]
 
 
-def test_floor_markers_are_watched_by_one_camera_so_far() -> None:
+def test_floor_markers_of_several_cameras_need_a_place() -> None:
     line = next(one for one in SIMULATED.splitlines(keepends=True) if "bounds_m:" in one)
     text = SIMULATED.replace(
         line, line + "  floor_markers:\n    - {marker_id: 40, size_m: 0.1}\n", 1
     )
-    assert "are watched by one camera so far" in the_problem(text)[1]
+    assert "floor marker 40 needs a place_m" in the_problem(text)[1]
+    placed = text.replace("size_m: 0.1}", "size_m: 0.1, place_m: [-0.2, 0.9]}", 1)
+    assert parse_config(placed).arena.floor_markers[0].place_m == (-0.2, 0.9)
 
 
-def test_several_robots_have_one_camera_so_far() -> None:
+def test_a_knock_of_one_simulated_camera_ends_after_it_begins() -> None:
+    text = SIMULATED.replace("2.5]}", "2.5], knocks: [{from_s: 3, until_s: 2}]}", 1)
+    place, sentence = the_problem(text)[:2]
+    assert "must be > 3, its from_s" in sentence
+    assert "cameras" in str(place)
+
+
+def test_several_robots_may_have_several_cameras() -> None:
     robots = "robots:\n  - {name: a, marker_id: 1}\n  - {name: b, marker_id: 2}\n"
     text = SIMULATED.replace(
         "simulation:\n",
         robots + "simulation:\n  starts:\n"
         "    - {name: a, x_m: 0.3, y_m: 0.3}\n    - {name: b, x_m: 2, y_m: 1}\n",
     )
-    assert "several cameras are for one robot so far" in the_problem(text)[1]
+    config = parse_config(text)
+    assert (len(config.robots), len(config.cameras)) == (2, 2)

@@ -23,7 +23,7 @@ from navigation.run.world import floor_plan_of
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.picture.camera import make_camera
 from planner.scene import CircleRecord, Scene, SceneObject
-from tests.navigation.run.test_two_cameras import config_of
+from tests.support.runs.two_cameras import config_of
 from tests.vision.joined.floor_truth import outlines_of
 from vision.camera.camera import Frame
 

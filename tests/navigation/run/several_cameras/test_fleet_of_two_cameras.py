@@ -1,0 +1,126 @@
+"""Three robots under two cameras: in virtual time by ground truth, and as a whole program."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from navigation.config import Config, load_config
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+from navigation.run.world import floor_plan_of
+from tests.support.runs.virtual import CONFIGS
+
+pytestmark = pytest.mark.slow
+
+PROGRAM = Path(sys.executable).parent / "clearway"
+BRAKED_S = 0.35 + 0.3 + 0.5 + 0.5
+"""A camera is lost, three pictures of the other one, the lease, and the brakes."""
+
+
+def values() -> dict[str, Any]:
+    """configs/two_cameras_fleet.yaml with pictures of half the size."""
+    base = load_config(CONFIGS / "two_cameras_fleet.yaml", {}).model_dump()
+    base["camera"]["size_px"] = (640, 480)
+    base["simulation"]["camera"].update(focal_px=617.5, centre_offset_px=(2.6, -1.9))
+    for one in base["robots"]:
+        one["marker_size_m"] = 0.09
+    return base
+
+
+def test_robots_cross_the_seam_and_never_touch() -> None:
+    config = Config.model_validate(values())
+    report = run_fleet_virtually(config)
+    assert report.state == "done", report.reason
+    assert {one.state for one in report.robots.values()} == {"done"}
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.005
+    assert report.min_clearance_m is not None
+    assert report.min_clearance_m > config.robot.radius_m
+    assert all((one.goal_error_m or 1.0) < 0.01 for one in report.robots.values())
+
+
+def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> None:
+    lost_s, back_s = 5.0, 12.0
+    config = Config.model_validate(values())
+    where: list[tuple[float, list[tuple[float, float]]]] = []
+    troubles: set[str] = set()
+
+    def meet(world: FleetVirtualWorld, since_s: float) -> None:
+        world.troubles["right"].camera_lost = lost_s < since_s < back_s
+        if not where or since_s - where[-1][0] > 0.1:
+            poses = [body.robot.pose() for body in world.bodies.values()]
+            where.append((since_s, [(pose.x_m, pose.y_m) for pose in poses]))
+
+    def look(_daemon: FleetDaemon, now: FleetState) -> bool:
+        for one in now.robots.values():
+            troubles.update(one.troubles)
+        return False
+
+    report = run_fleet_virtually(config, meet=meet, look=look)
+    assert any("camera right is lost" in one for one in troubles)
+    plan = floor_plan_of(config)
+    assert plan is not None
+    closed = plan.unknown((True, False))
+    assert closed is not None
+    stood = [places for at_s, places in where if lost_s + BRAKED_S < at_s < back_s]
+    within = [any(plan.is_unknown(closed, x, y, 0.07) for x, y in places) for places in stood]
+    assert any(within), "at least one was in there"
+    for number in range(3):
+        track = np.array([places[number] for places in stood])
+        if plan.is_unknown(closed, *track[0], 0.07):
+            assert np.hypot(*(track - track[0]).T).max() < 0.005, "stands in what nobody sees"
+        else:
+            assert not any(plan.is_unknown(closed, x, y, 0.07) for x, y in track), "stays outside"
+    assert report.state == "done", report.reason
+    assert report.least_gap_m is not None
+    assert report.least_gap_m > 0.0
+    assert report.min_clearance_m is not None
+    assert report.min_clearance_m > config.robot.radius_m
+
+
+def test_a_knock_of_one_camera_holds_all_robots() -> None:
+    base = values()
+    tilt_deg = math.degrees(math.atan(4.0 / 617.5))
+    base["simulation"]["cameras"][1]["knocks"] = [
+        {"from_s": 5.0, "until_s": 10.0, "tilt_deg": (tilt_deg, 0.0)}
+    ]
+    held: dict[str, float] = {}
+
+    def look(_daemon: FleetDaemon, now: FleetState) -> bool:
+        for name, one in now.robots.items():
+            if "camera right has moved" in " ".join(one.verdict.reasons):
+                held.setdefault(name, now.time_s)
+        return False
+
+    report = run_fleet_virtually(Config.model_validate(base), look=look)
+    assert set(held) == {"ada", "bob", "cleo"}
+    assert all(5.0 < at_s < 6.0 for at_s in held.values())
+    assert report.state == "done", report.reason
+
+
+@pytest.mark.timed
+def test_the_whole_program_drives_them(tmp_path: Path) -> None:
+    base = Config.model_validate(values()).model_dump(mode="json", exclude_none=True)
+    base["simulation"]["arena"] = str(CONFIGS / "arenas" / "laboratory.txt")
+    (tmp_path / "fleet.yaml").write_text(yaml.safe_dump(base))
+    arguments = ["--once", "--no-dashboard", "--socket", "c.sock", "--report", "report.json"]
+    done = subprocess.run(
+        [PROGRAM, "run", "fleet.yaml", *arguments],
+        cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "cameras left simulated, right simulated" in done.stdout
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert {one["state"] for one in report["robots"].values()} == {"done"}
+    assert report["least_gap_m"] > 0.0
