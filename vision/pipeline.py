@@ -27,6 +27,7 @@ from vision.borders.contours import Borders, follow_borders, laplacian_border, l
 from vision.doubts import with_doubts
 from vision.errors import PictureError
 from vision.outline.fitting import fit_edges, is_drawing, tolerance_of
+from vision.outline.texture import MOST_TEXTURE_PX, without_texture
 from vision.paper.paper import paper_objects
 from vision.records.placement import (
     Calibration,
@@ -52,6 +53,7 @@ def extract(
     calibration: Calibration | None = None,
     bounds: Bounds | Sequence[float] | NDArray[np.float64] | None = None,
     ignore: NDArray[np.bool_] | Sequence[tuple[float, float, float]] | None = None,
+    texture_px: float = 0.0,
 ) -> Scene:
     """The minimum geometric structure of a picture: its obstacles as records P, S, C, A, L.
 
@@ -64,9 +66,11 @@ def extract(
     metres; objects wholly outside the bounds are dropped, with a remark. Where nothing is left,
     or far too much is found, a remark says so (see ``vision.doubts``).
     ``ignore`` marks pixels that are no obstacle: (h, w) bool, or discs (x, y, radius) in
-    pixels. Raises ``PictureError`` for a picture or an option that
-    cannot be used, and where no pixel is free. Safe to call from several threads. O(pixels) to
-    threshold, then O(border pixels).
+    pixels. ``texture_px`` is how far a border may lie behind a simpler outline, at most 5:
+    obstacles grow by so much and never shrink, with a remark (``vision.outline.texture``); 0
+    leaves every outline exact. Raises ``PictureError`` for a picture or an option that cannot be
+    used, and where no pixel is free. Safe to call from several threads. O(pixels) to threshold,
+    then O(border pixels).
     """
     if mode not in ("exact", "paper"):
         raise PictureError(f"mode {mode!r}: must be exact or paper")
@@ -75,6 +79,10 @@ def extract(
     if bounds is not None and calibration is None:
         raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
     clock = _StopWatch()
+    if not 0.0 <= texture_px <= MOST_TEXTURE_PX:
+        raise PictureError(f"texture_px {texture_px:g}: must be in 0..{MOST_TEXTURE_PX:g}")
+    if mode == "paper" and texture_px > 0.0:
+        raise PictureError("mode paper: works without texture_px")
     image = as_array(image)
     blind = blind_of(calibration)
     if blind is not None:
@@ -93,18 +101,31 @@ def extract(
     placement = Placement.of(calibration, bounds, binary.size)
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
+    drawn = tolerance.crisp or is_drawing(binary.grey, borders)
     fitted = fit_edges(
         rectified / np.repeat(stretches, np.diff(edges.starts))[:, None],
         edges.starts,
         borders,
         tolerance,
-        separate=calibration is None and (tolerance.crisp or is_drawing(binary.grey, borders)),
-    ).stretched(stretches)
+        separate=calibration is None and drawn,
+    )
+    rough: tuple[str, ...] = ()
+    if texture_px > 0.0:
+        # of a drawing every pixel counts, and edge points are one a row or column
+        border, starts = (
+            (borders.middles, borders.starts) if drawn else (edges.points, edges.starts)
+        )
+        border = placement.rectified(border)
+        fitted, rough = without_texture(
+            fitted, border, starts, borders.owner, stretches, texture_px
+        )
+    fitted = fitted.stretched(stretches)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)
-    objects, remarks = drop_outside(objects, placement)
+    objects, outside = drop_outside(objects, placement)
     clock.lap("geometry")
-    scene = _scene(binary, objects, placement, borders.pixels, clock, (*specks.remarks, *remarks))
+    remarks = (*specks.remarks, *rough, *outside)
+    scene = _scene(binary, objects, placement, borders.pixels, clock, remarks)
     if blind is None:
         return scene
     return with_unseen(scene, hidden_by_lens(calibration, placement.bounds, extract))

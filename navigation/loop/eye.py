@@ -44,6 +44,7 @@ class EyeSettings:
     polarity: Polarity
     method: Method
     threshold: float | None
+    texture_px: float
     driven_ids: tuple[int, ...]
     """The markers of the robots that are driven."""
     bodies: Mapping[int, Body]
@@ -158,7 +159,7 @@ class Eye:
             calibration=self.calibration,
             bounds=self.settings.bounds_m,
         )
-        return KnownScene.of(scene, self.calibration)
+        return KnownScene.of(scene, self.calibration, texture_px=self.settings.texture_px)
 
 
 class ExtractSettings(TypedDict):
@@ -167,12 +168,16 @@ class ExtractSettings(TypedDict):
     polarity: Polarity
     method: Method
     threshold: float | None
+    texture_px: float
 
 
 def extract_settings(settings: EyeSettings) -> ExtractSettings:
     """As ``vision.extract`` takes them."""
     return ExtractSettings(
-        polarity=settings.polarity, method=settings.method, threshold=settings.threshold
+        polarity=settings.polarity,
+        method=settings.method,
+        threshold=settings.threshold,
+        texture_px=settings.texture_px,
     )
 
 

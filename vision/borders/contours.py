@@ -57,6 +57,13 @@ class Borders:
         return self.x[part], self.y[part], self.direction[part]
 
     @property
+    def middles(self) -> NDArray[np.float64]:
+        """The middle (c, 2) of every crack, between its obstacle pixel and the free one."""
+        x = self.x + np.array([0.0, 0.5, 0.0, -0.5])[self.direction]
+        y = self.y + np.array([-0.5, 0.0, 0.5, 0.0])[self.direction]
+        return np.stack([x, y], axis=1)
+
+    @property
     def pixels(self) -> int:
         """Border pixels, as often as contour following comes by: n of the paper."""
         return int(kernels.count_contour_pixels(self.x, self.y, self.starts))

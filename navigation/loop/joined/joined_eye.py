@@ -266,7 +266,8 @@ class JoinedEye:
             calibration=self.plan.calibration,
             bounds=self.settings.bounds_m,
         )
-        return KnownScene.of(with_unseen(scene, self._unseen), self.plan.calibration, self._unseen)
+        seen = with_unseen(scene, self._unseen)
+        return KnownScene.of(seen, self.plan.calibration, self._unseen, self.settings.texture_px)
 
     def _not_seen(self) -> Unseen:
         """The ground that no camera sees now, and why."""
