@@ -9,6 +9,8 @@
 - `shown`, `shown_fleet`: the daemon as it is looked at, of one robot or of several; `chronicles`:
   what happened lately, of each robot.
 - `state_message`, `geometry`, `picture`, `packed`, `rings`: what is told, and in which form.
+- `visits`: what operators read and change beside orders: `settings`, and `calibrating`, where the
+  camera's lens is calibrated.
 - `kept`: what is on disk, earlier runs with their files.
 - `replay`: a recording on the same page.
 - `metrics`, `palette`, `static/`: numbers for Prometheus, colours shared with the pictures, the
@@ -18,9 +20,10 @@ The control loop knows nothing of all this: it replaces `Daemon.state` after eac
 dashboard looks. Nobody who watches can make it wait.
 """
 
+from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.server import Dashboard
 from navigation.dashboard.shown import ShownDaemon
 from navigation.dashboard.shown_fleet import ShownFleet
 
-__all__ = ["Dashboard", "KeptRuns", "ShownDaemon", "ShownFleet"]
+__all__ = ["Bench", "Dashboard", "KeptRuns", "ShownDaemon", "ShownFleet"]

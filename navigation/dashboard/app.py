@@ -17,6 +17,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from navigation.dashboard.admission.access import PROTOCOL, Gate, Refusal, bearer_of, token_of
+from navigation.dashboard.calibrating.bench import Bench
+from navigation.dashboard.calibrating.routes import calibration_routes
 from navigation.dashboard.hub import LOOP_DEAD_S, MOST_VIEWERS, Hub
 from navigation.dashboard.kept.answers import KeptAnswers
 from navigation.dashboard.kept.runs import KeptRuns
@@ -48,8 +50,13 @@ HEADERS: Final = {
 }
 
 
-def make_app(hub: Hub, runs: KeptRuns, desk: Desk | None = None) -> ASGIApp:
-    """The whole application around a hub, with the earlier runs; without a desk no settings."""
+def make_app(
+    hub: Hub, runs: KeptRuns, desk: Desk | None = None, bench: Bench | None = None
+) -> ASGIApp:
+    """The whole application around a hub, with the earlier runs.
+
+    Without a desk there are no settings, without a bench no calibration.
+    """
     pages = _Pages(hub)
     kept = KeptAnswers(runs, hub.gate, hub.workers, hub.clock)
     routes = [
@@ -61,6 +68,7 @@ def make_app(hub: Hub, runs: KeptRuns, desk: Desk | None = None) -> ASGIApp:
         Route("/metrics", pages.metrics),
         Route("/healthz", pages.health),
         *settings_routes(hub, desk),
+        *calibration_routes(hub, bench),
         WebSocketRoute("/live", pages.live),
     ]
     return _Gatekeeper(Starlette(routes=routes), hub.gate)

@@ -22,6 +22,7 @@ import uvicorn
 from navigation.dashboard.admission.connections import PlacedRequests
 from navigation.dashboard.admission.places import Places
 from navigation.dashboard.app import make_app
+from navigation.dashboard.calibrating.bench import Bench
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.kept.runs import KeptRuns
 from navigation.dashboard.settings.desk import Desk
@@ -51,9 +52,9 @@ class Dashboard:
 
     ``say`` gets the address, or why there is none; with ``show_token`` the address has the
     token in its fragment, which browsers keep to themselves. ``own_token`` is what one needs to
-    stop and drive where no token is configured. ``desk`` is where the configuration is changed.
-    ``runs``: the earlier runs that the page shows, those of the configuration by default. ``hub``:
-    makes another hub than that of a running daemon.
+    stop and drive where no token is configured. ``desk`` is where the configuration is changed,
+    ``bench`` where the camera is calibrated. ``runs``: the earlier runs that the page shows, those
+    of the configuration by default. ``hub``: makes another hub than that of a running daemon.
     """
 
     def __init__(
@@ -66,10 +67,11 @@ class Dashboard:
         show_token: bool = False,
         own_token: str | None = None,
         desk: Desk | None = None,
+        bench: Bench | None = None,
         runs: KeptRuns | None = None,
         hub: Callable[[], Hub] | None = None,
     ) -> None:
-        self._daemon, self._say, self._desk = daemon, say, desk
+        self._daemon, self._say, self._desk, self._bench = daemon, say, desk, bench
         kept = daemon.config.recording
         self._make_hub = hub
         self._runs = runs or KeptRuns(kept.runs_dir, kept.folder)
@@ -144,7 +146,7 @@ class Dashboard:
         http = partial(PlacedRequests, places=places, clock=time.monotonic)
         server = uvicorn.Server(
             uvicorn.Config(
-                make_app(hub, self._runs, self._desk),
+                make_app(hub, self._runs, self._desk, self._bench),
                 http=http,  # type: ignore[arg-type]  # called, nothing else
                 ws="websockets-sansio",
                 ws_max_size=MOST_MESSAGE_BYTES,

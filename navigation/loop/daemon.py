@@ -34,7 +34,7 @@ from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.stages import pilot_settings, plan_settings, witness_limits
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
-from navigation.mission.mission import Mission, Station
+from navigation.mission.mission import Mission, MissionError, Station
 from navigation.mission.pilot import Pilot
 from navigation.mission.trust import Level
 from navigation.recording.events import PlanAsked, SceneSeen
@@ -115,6 +115,7 @@ class Daemon:
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self.reanchor: Callable[[str | None], list[str]] | None = None
         self.newest = self._vision.newest
+        self.lent: str | None = None  # why the robot holds while its camera serves something else
         self.started_s = self._clock()
         self._revision = self._measurable_revision = 0
         self._frame_s = -math.inf
@@ -125,8 +126,6 @@ class Daemon:
         self._cycles = self._ended = 0
         self._further_turns: dict[str, Callable[[], int]] = {}
         self._turned = threading.Condition()
-
-    # Life.
 
     def __enter__(self) -> Daemon:
         self.world.start()
@@ -176,6 +175,8 @@ class Daemon:
 
     def give(self, stations: tuple[Station, ...], *, any_order: bool = False) -> None:
         """A new mission; ``MissionError`` where it cannot be."""
+        if self.lent is not None:
+            raise MissionError(self.lent)
         with self._lock:
             self.pilot.give(stations, any_order=any_order)
 
@@ -344,7 +345,7 @@ class Daemon:
             others=self.others.movers(now_s),
             doubles=tuple(self._glimpse.doubles.values()),
             evidence=self._evidence,
-            scene_doubt=self._scene_doubt.hold or self._glimpse.hold,
+            scene_doubt=self.lent or self._scene_doubt.hold or self._glimpse.hold,
         )
 
     def _write_journal(self, orders: Orders) -> None:

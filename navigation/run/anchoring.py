@@ -7,7 +7,7 @@ moment. Metres, pixels.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Final
@@ -18,9 +18,15 @@ from navigation.config.values import wrapped_rad
 from navigation.mission.mission import MissionError
 from navigation.shared.outside import printable
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
+from vision.calibrate.lens import Lens
 from vision.calibrate.reanchor import Anchor, Reanchored, reanchor
 from vision.calibration.calibration import Calibration, CalibrationError, FloatArray
-from vision.calibration.calibration_file import calibration_text, parse_calibration, read_text
+from vision.calibration.calibration_file import (
+    calibration_text,
+    parse_calibration,
+    read_text,
+    save_lens,
+)
 from vision.camera.camera import Frame, Image
 from vision.markers.marker_search import MarkerError, grey_of
 from vision.markers.reading import find_markers
@@ -73,11 +79,13 @@ def of_camera(config: Config, name: str | None) -> Config:
     return config
 
 
-def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
+def renew(
+    config: Config, pictures: Sequence[Image], now: datetime, lens: Lens | None = None
+) -> Renewed:
     """Place the camera of a configuration anew by what its pictures show of the floor markers.
 
-    Raises ``AnchoringError`` where the configuration names no file or no markers, and for what
-    the pictures do not show.
+    With a ``lens`` this one takes the place of the file's. Raises ``AnchoringError`` where the
+    configuration names no file or no markers, and for what the pictures do not show.
     """
     file = config.camera.calibration
     if file is None:
@@ -85,7 +93,27 @@ def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
             "camera.calibration names no file: there is no lens to keep; make one by clearway "
             "calibrate"
         )
-    anchors = [
+    anchors = _anchors(config)
+    if not anchors:
+        raise AnchoringError("arena.floor_markers: none has a place_m, so none says where it lies")
+    try:
+        before = read_text(file)
+        calibration = parse_calibration(before, str(file))
+        if lens is not None:
+            calibration = _with_lens(calibration, lens)
+        seen = [_corners(picture, config.robot.dictionary, calibration) for picture in pictures]
+        found = reanchor(calibration, anchors, seen)
+        backup = file.with_name(f"{file.stem}.{now:%Y%m%d-%H%M%S}{file.suffix}")
+        write_whole(backup, before)
+        write_whole(file, calibration_text(found.calibration))
+    except (CalibrationError, MarkerError, UnwrittenFileError) as error:
+        raise AnchoringError(str(error)) from error
+    return Renewed(found, file, backup)
+
+
+def _anchors(config: Config) -> list[Anchor]:
+    """The floor markers whose places are known."""
+    return [
         Anchor(
             one.marker_id,
             one.place_m,
@@ -95,19 +123,58 @@ def renew(config: Config, pictures: Sequence[Image], now: datetime) -> Renewed:
         for one in config.arena.floor_markers
         if one.place_m is not None
     ]
-    if not anchors:
-        raise AnchoringError("arena.floor_markers: none has a place_m, so none says where it lies")
-    try:
-        before = read_text(file)
-        calibration = parse_calibration(before, str(file))
-        seen = [_corners(picture, config.robot.dictionary, calibration) for picture in pictures]
-        found = reanchor(calibration, anchors, seen)
-        backup = file.with_name(f"{file.stem}.{now:%Y%m%d-%H%M%S}{file.suffix}")
-        write_whole(backup, before)
-        write_whole(file, calibration_text(found.calibration))
-    except (CalibrationError, MarkerError, UnwrittenFileError) as error:
-        raise AnchoringError(str(error)) from error
-    return Renewed(found, file, backup)
+
+
+def _with_lens(calibration: Calibration, lens: Lens) -> Calibration:
+    if lens.size != calibration.size:
+        raise CalibrationError(
+            f"the lens is of {lens.size[0]} x {lens.size[1]} pixels: the calibration is of "
+            f"{calibration.size[0]} x {calibration.size[1]}"
+        )
+    return replace(
+        calibration,
+        camera_matrix=lens.camera_matrix,
+        distortion=lens.distortion,
+        lens_model=lens.model,
+        lens_rms_px=lens.rms_px,
+    )
+
+
+def take_over_lens(
+    config: Config,
+    lens: Lens,
+    picture: Image | None,
+    now: datetime,
+    reload: Callable[[], None] | None,
+) -> str:
+    """Save a lens in the place of the present one, and have the run take it over; what to say.
+
+    The camera is placed by the floor markers in ``picture``. Where none has a place the lens is
+    saved alone, beside the calibration, which stays as it is. Raises ``AnchoringError``.
+    """
+    file = config.camera.calibration
+    if file is None:
+        raise AnchoringError("camera.calibration names no file")
+    if not _anchors(config):
+        alone = file.with_name(f"{file.stem}.lens.{now:%Y%m%d-%H%M%S}{file.suffix}")
+        try:
+            save_lens(
+                alone, lens.size, lens.camera_matrix, lens.distortion, lens.rms_px, lens.model
+            )
+        except CalibrationError as error:
+            raise AnchoringError(str(error)) from error
+        return (
+            f"the lens alone is saved as {alone.name}, and the run keeps the calibration that it "
+            "has: arena.floor_markers has no marker with a place, so the camera is placed by "
+            f"clearway calibrate --lens {alone.name} with --points or --floor-picture"
+        )
+    if picture is None:
+        raise AnchoringError("no picture has come from the camera yet")
+    told = renew(config, [picture], now, lens).lines()
+    if reload is None:
+        return "; ".join([*told, "start the run again: it still has the calibration before"])
+    reload()
+    return "; ".join([*told, "the run begins again with it, and waits for orders"])
 
 
 def _corners(picture: Image, dictionary: str, calibration: Calibration) -> dict[int, FloatArray]:

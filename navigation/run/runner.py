@@ -31,7 +31,7 @@ from navigation.loop.stages import stations_of
 from navigation.machine.logs import EventLog, RunLog
 from navigation.machine.sd_notify import Notifier, Watchdog
 from navigation.mission.mission import State
-from navigation.run.anchoring import renew_while_running
+from navigation.run.anchoring import renew_while_running, take_over_lens
 from navigation.run.attendance import Attendance
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.report import Report
@@ -46,13 +46,14 @@ from navigation.run.summary import (
 from navigation.run.world import World, camera_words
 from navigation.shared.supervisor import Part
 from vision.calibration.calibration import Calibration
-from vision.camera.camera import Frame
+from vision.camera.camera import Frame, Image
 
 if TYPE_CHECKING:
     from navigation.dashboard import Dashboard
     from navigation.dashboard.settings.desk import Desk
     from navigation.loop.fleet.fleet_daemon import FleetDaemon
     from navigation.loop.recorder import Recorder
+    from vision.calibrate.lens import Lens
 
 DONE, FAILED, NO_PATH = 0, 1, 3
 NO_ROOM = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EFBIG))
@@ -120,6 +121,8 @@ class Runner:
         self.is_warming_up = False
         self.reload: Callable[[], None] | None = None
         """Reads the configuration again, and what it names; None where nothing was read."""
+        self.reload_and_wait: Callable[[], None] | None = None
+        """The same, and the run that begins again waits for orders."""
         self._say: Callable[[str], None] = lambda line: say(hide(line))
         self._say_address = say if show_token else self._say
         self._clock = clock
@@ -222,7 +225,15 @@ class Runner:
         if not self._dashboard:
             return None
         # here, not above: a run without a page need not load a web server
-        from navigation.dashboard import Dashboard, KeptRuns, ShownDaemon, ShownFleet
+        from navigation.dashboard import Bench, Dashboard, KeptRuns, ShownDaemon, ShownFleet
+
+        bench = None
+        if isinstance(daemon, Daemon):
+            calibration = daemon.world.calibration
+            bench = Bench(
+                daemon, self.config, calibration, self.take_over_lens, self._clock, time.sleep
+            )
+            open_things.callback(bench.close)
 
         token = None
         if self.config.dashboard.token is None:
@@ -236,6 +247,7 @@ class Runner:
                 own_token=token,
                 show_token=self._show_token or (token is not None and not in_journal),
                 desk=self.desk,
+                bench=bench,
                 runs=KeptRuns(
                     self.config.recording.runs_dir,
                     self._record or self.config.recording.folder,
@@ -339,6 +351,12 @@ class Runner:
         told = renew_while_running(self.config, camera, newest, self.reload)
         self._log.write("warning", "anchoring", reason="; ".join(told))
         return told
+
+    def take_over_lens(self, lens: Lens, picture: Image | None) -> str:
+        """Save a lens that was found meanwhile, and begin again with it; ``ValueError``."""
+        said = take_over_lens(self.config, lens, picture, datetime.now(), self.reload_and_wait)
+        self._log.write("warning", "calibration", reason=said)
+        return said
 
     def say_line(self, line: str) -> None:
         """A line for people."""

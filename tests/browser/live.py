@@ -6,12 +6,13 @@ import math
 import re
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
 from navigation.cli.setup.check import file_problems
 from navigation.config import Config, parse_config
-from navigation.dashboard import Dashboard, ShownDaemon
+from navigation.dashboard import Bench, Dashboard, ShownDaemon
 from navigation.dashboard.hub import Hub
 from navigation.dashboard.settings.desk import Around, Desk
 from navigation.loop.daemon import Daemon
@@ -19,6 +20,8 @@ from navigation.mission.mission import State
 from navigation.run.kernels.warm_up import warm_up
 from navigation.run.world import World
 from tests.support.waiting import wait_until
+from vision.calibrate.lens import Lens
+from vision.camera.camera import Image
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 STILL_M = 0.0005
@@ -51,6 +54,7 @@ class Live:
         self._dashboard: Dashboard | None = None
         self._port = config.dashboard.port
         self._desk: Desk | None = None
+        self._bench: Bench | None = None
 
     def __enter__(self) -> Live:
         warm_up(self.config, self.said.append)
@@ -87,6 +91,7 @@ class Live:
             own_token=self.own_token,
             show_token=True,
             desk=self._desk,
+            bench=self._bench,
         ).__enter__()
         assert self._dashboard.url is not None, self.said
         self._port = int(self._dashboard.url.split(":")[2].split("/")[0])
@@ -98,6 +103,12 @@ class Live:
         self._desk = Desk(
             Around(file, state, {}, file_problems, lambda: ([], []), reload=lambda: None)
         )
+
+    def serve_calibration(self, config: Config, save: Callable[[Lens, Image | None], str]) -> Bench:
+        """Let the page calibrate the camera of ``config`` from the next `bring_back` on."""
+        calibration = self.world.calibration
+        self._bench = Bench(self.daemon, config, calibration, save, time.monotonic, time.sleep)
+        return self._bench
 
     @property
     def hub(self) -> Hub:

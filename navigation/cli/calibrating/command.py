@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from navigation.cli.calibrating.live import LiveTaken, Shows
     from navigation.cli.calibrating.page import LivePage
     from vision.calibrate.board import BoardSpec, BoardView
+    from vision.calibrate.live.taking import LiveTaken, Shows
     from vision.camera.camera import Image
 
 
@@ -25,10 +25,11 @@ def taken_live(
     """
     from rich.console import Console
 
-    from navigation.cli.calibrating.live import live_camera, take_live
+    from navigation.cli.calibrating.live import live_camera
     from navigation.cli.calibrating.page import LivePage
     from navigation.cli.calibrating.terminal import TerminalLines, TerminalTable
     from vision.calibrate.live.session import LIMIT_PX, LiveSession
+    from vision.calibrate.live.taking import take_live
 
     session = LiveSession(spec, LIMIT_PX if limit_px is None else limit_px)
     camera = live_camera(source, spec, session, time.monotonic, time.sleep)
@@ -63,7 +64,7 @@ def _opened(make: type[LivePage], port: int) -> LivePage:
 
 def said_at_the_end(taken: LiveTaken) -> str:
     """Why it ended, with what."""
-    from navigation.cli.calibrating.said import cells_line, known_line
+    from navigation.dashboard.calibrating.said import cells_line, known_line
 
     if taken.last is None:
         return f"{taken.ended}: there was no picture"

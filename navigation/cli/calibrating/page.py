@@ -10,15 +10,12 @@ Rules
 from __future__ import annotations
 
 import asyncio
-import math
 import socket
 import threading
 from collections import deque
 from importlib.resources import files
-from typing import Any, Final
+from typing import Final
 
-import cv2
-import numpy as np
 import uvicorn
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -26,29 +23,23 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from navigation.cli.calibrating.said import (
-    board_line,
-    cells_line,
-    figure_px,
-    focal_line,
-    wanted_line,
-)
 from navigation.config.dashboard import DashboardSection
 from navigation.dashboard.admission.access import Gate
 from navigation.dashboard.app import HEADERS, TYPES
+from navigation.dashboard.calibrating.shown import as_json, jpeg_of
 from navigation.dashboard.messages.palette import stylesheet
 from navigation.dashboard.server import listen
 from vision.calibrate.live.session import LiveState
 from vision.camera.camera import Frame
 
 HOST: Final = "127.0.0.1"
-LARGEST_PX: Final = 1280
-JPEG_QUALITY: Final = 80
 MOST_REMARKS: Final = 50
 FRAMES_KEPT: Final = 16
 """A page asks for the picture of a state some time after the state."""
 LAST_WORDS_S: Final = 1.0
 CLOSE_WITHIN_S: Final = 2.0
+SHARED_FILES: Final = ("board.js", "board.css")
+"""Of the dashboard, which draws a live calibration, too."""
 
 
 class LivePage:
@@ -143,64 +134,17 @@ class LivePage:
             return Response(status_code=404, headers=HEADERS)
         asked = request.query_params.get("frame", "")
         frame = next((one for one in frames if str(one.sequence) == asked), frames[-1])
-        return Response(_jpeg(frame), media_type="image/jpeg", headers=HEADERS)
-
-
-def as_json(state: LiveState, frame: Frame) -> dict[str, Any]:
-    """What the page draws, in pixels of the frame; spreads that are unknown are null."""
-    cells = state.cells
-    outline = None
-    if state.view is not None:
-        hull = cv2.convexHull(state.view.corners_px.astype(np.float32)).reshape(-1, 2)
-        outline = np.round(hull, 1).tolist()
-    corners = [] if state.view is None else np.round(state.view.corners_px, 1).tolist()
-    return {
-        "frame": frame.sequence,
-        "size": list(state.size),
-        "cells": [
-            [
-                {
-                    "px": round(sigma, 3) if math.isfinite(sigma) else None,
-                    "seen": bool(state.cells.seen[row, column]),
-                    "done": bool(cells.done[row, column]),
-                }
-                for column, sigma in enumerate(line)
-            ]
-            for row, line in enumerate(cells.sigma_px.tolist())
-        ],
-        "outline": outline,
-        "corners": corners,
-        "wanted": None if state.wanted is None else state.wanted.outline_px.round(1).tolist(),
-        "sentence": wanted_line(state),
-        "board": board_line(state),
-        "focal": focal_line(state),
-        "parts": cells_line(state),
-        "spread": figure_px(cells.worst_px),
-        "worst_px": cells.worst_px if math.isfinite(cells.worst_px) else None,
-        "limit_px": cells.limit_px,
-        "still": state.still,
-        "count": state.count,
-        "done": state.done,
-    }
-
-
-def _jpeg(frame: Frame) -> bytes:
-    image = frame.image
-    scale = min(1.0, LARGEST_PX / max(frame.size))
-    if scale < 1.0:
-        image = np.asarray(
-            cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), np.uint8
-        )
-    _, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    return data.tobytes()
+        return Response(jpeg_of(frame), media_type="image/jpeg", headers=HEADERS)
 
 
 def _page_files() -> dict[str, tuple[bytes, str]]:
     """The page's files by their address."""
-    folder = files("navigation.cli.calibrating") / "static"
+    here = files("navigation.cli.calibrating") / "static"
+    shared = files("navigation.dashboard") / "static"
+    items = [*here.iterdir(), *(shared / name for name in SHARED_FILES)]
     found = {
         f"/{item.name}": (item.read_bytes(), TYPES["." + item.name.rsplit(".", 1)[-1]])
-        for item in folder.iterdir()
+        for item in items
         if "." + item.name.rsplit(".", 1)[-1] in TYPES
     }
     found["/"] = found["/calibrate.html"]

@@ -17,7 +17,7 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from navigation.cli.calibrating.said import board_line, cells_line, known_line, wanted_line
+from navigation.dashboard.calibrating.said import board_line, cells_line, known_line, wanted_line
 from vision.calibrate.live.session import LiveState
 from vision.camera.camera import Frame
 

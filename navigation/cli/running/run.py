@@ -206,6 +206,7 @@ class _Reload:
             good=self._restart,
         )
         runner.reload = self.reloader.ask
+        runner.reload_and_wait = self.ask_from_the_page
 
     def ask(self) -> None:
         """Read the file soon, and begin again as at the start."""

@@ -23,15 +23,12 @@ from navigation.config.errors import ConfigError, key_name
 from navigation.config.load import parse_config, read_source
 from navigation.config.marks import Location
 from navigation.config.secrecy.secrets import hide
+from navigation.dashboard.visits import RefusedError
 from navigation.shared.whole_file import UnwrittenFileError, write_whole
 
 MOST_KEPT: Final = 20
 """Earlier texts; older ones are removed."""
 MOST_CHANGES: Final = 500
-
-
-class RefusedError(ValueError):
-    """What was asked cannot be done; the message says why."""
 
 
 class Around(NamedTuple):

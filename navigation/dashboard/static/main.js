@@ -1,5 +1,6 @@
 // The page: what listens to what.
 
+import { Calibration } from "./calibration.js";
 import { Connection } from "./connection.js";
 import { Fleet } from "./fleet.js";
 import { Goal } from "./goal.js";
@@ -40,6 +41,7 @@ new Robots(connection, fleet, seat, say);
 connection.on("chosen", () => { goal.clear(); say(""); }); // they were another robot's
 new Log(connection);
 const settings = new Settings(connection, seat);
+const calibration = new Calibration(connection, seat);
 new Places(connection, goal, seat, say);
 
 // What was refused, until the next order.
@@ -116,6 +118,7 @@ addEventListener("keydown", (event) => {
   else if (event.key === "0") stage.show(null);
   else if (event.key === "Escape" && keys.isOpen) keys.close();
   else if (event.key === "Escape" && settings.isOpen) settings.close();
+  else if (event.key === "Escape" && calibration.isOpen) calibration.close();
   else if (event.key === "Escape" && health.chart.isOpen) health.chart.close();
   else if (event.key === "Escape") goal.clear();
   else if (event.key === "t" || event.key === "T") seat.toggle();

@@ -294,7 +294,12 @@ class JoinedEye:
                 continue
             fresh.add(index)
             view.edges = edge_points_m(
-                view.background, self.plan, index, **extract_settings(self.settings)
+                view.background,
+                self.plan,
+                index,
+                polarity=self.settings.polarity,
+                method=self.settings.method,
+                threshold=self.settings.threshold,
             )
         for one, other in combinations(range(len(self._views)), 2):
             a, b = self._views[one].edges, self._views[other].edges

@@ -14,8 +14,15 @@ from navigation.config import Config, load_config
 from navigation.control import ControlServer, send_order
 from navigation.control.orders import carry_out
 from navigation.mission.mission import MissionError, Station
-from navigation.run.anchoring import AnchoringError, renew, renew_while_running
+from navigation.run.anchoring import (
+    AnchoringError,
+    renew,
+    renew_while_running,
+    take_over_lens,
+)
 from navigation.run.reload import Reloader
+from vision.calibrate.lens import Lens
+from vision.calibration.calibration_file import load_lens
 from vision.camera.camera import Frame
 
 EMPTY = np.full((960, 1280), 200, dtype=np.uint8)
@@ -118,3 +125,40 @@ def test_a_calibration_that_was_written_anew_is_taken_over_by_a_reload(config_fi
     reloader.ask()
     reloader.join(20.0)
     assert "nothing has changed" in said[1]
+
+
+def lens_of(size: tuple[int, int] = (1280, 960)) -> Lens:
+    matrix = np.array([[1200.0, 0.0, 640.0], [0.0, 1200.0, 480.0], [0.0, 0.0, 1.0]])
+    return Lens(size, matrix, np.zeros(5), 0.1, 5, (), (), "brown")
+
+
+def test_a_lens_without_floor_markers_is_saved_alone_and_the_calibration_stays(
+    config_file: Path,
+) -> None:
+    config = load_config(config_file, {})
+    file = config.camera.calibration
+    assert file is not None
+    before = file.read_text()
+    asked: list[None] = []
+    said = take_over_lens(config, lens_of(), EMPTY, NOW, lambda: asked.append(None))
+    assert "clearway calibrate --lens" in said
+    assert file.read_text() == before
+    assert asked == []
+    alone = load_lens(file.with_name(f"{file.stem}.lens.20260102-000000.yaml"))
+    assert alone.camera_matrix[0, 0] == 1200.0
+
+
+def test_a_lens_is_not_taken_over_where_the_markers_are_not_seen_or_the_picture_is_another(
+    config_file: Path,
+) -> None:
+    config = with_markers(load_config(config_file, {}), MARKERS)
+    file = config.camera.calibration
+    assert file is not None
+    before = sorted(file.parent.iterdir())
+    with pytest.raises(AnchoringError, match="no picture"):
+        take_over_lens(config, lens_of(), None, NOW, None)
+    with pytest.raises(AnchoringError, match="0 floor markers"):
+        take_over_lens(config, lens_of(), EMPTY, NOW, None)
+    with pytest.raises(AnchoringError, match="the lens is of 640 x 480 pixels"):
+        take_over_lens(config, lens_of((640, 480)), EMPTY, NOW, None)
+    assert sorted(file.parent.iterdir()) == before

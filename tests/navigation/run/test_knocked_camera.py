@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,12 @@ import pytest
 from navigation.config import Config
 from navigation.loop.daemon import Daemon
 from navigation.loop.stages import stations_of
-from navigation.mission.mission import State
-from navigation.run.anchoring import renew
+from navigation.mission.mission import MissionError, State
+from navigation.run.anchoring import renew, take_over_lens
 from navigation.run.virtual_world import VirtualWorld
 from navigation.simulator.picture.pinhole import pinhole_of
 from tests.support.runs.virtual import cycle_until, is_driving, short_config
+from vision.calibrate.lens import Lens
 from vision.calibration.calibration_file import load_calibration, save_calibration
 
 GOAL = [{"x_m": 0.20, "y_m": 1.60}]
@@ -130,3 +132,39 @@ def test_the_anchoring_is_renewed_from_the_markers_and_a_new_run_drives_by_it(
         assert done.troubles == ()
         goal = (GOAL[0]["x_m"], GOAL[0]["y_m"])
         assert math.dist(world.robot.pose()[:2], goal) < 0.015
+
+
+def test_a_lens_found_meanwhile_is_placed_by_the_markers_and_a_new_run_drives_by_it(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "calibration.yaml"
+    config = arena([], calibration=file)
+    truth = pinhole_of(config).calibration()
+    lens = Lens(truth.size, truth.camera_matrix, truth.distortion, 0.1, 5, (), (), truth.lens_model)
+    wrong = truth.camera_matrix.copy()
+    wrong[0, 0] = wrong[1, 1] = 1.03 * wrong[0, 0]
+    save_calibration(replace(truth, camera_matrix=wrong), file)
+    asked: list[None] = []
+    with driving(config) as (world, daemon):
+        daemon.lent = "the camera is being calibrated from the page"
+        here = world.robot.pose()[:2]
+        held = cycle_until(daemon, lambda now: "being calibrated" in now.sentence)
+        assert held.mission.state is State.HOLDING
+        cycle_until(daemon, lambda _: world.clock() > 4.0)
+        assert math.dist(here, world.robot.pose()[:2]) < 0.001, "the robot holds"
+        with pytest.raises(MissionError, match="being calibrated"):
+            daemon.give(stations_of(config))
+        frame = cycle_until(daemon, lambda now: now.frame is not None).frame
+    assert frame is not None
+    now = datetime(2026, 1, 2)
+    said = take_over_lens(config, lens, frame.image, now, lambda: asked.append(None))
+    assert "the run begins again with it, and waits for orders" in said
+    assert asked == [None]
+    assert (tmp_path / "calibration.20260102-000000.yaml").exists()
+    found = load_calibration(file)
+    assert found.camera_matrix[0, 0] == truth.camera_matrix[0, 0]
+    places = [(0.2, 0.2), (2.2, 0.2), (2.2, 1.6), (0.2, 1.6), (1.2, 0.9)]
+    errors = found.arena_from_image(truth.image_from_arena(places)) - places
+    assert abs(errors).max() < 0.002
+    with driving(config) as (_, daemon):
+        cycle_until(daemon, lambda now: now.mission.state is State.DONE)

@@ -1,20 +1,14 @@
 // The page of a live calibration: asks for the state, and draws it over the picture it belongs to.
 
+import { drawBoardView } from "./board.js";
+
 const ASK_EVERY_MS = 120;
 const ASK_AGAIN_MS = 2000;
 const LOST_AFTER = 3;
-const SVG = "http://www.w3.org/2000/svg";
 const byId = (id) => document.getElementById(id);
 let lastFrame = null;
 let failures = 0;
 let enough = false;
-
-function element(name, attributes, text) {
-  const made = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  if (text !== undefined) made.textContent = text;
-  return made;
-}
 
 function say(id, text) {
   const place = byId(id);
@@ -27,45 +21,6 @@ function phase(text, state) {
 }
 
 const upper = (text) => text.slice(0, 1).toUpperCase() + text.slice(1);
-const path = (points) => points.map((p) => p.join(",")).join(" ");
-
-function drawCells(overlay, state) {
-  const [width, height] = state.size;
-  const rows = state.cells.length, columns = state.cells[0].length;
-  const w = width / columns, h = height / rows;
-  state.cells.forEach((line, row) => line.forEach((cell, column) => {
-    const kind = cell.done ? "done" : cell.seen ? "seen" : "unseen";
-    const x = column * w, y = row * h;
-    overlay.append(element("rect", { class: `cell ${kind}`, x, y, width: w, height: h }));
-    const word = cell.done ? "✓" : cell.px === null ? "" : cell.px >= 10 ? ">10" : cell.px.toFixed(2);
-    overlay.append(element("text", { class: "px", x: x + w / 2, y: y + h / 2, "font-size": w / 7 }, word));
-  }));
-}
-
-function drawBoard(overlay, state) {
-  if (state.wanted && !state.done) {
-    for (const kind of ["halo", "line"]) {
-      overlay.append(element("polygon", { class: `asked-${kind}`, points: path(state.wanted) }));
-    }
-  }
-  if (!state.outline) return;
-  for (const kind of ["halo", "line"]) {
-    overlay.append(element("polygon", { class: `board-${kind}`, points: path(state.outline) }));
-  }
-  for (const [cx, cy] of state.corners) {
-    overlay.append(element("circle", { class: "corner", cx, cy, r: state.size[0] / 260 }));
-  }
-}
-
-function drawn(state) {
-  const overlay = byId("overlay");
-  overlay.setAttribute("viewBox", `-0.5 -0.5 ${state.size[0]} ${state.size[1]}`);
-  document.querySelector(".frame").style.aspectRatio = `${state.size[0]} / ${state.size[1]}`;
-  overlay.replaceChildren();
-  drawCells(overlay, state);
-  drawBoard(overlay, state);
-}
-
 function tell(state, remarks) {
   say("sentence", upper(state.sentence));
   say("board", upper(state.board.replace(/^board: /, "")));
@@ -104,7 +59,7 @@ async function ask() {
     if (answer.state && answer.state.frame !== lastFrame) {
       lastFrame = answer.state.frame;
       await pictureOf(lastFrame);
-      drawn(answer.state);
+      drawBoardView(document.querySelector(".frame"), byId("overlay"), answer.state);
       tell(answer.state, answer.remarks);
     }
     if (answer.ended) {

@@ -12,7 +12,8 @@ import pytest
 
 from navigation.cli.setup.check import file_problems
 from navigation.config.load import load_config
-from navigation.dashboard.settings.desk import MOST_KEPT, Around, Desk, RefusedError
+from navigation.dashboard.settings.desk import MOST_KEPT, Around, Desk
+from navigation.dashboard.visits import RefusedError
 from navigation.mission.mission import State
 from tests.navigation.dashboard.site import KEY, TOKEN, VIEWER, Site
 from tests.support.runs.shown import FakeDaemon, laboratory, shown_config

@@ -1,0 +1,261 @@
+"""A lens calibrated while a run is at rest: from the start to a lens that is saved, or to a cancel.
+
+Rules
+- While the camera is lent the robot holds, whatever it is ordered; STOP works as always, and the
+  run goes on looking.
+- The lens is Brown's, of one camera. What else there is is refused with the command that does it.
+- Nothing is written before somebody saves; a cancel, an error and the end of the run write nothing.
+- The views are taken in a thread of its own; every method may be called from any thread.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Literal, Protocol, TypeAlias
+
+from navigation.config import Config
+from navigation.config.sections import SIMULATED
+from navigation.dashboard.calibrating.frames import LentFrames
+from navigation.dashboard.calibrating.shown import as_json, jpeg_of
+from navigation.dashboard.visits import RefusedError
+from navigation.loop.daemon_state import DaemonState
+from navigation.simulator.picture.held_board import HeldBoardCamera
+from vision.calibrate.board import BoardSpec
+from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens, plain_estimate
+from vision.calibrate.live.guide import HeldPose
+from vision.calibrate.live.session import LiveSession, LiveState
+from vision.calibrate.live.taking import take_live
+from vision.calibrate.window import choose_window
+from vision.calibration.calibration import Calibration, CalibrationError
+from vision.camera.camera import Camera, CameraError, Clock, Frame, Image
+
+Phase: TypeAlias = Literal["idle", "taking", "fitting", "found"]
+LENT: Final = "the camera is being calibrated from the page"
+FRAMES_KEPT: Final = 16
+"""A page asks for the picture of a state some time after the state."""
+MOST_REMARKS: Final = 50
+ENDS_WITHIN_S: Final = 2.0
+
+
+class LendingRun(Protocol):
+    """What a run lends."""
+
+    lent: str | None
+    """Why the robot has to hold, None where the camera is not lent."""
+
+    @property
+    def state(self) -> DaemonState | None:
+        """What the last cycle ended with, its frame in it."""
+        ...
+
+
+class Bench:
+    """Calibrates the lens of one run's camera.
+
+    ``save`` puts a lens in the place of the present one, with the newest picture of the arena, and
+    says what it did; it raises ``ValueError``. ``clock`` gives monotonic seconds, ``wait`` lets
+    them pass.
+    """
+
+    def __init__(
+        self,
+        run: LendingRun,
+        config: Config,
+        calibration: Calibration,
+        save: Callable[[Lens, Image | None], str],
+        clock: Clock,
+        wait: Callable[[float], None],
+    ) -> None:
+        self._run, self._config, self._save = run, config, save
+        self._clock, self._wait = clock, wait
+        self._refusal = _refusal(config, calibration)
+        self._lock = threading.Lock()
+        self._phase: Phase = "idle"
+        self._cancelled = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._lens: Lens | None = None
+        self._shown: tuple[LiveState, Frame] | None = None
+        self._frames: deque[Frame] = deque(maxlen=FRAMES_KEPT)
+        self._remarks: list[str] = []
+        self._said = ""
+
+    def told(self) -> dict[str, Any]:
+        """What the page shows."""
+        shown = self._shown
+        return {
+            "refusal": self._refusal,
+            "phase": self._phase,
+            "state": None if shown is None or self._phase == "idle" else as_json(*shown),
+            "remarks": self._remarks,
+            "said": self._said,
+        }
+
+    def picture(self, number: str) -> bytes | None:
+        """The frame of a state, or the newest where it is no longer kept; None without any."""
+        frames = list(self._frames)
+        if not frames:
+            return None
+        return jpeg_of(next((one for one in frames if str(one.sequence) == number), frames[-1]))
+
+    def start(self, spec: BoardSpec) -> str:
+        """Borrow the camera and take views of this board; ``RefusedError`` where that cannot be."""
+        with self._lock:
+            if self._refusal:
+                raise RefusedError(self._refusal)
+            if self._phase != "idle":
+                raise RefusedError(f"{LENT} already")
+            self._run.lent = LENT
+            self._phase, self._said, self._lens = "taking", "", None
+            self._shown, self._remarks = None, []
+            self._frames.clear()
+            self._cancelled = threading.Event()
+            self._thread = threading.Thread(
+                target=self._take, args=(spec, self._cancelled), name="calibration", daemon=True
+            )
+            self._thread.start()
+        return "calibrates the camera; the robot holds meanwhile"
+
+    def cancel(self) -> str:
+        """Give the camera back and write nothing; harmless where nothing is under way."""
+        with self._lock:
+            self._cancelled.set()
+            was, self._phase = self._phase, "idle"
+            self._lens, self._run.lent = None, None
+            self._said = "cancelled: nothing was written" if was != "idle" else self._said
+        return "the calibration is cancelled" if was != "idle" else "no calibration is under way"
+
+    def save(self) -> str:
+        """Save the lens that was found, and give the camera back."""
+        with self._lock:
+            if self._lens is None:
+                raise RefusedError("no lens was found yet")
+            state = self._run.state
+            frame = None if state is None else state.frame
+            try:
+                said = self._save(self._lens, None if frame is None else frame.image)
+            except ValueError as error:
+                raise RefusedError(f"not saved: {error}") from None
+            self._phase, self._said = "idle", said
+            self._lens, self._run.lent = None, None
+        return said
+
+    def close(self) -> None:
+        """The run ends."""
+        self.cancel()
+        if self._thread is not None:
+            self._thread.join(ENDS_WITHIN_S)
+
+    def show(self, state: LiveState, frame: Frame) -> None:
+        """The next frame, from the thread that takes views."""
+        if (state.taken or "not taken" in state.remark) and state.remark not in self._remarks[-1:]:
+            self._remarks = [*self._remarks, state.remark][-MOST_REMARKS:]
+        self._frames.append(frame)
+        self._shown = state, frame
+
+    # In the thread.
+
+    def _take(self, spec: BoardSpec, cancelled: threading.Event) -> None:
+        try:
+            session = LiveSession(spec)
+            camera = self._camera(spec, session)
+            taken = take_live(camera, spec, session, [self], self._clock, cancelled.is_set)
+            if len(taken.views) < MIN_VIEWS:
+                raise CalibrationError(
+                    f"{len(taken.views)} views of the board were taken, at least {MIN_VIEWS} are "
+                    "needed"
+                )
+            self._turn("taking", "fitting", cancelled)
+            choice = choose_window(taken.pictures, taken.views, plain_estimate, spec.window_share)
+            lens = estimate_lens(choice.views)
+        except (CalibrationError, CameraError) as error:
+            self._fail(f"{error}: nothing was written", cancelled)
+        except Exception as error:  # noqa: BLE001 - the camera is given back, and the run goes on
+            self._fail(f"{type(error).__name__}: {error}: nothing was written", cancelled)
+        else:
+            self._find(lens, cancelled)
+
+    def _camera(self, spec: BoardSpec, session: LiveSession) -> Camera:
+        if self._config.camera.source != SIMULATED:
+            return LentFrames(self._newest, self._clock, self._wait)
+        seed = 0 if self._config.simulation is None else self._config.simulation.seed
+
+        def asked() -> HeldPose | None:
+            return None if session.wanted is None else session.wanted.pose
+
+        return HeldBoardCamera(self._config, spec, self._clock, self._wait, seed, asked)
+
+    def _newest(self) -> Frame | None:
+        state = self._run.state
+        return None if state is None else state.frame
+
+    def _turn(self, before: Phase, after: Phase, cancelled: threading.Event) -> None:
+        with self._lock:
+            if self._phase == before and not cancelled.is_set():
+                self._phase = after
+
+    def _fail(self, sentence: str, cancelled: threading.Event) -> None:
+        with self._lock:
+            if not cancelled.is_set():
+                self._phase, self._said, self._run.lent = "idle", sentence, None
+
+    def _find(self, lens: Lens, cancelled: threading.Event) -> None:
+        with self._lock:
+            if cancelled.is_set():
+                return
+            self._phase, self._lens = "found", lens
+            self._said = "; ".join(
+                (
+                    f"found: {lens.rms_px:.3f} px rms over {len(lens.used)} views, focal length "
+                    f"{lens.camera_matrix[0, 0]:.0f} px",
+                    *lens.remarks,
+                    "put the board away, then save",
+                )
+            )
+
+
+def _refusal(config: Config, calibration: Calibration) -> str:
+    """Why the camera of this run is not calibrated from the page; empty where it is."""
+    if config.cameras:
+        return "several cameras are calibrated one by one: clearway calibrate --live"
+    if calibration.lens_model != "brown":
+        return (
+            f"the lens is a {calibration.lens_model} one, which clearway calibrate --live "
+            "calibrates: from the page a lens is Brown's"
+        )
+    if config.camera.calibration is None:
+        return "camera.calibration names no file: clearway calibrate makes the first one"
+    return ""
+
+
+def board_of(words: Mapping[str, Any]) -> BoardSpec:
+    """The board that was typed: ``kind``, ``squares`` as 7x5, ``square_mm``, ``marker_mm``,
+    ``dictionary``; ``RefusedError`` says what is wrong."""
+    kind = words.get("kind")
+    if kind not in ("charuco", "chessboard"):
+        raise RefusedError("board: must be charuco or chessboard")
+    sides = str(words.get("squares", "")).lower().split("x")
+    if len(sides) != 2 or not all(one.strip().isdecimal() and len(one) < 5 for one in sides):
+        raise RefusedError("squares: must be two whole numbers such as 7x5")
+    marker_mm = None
+    if kind == "charuco" and str(words.get("marker_mm", "")).strip():
+        marker_mm = _number(words, "marker_mm")
+    try:
+        return BoardSpec(
+            kind,
+            int(sides[0]),
+            int(sides[1]),
+            _number(words, "square_mm") / 1000.0,
+            None if marker_mm is None else marker_mm / 1000.0,
+            str(words.get("dictionary") or "DICT_6X6_250"),
+        )
+    except CalibrationError as error:
+        raise RefusedError(str(error)) from None
+
+
+def _number(words: Mapping[str, Any], name: str) -> float:
+    try:
+        return float(str(words.get(name)))
+    except ValueError:
+        raise RefusedError(f"{name}: must be a number") from None

@@ -1,0 +1,124 @@
+"""What operators read and change beside orders: who is let in, who may change, and the answer.
+
+Rules
+- All of it is for operators, and what changes something is for the one who holds the arena.
+- Something is changed while no mission is under way and the robot is not stopped: nobody sets the
+  robot going, or leaves a stop, by it.
+- A body is JSON; its ``key`` is the seat's.
+- Work is done in a worker thread: neither the page nor the control loop waits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, Final
+
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+
+from navigation.config.errors import ConfigError
+from navigation.config.secrecy.secrets import hide, hide_in
+from navigation.dashboard.admission.access import Refusal, Role, bearer_of
+from navigation.dashboard.hub import Hub
+from navigation.mission.mission import State
+from navigation.shared.outside import OutsideError, read_object
+
+MOST_BODY_BYTES: Final = 65_536
+AT_REST: Final = frozenset(one.value for one in (State.IDLE, State.DONE, State.FAILED))
+
+
+class RefusedError(ValueError):
+    """What was asked cannot be done; the message says why."""
+
+
+class Visits:
+    """Answers requests of operators; ``subject`` is what they are about, in the plural.
+
+    ``closed``: why nobody is let in; None where operators are.
+    """
+
+    def __init__(self, hub: Hub, subject: str, closed: Refusal | None) -> None:
+        self._hub, self._subject, self._closed = hub, subject, closed
+
+    async def read(self, request: Request, work: Callable[[], dict[str, Any]]) -> Response:
+        """What ``work`` gives; nothing is changed, so nobody has to hold the arena."""
+        refusal = self.refusal(request)
+        if refusal is not None:
+            return refused(refusal)
+        return (await self._tried(lambda: {"ok": True, **work()}))[0]
+
+    async def ask(
+        self, request: Request, work: Callable[[dict[str, Any]], dict[str, Any]]
+    ) -> Response:
+        """The same for a question that comes with a body."""
+        body = self.refusal(request) or await self._body(request)
+        if isinstance(body, Refusal):
+            return refused(body)
+        return (await self._tried(lambda: {"ok": True, **work(body)}))[0]
+
+    async def change(self, request: Request, act: Callable[[dict[str, Any]], str]) -> Response:
+        """Let the holder of the arena change something; ``act`` gives the sentence for the log."""
+        body = self.refusal(request) or await self._body(request)
+        if isinstance(body, Refusal):
+            return refused(body)
+        hub = self._hub
+        holder = hub.seat.holder
+        if holder is None or holder.key != body.get("key"):
+            return JSONResponse({"ok": False, "error": "take the arena first"})
+
+        def work() -> dict[str, Any]:
+            state = hub.daemon.describe()["state"]
+            if state not in AT_REST:
+                first = "re-arm the robot" if state == State.STOPPED.value else "stop"
+                raise RefusedError(
+                    f"{self._subject} are changed while no mission is under way and the robot is "
+                    f"not stopped: {first} first"
+                )
+            return {"ok": True, "said": act(body)}
+
+        response, said = await self._tried(work)
+        if said is not None:
+            hub.note("order", hide(f"{holder.name}: {said['said']}"))
+        return response
+
+    def refusal(self, request: Request) -> Refusal | None:
+        """Why somebody is not let in; None for operators."""
+        gate = self._hub.gate
+        role = gate.role(bearer_of(request.headers.get("authorization")))
+        if isinstance(role, Refusal):
+            return role
+        if role is not Role.OPERATOR:
+            gate.count("settings")
+            return Refusal(403, "settings", f"{self._subject} are for operators")
+        return self._closed
+
+    async def _body(self, request: Request) -> dict[str, Any] | Refusal:
+        text = b""
+        async for part in request.stream():
+            text += part
+            if len(text) > MOST_BODY_BYTES:
+                self._hub.gate.count("oversized")
+                return Refusal(413, "oversized", "the request is too long")
+        try:
+            return read_object(text)
+        except OutsideError as error:
+            self._hub.gate.count("malformed")
+            return Refusal(400, "malformed", str(error))
+
+    async def _tried(
+        self, work: Callable[[], dict[str, Any]]
+    ) -> tuple[Response, dict[str, Any] | None]:
+        """What came of it in a worker thread, as an answer and, where it went well, as it is."""
+        loop = asyncio.get_running_loop()
+        try:
+            answer = await loop.run_in_executor(self._hub.workers, work)
+        except (RefusedError, ConfigError) as error:
+            return JSONResponse({"ok": False, "error": hide(str(error))}), None
+        return JSONResponse(hide_in(answer)), answer
+
+
+def refused(refusal: Refusal) -> Response:
+    """The answer to somebody who is not let in."""
+    headers = {"www-authenticate": "Bearer"} if refusal.status == 401 else {}
+    return PlainTextResponse(refusal.sentence + "\n", refusal.status, headers=headers)

@@ -1,0 +1,97 @@
+"""Views of a board from a camera: frames in, views out, shown on the way.
+
+It ends when the views are enough, with the source, with Ctrl-C, or when somebody cancels it; what
+was taken is kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import cv2
+import numpy as np
+
+from vision.calibrate.board import BoardSpec, BoardView, refuse_part
+from vision.calibrate.live.following import SEARCH_PX
+from vision.calibrate.live.session import LiveSession, LiveState
+from vision.camera.camera import Camera, CameraError, Clock, Frame, Image
+from vision.markers.marker_search import grey_of
+
+READ_S: Final = 0.5
+SILENT_S: Final = 5.0
+"""Without a picture for so long a camera has failed."""
+
+
+class Shows(Protocol):
+    """Shows a live calibration to somebody."""
+
+    def show(self, state: LiveState, frame: Frame) -> None:
+        """The next frame and what is known after it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiveTaken:
+    """The views that were taken with their pictures, and in ``ended`` why it ended.
+
+    ``last`` is what was known at last, None where there was no picture.
+    """
+
+    pictures: tuple[Image, ...]
+    views: tuple[BoardView, ...]
+    last: LiveState | None
+    ended: str
+
+
+def _reduced(image: Image) -> Image:
+    """Grey, and so small that a chessboard's search is quick."""
+    grey = grey_of(image)
+    scale = min(1.0, SEARCH_PX / max(grey.shape))
+    small = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    return np.asarray(small, dtype=np.uint8)
+
+
+def take_live(
+    camera: Camera,
+    spec: BoardSpec,
+    session: LiveSession,
+    shows: Sequence[Shows],
+    clock: Clock,
+    is_cancelled: Callable[[], bool] = lambda: False,
+) -> LiveTaken:
+    """Views of the board until they are enough; ``camera`` is opened and closed.
+
+    Ends before that by Ctrl-C, and when ``is_cancelled``, which is asked at each frame.
+
+    Raises ``CameraError`` where the camera fails, ``CalibrationError`` where its pictures change
+    their size or the board is a part of a larger one.
+    """
+    last: LiveState | None = None
+    ended = "enough views"
+    camera.open()
+    try:
+        heard_s = clock()
+        while last is None or not last.done:
+            if is_cancelled():
+                ended = "cancelled"
+                break
+            frame = camera.read(READ_S)
+            if frame is None:
+                if camera.state == "ended":
+                    ended = camera.reason or f"{camera.name} has ended"
+                    break
+                if clock() - heard_s > SILENT_S:
+                    raise CameraError(f"{camera.name}: no picture within {SILENT_S:g} s")
+                continue
+            heard_s = clock()
+            last = session.look(frame)
+            for one in shows:
+                one.show(last, frame)
+    except KeyboardInterrupt:
+        ended = "ended by Ctrl-C"
+    finally:
+        camera.close()
+    pictures = tuple(image for _, image in session.pictures)
+    refuse_part([_reduced(image) for image in pictures], spec)
+    return LiveTaken(pictures, tuple(session.views), last, ended)
