@@ -78,7 +78,7 @@ def test_the_robot_takes_no_order_until_it_is_cancelled_and_stop_works_all_the_t
 ) -> None:
     page = open_page()
     open_and_start(page)
-    refused = carry_out({"order": "go", "stations": [[1.8, 0.5]]}, live.daemon)
+    refused = carry_out({"order": "go", "stations": [{"x_m": 1.8, "y_m": 0.5}]}, live.daemon)
     assert refused == {"ok": False, "error": "the camera is being calibrated from the page"}
     page.locator("#stop").click()
     assert wait_until(lambda: live.state is State.STOPPED)
