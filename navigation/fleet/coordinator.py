@@ -9,6 +9,7 @@ Rules
   when all stand, one plan is made of every robot that wants to move.
 - What the others keep is taken: the place where each stands, and of one that is not seen whatever
   it may have driven to since. One without a mission may have to step aside and come back.
+- Who is in the way of a robot that runs away drives aside, and asks again (`giving_way`).
 - Where no path was found for a robot it waits until something has changed that the plan hung on.
 
 Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
@@ -23,10 +24,13 @@ from typing import Final
 
 import numpy as np
 
+from navigation.fleet.asking import request_of
+from navigation.fleet.giving_way import GivingWay
 from navigation.fleet.orders import ON_TRACK_M, FleetOrders, Situation, ahead, holds_of, waits_of
-from navigation.fleet.places_kept import Member, comes_too_near, places_kept
+from navigation.fleet.places_kept import Member, comes_too_near
 from navigation.fleet.releases import Held, Release, release_of
-from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Promise, Taken, Traveller
+from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Promise
+from navigation.fleet.runaways import Runaway, runaways_of
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
 from navigation.mission.running_plan import distance_to_polyline
@@ -63,6 +67,8 @@ class Coordinator:
         self._refused: dict[str, str] = {}
         self._refused_in: Situation | None = None
         self._stuck_since: dict[str, float] = {}
+        self._runaways: list[Runaway] = []
+        self._giving_way = GivingWay(clearance_m)
 
     def step(
         self,
@@ -78,15 +84,23 @@ class Coordinator:
         if answer is not None and self._asked is not None and answer.id == self._asked.id:
             answers |= self._take(now_s, answer, members)
             errands = {n: one.promise.station for n, one in self.held.items() if one.errand}
-        plan_again: tuple[tuple[str, str], ...] = ()
+        self._runaways = runaways_of(members, self.held)
+        aside = self._giving_way.step(now_s, members, self.held, self._open, self._runaways)
+        for name in (*aside.errands, *aside.answers, *(name for name, _ in aside.plan_again)):
+            self.forget(name)
+        answers |= aside.answers
+        errands |= aside.errands
+        plan_again: tuple[tuple[str, str], ...] = aside.plan_again
         request = None
-        if self._gathering_s is None and self._asked is None:
+        if self._giving_way.aside:
+            pass  # where it drives to is not promised: the others wait until it asks
+        elif self._gathering_s is None and self._asked is None:
             answers |= self._continued(members, revision)
             if self._begin_round(now_s, members, revision, answers):
                 request, told = self._joining(members, revision, answers)
                 answers |= told
         elif self._gathering_s is not None:
-            plan_again = tuple(
+            plan_again += tuple(
                 (name, self._why) for name, one in members.items() if one.state is State.DRIVING
             )
             if not plan_again:
@@ -99,8 +113,8 @@ class Coordinator:
             for name in self._open
             if name not in answers and name in self._refused and self._gathering_s is None
         }
-        waits, waits_for = waits_of(members, self.held, refused)
-        holds = holds_of(members, self.held)
+        waits, waits_for = waits_of(members, self.held, refused, self._giving_way.aside)
+        holds = holds_of(members, self.held, self._giving_way.aside) | dict(aside.holds)
         return FleetOrders(plan_again, request, answers, waits, waits_for, holds, errands)
 
     def forget(self, name: str) -> None:
@@ -110,11 +124,13 @@ class Coordinator:
 
     def release(self, name: str) -> Release | None:
         """How much of the plan that is driven now may be sent; None without a promise."""
+        if name in self._giving_way.aside:
+            return Release(self._giving_way.aside[name].targets, None)
         held = self.held.get(name)
         if held is None:
             return None
         count, gate = release_of(name, self.held)
-        if self._asked is not None and self._asked.driving:
+        if self._giving_way.aside or (self._asked is not None and self._asked.driving):
             count = min(count, held.sent)
         else:
             count = min(count, held.executed + AHEAD)
@@ -130,7 +146,7 @@ class Coordinator:
             if name in self._open and one.state is not State.PLANNING:
                 del self._open[name]
             held = self.held.get(name)
-            if held is None:
+            if held is None or name in self._giving_way.aside:
                 continue
             if held.errand and one.obliging:
                 continue  # its pilot is given the errand in this cycle
@@ -284,31 +300,10 @@ class Coordinator:
                 name: PlanAnswer(request.id, revision, NoPath(why))
                 for name, request in wishes.items()
             }
-        travellers = tuple(
-            Traveller(name, pose, request.stations[0], one.radius_m, one.limits_at(request))
-            for name, request in sorted(wishes.items())
-            if (one := members[name]) and (pose := one.pose) is not None
-        )
-        idle = tuple(
-            Traveller(name, pose, Station(*pose), one.radius_m, one.limits)
-            for name, one in members.items()
-            if name not in wishes and one.obliging and (pose := one.pose) is not None
-        )
-        known = {*wishes, *(one.promise.name for one in driving), *(one.name for one in idle)}
-        taken = tuple(
-            place
-            for name, one in members.items()
-            if name not in known
-            for place in places_kept(name, one, self.held.get(name))
-        )
-        strangers = {
-            disc.robot_id: Taken(f"robot {disc.robot_id}", disc.x_m, disc.y_m, disc.radius_m)
-            for request in wishes.values()
-            for disc in request.avoid
-        }
-        taken += tuple(strangers.values())
         self.rounds += 1
-        self._asked = FleetRequest(self.rounds, revision, travellers, taken, driving, idle)
+        self._asked = request_of(
+            self.rounds, revision, members, self.held, wishes, driving, self._runaways
+        )
         self._asked_ids = {name: request.id for name, request in wishes.items()}
         return self._asked, {}
 

@@ -6,7 +6,7 @@ Metres.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -62,16 +62,20 @@ class Situation:
 
 
 def waits_of(
-    members: Mapping[str, Member], held: Mapping[str, Held], refused: Mapping[str, str]
+    members: Mapping[str, Member],
+    held: Mapping[str, Held],
+    refused: Mapping[str, str],
+    aside: Container[str],
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Who waits, in a sentence each, and of those that wait for one other robot: for which.
 
-    ``refused`` are those that have no path yet, with the reason.
+    ``refused`` are those that have no path yet, with the reason; who drives ``aside`` waits
+    for nobody.
     """
     waits = {name: f"waits for the others: {why}" for name, why in refused.items()}
     waits_for = {}
     for name, one in members.items():
-        if one.state is not State.DRIVING or name not in held:
+        if one.state is not State.DRIVING or name not in held or name in aside:
             continue
         count, gate = release_of(name, held)
         if gate is not None and held[name].executed >= count:
@@ -82,11 +86,13 @@ def waits_of(
     return waits, waits_for
 
 
-def holds_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> dict[str, str]:
-    """Who has another robot in what it may drive, and which."""
+def holds_of(
+    members: Mapping[str, Member], held: Mapping[str, Held], aside: Container[str]
+) -> dict[str, str]:
+    """Who has another robot in what it may drive, and which; but for those that drive aside."""
     holds = {}
     for name, one in members.items():
-        if name not in held or one.state is not State.DRIVING or one.pose is None:
+        if name not in held or name in aside or one.state is not State.DRIVING or one.pose is None:
             continue
         near = comes_too_near(ahead(held, name, one.pose), name, members)
         if near is not None:

@@ -53,6 +53,12 @@ class Member:
     """What its mission says."""
     obliging: bool = False
     """It stands without a mission, is well, and may be asked to step aside."""
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Along both axes, and turning to the left, as it was seen last."""
+    may_move: bool = True
+    """Whether its lease lets it, or did a moment ago, so that it may still brake."""
+    keep_m: float = 0.03
+    """What it keeps from the body of one that runs away."""
 
     def limits_at(self, request: PlanRequest) -> Limits:
         """What it can do, no faster than it asks for."""

@@ -109,8 +109,7 @@ class Daemon:
         self._frame: Frame | None = None
         self._glimpse = Glimpse(-math.inf, {}, None, None)
         self._pose_arrived_s = -math.inf
-        self._reopened = 0
-        self._forget_latency = False
+        self._reopened, self._forget_latency = 0, False
         self._evidence = NO_EVIDENCE
         self.others = OtherRobots({one.marker_id: one.radius_m for one in config.other_robots})
         self.reanchor: Callable[[str | None], list[str]] | None = None

@@ -132,10 +132,12 @@ class Pilot:
         self._rearm = True
         self.trust.vouch()
 
-    def replan(self, why: str = "a new plan was asked for") -> None:
-        """Plan anew from where the robot is; without a mission under way nothing happens."""
+    def replan(self, why: str = "a new plan was asked for", *, holding: bool = False) -> None:
+        """Plan again from where the robot is, if it drives, or holds and that is asked for."""
         if self.mission.state is State.DRIVING:
             self._replan(why)
+        elif holding and self.mission.state is State.HOLDING:
+            self.mission = self.mission.after(Event.CLEARED, why)
 
     # The cycle.
 

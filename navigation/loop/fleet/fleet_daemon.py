@@ -10,7 +10,7 @@ The clock is the world's. Units: metres, radians, seconds.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
@@ -25,7 +25,7 @@ from navigation.loop.fleet.fleet_parts import FleetSurroundings
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.seat import Seat, Witnesses
-from navigation.loop.other_robots import OtherRobots, mover_of
+from navigation.loop.other_robots import OtherRobots
 from navigation.loop.parts import camera_part
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.reports import camera_openings, camera_reason, to_go_m
@@ -33,7 +33,6 @@ from navigation.loop.scene_doubt import SceneDoubt
 from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import MissionError
-from navigation.mission.traffic import Mover
 from navigation.recording.events import FleetAsked, SceneSeen
 from navigation.shared.supervisor import Part, Supervisor
 from planner.roadmap.roadmap import Roadmap
@@ -308,21 +307,12 @@ class FleetDaemon:
             clearance_m=clearance,
             failed=failed,
             camera_reason=camera_reason(self.camera.status()),
-            others=(*self.others.movers(now_s), *self._runaways(seat, now_s)),
+            others=self.others.movers(now_s),
             doubles=() if double is None else (double,),
             evidence=seat.evidence,
             scene_doubt=self._scene_doubt.hold or self._glimpse.hold,
             partner=seat.partner,
         )
-
-    def _runaways(self, seat: Seat, now_s: float) -> Iterator[Mover]:
-        """Robots that move although they may not: met like any stranger that drives by itself."""
-        for other in self.seats.values():
-            if other is seat or other.pose is None or other.may_move:
-                continue
-            mover = mover_of(other.pose, other.config.robot.radius_m, now_s)
-            if not mover.stands:
-                yield mover
 
     def _coordinate(
         self,
@@ -338,7 +328,7 @@ class FleetDaemon:
         fleet = self.coordinator.step(now_s, members, self._news.known_revision, answer)
         for name, why in fleet.plan_again:
             with self.lock:
-                self.seats[name].pilot.replan(why)
+                self.seats[name].pilot.replan(why, holding=True)
         for name, station in fleet.errands.items():
             with self.lock, suppress(MissionError):  # a person may have stopped it just now
                 self.seats[name].pilot.give((station,))

@@ -20,7 +20,7 @@ from navigation.loop.daemon_state import DrivenPlan
 from navigation.loop.fleet.fleet_planner import limits_of_robot
 from navigation.loop.parts import Link
 from navigation.loop.reports import robot_report
-from navigation.loop.robot_orders import RobotOrders
+from navigation.loop.robot_orders import STOP_GRACE_S, RobotOrders
 from navigation.loop.stages import pilot_settings, reach_m, stop_s, witness_limits
 from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
 from navigation.mission.mission import State
@@ -58,6 +58,9 @@ class Seat:
         self._limits = limits_of_robot(config)
         self._moved_s = math.inf
         self._now_s = self._permitted_until_s = -math.inf
+        robot = config.robot
+        braking_s = robot.speed_m_s / robot.acceleration_m_s2
+        self._obeys_within_s = config.safety.lease_s + braking_s + STOP_GRACE_S
         self._sent: tuple[int, int] | None = None
         """The plan's mission on the wire, and how many of its targets may be sent."""
         self.clearance_m: float | None = None
@@ -114,6 +117,9 @@ class Seat:
             request=orders.request,
             sentence=self.pilot.mission.reason,
             obliging=self._is_obliging(age_s, snapshot),
+            velocity=(0.0, 0.0, 0.0) if pose is None else (pose.vx, pose.vy, pose.turn_rate_rad_s),
+            may_move=self.may_move,
+            keep_m=self.config.safety.other_robots_m,
         )
 
     def _is_obliging(self, age_s: float, snapshot: LinkSnapshot) -> bool:
@@ -149,7 +155,7 @@ class Seat:
         """Send what the cycle has decided, of the plan no more than is released."""
         self._now_s = now_s
         if orders.permit:
-            self._permitted_until_s = now_s + self.stop_s
+            self._permitted_until_s = now_s + self._obeys_within_s
         self.orders.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
         if orders.estop:
             self._sent = None

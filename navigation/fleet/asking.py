@@ -1,0 +1,61 @@
+"""The request for those that ask for a path: who travels, who drives on, and what is taken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from navigation.fleet.places_kept import Member, places_kept
+from navigation.fleet.releases import Held
+from navigation.fleet.request import Driving, FleetRequest, Taken, Traveller
+from navigation.fleet.runaways import Runaway
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import Station
+from navigation.mission.traffic import AHEAD_S
+
+SOON: Final = 4
+"""Places at which a plan takes a runaway to be within ``AHEAD_S``."""
+
+
+def request_of(
+    number: int,
+    revision: int,
+    members: Mapping[str, Member],
+    held: Mapping[str, Held],
+    wishes: Mapping[str, PlanRequest],
+    driving: tuple[Driving, ...],
+    runaways: Sequence[Runaway],
+) -> FleetRequest:
+    """The request of those with a wish; every robot was seen."""
+    travellers = tuple(
+        Traveller(name, pose, request.stations[0], one.radius_m, one.limits_at(request))
+        for name, request in sorted(wishes.items())
+        if (one := members[name]) and (pose := one.pose) is not None
+    )
+    idle = tuple(
+        Traveller(name, pose, Station(*pose), one.radius_m, one.limits)
+        for name, one in members.items()
+        if name not in wishes and one.obliging and (pose := one.pose) is not None
+    )
+    known = {*wishes, *(one.promise.name for one in driving), *(one.name for one in idle)}
+    taken = [
+        place
+        for name, one in members.items()
+        if name not in known
+        for place in places_kept(name, one, held.get(name))
+    ]
+    taken += [place for one in runaways for place in _soon(one)]
+    strangers = {
+        disc.robot_id: Taken(f"robot {disc.robot_id}", disc.x_m, disc.y_m, disc.radius_m)
+        for request in wishes.values()
+        for disc in request.avoid
+    }
+    taken += strangers.values()
+    return FleetRequest(number, revision, travellers, tuple(taken), driving, idle)
+
+
+def _soon(one: Runaway) -> Iterator[Taken]:
+    for x, y in one.places(np.linspace(0.0, AHEAD_S, SOON)).reshape(-1, 2).tolist():
+        yield Taken(one.name, x, y, one.radius_m)

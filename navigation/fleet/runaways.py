@@ -1,0 +1,67 @@
+"""Robots that move although nothing lets them, and where they may be in the next seconds.
+
+A robot runs away that moves without a permit, once lease and brakes must have ended that, or that
+moves off what it was sent by more than its path allows. What it does next nobody knows: it is
+taken to drive straight on, and in the bend that it drives, both. Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from navigation.fleet.places_kept import Member
+from navigation.fleet.releases import Held
+from navigation.mission.mission import State
+from navigation.mission.running_plan import distance_to_polyline
+from navigation.mission.traffic import LOST_S, STANDING_M_S
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Runaway:
+    """Where it is now, how it moves, and its body."""
+
+    name: str
+    x_m: float
+    y_m: float
+    vx_m_s: float
+    vy_m_s: float
+    turn_rate_rad_s: float
+    radius_m: float
+
+    def places(self, times_s: FloatArray) -> FloatArray:
+        """Its centre at these times from now, (2, n, 2): straight on, and in its bend."""
+        straight = (self.vx_m_s + 1j * self.vy_m_s) * times_s
+        half = 0.5 * self.turn_rate_rad_s * times_s
+        bent = straight * np.sinc(half / np.pi) * np.exp(1j * half)
+        moved = np.array([straight, bent])
+        return np.stack([self.x_m + moved.real, self.y_m + moved.imag], axis=-1)
+
+
+def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list[Runaway]:
+    """Who runs away now, of those that are seen."""
+    found = []
+    for name, one in members.items():
+        vx, vy, turn = one.velocity
+        if one.pose is None or one.pose_age_s > LOST_S or math.hypot(vx, vy) < STANDING_M_S:
+            continue
+        if one.may_move and not _strays(one, held.get(name)):
+            continue
+        x, y = one.pose[0] + vx * one.pose_age_s, one.pose[1] + vy * one.pose_age_s
+        found.append(Runaway(name, x, y, vx, vy, turn, one.radius_m))
+    return found
+
+
+def _strays(one: Member, held: Held | None) -> bool:
+    """Whether it is off what it was sent, by more than a path allows."""
+    if held is None or held.broken or held.errand or one.pose is None:
+        return False
+    if one.state not in (State.DRIVING, State.HOLDING):
+        return False
+    last = max(held.sent, held.executed)
+    sent = held.promise.points[max(0, held.executed - 1) : last + 1]
+    return distance_to_polyline(sent, one.pose[:2]) > one.max_deviation_m
