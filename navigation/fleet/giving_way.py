@@ -1,12 +1,13 @@
 """Out of the way of a robot that runs away: who holds, who drives on, and who drives aside.
 
 Rules
-- A robot that standing keeps clear of a runaway holds while what it would drive next comes near.
-- One that standing would be hit drives on where that keeps clear of it for `HORIZON_S`. Else it
-  leaves its promise and drives aside, on a straight line: the shortest of those that keep clear.
+- A robot drives on where that keeps clear of every runaway for `HORIZON_S`; else it holds where
+  standing does. Else it leaves its promise and drives aside, on a straight line: the shortest of
+  those that keep clear, or the one that keeps clearest.
+- For one that only may run away somebody holds, but nobody leaves its path.
 - Aside is only ground that the roadmap knows to be free, as far from the other robots, and from
   all that they were sent, as robots keep from each other; where it is nearer now, no nearer.
-- Where nothing keeps clear, it stands: nobody drives into a robot that runs away.
+- Where no line is better, it drives on only if that touches nobody, and is better than to stand.
 - While one drives aside nobody is sent more than it has, and nobody is planned for.
 
 Metres, radians, seconds.
@@ -29,7 +30,6 @@ from navigation.fleet.runaways import Runaway
 from navigation.mission.cycle import PlanAnswer, PlanRequest
 from navigation.mission.mission import State, Station
 from navigation.mission.targets import Target
-from navigation.mission.traffic import REACTION_S, cut
 from planner.path import Path
 from planner.scene import FloatArray
 
@@ -105,18 +105,23 @@ class GivingWay:
                 continue
             assert one.pose is not None
             way = ahead(held, name, one.pose) if name in held else np.array([one.pose[:2]])
-            danger = _least_gap(one, _standing(one), others)
-            drives = one.state is State.DRIVING
-            if danger.gap_m >= one.keep_m:
-                near = self._comes_near(one, way, others)
-                if near is not None:
-                    holds[name] = near
+            stands = _least_gap(one, _standing(one), others)
+            drives = stands
+            if one.state in (State.DRIVING, State.HOLDING):
+                drives = _least_gap(one, _driving_on(one, way), others)
+            if drives.gap_m >= one.keep_m:
                 continue
-            if drives and _least_gap(one, _driving_on(one, way), others).gap_m >= one.keep_m:
+            if stands.gap_m >= one.keep_m:
+                holds[name] = drives.sentence
                 continue
-            line = self._line_aside(name, members, held, others, danger.gap_m)
+            if not any(other.certain for other in others):
+                continue
+            goes_on = one.state is State.DRIVING and drives.gap_m >= max(TOUCH_M, stands.gap_m)
+            better_m = max(stands.gap_m, drives.gap_m) if goes_on else stands.gap_m
+            line = self._line_aside(name, members, held, others, better_m)
             if line is None:
-                holds[name] = danger.sentence
+                if not goes_on:
+                    holds[name] = stands.sentence
             elif name in asking:
                 answers[name] = self._answer(name, one, asking[name], line)
             elif now_s - self._asked_s.get(name, -math.inf) > ASK_AGAIN_S:
@@ -124,25 +129,8 @@ class GivingWay:
                 if one.obliging:
                     errands[name] = Station(*one.pose)
                 else:
-                    again.append((name, f"{danger.sentence}: driving aside"))
+                    again.append((name, f"{stands.sentence}: driving aside"))
         return GivesWay(tuple(again), answers, errands, holds)
-
-    def _comes_near(self, one: Member, way: FloatArray, runaways: Sequence[Runaway]) -> str | None:
-        """The sentence where what it drives until it could stand comes near to a runaway."""
-        assert one.pose is not None
-        speed, brakes = one.limits.speed, one.limits.acceleration
-        stop_s = REACTION_S + speed / brakes
-        soon = cut(one.pose[:2], way, speed * (REACTION_S + 0.5 * speed / brakes))
-        places = np.concatenate([soon, 0.5 * (soon[1:] + soon[:-1])])[None]
-        for other in runaways:
-            times = np.linspace(0.0, stop_s, STEPS // 4)
-            there = other.places(times).reshape(-1, 1, 2)
-            bodies_m = one.radius_m + other.radius_m
-            least_m = float(np.hypot(*(there - places).T).min()) - bodies_m
-            now_m = math.dist(one.pose[:2], (other.x_m, other.y_m)) - bodies_m
-            if least_m < min(one.keep_m, now_m - NEARER_M):
-                return f"{other.name} runs away and comes near: it leaves {max(least_m, 0.0):.3f} m"
-        return None
 
     def _line_aside(
         self,
@@ -150,7 +138,7 @@ class GivingWay:
         members: Mapping[str, Member],
         held: Mapping[str, Held],
         runaways: Sequence[Runaway],
-        danger_m: float,
+        stays_m: float,
     ) -> FloatArray | None:
         """The points (n, 2) of the way aside; None where none is better than to stand."""
         one = members[name]
@@ -164,7 +152,7 @@ class GivingWay:
             and all(who != runs.name for runs in runaways)
         ]  # fmt: skip
         for k in np.lexsort([cost, -np.minimum(gaps, enough_m)]):
-            if gaps[k] < max(TOUCH_M, danger_m + NEARER_M):
+            if gaps[k] < max(TOUCH_M, stays_m + NEARER_M):
                 return None
             line: FloatArray = lines[k]
             if self._is_free(one, line, known):
@@ -221,7 +209,7 @@ class GivingWay:
 
 
 @dataclass(frozen=True, slots=True)
-class _Danger:
+class _Gap:
     gap_m: float
     name: str
 
@@ -241,14 +229,14 @@ def _times() -> FloatArray:
     return np.linspace(0.0, HORIZON_S, STEPS)
 
 
-def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _Danger:
+def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _Gap:
     """How near the robot comes to a runaway on a track (STEPS, 2) of places at `_times`."""
-    least = _Danger(math.inf, "")
+    least = _Gap(math.inf, "")
     for other in runaways:
         apart = np.hypot(*(other.places(_times()) - track[None]).T)
         gap_m = float(apart.min()) - one.radius_m - other.radius_m
         if gap_m < least.gap_m:
-            least = _Danger(gap_m, other.name)
+            least = _Gap(gap_m, other.name)
     return least
 
 

@@ -55,8 +55,10 @@ class Member:
     """It stands without a mission, is well, and may be asked to step aside."""
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Along both axes, and turning to the left, as it was seen last."""
-    may_move: bool = True
-    """Whether its lease lets it, or did a moment ago, so that it may still brake."""
+    obeys: bool = True
+    """Whether it is no faster than its lease lets it be, or its brakes since that ended."""
+    is_silent: bool = False
+    """Nothing is heard of it, so that nobody knows whether it hears."""
     keep_m: float = 0.03
     """What it keeps from the body of one that runs away."""
 

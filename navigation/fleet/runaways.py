@@ -1,7 +1,8 @@
 """Robots that move although nothing lets them, and where they may be in the next seconds.
 
-A robot runs away that moves without a permit, once lease and brakes must have ended that, or that
-moves off what it was sent by more than its path allows. What it does next nobody knows: it is
+A robot runs away that is faster than its brakes can have left it since its permit ended, or that
+moves off what it was sent by more than its path allows. One that moves while nothing is heard of it
+may run away: whether it obeys, its lease has yet to show. What it does next nobody knows: it is
 taken to drive straight on, and in the bend that it drives, both. Metres, radians, seconds.
 """
 
@@ -32,6 +33,8 @@ class Runaway:
     vy_m_s: float
     turn_rate_rad_s: float
     radius_m: float
+    certain: bool = True
+    """Whether it does run away."""
 
     def places(self, times_s: FloatArray) -> FloatArray:
         """Its centre at these times from now, (2, n, 2): straight on, and in its bend."""
@@ -43,16 +46,17 @@ class Runaway:
 
 
 def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list[Runaway]:
-    """Who runs away now, of those that are seen."""
+    """Who runs away or may, of those that are seen."""
     found = []
     for name, one in members.items():
         vx, vy, turn = one.velocity
         if one.pose is None or one.pose_age_s > LOST_S or math.hypot(vx, vy) < STANDING_M_S:
             continue
-        if one.may_move and not _strays(one, held.get(name)):
+        certain = not one.obeys or _strays(one, held.get(name))
+        if not (certain or one.is_silent):
             continue
         x, y = one.pose[0] + vx * one.pose_age_s, one.pose[1] + vy * one.pose_age_s
-        found.append(Runaway(name, x, y, vx, vy, turn, one.radius_m))
+        found.append(Runaway(name, x, y, vx, vy, turn, one.radius_m, certain))
     return found
 
 

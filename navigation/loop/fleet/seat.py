@@ -20,7 +20,7 @@ from navigation.loop.daemon_state import DrivenPlan
 from navigation.loop.fleet.fleet_planner import limits_of_robot
 from navigation.loop.parts import Link
 from navigation.loop.reports import robot_report
-from navigation.loop.robot_orders import STOP_GRACE_S, RobotOrders
+from navigation.loop.robot_orders import RobotOrders
 from navigation.loop.stages import pilot_settings, reach_m, stop_s, witness_limits
 from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
 from navigation.mission.mission import State
@@ -33,6 +33,8 @@ from navigation.witness import NO_EVIDENCE, Witness
 from vision.markers.markers import RobotPose
 
 PLANS_KEPT: Final = 200
+BRAKES_S: Final = 0.3
+"""After a lease: the last one's way over the line, wheels that begin to brake, the camera."""
 STOOD_S: Final = 0.25
 """A robot that was seen to stand for so long stands."""
 
@@ -57,10 +59,7 @@ class Seat:
         """The sentence that says which robot of the fleet is in the path."""
         self._limits = limits_of_robot(config)
         self._moved_s = math.inf
-        self._now_s = self._permitted_until_s = -math.inf
-        robot = config.robot
-        braking_s = robot.speed_m_s / robot.acceleration_m_s2
-        self._obeys_within_s = config.safety.lease_s + braking_s + STOP_GRACE_S
+        self._permitted_s = -math.inf
         self._sent: tuple[int, int] | None = None
         """The plan's mission on the wire, and how many of its targets may be sent."""
         self.clearance_m: float | None = None
@@ -118,7 +117,8 @@ class Seat:
             sentence=self.pilot.mission.reason,
             obliging=self._is_obliging(age_s, snapshot),
             velocity=(0.0, 0.0, 0.0) if pose is None else (pose.vx, pose.vy, pose.turn_rate_rad_s),
-            may_move=self.may_move,
+            obeys=self._obeys(now_s),
+            is_silent=snapshot.down_reason is not None,
             keep_m=self.config.safety.other_robots_m,
         )
 
@@ -128,10 +128,14 @@ class Seat:
         well = snapshot.down_reason is None and not snapshot.estopped and not mission.paused
         return at_rest and well and age_s <= self.config.safety.pose_stale_s
 
-    @property
-    def may_move(self) -> bool:
-        """Whether its lease lets it move, or did a moment ago, so that it may still brake."""
-        return self._permitted_until_s >= self._now_s
+    def _obeys(self, now_s: float) -> bool:
+        """Whether it is no faster than its brakes can have left it since its lease ran out."""
+        if self.pose is None:
+            return True
+        robot = self.config.robot
+        braked_s = now_s - self._permitted_s - self.config.safety.lease_s - BRAKES_S
+        fastest = robot.speed_m_s - robot.acceleration_m_s2 * max(braked_s, 0.0)
+        return math.hypot(self.pose.vx, self.pose.vy) <= max(fastest, 0.0) + STANDING_M_S
 
     @property
     def stop_s(self) -> float:
@@ -153,9 +157,8 @@ class Seat:
         self, orders: Orders, now_s: float, sight: Sight, release: Release | None
     ) -> None:
         """Send what the cycle has decided, of the plan no more than is released."""
-        self._now_s = now_s
         if orders.permit:
-            self._permitted_until_s = now_s + self._obeys_within_s
+            self._permitted_s = now_s
         self.orders.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
         if orders.estop:
             self._sent = None

@@ -155,21 +155,19 @@ def test_nobody_drives_aside_onto_what_another_robot_was_sent() -> None:
 
 def test_one_that_drives_out_of_the_way_drives_on_and_another_stops_before_it() -> None:
     gives = GivingWay(clearance_m)
-    runaway = Runaway("c", 1.0, 1.4, 0.0, -0.25, 0.0, RADIUS_M)
     members = {
         "a": member(0.45, 0.8, state=State.DRIVING, speed=0.25),
         "b": member(1.0, 0.6, state=State.DRIVING, speed=0.25),
         "c": member(1.0, 1.4),
     }
     held = {
-        "a": promise("a", (0.4, 0.8), (0.6, 0.8), (1.6, 0.8)),
+        "a": promise("a", (0.3, 0.8), (0.4, 0.8), (1.6, 0.8)),
         "b": promise("b", (0.9, 0.6), (1.2, 0.6), (1.8, 0.6)),
     }
-    assert gives.step(1.0, members, held, {}, [runaway]) == GivesWay()
-    held["a"].executed = 1
-    members["a"] = member(0.65, 0.8, 0.0, State.DRIVING, 0.25)
-    found = gives.step(1.1, members, held, {}, [replace(runaway, y_m=1.05)])
+    runaway = Runaway("c", 1.0, 1.4, 0.0, -0.25, 0.0, RADIUS_M)
+    found = gives.step(1.0, members, held, {}, [runaway])
     assert list(found.holds) == ["a"]
+    assert found.plan_again == ()
 
 
 def test_one_that_drives_into_the_way_is_told_to_leave_its_path() -> None:
@@ -196,9 +194,27 @@ def test_who_moves_without_a_permit_or_off_its_way_runs_away() -> None:
     assert runaways_of({"a": drives}, held) == []
     off = replace(drives, pose=(0.5, 0.86, 0.0))
     assert [one.name for one in runaways_of({"a": off}, held)] == ["a"]
-    without = replace(drives, may_move=False)
+    without = replace(drives, obeys=False)
     assert [one.name for one in runaways_of({"a": without}, held)] == ["a"]
     assert runaways_of({"a": replace(without, velocity=(0.01, 0.0, 0.0))}, held) == []
+    (silent,) = runaways_of({"a": replace(drives, is_silent=True)}, held)
+    assert not silent.certain
+
+
+def test_for_one_that_may_run_away_others_hold_but_leave_no_path() -> None:
+    gives = GivingWay(clearance_m)
+    perhaps = Runaway("c", 1.0, 1.5, 0.0, -0.25, 0.0, RADIUS_M, certain=False)
+    held = {
+        "a": promise("a", (0.3, 0.8), (0.4, 0.8), (1.6, 0.8)),
+        "b": promise("b", (0.9, 0.6), (0.95, 0.6), (1.0, 0.6)),
+    }
+    members = {
+        "a": member(0.35, 0.8, 0.0, State.DRIVING, 0.25),
+        "b": member(0.93, 0.6, 0.0, State.DRIVING, 0.1), "c": member(1.0, 1.5),
+    }  # fmt: skip
+    found = gives.step(1.0, members, held, {}, [perhaps])
+    assert list(found.holds) == ["a"]
+    assert found.plan_again == ()
 
 
 def test_who_drives_on_past_what_it_was_sent_runs_away() -> None:
