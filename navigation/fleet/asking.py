@@ -57,5 +57,5 @@ def request_of(
 
 
 def _soon(one: Runaway) -> Iterator[Taken]:
-    for x, y in one.places(np.linspace(0.0, AHEAD_S, SOON)).reshape(-1, 2).tolist():
+    for x, y in one.places(np.linspace(0.0, AHEAD_S, SOON)).tolist():
         yield Taken(one.name, x, y, one.radius_m)

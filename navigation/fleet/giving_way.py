@@ -111,10 +111,11 @@ class GivingWay:
                 drives = _least_gap(one, _driving_on(one, way), others)
             if drives.gap_m >= one.keep_m:
                 continue
-            if stands.gap_m >= one.keep_m:
+            certain = any(other.certain for other in others)
+            if stands.gap_m >= one.keep_m or (not certain and stands.gap_m > drives.gap_m):
                 holds[name] = drives.sentence
                 continue
-            if not any(other.certain for other in others):
+            if not certain:
                 continue
             goes_on = one.state is State.DRIVING and drives.gap_m >= max(TOUCH_M, stands.gap_m)
             better_m = max(stands.gap_m, drives.gap_m) if goes_on else stands.gap_m
@@ -233,7 +234,7 @@ def _least_gap(one: Member, track: FloatArray, runaways: Sequence[Runaway]) -> _
     """How near the robot comes to a runaway on a track (STEPS, 2) of places at `_times`."""
     least = _Gap(math.inf, "")
     for other in runaways:
-        apart = np.hypot(*(other.places(_times()) - track[None]).T)
+        apart = np.hypot(*(other.places(_times()) - track).T)
         gap_m = float(apart.min()) - one.radius_m - other.radius_m
         if gap_m < least.gap_m:
             least = _Gap(gap_m, other.name)

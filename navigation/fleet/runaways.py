@@ -2,8 +2,8 @@
 
 A robot runs away that is faster than its brakes can have left it since its permit ended, or that
 moves off what it was sent by more than its path allows. One that moves while nothing is heard of it
-may run away: whether it obeys, its lease has yet to show. What it does next nobody knows: it is
-taken to drive straight on, and in the bend that it drives, both. Metres, radians, seconds.
+may run away: whether it obeys, its lease has yet to show. It is taken to keep its speed and its
+bend. Metres, radians, seconds.
 """
 
 from __future__ import annotations
@@ -37,12 +37,11 @@ class Runaway:
     """Whether it does run away."""
 
     def places(self, times_s: FloatArray) -> FloatArray:
-        """Its centre at these times from now, (2, n, 2): straight on, and in its bend."""
-        straight = (self.vx_m_s + 1j * self.vy_m_s) * times_s
+        """Its centre at these times from now, (n, 2)."""
         half = 0.5 * self.turn_rate_rad_s * times_s
-        bent = straight * np.sinc(half / np.pi) * np.exp(1j * half)
-        moved = np.array([straight, bent])
-        return np.stack([self.x_m + moved.real, self.y_m + moved.imag], axis=-1)
+        chords = (self.vx_m_s + 1j * self.vy_m_s) * times_s * np.sinc(half / np.pi)
+        moved = chords * np.exp(1j * half)
+        return np.column_stack([self.x_m + moved.real, self.y_m + moved.imag])
 
 
 def runaways_of(members: Mapping[str, Member], held: Mapping[str, Held]) -> list[Runaway]:
