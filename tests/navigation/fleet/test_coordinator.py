@@ -52,6 +52,8 @@ class Robot:
     brakes: int = 0
     """Cycles until it stands."""
     dead: bool = False
+    runs_m_s: tuple[float, float] = (0.0, 0.0)
+    """A robot that obeys nobody, and how fast it drives along both axes."""
 
     def go(self, *places: tuple[float, float]) -> None:
         """A new mission."""
@@ -71,11 +73,18 @@ class Robot:
             self.place = (target.x_m, target.y_m)
             self.executed += 1
         if self.executed == len(self.plan.targets):
+            if target_is_aside(self.plan):
+                self.ask()
+                return
             self.stations = self.stations[1:]
             if self.stations:
                 self.ask()
             else:
                 self.state = State.DONE
+
+
+def target_is_aside(plan: PlanAnswer) -> bool:
+    return plan.targets[-1].station is None
 
 
 class Fleet:
@@ -106,6 +115,7 @@ class Fleet:
             radius_m=RADIUS_M, limits=default_limits(RADIUS_M), max_deviation_m=0.05, reach_m=0.1,
             executed=None if one.plan is None else one.executed, request=request,
             sentence="the cable is out" if one.dead else "", obliging=at_rest,
+            velocity=(*one.runs_m_s, 0.0), obeys=one.runs_m_s == (0.0, 0.0),
         )  # fmt: skip
 
     def _answer(self) -> FleetAnswer | None:
@@ -142,6 +152,10 @@ class Fleet:
         self.waited |= orders.waits_for
         for name, one in self.robots.items():
             one.brakes = max(0, one.brakes - 1)
+            one.place = (
+                one.place[0] + STEP_S * one.runs_m_s[0],
+                one.place[1] + STEP_S * one.runs_m_s[1],
+            )
             release = self.coordinator.release(name)
             one.drive(0 if release is None else release.targets)
         for a, b in combinations(self.robots.values(), 2):
@@ -322,3 +336,24 @@ def test_nobody_is_planned_for_while_one_that_asks_still_brakes() -> None:
     assert at(fleet, "b", (1.7, 0.8))
     assert at(fleet, "c", (1.0, 0.8))
     assert fleet.stopped == []
+
+
+def test_a_parked_robot_leaves_the_way_of_a_runaway_and_nobody_is_sent_more_meanwhile() -> None:
+    fleet = Fleet(HALL, {"a": (0.2, 0.2), "parked": (1.0, 0.8), "c": (1.0, 1.5)})
+    fleet.robots["c"].dead = True
+    fleet.robots["a"].go((1.8, 0.2))
+    fleet.until_driving("a")
+    fleet.robots["c"].runs_m_s = (0.0, -0.16)
+    sent = []
+    while fleet.robots["c"].place[1] > 0.6:
+        fleet.step()
+        if fleet.robots["parked"].state is State.DRIVING and not fleet.requests[-1].driving:
+            sent.append(fleet.coordinator.held["a"].sent)
+    fleet.robots["c"].runs_m_s = (0.0, 0.0)
+    assert fleet.least_gap_m > 0.0
+    assert sent
+    assert set(sent) == {sent[0]}
+    fleet.run()
+    assert at(fleet, "a", (1.8, 0.2))
+    assert at(fleet, "parked", (1.0, 0.8))
+    assert fleet.least_gap_m > 0.0

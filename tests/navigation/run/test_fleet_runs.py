@@ -64,7 +64,7 @@ def test_a_robot_that_dies_is_driven_around() -> None:
 
 @pytest.mark.parametrize("since_s", [2.0, 3.0, 3.5])
 def test_a_robot_that_runs_away_touches_nobody(since_s: float) -> None:
-    """Some 1.8 s before it would hit who is in its way; standing is not enough then."""
+    """From 3.4, 2.1 and 1.5 s before it would hit one that stands, or drives as promised."""
 
     def meet(world: FleetVirtualWorld, now_s: float) -> None:
         world.bodies["c"].frozen = now_s > since_s
