@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
+import sys
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,10 +17,10 @@ from prometheus_client.parser import text_string_to_metric_families
 from navigation.mission.mission import State
 from tests.navigation.loop.test_fleet_kill import hall
 from tests.support.waiting import wait_until
-from tests.system.test_kill_9 import PROGRAM
 
 pytestmark = pytest.mark.timed  # robots drive in real time
 
+PROGRAM = Path(sys.executable).with_name("clearway")
 PAGE = re.compile(r"dashboard at (http://127\.0\.0\.1:\d+)/#token=(\S+)")
 Samples = dict[tuple[str, str | None, str | None], float]
 """By metric, robot and state."""
