@@ -252,6 +252,9 @@ def _listen(path: Path) -> socket.socket:
 def _make_private(folder: Path) -> None:
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     info = folder.lstat()
+    # systemd makes a link to the folder of an account that it has made up; a stranger's may turn
+    if stat.S_ISLNK(info.st_mode) and info.st_uid in (0, os.getuid()):
+        info = folder.stat()
     if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or info.st_mode & 0o022:
         raise ControlError(f"control socket folder {folder}: must be yours alone (mode 0700)")
 

@@ -1,6 +1,7 @@
 """Orders over the local socket: what is taken, what is refused, and who may."""
 
 import json
+import os
 import socket
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -166,6 +167,32 @@ def test_a_folder_that_others_can_write_to_is_refused(tmp_path: Path) -> None:
     folder.chmod(0o777)
     with pytest.raises(ControlError, match="yours alone"), ControlServer(folder / "c", Recorder()):
         pass
+
+
+def test_a_link_of_ones_own_to_a_private_folder_is_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """systemd makes /run/clearway such a link where it makes up the account (DynamicUser)."""
+    private, link = tmp_path / "private", tmp_path / "clearway"
+    private.mkdir(mode=0o700)
+    link.symlink_to(private)
+    with ControlServer(link / "socket", Recorder()):
+        assert (private / "socket").is_socket()
+
+    private.chmod(0o777)
+    with pytest.raises(ControlError, match="must be yours alone"):
+        ControlServer(link / "socket", Recorder()).__enter__()
+    private.chmod(0o700)
+
+    lstat = Path.lstat
+
+    def of_a_stranger(path: Path) -> os.stat_result:
+        info = lstat(path)
+        return os.stat_result((*info[:4], os.getuid() + 1, *info[5:])) if path == link else info
+
+    monkeypatch.setattr(Path, "lstat", of_a_stranger)
+    with pytest.raises(ControlError, match="must be yours alone"):
+        ControlServer(link / "socket", Recorder()).__enter__()
 
 
 def test_the_default_socket_follows_the_runtime_folder(
