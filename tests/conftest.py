@@ -28,6 +28,9 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 FAIL_ON_SKIP = bool(os.environ.get("CLEARWAY_FAIL_ON_SKIP"))
 
+# these need a machine's disks, which `make arena-pc` builds
+collect_ignore_glob = [] if os.environ.get("CLEARWAY_ARENA_PC") else ["arena_pc/*"]
+
 
 @pytest.fixture(autouse=True)
 def _secrets_stay_in_their_test() -> Iterator[None]:

@@ -119,16 +119,24 @@ def configuration_findings(file: Path | None) -> tuple[list[Finding], Config | N
 
 
 def _plugged_in() -> Iterator[Finding]:
-    from navigation.cli.setup.devices import cameras_here, serial_ports
-    from navigation.machine.doctor import Finding
+    """All cameras and serial ports, and a warning for each that this user may not open."""
+    from dataclasses import replace
 
-    for name, found in (("cameras", cameras_here()), ("serial ports", serial_ports())):
-        paths = ", ".join(device["path"] for device in found)
-        if found:
-            yield Finding("ok", name, paths)
+    from navigation.cli.setup.devices import cameras_here, serial_ports
+    from navigation.machine.doctor import Finding, check_device, own_groups
+
+    kinds = (("cameras", cameras_here(), "video"), ("serial ports", serial_ports(), "dialout"))
+    for name, found, group in kinds:
+        paths = [device["path"] for device in found]
+        if paths:
+            yield Finding("ok", name, ", ".join(paths))
         else:
             cure = "plug one in; a simulated run (`clearway init`) needs none"
             yield Finding("warn", name, "none", cure)
+        for path in paths:
+            device = check_device(name, Path(path), group, own_groups())
+            if device.status != "ok":
+                yield replace(device, status="warn")
 
 
 def _camera(config: Config) -> Iterator[Finding]:

@@ -14,6 +14,10 @@ from tests.arena_pc.machine.pc import ArenaPC
 from tests.arena_pc.machine.usb_camera import Picture, UsbCamera
 from tests.arena_pc.machine.uvc_descriptors import PictureFormat
 
+CAMERA = "/dev/v4l/by-id/usb-Clearway_test_Arena_Camera_{}-video-index0"
+ADAPTER = "/dev/serial/by-id/usb-QEMU_QEMU_USB_SERIAL_{}-if00-port0"
+"""Their stable names, by their serial numbers."""
+
 
 class UsbSockets:
     """The USB side of a machine that runs."""

@@ -169,6 +169,24 @@ def test_a_missing_camera_and_port_fail_with_their_cures(tmp_path: Path) -> None
     assert "clearway devices" in told.out
 
 
+def test_what_is_plugged_in_and_may_not_be_opened_is_a_warning(
+    terminal: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Found on a PC whose user was in none of the groups: everything was well."""
+    plugged_in = [{"path": str(terminal), "device": str(terminal), "name": "a camera"}]
+    monkeypatch.setattr("navigation.cli.setup.devices.cameras_here", lambda: plugged_in)
+    monkeypatch.setattr("navigation.cli.setup.devices.serial_ports", lambda: [])
+
+    def cameras() -> list[list[str]]:
+        found = json.loads(call("doctor", "--format", "json").out)["findings"]
+        return [[f["status"], f["sentence"]] for f in found if f["name"] == "cameras"]
+
+    assert cameras() == [["ok", str(terminal)]]
+    access = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: path != terminal and access(path, mode))
+    assert cameras()[1:] == [["warn", f"{terminal}: no permission"]]
+
+
 def test_a_broken_configuration_is_a_finding_among_others(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("arena: 1\n")
     told = call("doctor", tmp_path / "a.yaml")

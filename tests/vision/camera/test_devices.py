@@ -12,6 +12,7 @@ from tests.vision.camera.scripted import Clock
 from vision.camera.camera import CameraAbsentError, CameraError
 from vision.camera.rate_remark import RateRemark
 from vision.camera.sources import camera_for, driver_time_s, without_password
+from vision.camera.v4l2 import devices
 from vision.camera.v4l2.users import users_of, who_uses
 
 
@@ -35,6 +36,29 @@ def test_other_programs_that_have_a_device_open_are_named(tmp_path: Path) -> Non
     (tmp_path / "proc" / "10").mkdir()  # another user's
     assert users_of(str(device), tmp_path / "proc", own=9) == ["guvcview (process 7)"]
     assert who_uses(str(tmp_path / "video1")) == "another program uses it"
+
+
+def test_a_node_without_pictures_is_not_listed_to_a_user_who_may_not_open_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Found on a PC whose user was not in the group 'video': a camera's metadata was a camera."""
+    # as udev wrote them of a UVC camera and its metadata; it has not looked at the third yet
+    told = {"81:0": ":capture:", "81:1": ":"}
+    for number in range(3):
+        folder = tmp_path / "system" / f"video{number}"
+        folder.mkdir(parents=True)
+        (folder / "dev").write_text(f"81:{number}\n")
+        (folder / "name").write_text(f"Camera {number}\n")
+    (tmp_path / "udev").mkdir()
+    for device, can in told.items():
+        text = f"S:v4l/by-id/x\nE:ID_V4L_VERSION=2\nE:ID_V4L_CAPABILITIES={can}\nG:seat\n"
+        (tmp_path / "udev" / f"c{device}").write_text(text)
+    names = [str(tmp_path / f"video{number}") for number in range(3)]
+    monkeypatch.setattr(devices, "nodes", lambda: names)
+    monkeypatch.setattr(devices, "SYSTEM", tmp_path / "system")
+    monkeypatch.setattr(devices, "UDEV", tmp_path / "udev")
+    monkeypatch.setattr(devices, "gives_pictures", lambda _: None)
+    assert devices.list_devices() == [(names[0], "Camera 0"), (names[2], "Camera 2")]
 
 
 def test_a_rate_that_hovers_is_no_new_sentence_a_picture() -> None:

@@ -5,24 +5,43 @@ from __future__ import annotations
 import glob
 import os
 from pathlib import Path
+from typing import Final
 
 from vision.camera.v4l2.identity import SYSTEM, nodes
 from vision.camera.v4l2.node import gives_pictures
+
+UDEV: Final = Path("/run/udev/data")
+"""What udev has found out of devices, for every user to read."""
 
 
 def list_devices() -> list[tuple[str, str]]:
     """The V4L2 capture devices of this machine: (path, what it is called).
 
     A device is listed by its stable path under /dev/v4l/by-id where it has one. A camera's other
-    nodes, which give no pictures, are left out; what cannot be asked, for want of permission, is
-    listed.
+    nodes, which give no pictures, are left out; where a node cannot be asked, for want of permission,
+    udev's word counts.
     """
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
     found = []
     for device in nodes():
-        if gives_pictures(device) is False:
+        gives = gives_pictures(device)
+        if gives is False or (gives is None and _udev_denies_pictures(device)):
             continue
         label = SYSTEM / Path(device).name / "name"
         name = label.read_text(errors="replace").strip() if label.is_file() else device
         found.append((stable.get(device, device), name))
     return found
+
+
+def _udev_denies_pictures(device: str) -> bool:
+    """Whether udev has looked at a node and found no pictures; False where it says nothing.
+
+    Source: v4l_id.c of systemd, which lists what a node can do as ``:capture:video_output:``.
+    """
+    try:
+        number = (SYSTEM / Path(device).name / "dev").read_text().strip()
+        told = (UDEV / f"c{number}").read_text(errors="replace")
+    except OSError:
+        return False
+    lines = [line for line in told.splitlines() if line.startswith("E:ID_V4L_CAPABILITIES=")]
+    return any(":capture:" not in line.partition("=")[2] for line in lines)
