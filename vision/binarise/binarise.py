@@ -141,12 +141,7 @@ def warm_up(polarity: Polarity = "dark") -> None:
     for each in drawn:
         shown = each if polarity != "light" else 255.0 - each
         picture = np.clip(np.rint(shown), 0.0, 255.0).astype(np.uint8)
-        # as a frame is, and as the part of one in which something changed: kernels are compiled
-        # for one kind each
-        around = np.pad(picture, 8, mode="edge")
-        for kind in (picture, around[8:-8, 8:-8]):
-            kind.setflags(write=False)
-            binarise(kind, polarity=polarity)
+        binarise(picture, polarity=polarity)
 
 
 def _side(grey: NDArray[Any], polarity: Polarity) -> tuple[Literal["dark", "light"], str]:
@@ -326,7 +321,7 @@ def _divided(look: Look, side: Literal["dark", "light"], why: str) -> list[Binar
     scale = FREE_LEVEL / (top - 1.0) if side == "light" else FREE_LEVEL
     flat = flat.astype(np.float32, copy=False)
     divided = Look(flat)
-    divided.noise = float(noise_sigma(flat))
+    divided.noise = float(noise_sigma(divided.grey))
     # where there is little light, division makes the noise stronger
     noise = np.float32(noise_sigma(look.grey) * scale) / light
     strongest = max(divided.noise, float(noise.max()))

@@ -24,6 +24,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
 from vision.binarise.smoothing_kernels import MARGIN, compare, sum_limit, sum_rows
+from vision.shared.typed_numbers import NONE
 
 SIGMAS = 6.0
 """How far a dot stands out: derived, noise does so at two pixels in 10^9."""
@@ -58,7 +59,7 @@ def mark_below_but_dots(grey, bound, weights, norm, mask):
     level = np.uint8(min(max(bound + 1, 0), 255))
     left_out = np.zeros((width + BLOCK - 1) // BLOCK * BLOCK, np.uint8)
     places = np.empty(4 * left_out.shape[0], np.int64)
-    count = 0
+    count = NONE
     for y in range(height):
         sum_rows(grey, y, weights, sums)
         marks = mask[y + 1, 1 : width + 1]
@@ -79,7 +80,7 @@ def dots_left_out(grey, level, mask):
     height, width = grey.shape
     left_out = np.zeros((width + BLOCK - 1) // BLOCK * BLOCK, np.uint8)
     places = np.empty(4 * left_out.shape[0], np.int64)
-    count = 0
+    count = NONE
     for y in range(height):
         _find_left_out(grey[y], level, mask[y + 1, 1 : width + 1], left_out)
         count = _list(left_out, y * width, places, count)

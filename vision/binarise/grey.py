@@ -66,8 +66,18 @@ def as_grey(image: NDArray[Any] | Sequence[Any]) -> NDArray[Any]:
         grey = _over_white(image)
     if grey.dtype == np.uint16:
         brightest = int(grey.max())
-        return grey.astype(np.float32) * np.float32(255.0 / max(brightest, 1))
-    return np.ascontiguousarray(grey)
+        return read_only(grey.astype(np.float32) * np.float32(255.0 / max(brightest, 1)))
+    return read_only(grey)
+
+
+def read_only(grey: NDArray[Any]) -> NDArray[Any]:
+    """The same picture, rows side by side, that nobody may change.
+
+    A camera's frame is no other: kernels are compiled once more for what may be changed.
+    """
+    shown = np.ascontiguousarray(grey).view()
+    shown.setflags(write=False)
+    return shown
 
 
 def scaled_threshold(threshold: float, image: NDArray[Any]) -> float:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
 from vision.binarise.dot_kernels import dots_left_out, mark_below_but_dots, mark_dots
+from vision.binarise.grey import read_only
 from vision.binarise.smoothing_kernels import calmed_histogram
 from vision.shared.scratch import Room
 
@@ -66,7 +67,7 @@ class Look:
     """A grey picture, its noise and its histogram; smoothed as far as it is asked for."""
 
     def __init__(self, grey: NDArray[Any], room: Room | None = None) -> None:
-        self.grey = grey
+        self.grey = grey = read_only(grey)
         self.room = Room() if room is None else room
         self.counts: NDArray[np.int64] = sampled_histogram(grey)
         # two values only: drawn, not taken; what looks like noise is texture
@@ -100,10 +101,10 @@ class Look:
         if calming is NO_CALMING:
             return self.grey
         if calming is MEAN:
-            return cv2.blur(self.grey, (3, 3))
+            return read_only(cv2.blur(self.grey, (3, 3)))
         if calming is BINOMIAL:
-            return cv2.GaussianBlur(self.grey, (5, 5), 0.0)
-        return cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px)
+            return read_only(cv2.GaussianBlur(self.grey, (5, 5), 0.0))
+        return read_only(cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px))
 
     def mask_below(self, level: float, calming: Calming, noise: float) -> NDArray[np.uint8]:
         """Where the smoothed picture lies below the level: 1 in a padded mask (h + 2, w').

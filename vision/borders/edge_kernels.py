@@ -41,6 +41,7 @@ from vision.borders.edge_profile_kernels import (
     look_beside,
     out,
 )
+from vision.shared.typed_numbers import NONE
 
 WANDER = 2
 """How many pixels beside the crack the smoothed crossing may lie."""
@@ -75,7 +76,7 @@ def edge_points(grey, mask, level, by_level, xs, ys, directions, starts, points)
     places = np.empty((2, longest), np.int64)
     sums = np.zeros((4, longest + 1), np.float64)
     totals = np.zeros(4)
-    count = 0
+    count = NONE
     for b in range(borders):
         first = starts[b]
         n = starts[b + 1] - first

@@ -17,6 +17,7 @@ from numba import njit
 
 from planner.scene import FloatArray
 from planner.scene.compile_options import LEAF, SUMS
+from vision.shared.typed_numbers import NO, NONE, ONE, YES
 
 STRETCH = 64
 """Cracks to either side over which the plateaus are averaged."""
@@ -56,9 +57,9 @@ def find_plateaus(n, work, sums):
     for _ in range(2):
         _add_up(n, work.clear, dark, light)
         for kind in (dark, light):
-            _set_level(0, reach, reach + 1, n - reach, True, n, kind)
-            _set_level(reach, n - reach, 2 * reach + 1, 0, False, n, kind)
-            _set_level(n - reach, n, 1, n - 2 * reach, True, n, kind)
+            _set_level(NONE, reach, reach + 1, n - reach, YES, n, kind)
+            _set_level(reach, n - reach, 2 * reach + 1, NONE, NO, n, kind)
+            _set_level(n - reach, n, ONE, n - 2 * reach, YES, n, kind)
 
 
 @njit(**LEAF, forceinline=True)

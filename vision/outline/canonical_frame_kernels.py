@@ -21,6 +21,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.outline_types import Place
+from vision.shared.typed_numbers import NONE
 
 APART = 7
 """A border's share between points that are compared: chosen, no usual symmetry has it."""
@@ -140,7 +141,7 @@ def bring_cracks_along(border, cracks, place):
     _turn(qx, qy, n, place.turns)
     _turn(hx, hy, n, place.turns)
     best = HUGE
-    first = 0
+    first = NONE
     for k in range(n):
         d = (qx[k] - x) ** 2 + (qy[k] - y) ** 2
         if d < best:

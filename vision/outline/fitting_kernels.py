@@ -22,7 +22,6 @@ Rules and units
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
@@ -62,6 +61,7 @@ from vision.outline.outline_types import (
 )
 from vision.outline.partition_kernels import partition
 from vision.outline.whole_circle_kernels import circle_of_all, cut_circle, write_circle
+from vision.shared.typed_numbers import NONE, ONE
 
 FEWEST = 10
 """Points of the smallest border that is fitted: chosen."""
@@ -87,8 +87,6 @@ SURE = 0.5
 """Pixels by which the last check is stricter than the search: chosen."""
 HELD_AREA = 400
 """Pixels from which an object drawn again covers its own, whether or not it is round: chosen."""
-NONE, ONE = np.int64(0), np.int64(1)
-"""Defined: typed, so that kernels are compiled for numbers, not once more for these."""
 
 
 @njit(**LEAF, forceinline=True)

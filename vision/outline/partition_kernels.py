@@ -22,6 +22,7 @@ from vision.outline.fit.separating_fit_kernels import separate_circle
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, line_cost
 from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
+from vision.shared.typed_numbers import NONE
 
 FAILED = 4.0
 """A stretch between two seeds that is no line costs as many: chosen."""
@@ -67,7 +68,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         if is_seed[k]:
             seeds[m] = k
             m += 1
-    chord = _longest_line(n, radius, 0.5 * costs.worst, 0)
+    chord = _longest_line(n, radius, 0.5 * costs.worst, NONE)
     if radius > 0.0 and m > ROUND_SEEDS and prices.line * n >= limit * chord:
         # no polygon is cheaper than the circle: what is left are arcs
         for t in range(ROUND_SEEDS):
@@ -76,7 +77,7 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
     seeds = seeds[:m]
     snap_seeds(border, seeds, skip + 4)
     sharpest = -1.0
-    start = 0
+    start = NONE
     for t in range(m):
         turn = turn_at(border, seeds[t], TURN)
         if turn > sharpest:

@@ -13,6 +13,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
+from vision.shared.typed_numbers import NONE
 
 SNAP = 4
 """Points by which a seed moves to the middle of its corner: chosen."""
@@ -31,8 +32,8 @@ def seed_breaks(border, tolerance, is_seed, away, stack):
     n = border.n
     for k in range(n):
         is_seed[k] = False
-    start = 0
-    other, _ = _farthest(px, py, 0, n, away)
+    start = NONE
+    other, _ = _farthest(px, py, start, n, away)
     is_seed[start] = True
     is_seed[other] = True
     stack[0, 0] = start

@@ -30,6 +30,7 @@ from vision.outline.fit.shape_kernels import (
     refine_circle,
 )
 from vision.outline.fitted_borders import LINE
+from vision.shared.typed_numbers import NONE, ONE
 
 CIRCLE_LOSS = 1.3
 """How much more than its edges might a circle may lose that spares them all: chosen."""
@@ -44,8 +45,6 @@ REFINEMENTS = np.int64(8)
 THIRDS = np.int64(3)
 """Arcs that a circle is cut into where it does not separate its pixels: derived, each turns by
 less than half a circle."""
-NONE, ONE = np.int64(0), np.int64(1)
-"""Defined: typed, so that kernels are compiled for numbers, not once more for these."""
 
 
 @njit(**LEAF)

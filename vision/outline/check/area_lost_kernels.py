@@ -21,6 +21,7 @@ from vision.outline.drawn.joint_relaxation_kernels import relax_joints
 from vision.outline.fit.outline_kernels import arc_sweep, edge_end, finish_edge
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
+from vision.shared.typed_numbers import NONE
 
 CHECKS = 6
 """Times that the finished edges are compared with the border: chosen, a bound on the work."""
@@ -117,7 +118,7 @@ def check_edges(border, outline, edges, limits, budget, review, finished, circle
         _finish_stale(border, outline, edges, review, finished, circle)
         changed, total = _find_losses(border, outline, edges, limits, review, finished)
         while total > budget:
-            worst = 0
+            worst = NONE
             densest = 0.0
             for e in range(edges):
                 length = edge_end(outline.breaks, edges, border.n, e) - outline.breaks[e]

@@ -11,16 +11,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
-
-FIRST = np.int64(0)
-"""Defined: typed, so that kernels are compiled for numbers and not once more for this."""
+from vision.shared.typed_numbers import NONE
 
 
 @njit(**LEAF, forceinline=False)
@@ -35,7 +32,7 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, room, f
     breaks = outline.breaks
     joints = outline.joints
     found = room.indices[0]
-    count = 0
+    count = NONE
     for e in range(edges):
         if not review.ragged[e]:
             finished.kind[count] = trial.kind[e]
@@ -58,7 +55,7 @@ def finish_with_chords(border, outline, edges, trial, review, tolerance, room, f
 def chords_around(border, tolerance, room, finished):
     """Write chords all around a border, from point to point; returns their number."""
     found = room.indices[0]
-    count = _chords(border, FIRST, border.n, tolerance, found, room)
+    count = _chords(border, NONE, border.n, tolerance, found, room)
     for t in range(count):
         _write_chord(finished, t, found[t], border.x[found[t]], border.y[found[t]])
     return count

@@ -21,6 +21,7 @@ from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import tangent_at
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import HUGE
+from vision.shared.typed_numbers import NO
 
 CORNER_ROOM = 8
 """Numbers of a corner's row: defined."""
@@ -191,7 +192,7 @@ def change_cost(border, change, is_arc, inwards, blur, costs, worst):
     lo, first, behind, hi = change.points[0], change.points[1], change.points[2], change.points[3]
     left = change.deviations[: hi - lo]
     span = int(2.0 * REACH * blur) + 2
-    _measure(border.x, border.y, lo, first, rows[0], False, 1.0, left)
+    _measure(border.x, border.y, lo, first, rows[0], NO, 1.0, left)
     _explain(border, max(first - span, lo), first, lo, joints[0], corners[0], blur, left)
     if behind > first:
         side = -1.0 if corners[0, TURN] + corners[1, TURN] > 0.0 else 1.0
@@ -203,7 +204,7 @@ def change_cost(border, change, is_arc, inwards, blur, costs, worst):
         else:
             _explain(border, first, behind, first, joints[0], corners[0], blur, there)
             _explain(border, first, behind, first, joints[1], corners[1], blur, there)
-    _measure(border.x, border.y, behind, hi, rows[2], False, 1.0, left[behind - lo :])
+    _measure(border.x, border.y, behind, hi, rows[2], NO, 1.0, left[behind - lo :])
     _explain(border, behind, min(behind + span, hi), lo, joints[1], corners[1], blur, left)
     for k in range(hi - lo):
         if abs(left[k]) > worst:

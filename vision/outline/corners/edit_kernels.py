@@ -40,6 +40,7 @@ from vision.outline.corners.wall_end_kernels import try_end, turns_back
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import BEATEN, HUGE, fit_line, line_cost
 from vision.outline.outline_types import Run
+from vision.shared.typed_numbers import NO, ONE
 
 CORNER, LINE, END, FILLET = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 """What may take the place of a run of edges (defined): the corner of the two that stay, one line
@@ -271,9 +272,9 @@ def _try_line(border, outline, edges, run, blur, costs, change):
     if lo < 0 or hi - lo < 2 or hi > 2 * border.n:  # no such points: an edge that was never fitted
         return HUGE
     line = rows[1]
-    fit_line(border.x, border.y, lo, hi, 1, line)
+    fit_line(border.x, border.y, lo, hi, ONE, line)
     cost = line_cost(
-        border.x, border.y, lo, hi, line, False, costs.dead_zone, costs.sigma, costs.worst, HUGE
+        border.x, border.y, lo, hi, line, NO, costs.dead_zone, costs.sigma, costs.worst, HUGE
     )
     points[1] = stays[1]
     points[2] = stays[2]
@@ -281,11 +282,11 @@ def _try_line(border, outline, edges, run, blur, costs, change):
         return HUGE
     if _are_lines(outline, edges, run) and _compare_from(border, outline, run, blur, change):
         joints, corners = change.joints, change.corners
-        meet = crossing(border, stays[1] % border.n, rows[0], False, line, False, joints[0])
-        if meet and crossing(border, stays[2] % border.n, line, False, rows[2], False, joints[1]):
+        meet = crossing(border, stays[1] % border.n, rows[0], NO, line, NO, joints[0])
+        if meet and crossing(border, stays[2] % border.n, line, NO, rows[2], NO, joints[1]):
             put_corner(rows[0, 2], rows[0, 3], line[2], line[3], corners[0])
             put_corner(line[2], line[3], rows[2, 2], rows[2, 3], corners[1])
-            return change_cost(border, change, False, 0.0, blur.sigma, costs, HUGE)
+            return change_cost(border, change, NO, 0.0, blur.sigma, costs, HUGE)
     points[0] = lo
     points[3] = hi
     return cost - costs.expected * (hi - lo)
@@ -313,4 +314,4 @@ def _try_corner(border, blur, costs, change):
         change.joints[side, 0] = meeting[0]
         change.joints[side, 1] = meeting[1]
         put_corner(rows[0, 2], rows[0, 3], rows[2, 2], rows[2, 3], change.corners[side])
-    return change_cost(border, change, False, 0.0, blur.sigma, costs, costs.worst)
+    return change_cost(border, change, NO, 0.0, blur.sigma, costs, costs.worst)

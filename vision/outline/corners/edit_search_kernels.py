@@ -21,6 +21,7 @@ from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.outline_types import Blur, Change, Edits
+from vision.shared.typed_numbers import NONE
 
 ROUNDS = 16
 """Times that an outline is edited at most, so that the search has a bound: chosen,
@@ -77,7 +78,7 @@ def _take_edits(n, outline, edges, edits, room):
         begins[e] = -1
         used[e] = False
     while True:
-        i = 0
+        i = NONE
         for e in range(1, edges):
             if saved[e] > saved[i]:
                 i = e

@@ -24,6 +24,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     change_cost,
 )
 from vision.outline.fit.shape_kernels import HUGE, circle_rms, fit_line
+from vision.shared.typed_numbers import ONE, YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
 """Between which angles the lines of a rounded corner turn (chosen): where they turn less their
@@ -190,7 +191,7 @@ def put_fillet(border, radius, blur, costs, change):
         change.corners[c, STEEPNESS] = 0.0
         change.corners[c, TURN] = corner[6]
     inwards = blur.half_variance / radius
-    return change_cost(border, change, True, inwards, blur.sigma, costs, costs.worst)
+    return change_cost(border, change, YES, inwards, blur.sigma, costs, costs.worst)
 
 
 @njit(**LEAF)
@@ -206,8 +207,8 @@ def try_fillet(border, blur, costs, change):
         return HUGE
     points[0] = lo
     points[3] = hi
-    fit_line(px, py, lo, a_to, 1, rows[0])
-    fit_line(px, py, b_from, hi, 1, rows[2])
+    fit_line(px, py, lo, a_to, ONE, rows[0])
+    fit_line(px, py, b_from, hi, ONE, rows[2])
     least = max(ROUNDED_PX, ROUNDED_BY * blur.sigma)
     radius = 0.0
     cost = HUGE
@@ -227,8 +228,8 @@ def try_fillet(border, blur, costs, change):
         if points[1] == points[2]:
             return HUGE
         if again < REFITS - 1:
-            fit_line(px, py, lo, max(points[1] - 1, lo + 2), 1, rows[0])
-            fit_line(px, py, min(points[2] + 1, hi - 2), hi, 1, rows[2])
+            fit_line(px, py, lo, max(points[1] - 1, lo + 2), ONE, rows[0])
+            fit_line(px, py, min(points[2] + 1, hi - 2), hi, ONE, rows[2])
     return cost
 
 

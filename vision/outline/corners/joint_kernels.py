@@ -28,12 +28,13 @@ from vision.outline.fit.shape_kernels import (
     line_rms,
     refine_circle,
 )
+from vision.shared.typed_numbers import ONE
 
 ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before: chosen, a bound on the
 work."""
-REFINEMENTS, EVERY = np.int64(8), np.int64(1)
-"""Rounds of Gauss-Newton (chosen: a bound on the work); a fit takes every point."""
+REFINEMENTS = np.int64(8)
+"""Rounds of Gauss-Newton (chosen: a bound on the work)."""
 STRAIGHT_PX = 0.05
 """An arc that rises less over its chord is a line: chosen, no edge point is known better."""
 SMOOTH_SLIDE = 24
@@ -125,7 +126,7 @@ def _fit_edges(border, outline, edges, limits, near):
         ranges[e, 0] = a
         ranges[e, 1] = b
         row = outline.shape[e]
-        if is_arc[e] and not (b - a >= 5 and fit_circle(px, py, a, b, EVERY, row)):
+        if is_arc[e] and not (b - a >= 5 and fit_circle(px, py, a, b, ONE, row)):
             is_arc[e] = False
         if is_arc[e]:
             chord_x = px[b - 1] - px[a]
@@ -138,7 +139,7 @@ def _fit_edges(border, outline, edges, limits, near):
                 separate_circle(px, py, a, b, row, near)
             row[4] = circle_rms(px, py, a, b, row)
         else:
-            fit_line(px, py, a, b, EVERY, row)
+            fit_line(px, py, a, b, ONE, row)
             if limits.crisp:
                 separate_line(px, py, a, b, row, near)
             row[4] = line_rms(px, py, a, b, row)

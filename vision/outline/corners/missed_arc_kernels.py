@@ -13,6 +13,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
 from vision.outline.fit.shape_kernels import circle_rms, fit_circle
+from vision.shared.typed_numbers import ONE
 
 BENT_PX, BENT_BY = 0.15, 2.0
 """A bent line's arc rises so high over its chord, and so many times the noise of a point more:
@@ -22,8 +23,6 @@ BETTER_BY = 0.5
 """Share of the line's residual that its arc leaves (chosen)."""
 LEAST = 7
 """Points that tell a bend: chosen, more than twice the numbers of a circle."""
-EVERY = 1
-"""A fit takes every point: defined."""
 SHALLOW = 0.9
 """Cosine of the turn up to which two lines may be two chords of one arc: 26 degrees (chosen)."""
 AS_GOOD_PX = 0.02
@@ -55,11 +54,11 @@ def any_bent_line(border, outline, edges, spread, circle):
         if pair and ranges[after, 1] - ranges[after, 0] >= LEAST:
             end = ranges[after, 1]
             end = end + n if end <= a else end
-            if end <= 2 * n and fit_circle(px, py, a, end, EVERY, circle):
+            if end <= 2 * n and fit_circle(px, py, a, end, ONE, circle):
                 allowed = max(shape[e, 4], shape[after, 4]) + AS_GOOD_PX
                 if circle_rms(px, py, a, end, circle) < allowed:
                     return True
-        if shape[e, 4] < 0.2 * least or not fit_circle(px, py, a, b, EVERY, circle):
+        if shape[e, 4] < 0.2 * least or not fit_circle(px, py, a, b, ONE, circle):
             continue
         dx = px[b - 1] - px[a]
         dy = py[b - 1] - py[a]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
@@ -20,12 +21,13 @@ from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.blurred_corner_kernels import change_cost, put_corner
 from vision.outline.corners.joint_kernels import nearest_point
 from vision.outline.fit.shape_kernels import HUGE
+from vision.shared.typed_numbers import NO
 
 BACK = -0.5
 """Cosine between two lines from which on the border turns back: by 120 degrees or more (chosen)."""
 LEAST = 8
 """Points of a line that the border turns back from or to: less than that is no wall (chosen)."""
-AROUND = 6
+AROUND = np.int64(6)
 """Points on either side of what lies between among which the wall's end is: its half width, and
 what blur rounds (chosen)."""
 SHARP_BY, SHARP_PX = 2.2, 0.5
@@ -107,7 +109,7 @@ def try_end(border, blur, costs, change):
         return HUGE
     put_corner(a[2], a[3], rows[1, 2], rows[1, 3], change.corners[0])
     put_corner(rows[1, 2], rows[1, 3], b[2], b[3], change.corners[1])
-    return change_cost(border, change, False, 0.0, blur.sigma, costs, HUGE)
+    return change_cost(border, change, NO, 0.0, blur.sigma, costs, HUGE)
 
 
 @njit(**LEAF, forceinline=False)

@@ -26,6 +26,7 @@ from vision.outline.drawn.separation_kernels import find_lost
 from vision.outline.fit.outline_kernels import FLATTEST_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import ARC_CCW, LINE
+from vision.shared.typed_numbers import NONE
 
 WAY = 0.998
 """Share of a crack's way that a chord may cross: chosen, so that no pixel's centre lies on it by a
@@ -175,7 +176,7 @@ def all_chords(cracks, finished, found):
     mx /= n
     my /= n
     far = -1.0
-    first = 0
+    first = NONE
     for k in range(n):
         d = (cracks.x[k] - mx) ** 2 + (cracks.y[k] - my) ** 2
         if d > far:
@@ -216,7 +217,7 @@ def _replace(cracks, finished, count, first, inside, found, old, ends):
     end = ends[1]
     begun = 0
     carried = False
-    i = 0
+    i = NONE
     for t in range(count):
         e = (first + t) % count
         lo = old.at[e]
