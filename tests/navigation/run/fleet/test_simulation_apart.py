@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -115,3 +116,19 @@ def is_alive(pid: int) -> bool:
     except (FileNotFoundError, ProcessLookupError):
         return False
     return state != "Z"
+
+
+def test_each_of_several_cameras_gives_its_own_pictures_at_the_same_time() -> None:
+    simulation = SimulationApart(load_config(CONFIGS / "two_cameras_fleet.yaml"))
+    try:
+        pictures = []
+        cameras = [simulation.open_camera(name) for name in ("left", "right")]
+        for camera in cameras:
+            camera.open()
+        with ThreadPoolExecutor() as pool:
+            for frame in pool.map(lambda camera: camera.read(5.0), cameras):
+                assert frame is not None
+                pictures.append(frame.image)
+        assert not np.array_equal(*pictures)
+    finally:
+        simulation.stop()
