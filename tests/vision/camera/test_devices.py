@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,7 @@ from tests.vision.camera.scripted import Clock
 from vision.camera.camera import CameraAbsentError, CameraError
 from vision.camera.rate_remark import RateRemark
 from vision.camera.sources import camera_for, driver_time_s, without_password
-from vision.camera.v4l2 import devices
+from vision.camera.v4l2 import device, devices
 from vision.camera.v4l2.users import users_of, who_uses
 
 
@@ -23,6 +25,22 @@ def test_a_device_that_is_not_there_or_no_camera_is_told_of() -> None:
         camera_for("/dev/null", clock=Clock()).open()
     with pytest.raises(CameraError, match="read while closed"):
         camera_for("/dev/null", clock=Clock()).read(1.0)
+
+
+@pytest.mark.parametrize("number", [errno.EIO, errno.ETIMEDOUT, errno.EPROTO, errno.EPIPE])
+def test_a_camera_that_hangs_is_said_not_to_answer(
+    number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Found on an emulated PC: "cannot be opened: Input/output error" was all that was said."""
+
+    def hang(_path: str) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(device, "Node", hang)
+    with pytest.raises(
+        CameraError, match=r"does not answer \(.+\); unplug it and plug it in again"
+    ):
+        camera_for("/dev/null", clock=Clock()).open()
 
 
 def test_other_programs_that_have_a_device_open_are_named(tmp_path: Path) -> None:

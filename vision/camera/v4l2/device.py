@@ -47,6 +47,8 @@ MOST_DAMAGED: Final = 60
 """Damaged pictures in a row, two seconds of them, after which the camera counts as failed."""
 _DAMAGED_WINDOW: Final = 300
 _DAMAGED_SHARE: Final = 0.01
+_MUTE: Final = (errno.EIO, errno.ETIMEDOUT, errno.EPROTO, errno.EPIPE)
+"""What USB's driver says of a device that is plugged in and hangs."""
 _GONE: Final = (errno.ENODEV, errno.ENXIO, errno.ENOENT, errno.EBADF)
 
 
@@ -321,6 +323,10 @@ class DeviceCamera:
         if error.errno in (errno.ENOTTY, errno.EINVAL):
             return CameraError(
                 f"{self.name}: {path} gives no pictures; `clearway devices` lists what does"
+            )
+        if error.errno in _MUTE:
+            return CameraError(
+                f"{self.name}: does not answer ({error.strerror}); unplug it and plug it in again"
             )
         return CameraError(f"{self.name}: cannot be opened: {error.strerror or error}")
 
