@@ -7,7 +7,7 @@ BIN    := $(VENV)/bin
 CONFIG ?= configs/simulation.yaml
 
 .PHONY: help install install-dev run test coverage lint types arrows check wheel clean
-.PHONY: firmware hil fuzz rtsp faults adversary bench house paper pictures browser docs examples
+.PHONY: firmware hil arena-pc fuzz rtsp faults adversary bench house paper pictures browser docs examples
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -56,6 +56,9 @@ hil: $(VENV)/.installed-dev ## the binaries on an emulated ATmega328P and Cortex
 	bash .ci/packages firmware
 	bash .ci/micropython
 	$(BIN)/python -m pytest tests/hil
+
+arena-pc: $(VENV)/.installed-dev ## Debian on an emulated PC: real drivers, udev, systemd; root only
+	bash .ci/arena-pc
 
 FUZZ_S ?= 600
 fuzz: $(VENV)/.installed-dev ## libFuzzer on the firmware's parser and the whole robot, FUZZ_S each

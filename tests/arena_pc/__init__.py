@@ -1,4 +1,4 @@
-"""Clearway on an arena PC: Debian with systemd on an emulated machine, with the kernel's own drivers.
+"""Clearway on an arena PC: Debian with systemd on an emulated machine, with real drivers.
 
 ``make arena-pc`` builds the machine's disks and runs these tests. Each begins with a machine that
 is restored from a snapshot; cameras and serial adapters are programs of the host, which the guest's

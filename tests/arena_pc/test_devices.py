@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 
+from tests.arena_pc import arena
 from tests.arena_pc.machine.pc import ArenaPC
 from tests.arena_pc.machine.pictures import RAW_IS_SLOW, moving_disc
-from tests.arena_pc.machine.programs import wait_for_files
+from tests.arena_pc.machine.programs import wait_for, wait_for_files
 from tests.arena_pc.machine.usb_sockets import ADAPTER, CAMERA, UsbSockets
 
 
@@ -25,46 +26,49 @@ def test_two_alike_cameras_and_adapters_are_told_apart_and_metadata_is_no_camera
     assert pc.check("ls /dev/video* | wc -l").strip() == "4"
 
 
-def test_a_plain_user_is_told_which_groups_are_needed_and_may_with_them(
-    pc: ArenaPC, usb: UsbSockets
-) -> None:
+def test_a_plain_user_is_told_what_needs_which_group(pc: ArenaPC, usb: UsbSockets) -> None:
+    camera, adapter = CAMERA.format("C1"), ADAPTER.format("A1")
     usb.camera(moving_disc, RAW_IS_SLOW)
     usb.adapter("A1")
-    wait_for_files(pc, CAMERA.format("C1"), ADAPTER.format("A1"))
+    wait_for_files(pc, camera, adapter)
     pc.check("useradd -m visitor; useradd -m -G video,dialout driver")
 
-    def doctor(user: str) -> list[dict[str, str]]:
+    def plugged_in(user: str) -> dict[str, list[str]]:
         told = pc.run(f"runuser -u {user} -- clearway doctor --format json", 180)
-        findings: list[dict[str, str]] = json.loads(told.output)["findings"]
-        return [one for one in findings if one["name"] in ("cameras", "serial ports")]
+        findings = json.loads(told.output)["findings"]
+        names = ("cameras", "serial ports")
+        found = [one for one in findings if one["name"] in names]
+        assert all("usermod -aG" in one["cure"] for one in found if one["status"] != "ok")
+        return {
+            status: [one["sentence"] for one in found if one["status"] == status]
+            for status in ("ok", "warn", "fail")
+        }
 
-    for finding in doctor("visitor"):
-        print(finding)
-    for finding in doctor("driver"):
-        print(finding)
-    assert 0
+    ports = f"/dev/ttyS0, {adapter}"
+    refused = [f"{path}: no permission" for path in (camera, "/dev/ttyS0", adapter)]
+    assert plugged_in("visitor") == {"ok": [camera, ports], "warn": refused, "fail": []}
+    assert plugged_in("driver") == {"ok": [camera, ports], "warn": [], "fail": []}
 
 
-def test_the_rule_for_udev_names_the_adapter_wherever_it_is_plugged_in(
+def test_the_rule_for_udev_names_the_robots_adapter_wherever_it_is_plugged_in(
     pc: ArenaPC, usb: UsbSockets
 ) -> None:
     first = usb.adapter("A1")
     wait_for_files(pc, ADAPTER.format("A1"))
-    pc.write(
-        "/etc/clearway/arena.yaml",
-        "arena: {bounds_m: [0.0, 0.0, 2.4, 1.8]}\n"
-        "robot: {marker_id: 7, marker_size_m: 0.09, marker_height_m: 0.12, radius_m: 0.09}\n"
-        f"serial: {{port: {ADAPTER.format('A1')}}}\n",
-    )
-    print(pc.check("clearway install-service /etc/clearway/arena.yaml", 180))
+    for name, text in arena.files():
+        pc.write(name, text)
+    said = pc.check(f"clearway install-service {arena.FILE}", 180)
+    assert "wrote /etc/udev/rules.d/70-clearway.rules" in said
     pc.check("udevadm control --reload && udevadm trigger --subsystem-match=tty && udevadm settle")
-    look = "stat -L -c '%G %a' /dev/clearway-robot && realpath /dev/clearway-robot"
+    look = "stat -L -c '%G %a' /dev/clearway-robot; realpath /dev/clearway-robot"
     assert pc.check(look).split() == ["dialout", "660", "/dev/ttyUSB0"]
 
     # its first name is still in use when it comes back, and another adapter is no robot
-    pc.check("exec 9<>/dev/ttyUSB0; sleep 600 >/dev/null 2>&1 & disown")
+    pc.check("(sleep 600 <>/dev/ttyUSB0 >/dev/null 2>&1 &)")
     usb.unplug_adapter(first)
-    usb.adapter("A1")
     usb.adapter("A2")
-    wait_for_files(pc, "/dev/clearway-robot", ADAPTER.format("A2"))
-    assert pc.check(look).split() == ["dialout", "660", "/dev/ttyUSB1"]
+    wait_for_files(pc, ADAPTER.format("A2"))
+    assert pc.run("test -e /dev/clearway-robot").code == 1
+    usb.adapter("A1")
+    wait_for(pc, look, "ttyUSB2")
+    assert pc.check(look).split() == ["dialout", "660", "/dev/ttyUSB2"]

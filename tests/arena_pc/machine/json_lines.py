@@ -14,7 +14,7 @@ from typing import Any
 LOOK_EVERY_S = 0.05
 
 
-class Gone(RuntimeError):
+class GoneError(RuntimeError):
     """The other end has closed the socket, or never opened it."""
 
 
@@ -31,7 +31,7 @@ class JsonLines:
         try:
             self._socket.sendall(json.dumps(what).encode() + b"\n")
         except OSError as error:
-            raise Gone(str(error)) from error
+            raise GoneError(str(error)) from error
 
     def receive(self, within_s: float) -> dict[str, Any]:
         """The next object; ``TimeoutError`` where none comes in time."""
@@ -41,7 +41,7 @@ class JsonLines:
             raise TimeoutError(f"no answer within {within_s:g} s") from None
         if got is None:
             self._received.put(None)
-            raise Gone("the other end has closed the line")
+            raise GoneError("the other end has closed the line")
         return got
 
     def close(self) -> None:
@@ -67,7 +67,7 @@ def connected(path: Path, within_s: float) -> socket.socket:
         except OSError as error:
             line.close()
             if time.monotonic() > end_s:
-                raise Gone(f"{path}: {error}") from error
+                raise GoneError(f"{path}: {error}") from error
             time.sleep(LOOK_EVERY_S)
         else:
             return line

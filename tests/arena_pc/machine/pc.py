@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from tests.arena_pc.machine.json_lines import Gone, JsonLines
+from tests.arena_pc.machine.json_lines import GoneError, JsonLines
 
 EMULATOR = "qemu-system-x86_64"
 KERNEL_OPTIONS = (
@@ -82,10 +82,10 @@ class ArenaPC:
             self._qmp.receive(QMP_WITHIN_S)  # its greeting
             self.qmp("qmp_capabilities")
             self._agent = JsonLines(work / "agent", QMP_WITHIN_S)
-        except (Gone, TimeoutError) as error:
+        except (GoneError, TimeoutError) as error:
             self._process.kill()
             self._process.wait()
-            raise Gone(f"{EMULATOR} does not start: {self.logs()}") from error
+            raise GoneError(f"{EMULATOR} does not start: {self.logs()}") from error
 
     def __enter__(self) -> Self:
         return self
@@ -105,7 +105,7 @@ class ArenaPC:
         """Wait until a machine that boots takes commands."""
         said = self._agent.receive(within_s)
         if said != {"ready": True}:
-            raise Gone(f"the agent said {said}")
+            raise GoneError(f"the agent said {said}")
 
     def run(self, command: str, within_s: float = 60.0) -> Answer:
         """Run a shell command as root."""
@@ -113,7 +113,7 @@ class ArenaPC:
         self._agent.send({"id": number, "run": command, "within_s": within_s})
         said = self._agent.receive(within_s + AGENT_TAKES_S)
         if said.get("id") != number:
-            raise Gone(f"the agent answered {said}, not order {number}")
+            raise GoneError(f"the agent answered {said}, not order {number}")
         return Answer(said["code"], said["output"])
 
     def check(self, command: str, within_s: float = 60.0) -> str:
@@ -134,7 +134,7 @@ class ArenaPC:
         while True:
             said = self._qmp.receive(QMP_WITHIN_S)
             if "error" in said:
-                raise Gone(f"{command} {arguments}: {said['error']['desc']}")
+                raise GoneError(f"{command} {arguments}: {said['error']['desc']}")
             if "return" in said:  # all else is an event
                 return said["return"]
 

@@ -12,7 +12,7 @@ from tests.arena_pc.machine.pc import ArenaPC
 LOOK_EVERY_S = 1.0
 PATIENCE_S = 120.0
 """By the host's clock; an emulated machine beside other work is slow."""
-GUEST = Path(__file__).parents[1] / "guest"
+SCRIPTS = Path(__file__).parents[1] / "scripts"
 _NUMBERS = itertools.count(1)
 
 
@@ -21,7 +21,7 @@ def wait_for(pc: ArenaPC, command: str, pattern: str, within_s: float = PATIENCE
     end_s = time.monotonic() + within_s
     while True:
         output = pc.run(command).output
-        if re.search(pattern, output):
+        if re.search(pattern, output, re.MULTILINE):
             return output
         assert time.monotonic() < end_s, f"{command}: no {pattern!r} in:\n{output}"
         time.sleep(LOOK_EVERY_S)
@@ -57,5 +57,5 @@ class Program:
 
 def watch_camera(pc: ArenaPC, device: str, rate_hz: float) -> Program:
     """The program's own reader on a camera; it prints what it has to say on it."""
-    pc.write("/opt/watch_camera.py", (GUEST / "watch_camera.py").read_text())
+    pc.write("/opt/watch_camera.py", (SCRIPTS / "watch_camera.py").read_text())
     return Program(pc, f"/opt/clearway/bin/python -u /opt/watch_camera.py {device} {rate_hz}")

@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.arena_pc.machine.json_lines import Gone
+from tests.arena_pc.machine.json_lines import GoneError
 from tests.arena_pc.machine.pc import EMULATOR, ArenaPC, machine
 
 BOOT_WITHIN_S = 300.0
@@ -26,7 +26,7 @@ LOOK_EVERY_S = 0.05
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Where a test begins: the files and commands that lead there, after another state or a boot."""
+    """Where a test begins: files and commands that lead there, after another state or a boot."""
 
     name: str
     commands: tuple[str, ...]
@@ -55,7 +55,7 @@ def restored(image: Path, state: State, work: Path) -> ArenaPC:
     try:
         _wait_for_status(pc, "query-status", {"paused", "running"}, RESTORE_WITHIN_S)
         pc.qmp("cont")
-    except (Gone, TimeoutError):
+    except (GoneError, TimeoutError):
         pc.switch_off()
         raise
     return pc
@@ -86,9 +86,9 @@ def _led_to_its_begin(image: Path, state: State, work: Path) -> ArenaPC:
     pc = ArenaPC(image, work)
     try:
         pc.wait_for_agent(BOOT_WITHIN_S)
-    except (Gone, TimeoutError) as error:
+    except (GoneError, TimeoutError) as error:
         pc.switch_off()
-        raise Gone(f"the machine does not boot: {error}\n{pc.logs()}") from error
+        raise GoneError(f"the machine does not boot: {error}\n{pc.logs()}") from error
     return pc
 
 
@@ -97,5 +97,5 @@ def _wait_for_status(pc: ArenaPC, query: str, wanted: set[str], within_s: float)
     end_s = time.monotonic() + within_s
     while (status := pc.qmp(query).get("status")) not in wanted:
         if status == "failed" or time.monotonic() > end_s:
-            raise Gone(f"{query}: {status} after {within_s:g} s at most\n{pc.logs()}")
+            raise GoneError(f"{query}: {status} after {within_s:g} s at most\n{pc.logs()}")
         time.sleep(LOOK_EVERY_S)

@@ -18,8 +18,8 @@ def list_devices() -> list[tuple[str, str]]:
     """The V4L2 capture devices of this machine: (path, what it is called).
 
     A device is listed by its stable path under /dev/v4l/by-id where it has one. A camera's other
-    nodes, which give no pictures, are left out; where a node cannot be asked, for want of permission,
-    udev's word counts.
+    nodes, which give no pictures, are left out; where a node cannot be asked, for want of
+    permission, udev's word counts.
     """
     stable = {os.path.realpath(p): p for p in sorted(glob.glob("/dev/v4l/by-id/*"))}
     found = []
