@@ -320,6 +320,6 @@ def _speed(one: Member) -> float:
 
 
 def _apart(line: FloatArray, way: FloatArray) -> float:
-    """The least distance between points closer than a radius, and those of another way."""
-    fine = [cut_points for cut_points in (way, 0.5 * (way[1:] + way[:-1])) if len(cut_points)]
-    return float(np.hypot(*(line[:, None] - np.concatenate(fine)[None]).T).min())
+    """The least distance between the points of two ways, of the other one's halved pieces too."""
+    places = np.concatenate([way, 0.5 * (way[1:] + way[:-1])])
+    return float(np.hypot(*(line[:, None] - places[None]).T).min())
