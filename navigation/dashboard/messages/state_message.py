@@ -154,7 +154,12 @@ def _camera(camera: CameraStatus, evidence: Evidence) -> dict[str, Any]:
         "age_ms": None if camera.age_s is None else _ms(camera.age_s),
         "latency_ms": None if evidence.latency_s is None else _ms(evidence.latency_s),
         "each": [
-            {"name": name, "state": one.state, "rate_hz": round(one.rate_hz, 1)}
+            {
+                "name": name,
+                "state": one.state,
+                "reason": one.reason,
+                "rate_hz": round(one.rate_hz, 1),
+            }
             for name, one in camera.each
         ],
     }

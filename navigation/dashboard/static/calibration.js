@@ -92,8 +92,8 @@ export class Calibration {
     await picture.decode().catch(() => undefined);
     if (before) URL.revokeObjectURL(before);
     drawBoardView(byId("calibration-frame"), byId("calibration-overlay"), state);
-    const lines = [upper(state.board), upper(state.parts), `largest spread ${state.spread} of ${state.limit_px} px wanted`, state.focal, `${state.count} views`];
-    byId("calibration-known").textContent = lines.map(upper).join(". ");
+    const lines = [state.board.replace(/^board: /, "the board is "), state.parts, `largest spread ${state.spread} of ${state.limit_px} px wanted`, state.focal, `${state.count} ${state.count === 1 ? "view" : "views"}`];
+    byId("calibration-known").textContent = `${lines.map(upper).join(". ")}.`;
     byId("calibration-still").value = state.still;
     byId("calibration-last").textContent = remarks.length ? upper(remarks.at(-1)) : "";
   }

@@ -64,7 +64,9 @@ export class Health {
     said.append(word, detail);
     item.append(title, said, button, top);
     if (row.id === "link") item.append(odd);
-    this.#parts.set(row.id, { word, detail, button, line, area, top, odd });
+    const cameras = Object.assign(document.createElement("ul"), { className: "each", hidden: true });
+    if (row.id === "camera") item.append(cameras);
+    this.#parts.set(row.id, { item, title, word, detail, button, line, area, top, odd, cameras });
     return item;
   }
 
@@ -121,6 +123,7 @@ export class Health {
         word.dataset.level = judged[0];
         if (word.textContent !== judged[1]) word.textContent = judged[1];
       }
+      if (row.id === "camera") showCameras(this.#parts.get("camera"), state.camera.each);
       if (row.id === "link") showOddities(this.#parts.get("link").odd, state.link);
       const text = row.detail(state, last);
       if (detail.textContent !== text) detail.textContent = text;
@@ -131,15 +134,34 @@ export class Health {
 
 function cameraWord({ camera }) {
   const away = camera.each.filter((one) => one.state !== "running");
-  if (away.length && away.length < camera.each.length) return ["bad", away.map((one) => `${one.name} ${one.state}`).join(", ")];
+  if (away.length && away.length < camera.each.length) return ["bad", `${away.length} of ${camera.each.length} away`];
   return camera.state === "running" ? ["good", "running"] : ["bad", camera.reason || camera.state];
 }
 
 function cameraDetail({ camera }) {
   const age = camera.latency_ms === null ? "" : `, ${camera.latency_ms.toFixed(0)} ms old on arrival`;
   const again = camera.reopened ? `, opened again ${camera.reopened}×` : "";
-  const rate = camera.each.map((one) => `${one.name} ${one.rate_hz.toFixed(1)}/s`).join(", ");
-  return `${rate || `${camera.rate_hz.toFixed(1)}/s`}, ${camera.dropped} dropped${age}${again}`;
+  const rate = camera.each.length ? "" : `${camera.rate_hz.toFixed(1)}/s, `;
+  return `${rate}${camera.dropped} dropped${age}${again}`;
+}
+
+/** Of several cameras each, with its rate, or why it gives no picture. */
+function showCameras({ item, title, cameras }, each) {
+  const names = each.map((one) => one.name).join("\n");
+  if (cameras.dataset.names !== names) {
+    cameras.dataset.names = names;
+    cameras.hidden = each.length === 0;
+    item.classList.toggle("has-each", each.length > 0);
+    title.textContent = each.length ? "Cameras" : "Camera";
+    cameras.replaceChildren(...each.map(() => Object.assign(document.createElement("li"), { className: "word" })));
+  }
+  each.forEach((one, k) => {
+    const runs = one.state === "running";
+    const text = runs ? `${one.name}: ${one.rate_hz.toFixed(1)} pictures/s` : `${one.name}: ${one.reason || one.state}`;
+    const line = cameras.children[k];
+    if (line.dataset.level !== (runs ? "good" : "bad")) line.dataset.level = runs ? "good" : "bad";
+    if (line.textContent !== text) line.textContent = line.title = text;
+  });
 }
 
 function linkWord({ link }) {
