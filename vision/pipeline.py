@@ -72,17 +72,8 @@ def extract(
     used, and where no pixel is free. Safe to call from several threads. O(pixels) to threshold,
     then O(border pixels).
     """
-    if mode not in ("exact", "paper"):
-        raise PictureError(f"mode {mode!r}: must be exact or paper")
-    if mode == "paper" and calibration is not None:
-        raise PictureError("mode paper: works in pixels, without a calibration")
-    if bounds is not None and calibration is None:
-        raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
+    _refuse(mode, calibration, bounds, texture_px)
     clock = _StopWatch()
-    if not 0.0 <= texture_px <= MOST_TEXTURE_PX:
-        raise PictureError(f"texture_px {texture_px:g}: must be in 0..{MOST_TEXTURE_PX:g}")
-    if mode == "paper" and texture_px > 0.0:
-        raise PictureError("mode paper: works without texture_px")
     image = as_array(image)
     blind = blind_of(calibration)
     if blind is not None:
@@ -102,22 +93,16 @@ def extract(
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
     drawn = tolerance.crisp or is_drawing(binary.grey, borders)
-    fitted = fit_edges(
-        rectified / np.repeat(stretches, np.diff(edges.starts))[:, None],
-        edges.starts,
-        borders,
-        tolerance,
-        separate=calibration is None and drawn,
-    )
+    shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
+    separate = calibration is None and drawn
+    fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
     rough: tuple[str, ...] = ()
     if texture_px > 0.0:
         # of a drawing every pixel counts, and edge points are one a row or column
-        border, starts = (
-            (borders.middles, borders.starts) if drawn else (edges.points, edges.starts)
-        )
-        border = placement.rectified(border)
+        points = placement.rectified(borders.middles) if drawn else rectified
+        starts = borders.starts if drawn else edges.starts
         fitted, rough = without_texture(
-            fitted, border, starts, borders.owner, stretches, texture_px
+            fitted, points, starts, borders.owner, stretches, texture_px
         )
     fitted = fitted.stretched(stretches)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
@@ -129,6 +114,27 @@ def extract(
     if blind is None:
         return scene
     return with_unseen(scene, hidden_by_lens(calibration, placement.bounds, extract))
+
+
+def _refuse(
+    mode: str,
+    calibration: Calibration | None,
+    bounds: Bounds | Sequence[float] | NDArray[np.float64] | None,
+    texture_px: float,
+) -> None:
+    """``PictureError`` for options that are none, or do not go together."""
+    if mode not in ("exact", "paper"):
+        raise PictureError(f"mode {mode!r}: must be exact or paper")
+    if bounds is not None and calibration is None:
+        raise PictureError("bounds: a picture in pixels has its own; only a calibration takes them")
+    if not 0.0 <= texture_px <= MOST_TEXTURE_PX:
+        raise PictureError(f"texture_px {texture_px:g}: must be in 0..{MOST_TEXTURE_PX:g}")
+    if mode == "exact":
+        return
+    if calibration is not None:
+        raise PictureError("mode paper: works in pixels, without a calibration")
+    if texture_px > 0.0:
+        raise PictureError("mode paper: works without texture_px")
 
 
 def _by_the_paper(binary: Binary, borders: Borders, clock: _StopWatch) -> Scene:
