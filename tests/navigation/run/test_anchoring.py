@@ -56,9 +56,11 @@ def test_what_is_missing_is_said_and_nothing_is_written(config_file: Path) -> No
 def test_a_run_refuses_as_it_refuses_any_order(config_file: Path) -> None:
     config = load_config(config_file, {})
     with pytest.raises(MissionError, match="no picture"):
-        renew_while_running(config, None, None)
+        renew_while_running(config, None, lambda _camera: None, None)
     with pytest.raises(MissionError, match="place_m"):
-        renew_while_running(config, Frame(EMPTY, 0.0, 0, "test"), None)
+        renew_while_running(config, None, lambda _camera: Frame(EMPTY, 0.0, 0, "test"), None)
+    with pytest.raises(MissionError, match="camera 'left': there is one, which has no name"):
+        renew_while_running(config, "left", lambda _camera: None, None)
 
 
 class Daemon:
@@ -68,10 +70,10 @@ class Daemon:
         self.reanchor = None if told is None else self._reanchor
         self._told = told or []
 
-    def _reanchor(self) -> list[str]:
+    def _reanchor(self, camera: str | None) -> list[str]:
         if not self._told:
             raise MissionError("no picture has come from the camera yet")
-        return self._told
+        return self._told if camera is None else [*self._told, camera]
 
     def give(self, stations: tuple[Station, ...]) -> None: ...
 
@@ -92,6 +94,10 @@ class Daemon:
 def test_the_order_is_answered_with_what_was_found_or_why_not() -> None:
     answer = carry_out({"order": "reanchor"}, Daemon(["anchored"]))
     assert (answer["ok"], answer["anchoring"], answer["state"]) == (True, ["anchored"], "holding")
+    named = carry_out({"order": "reanchor", "camera": "left"}, Daemon(["anchored"]))
+    assert named["anchoring"] == ["anchored", "left"]
+    numbered = carry_out({"order": "reanchor", "camera": 3}, Daemon(["anchored"]))
+    assert numbered["error"] == "camera: must be a name, not 3"
     refused = carry_out({"order": "reanchor"}, Daemon([]))
     assert refused == {"ok": False, "error": "no picture has come from the camera yet"}
     cannot = carry_out({"order": "reanchor"}, Daemon(None))

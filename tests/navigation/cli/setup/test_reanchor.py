@@ -60,8 +60,15 @@ def test_a_picture_places_the_camera_and_the_file_before_is_kept(
     assert abs(found - places).max() < 0.002
 
 
+@pytest.mark.parametrize(
+    ("named", "order"),
+    [
+        ([], {"order": "reanchor"}),
+        (["--camera", "left"], {"order": "reanchor", "camera": "left"}),
+    ],
+)
 def test_the_running_daemon_is_asked_without_a_configuration(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    named: list[str], order: dict[str, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "control.sock"
     asked: list[bytes] = []
@@ -77,10 +84,10 @@ def test_the_running_daemon_is_asked_without_a_configuration(
         server.listen(1)
         thread = threading.Thread(target=answer)
         thread.start()
-        assert run(["reanchor", "--socket", str(path)]) == 0
+        assert run(["reanchor", "--socket", str(path), *named]) == 0
         thread.join(5.0)
     assert capsys.readouterr().out == "anchored\n"
-    assert json.loads(asked[0]) == {"order": "reanchor"}
+    assert json.loads(asked[0]) == order
 
 
 def test_a_socket_beside_a_configuration_is_refused(
