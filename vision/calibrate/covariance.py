@@ -56,6 +56,7 @@ class KnownLens:
     distortion: FloatArray
     normal: FloatArray
     noise_px: float
+    model: str = "brown"
 
     def sigma_px(self, points_px: FloatArray, more: FloatArray | None = None) -> FloatArray:
         """(n,) the spread, rms length in pixels, at picture points (n, 2); inf where unknown.

@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 
 from vision.calibrate.board import BoardView
+from vision.calibrate.fisheye import pose_errors
 from vision.calibration.calibration import FloatArray
 
 FOLDS = 10
@@ -33,13 +34,24 @@ class SeenThrough(Protocol):
     def distortion(self) -> FloatArray:
         """OpenCV's terms."""
 
+    @property
+    def model(self) -> str:
+        """``brown`` or ``fisheye``."""
+
 
 Estimate: TypeAlias = Callable[[Sequence[BoardView]], SeenThrough]
 """The lens from some views; raises ``CalibrationError`` where they do not determine one."""
 
 
 def residuals_px(view: BoardView, lens: SeenThrough) -> FloatArray:
-    """(n, 2): where the lens puts the corners of the board's best pose, minus where they are."""
+    """(n, 2): where the lens puts the corners of the board's best pose, minus where they are.
+
+    Infinite where no pose is found.
+    """
+    if lens.model == "fisheye":
+        camera = lens.camera_matrix[[0, 1, 0, 1], [0, 1, 2, 2]]
+        errors = pose_errors(view, camera, lens.distortion)
+        return np.full_like(view.corners_px, np.inf) if errors is None else errors
     board = np.column_stack([view.points_m, np.zeros(len(view.points_m))])
     corners = np.ascontiguousarray(view.corners_px, dtype=np.float64)
     try:

@@ -25,13 +25,10 @@ from numpy.typing import NDArray
 from vision.calibrate.board import BoardView
 from vision.calibrate.fisheye import fit_fisheye
 from vision.calibrate.left_out import left_out_px
-from vision.calibrate.suspects import refuse_too_many, suspects
+from vision.calibrate.suspects import bad_px, compared_with, refuse_too_many, suspects
 from vision.calibration.calibration import CalibrationError, FloatArray
 
 MIN_VIEWS = 3
-_BAD_VIEW_PX, _BAD_VIEW_FACTOR = 0.5, 3.0
-"""Of a fisheye's view: the rms that is too much, and how many times the usual."""
-
 _WEAK_FOCAL = 0.01
 _UNKNOWN_FOCAL = 0.1
 _LEAST_TURN_DEG = 8.0
@@ -88,6 +85,7 @@ class LensFit:
     focal_spread: float
     view_px: FloatArray
     turn_deg: float
+    model: str = "brown"
 
 
 def estimate_lens(
@@ -157,24 +155,21 @@ def _without_bad_views(
 ) -> tuple[list[BoardView], FloatArray]:
     """A fisheye's views without those that fit badly, the worst first, and a camera matrix near it.
 
-    At most a third is left out, and named in ``remarks``.
+    They are named in ``remarks``; more than a third is refused.
     """
     good = list(views)
     fit = fit_lens(good, 2, "fisheye")
     start = fit.camera_matrix
-    most_left_out = len(good) // 3
-    while len(good) > MIN_VIEWS and most_left_out > 0:
+    while len(good) > MIN_VIEWS:
         worst = int(np.argmax(fit.view_px))
-        limit = max(_BAD_VIEW_PX, _BAD_VIEW_FACTOR * float(np.median(fit.view_px)))
-        if fit.view_px[worst] <= limit:
+        if fit.view_px[worst] <= bad_px(float(np.median(fit.view_px))):
             break
-        remarks.append(
-            f"{good[worst].name}: left out, {fit.view_px[worst]:.2f} px rms where "
-            f"{np.median(fit.view_px):.2f} px is usual"
-        )
         del good[worst]
-        most_left_out -= 1
         fit = fit_lens(good, 2, "fisheye", start)
+    left_out = [i for i, view in enumerate(views) if not any(view is one for one in good)]
+    foreign = compared_with(views, left_out, fit, float(np.median(fit.view_px)))
+    refuse_too_many(views, foreign)
+    remarks += [f"{views[one.index].name}: left out, {one.reason}" for one in foreign]
     return good, start
 
 
@@ -239,6 +234,7 @@ def _fit_fisheye(views: Sequence[BoardView], terms: int, start: FloatArray | Non
         found.focal_spread_px / fx,
         np.sqrt(np.add.reduceat(squares, starts) / counts),
         _largest_turn_deg([cv2.Rodrigues(pose[:3])[0] for pose in found.poses]),
+        "fisheye",
     )
 
 

@@ -12,11 +12,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import cv2
 import numpy as np
 
 from vision.calibrate.board import BoardView
-from vision.calibrate.fisheye import pose_errors
+from vision.calibrate.left_out import residuals_px
 from vision.calibrate.lens import MIN_VIEWS, Lens, estimate_lens, fit_lens
 from vision.calibration.calibration import CalibrationError, FloatArray
 from vision.calibration.lens_model import MODELS
@@ -64,24 +63,5 @@ def left_out_px(views: Sequence[BoardView], lens: Lens) -> float:
         except CalibrationError:
             return math.inf
         for view in views[fold::_FOLDS]:
-            errors = _view_errors(view, fit.camera_matrix, fit.distortion, lens.model)
-            if errors is None:
-                return math.inf
-            squares.append((errors**2).sum(axis=1))
+            squares.append((residuals_px(view, fit) ** 2).sum(axis=1))
     return float(np.sqrt(np.concatenate(squares).mean())) if squares else math.inf
-
-
-def _view_errors(
-    view: BoardView, matrix: FloatArray, terms: FloatArray, model: str
-) -> FloatArray | None:
-    """The errors (n, 2) of a view's corners with the pose that fits it best."""
-    if model == "fisheye":
-        camera = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]])
-        return pose_errors(view, camera, terms)
-    space = np.column_stack([view.points_m, np.zeros(len(view.points_m))])
-    found, turn, shift = cv2.solvePnP(space, view.corners_px, matrix, terms)
-    if not found:
-        return None
-    seen, _ = cv2.projectPoints(space, turn, shift, matrix, terms)
-    errors = seen.reshape(-1, 2) - view.corners_px
-    return errors if np.isfinite(errors).all() else None

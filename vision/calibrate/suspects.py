@@ -82,6 +82,24 @@ def suspects(views: Sequence[BoardView], estimate: Estimate) -> list[Suspect]:
     return foreign + _badly_fitting(found, usual_px, set(named))
 
 
+def bad_px(usual_px: float) -> float:
+    """The rms from which on a view does not belong to others of this rms."""
+    return max(_BAD_PX, _BAD_FACTOR * usual_px)
+
+
+def compared_with(
+    views: Sequence[BoardView], foreign: Sequence[int], lens: SeenThrough, usual_px: float
+) -> list[Suspect]:
+    """Views that do not belong to a lens of others, by their indices, with what is known of why."""
+    found = []
+    for i in foreign:
+        off_px = _all_px([views[i]], lens)
+        way = _turned_over([views[i]], lens, off_px)
+        why = "" if way is None else f"the picture is {way}: "
+        found.append(Suspect(i, f"{why}{_compared(float(off_px[0]), usual_px)}"))
+    return found
+
+
 def refuse_too_many(views: Sequence[BoardView], found: Sequence[Suspect]) -> None:
     """``CalibrationError`` where more than a third of the views do not belong to the others."""
     if 3 * len(found) <= len(views):
@@ -200,6 +218,6 @@ def _compared(found_px: float, usual_px: float) -> str:
 
 
 def _badly_fitting(found: FloatArray, usual_px: float, named: set[int]) -> list[Suspect]:
-    limit = max(_BAD_PX, _BAD_FACTOR * usual_px)
-    worst_first = [i for i in np.argsort(-found).tolist() if found[i] > limit and i not in named]
+    limit_px = bad_px(usual_px)
+    worst_first = [i for i in np.argsort(-found).tolist() if found[i] > limit_px and i not in named]
     return [Suspect(i, _compared(found[i], usual_px)) for i in worst_first]

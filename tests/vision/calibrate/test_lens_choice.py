@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import cv2
 import numpy as np
@@ -13,6 +14,7 @@ from tests.vision.calibration.cameras import pose_of
 from vision.calibrate.board import BoardView
 from vision.calibrate.lens import estimate_lens
 from vision.calibrate.lens_choice import choose_lens, left_out_px
+from vision.calibrate.suspects import mirrored, upside_down
 from vision.calibration.calibration import Calibration, CalibrationError
 
 SIZE = (1280, 960)
@@ -20,7 +22,9 @@ WIDE = np.array([[330.0, 0.0, 645.0], [0.0, 331.0, 476.0], [0.0, 0.0, 1.0]])
 FOUR = np.array([-0.04, 0.012, -0.006, 0.001])
 
 
-def fisheye_views(n: int = 12, noise: float = 0.1, seed: int = 0) -> list[BoardView]:
+def fisheye_views(
+    n: int = 12, noise: float = 0.1, seed: int = 0, matrix: np.ndarray = WIDE
+) -> list[BoardView]:
     """A board of 9x6 corners all around a fisheye, up to 90 degrees to its view."""
     rng = np.random.default_rng(seed)
     x, y = np.meshgrid(np.arange(9), np.arange(6))
@@ -40,7 +44,7 @@ def fisheye_views(n: int = 12, noise: float = 0.1, seed: int = 0) -> list[BoardV
         if angle.max() > math.radians(89.0):
             continue
         seen, _ = cv2.fisheye.projectPoints(
-            seen_from.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), WIDE, FOUR
+            seen_from.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), matrix, FOUR
         )
         corners = seen.reshape(-1, 2)
         if corners.min() < 5 or (corners > np.array(SIZE) - 5).any():
@@ -88,6 +92,29 @@ def test_bad_pictures_of_a_fisheye_are_named_and_left_out() -> None:
     lens = estimate_lens([*good[:4], spoiled, *good[5:]], None, "fisheye")
     assert [r.split(":")[0] for r in lens.remarks] == ["blurred.png"]
     assert lens.rms_px < 0.2
+
+
+@pytest.mark.parametrize(("over", "way"), [(mirrored, "mirrored"), (upside_down, "upside down")])
+def test_a_fisheyes_picture_that_was_turned_over_is_said_to_be(
+    over: Callable[[BoardView], BoardView], way: str
+) -> None:
+    aside = WIDE + np.array([[0.0, 0.0, 60.0], [0.0, 0.0, -50.0], [0.0, 0.0, 0.0]])
+    views = fisheye_views(8, matrix=aside)  # a lens whose centre is the picture's shows nothing
+    lens = estimate_lens([*views[:3], over(views[3]), *views[4:]], 2, "fisheye")
+    assert [f"the picture is {way}" in remark for remark in lens.remarks] == [True]
+    assert views[3].name in lens.remarks[0]
+    assert lens.rms_px < 0.2
+
+
+def test_more_than_a_third_of_a_fisheyes_pictures_is_not_left_out() -> None:
+    views = fisheye_views(8)
+    rng = np.random.default_rng(4)
+    spoiled = [
+        BoardView(v.name, SIZE, v.corners_px + rng.normal(0, 3 + i, (54, 2)), v.points_m)
+        for i, v in enumerate(views[:3])
+    ]
+    with pytest.raises(CalibrationError, match="3 of 8 pictures do not belong to the others"):
+        estimate_lens([*spoiled, *views[3:]], 2, "fisheye")
 
 
 def test_what_cannot_be_fitted_is_said() -> None:
