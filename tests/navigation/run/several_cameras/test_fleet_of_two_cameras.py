@@ -24,7 +24,8 @@ from tests.support.runs.virtual import CONFIGS
 pytestmark = pytest.mark.slow
 
 PROGRAM = Path(sys.executable).parent / "clearway"
-LOST_FOR_S = 7.0
+RADIUS_M = 0.07
+AWAY_S = 7.0
 BRAKED_S = 0.35 + 0.3 + 0.5 + 0.5
 """A camera is lost, three pictures of the other one, the lease, and the brakes."""
 
@@ -53,19 +54,22 @@ def test_robots_cross_the_seam_and_never_touch() -> None:
 
 def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> None:
     config = Config.model_validate(values())
-    where: list[tuple[float, list[tuple[float, float]]]] = []
+    plan = floor_plan_of(config)
+    assert plan is not None
+    closed = plan.unknown((True, False))
+    assert closed is not None
+    lost_s: list[float] = []
+    where: list[list[tuple[float, float]]] = []
     troubles: set[str] = set()
-    lost_s = math.inf
 
     def meet(world: FleetVirtualWorld, since_s: float) -> None:
-        nonlocal lost_s
-        x, y, _ = world.bodies["bob"].robot.pose()
-        if math.dist((x, y), (2.2, 0.2)) > 0.1:  # on its way, where only the right camera sees it
-            lost_s = min(lost_s, since_s)
-        world.troubles["right"].camera_lost = lost_s < since_s < lost_s + LOST_FOR_S
-        if not where or since_s - where[-1][0] > 0.1:
-            poses = [body.robot.pose() for body in world.bodies.values()]
-            where.append((since_s, [(pose.x_m, pose.y_m) for pose in poses]))
+        places = [body.robot.pose()[:2] for body in world.bodies.values()]
+        if not lost_s and since_s > 3.0 and places[0][0] > 2.02:  # ada, where only one camera sees
+            lost_s.append(since_s)
+        away_s = since_s - lost_s[0] if lost_s else 0.0
+        world.troubles["right"].camera_lost = 0.0 < away_s < AWAY_S
+        if BRAKED_S + 0.1 * len(where) < away_s < AWAY_S:
+            where.append(places)
 
     def look(_daemon: FleetDaemon, now: FleetState) -> bool:
         for one in now.robots.values():
@@ -74,19 +78,14 @@ def test_a_lost_camera_holds_the_robots_and_they_finish_when_it_is_back() -> Non
 
     report = run_fleet_virtually(config, meet=meet, look=look)
     assert any("camera right is lost" in one for one in troubles)
-    plan = floor_plan_of(config)
-    assert plan is not None
-    closed = plan.unknown((True, False))
-    assert closed is not None
-    stood = [places for at_s, places in where if lost_s + BRAKED_S < at_s < lost_s + LOST_FOR_S]
-    within = [any(plan.is_unknown(closed, x, y, 0.07) for x, y in places) for places in stood]
-    assert any(within), "at least one was in there"
-    for number in range(3):
-        track = np.array([places[number] for places in stood])
-        if plan.is_unknown(closed, *track[0], 0.07):
+    tracks = np.array(where).swapaxes(0, 1)
+    within = [plan.is_unknown(closed, *track[0], RADIUS_M) for track in tracks]
+    assert within[0]
+    for track, is_within in zip(tracks, within, strict=True):
+        if is_within:
             assert np.hypot(*(track - track[0]).T).max() < 0.005, "stands in what nobody sees"
         else:
-            assert not any(plan.is_unknown(closed, x, y, 0.07) for x, y in track), "stays outside"
+            assert not any(plan.is_unknown(closed, x, y, RADIUS_M) for x, y in track)
     assert report.state == "done", report.reason
     assert report.least_gap_m is not None
     assert report.least_gap_m > 0.0
