@@ -26,7 +26,6 @@ from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
 from vision.binarise.binary import Binary, black_and_white
 from vision.binarise.grey import as_array, as_grey, scaled_threshold
 from vision.binarise.grey_classes import (
-    LEAST_CONTRAST,
     Classes,
     classes_of,
     grey_spread,
@@ -34,10 +33,16 @@ from vision.binarise.grey_classes import (
     significant_dark,
     split_classes,
 )
-from vision.binarise.grey_picture import CALM_NOISE, CALMINGS, SAFE_MARGIN_SIGMAS, Look
+from vision.binarise.grey_picture import (
+    CALM_NOISE,
+    CALMINGS,
+    LEAST_CONTRAST,
+    SAFE_MARGIN_SIGMAS,
+    Look,
+)
 from vision.binarise.light import FREE_LEVEL, light_surface
 from vision.binarise.methods import METHODS, POLARITIES, Method, Polarity
-from vision.binarise.regions.edge_evidence import Support, follows_edges, leaves_out
+from vision.binarise.regions.edge_evidence import NEARLY_ALL, Support, follows_edges, leaves_out
 from vision.binarise.regions.missed_obstacles import with_left_out
 from vision.errors import PictureError
 from vision.shared.scratch import Room
@@ -48,15 +53,12 @@ which light is even: chosen, half of what there is at most."""
 SURE_MARGIN = 0.35
 """The same where noise, or the glow around light obstacles, hides the edges that are left out:
 chosen."""
-UNEVEN_MARGIN = 0.12
-"""Share of the contrast that is left between one level and a class where light is uneven: chosen,
+UNEVEN_MARGIN = 0.5 * EVEN_MARGIN
+"""Share of the contrast that is left between one level and a class where light is uneven: derived,
 half of what is left where it is even."""
 FEWEST_PAIRS = 256
 """Pairs of pixels across a level from which a sample of them is enough to judge it by: chosen,
 their mean is known to a sixteenth of what they scatter."""
-DIVISION_IS_AS_GOOD = 0.95
-"""What speaks for a division by the light, as a share of what speaks for a level, from which it is
-taken: the edges are measured nearer to half-way then. Chosen, by ``tests/vision/binarise``."""
 EVEN_IS_AS_GOOD = 1.25
 """What speaks for a level that even light would have counts so many times: it is half-way too, and
 the picture need not be changed. Chosen, by ``tests/vision/binarise``."""
@@ -221,7 +223,8 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
             continue
         level = (_even if each is even else _level)(look.apart(), each, side)
         sure = each is even and room >= SURE_MARGIN
-        as_good = EVEN_IS_AS_GOOD if sure else DIVISION_IS_AS_GOOD
+        # a division need not have as much: edges are measured nearer to half-way there
+        as_good = EVEN_IS_AS_GOOD if sure else NEARLY_ALL
         judged.append((support.judge.real(level), as_good))
     judged = [one for one in judged if one[0].speaks > 0.0]
     if not judged:

@@ -21,8 +21,10 @@ itself."""
 SAMPLED = 90
 """Rows, and columns, in which the noise is looked at, about: chosen, 16,200 differences whose
 median is known to one part in a hundred."""
-BINS = 4096
-"""Second differences that are told apart: chosen, more than the 2,040 quarters there can be."""
+AT_A_TIME = 128
+"""Pixels of a row that are looked at together: chosen, for time."""
+BINS = 2048
+"""Second differences that are told apart: derived, there can be 2,040 quarters."""
 PARTS = np.int64(4)
 """Second differences of what is no whole grey value are counted by such parts of a grey level:
 chosen."""

@@ -23,6 +23,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
+from vision.binarise.binarise_kernels import AT_A_TIME
 from vision.binarise.smoothing_kernels import MARGIN, compare, sum_limit, sum_rows
 from vision.shared.typed_numbers import NONE
 
@@ -41,8 +42,6 @@ NEAR = 5
 """Within so many pixels, in rows and columns, ...: chosen, a dot and its rim."""
 MOST_MARKED = 12
 """... there are no more marked ones than a dot has: chosen, those of one 4 px across."""
-BLOCK = 128
-"""Pixels of a row that are looked at together: chosen, for time."""
 
 
 @njit(**OWNING)
@@ -57,7 +56,7 @@ def mark_below_but_dots(grey, bound, weights, norm, mask):
     sums = np.empty(width + 2 * MARGIN, np.uint16)
     limit = sum_limit(bound, norm)
     level = np.uint8(min(max(bound + 1, 0), 255))
-    left_out = np.zeros((width + BLOCK - 1) // BLOCK * BLOCK, np.uint8)
+    left_out = np.zeros((width + AT_A_TIME - 1) // AT_A_TIME * AT_A_TIME, np.uint8)
     places = np.empty(4 * left_out.shape[0], np.int64)
     count = NONE
     for y in range(height):
@@ -78,7 +77,7 @@ def dots_left_out(grey, level, mask):
     A place is row * width + column.
     """
     height, width = grey.shape
-    left_out = np.zeros((width + BLOCK - 1) // BLOCK * BLOCK, np.uint8)
+    left_out = np.zeros((width + AT_A_TIME - 1) // AT_A_TIME * AT_A_TIME, np.uint8)
     places = np.empty(4 * left_out.shape[0], np.int64)
     count = NONE
     for y in range(height):
@@ -93,10 +92,10 @@ def dots_left_out(grey, level, mask):
 def _list(left_out, first, places, count):
     """Add a row's pixels that are left out to the places; how many there are then."""
     words = left_out.view(np.uint64)
-    for block in range(0, words.shape[0], BLOCK // 8):
-        if not _any(words[block : block + BLOCK // 8]):
+    for block in range(0, words.shape[0], AT_A_TIME // 8):
+        if not _any(words[block : block + AT_A_TIME // 8]):
             continue
-        for word in range(block, block + BLOCK // 8):
+        for word in range(block, block + AT_A_TIME // 8):
             if words[word] == 0:
                 continue
             for x in range(8 * word, 8 * word + 8):

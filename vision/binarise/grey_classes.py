@@ -17,6 +17,7 @@ from vision.binarise.binarise_kernels import flat_histogram, split_histogram, st
 from vision.binarise.grey_picture import (
     BUSY_NOISE,
     CALM_NOISE,
+    LEAST_CONTRAST,
     MEAN,
     NO_CALMING,
     SAFE_MARGIN_SIGMAS,
@@ -24,11 +25,8 @@ from vision.binarise.grey_picture import (
     calming_of,
 )
 
-LEAST_CONTRAST = 8.0
-"""Grey levels between light and dark below which nothing is taken for an obstacle. Chosen, by
-``tests/vision/binarise``."""
 LEAST_CONTRAST_SIGMAS = 5.0
-"""The same in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
+"""The least contrast in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 DARKEST_SIGMAS = 2.0
 """How far below the middle the darkest free pixels are taken to be, in spreads of the light.
 Chosen, by ``tests/vision/binarise``."""
@@ -46,9 +44,6 @@ FLAT, FLAT_SIGMAS = 0.1, 4.0
 contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
 FEWEST_FLAT = 0.02
 """Least share of a class that has to be no edge for its spread to be known. Chosen, by
-``tests/vision/binarise``."""
-SIGNIFICANT_SIGMAS = 6.0
-"""How far a smoothed pixel stands out of the noise that hardly one does by chance. Chosen, by
 ``tests/vision/binarise``."""
 FEWEST_SIGNIFICANT = 9
 """Fewest such pixels that have a middle. Chosen, by ``tests/vision/binarise``."""
@@ -161,12 +156,12 @@ def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> fl
 
     ``noise`` (h, w) is its standard deviation from place to place, which a histogram of all does
     not know: where there is little light the noise alone has two classes. What counts is each
-    pixel of the smoothed picture that stands out by ``SIGNIFICANT_SIGMAS``, and then what is
+    pixel of the smoothed picture that stands out by ``SAFE_MARGIN_SIGMAS``, and then what is
     nearer to those than to free pixels. None where hardly a pixel does.
     """
     calming = calming_of(float(noise.max()))
     calmed = look.grey_after(calming)
-    least = np.maximum(noise * np.float32(SIGNIFICANT_SIGMAS * calming.left), 0.15 * light)
+    least = np.maximum(noise * np.float32(SAFE_MARGIN_SIGMAS * calming.left), 0.15 * light)
     found = calmed[light - calmed > least]
     for _ in range(2):
         if found.size < FEWEST_SIGNIFICANT:

@@ -23,9 +23,14 @@ from vision.shared.scratch import Room
 SAFE_MARGIN_SIGMAS = 6.0
 """From here on no pixel of a whole picture crosses the level by noise alone: derived, two in 10^9
 do."""
-CALM_NOISE, WILD_NOISE = 4.0, 25.0
-"""Noise, in grey levels, from which a picture is smoothed by 1 and by 2 px where noise counts:
-chosen, half of the least contrast, and six times as much."""
+LEAST_CONTRAST = 8.0
+"""Grey levels between light and dark below which nothing is taken for an obstacle. Chosen, by
+``tests/vision/binarise``."""
+CALM_NOISE = 0.5 * LEAST_CONTRAST
+"""Noise, in grey levels, from which a picture is smoothed by 1 px where noise counts: derived, half
+of the least contrast."""
+WILD_NOISE = 25.0
+"""The same, by 2 px: chosen, six times as much."""
 BUSY_NOISE = 12.0
 """Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper: chosen."""
 

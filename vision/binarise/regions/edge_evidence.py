@@ -17,8 +17,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.grey_classes import LEAST_CONTRAST, Classes
-from vision.binarise.grey_picture import Look, calming_of
+from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS, Classes
+from vision.binarise.grey_picture import LEAST_CONTRAST, Look, calming_of
 from vision.binarise.regions.edge_evidence_kernels import (
     REACH,
     SAMPLED_PAIRS,
@@ -26,7 +26,7 @@ from vision.binarise.regions.edge_evidence_kernels import (
     steps_off_level,
     support_by_level,
 )
-from vision.binarise.regions.judge import NOISE_WORTH, Judge
+from vision.binarise.regions.judge import FAINT, THIN_SHARE, Judge
 
 FIRST_PAIRS = 16384
 """Pairs of pixels that are looked at first; more where few of them lie across the level. Chosen, by
@@ -47,17 +47,14 @@ FEW_STRONG = 0.04
 """The same of steps that are too strong: joints of a floor have many more edges than what is far
 darker and stands on it, and no plain picture has such steps. Chosen, by
 ``tests/vision/binarise``."""
-CLEAR_STEP, CLEAR_SIGMAS = 0.15, 8.0
-"""A step off the level that is an edge of its own: its share of the light, and in sigmas. Chosen,
-by ``tests/vision/binarise``."""
+CLEAR_SIGMAS = 8.0
+"""A step off the level that is an edge of its own, in sigmas. Chosen, by
+``tests/vision/binarise``."""
 FEWEST_CLEAR = 3
 """Such steps, of those looked at, from which on a level leaves something out. Chosen, by
 ``tests/vision/binarise``."""
 COST = 0.3
 """What a border has to have, as a share of the typical sharp step, to speak for itself. Chosen, by
-``tests/vision/binarise``."""
-LEAST_SUPPORT = 0.5
-"""What speaks for a border at least, as a share of its cost: noise has no more. Chosen, by
 ``tests/vision/binarise``."""
 NOWHERE = np.zeros((0, 0), np.uint8)
 """No pixel is shut out: defined."""
@@ -86,10 +83,10 @@ def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) 
     # without light a pixel is black, which is white where obstacles are light
     end = 0.0 if side == "dark" else 255.0
     # and half of an edge between black and white is no plain step, whatever light there is
-    at_least = PLAIN_STEP * classes.contrast + NOISE_WORTH * look.noise
+    at_least = PLAIN_STEP * classes.contrast + LEAST_CONTRAST_SIGMAS * look.noise
     lightest = classes.light if side == "dark" else end - classes.dark
     share = PLAIN_STEP * classes.contrast / (lightest + at_least)
-    least = share * at_least + NOISE_WORTH * look.noise
+    least = share * at_least + LEAST_CONTRAST_SIGMAS * look.noise
     plain = tuple(np.float32(v) for v in (share, least, end, 1.0 if side == "dark" else -1.0))
     pairs = FIRST_PAIRS
     while True:
@@ -107,7 +104,7 @@ def leaves_out(look: Look, classes: Classes, side: Literal["dark", "light"]) -> 
         return False
     least = max(LEAST_CONTRAST, CLEAR_SIGMAS * look.noise)
     end, sign = (0.0, 1.0) if side == "dark" else (255.0, -1.0)
-    clear = tuple(np.float32(v) for v in (CLEAR_STEP, least, end, sign))
+    clear = tuple(np.float32(v) for v in (THIN_SHARE, least, end, sign))
     left = steps_off_level(look.grey, np.float32(classes.level), clear, FIRST_PAIRS)
     return bool(left >= FEWEST_CLEAR)
 
@@ -165,7 +162,7 @@ class Support:
         judge = self.judge
         support, pairs = support_by_level(judge.grey, judge.seen(shut), judge.values, cost, sample)
         # where no pair lies across a level the sum is but rounding
-        enough = LEAST_SUPPORT * cost * np.maximum(pairs, 1.0)
+        enough = FAINT * cost * np.maximum(pairs, 1.0)
         return np.where(support >= enough, support, 0.0), pairs
 
 

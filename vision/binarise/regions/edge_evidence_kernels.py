@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING, SUMS
+from vision.binarise.binarise_kernels import AT_A_TIME
 
 REACH = 4
 """Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
@@ -27,8 +28,6 @@ then, a sharp edge all of it."""
 SOFT = 0.4
 """Share of the outer step that a light that changes evenly has, and some more for one that does
 not: chosen, beyond a quarter."""
-SEGMENT = 128
-"""Pixels of a row that are looked at together: chosen, for time."""
 SAMPLED_PAIRS = 65536
 """Pairs of pixels that are looked at, about, where a whole picture is judged: chosen, for time."""
 
@@ -50,14 +49,14 @@ def steps_across_level(grey, level, weak, strong, plain, pairs):
     grey values begin, lies from it, and ``least``.
     """
     height, width = grey.shape
-    length = min(width - REACH, SEGMENT)
-    segments = max(1, (width - REACH) // SEGMENT)
+    length = min(width - REACH, AT_A_TIME)
+    segments = max(1, (width - REACH) // AT_A_TIME)
     step = max(1, 2 * height * segments * length // pairs)
     every, weaks, strongs, besides = 0.0, 0.0, 0.0, 0.0
     for i in range(0, (height - REACH) * segments, step):
         # the next segment each time, so that no column is left out
         y = i // segments
-        x = SEGMENT * ((i + y) % segments)
+        x = AT_A_TIME * ((i + y) % segments)
         here = grey[y, x : x + length]
         for down in (False, True):
             there = grey[y + REACH, x : x + length] if down else grey[y, x + REACH :]
@@ -98,13 +97,13 @@ def steps_off_level(grey, level, clear, pairs):
     the foot of an edge across the level is no edge of its own.
     """
     height, width = grey.shape
-    length = min(width - 3 * REACH, SEGMENT)
-    segments = max(1, (width - 3 * REACH) // SEGMENT)
+    length = min(width - 3 * REACH, AT_A_TIME)
+    segments = max(1, (width - 3 * REACH) // AT_A_TIME)
     step = max(1, 2 * height * segments * length // pairs)
     found = 0.0
     for i in range(REACH * segments, (height - 2 * REACH) * segments, step):
         y = i // segments
-        x = REACH + SEGMENT * ((i + y) % segments)
+        x = REACH + AT_A_TIME * ((i + y) % segments)
         found += _clear_steps(grey[y - REACH : y + 2 * REACH + 1], x, length, level, clear)
     return found
 

@@ -27,9 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise.binary import Binary
-from vision.binarise.grey_classes import LEAST_CONTRAST
-from vision.binarise.grey_picture import Look, calming_of
-from vision.binarise.regions.edge_evidence_kernels import steps_of_regions, typical_step
+from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
+from vision.binarise.grey_picture import LEAST_CONTRAST, Look, calming_of
+from vision.binarise.regions.edge_evidence_kernels import (
+    OUTER,
+    REACH,
+    steps_of_regions,
+    typical_step,
+)
 
 SIGMAS = 6.0
 """How far a border's step stands out of the noise at least: derived, noise alone does so twice in
@@ -49,14 +54,8 @@ OUT_OF_FOCUS = 2.0
 """By how much the sharp steps of a picture grow when it is halved, where it is out of focus:
 derived, at a blur of 2 px, before borders are no longer sharp (``benchmarks.vision.regions
 --tuning``: 177 pictures right, 172 with 3)."""
-LEAST_HALF_PX = 32
-"""Pixels of the shortest side of half a picture: chosen, twice what a pair looks at."""
-DARK_WORTH = 8.0
-"""Grey levels that are added before the root: chosen, the least contrast, which is nothing in the
-dark either."""
-NOISE_WORTH = 5.0
-"""The same in standard deviations of the noise: chosen, the least contrast of two classes in
-noise."""
+LEAST_HALF_PX = 2 * (REACH + 2 * OUTER)
+"""Pixels of the shortest side of half a picture: derived, twice what a pair looks at."""
 FAINT = 0.5
 """What a border has to have of the share that most of them have, to be of the same stuff, and each
 of its sides of its own: chosen, half-way between that and none."""
@@ -70,7 +69,8 @@ THICK_PX = 3.0
 """How far the middle of a faint obstacle lies from its border at least: chosen, joints are
 thinner."""
 THIN_SHARE = 0.15
-"""Share of the light that the border of a faint and thin one has at least: chosen, cables of half
+"""Share of the light that the border of a faint and thin one has at least, and a step off the level
+that is an edge of its own: chosen, cables of half
 the contrast have 0.12 to 0.3, joints of a floor 0.1 (``benchmarks.vision.regions --tuning``: 60 of
 80 cables found; 44 with 0.18, and 69 with 0.12, where a soft step has as much)."""
 
@@ -151,9 +151,12 @@ class Judge:
 
         The root, because light multiplies what the camera sees and its noise grows with the root
         of it. The logarithm would be right for the light alone, and puts the level of a blurred
-        edge too near its dark side.
+        edge too near its dark side. Before the root the least contrast is added, of the
+        classes and in noise, which is nothing in the dark either.
         """
-        root: NDArray[np.float64] = np.sqrt(light + (DARK_WORTH + NOISE_WORTH * self.noise))
+        root: NDArray[np.float64] = np.sqrt(
+            light + LEAST_CONTRAST + LEAST_CONTRAST_SIGMAS * self.noise
+        )
         return root
 
     @property
@@ -165,7 +168,7 @@ class Judge:
     @property
     def least(self) -> float:
         """What the step of a border is worth at least: the least contrast, and noise, in light."""
-        step = min(LEAST_CONTRAST + 2.0 * NOISE_WORTH * self.noise, 128.0)
+        step = min(LEAST_CONTRAST + 2.0 * LEAST_CONTRAST_SIGMAS * self.noise, 128.0)
         light, less = self.worth(np.array([255.0, 255.0 - math.ceil(step)]))
         return float(light - less)
 

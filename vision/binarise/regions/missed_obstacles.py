@@ -25,12 +25,12 @@ from vision.binarise.grey_picture import Look
 from vision.binarise.light import without_light
 from vision.binarise.regions.edge_evidence import Support
 from vision.binarise.regions.edge_evidence_kernels import REACH
-from vision.binarise.regions.judge import THICK_PX, Judge, Judged, faint_obstacles
+from vision.binarise.regions.judge import LEAST_SHARE, THICK_PX, Judge, Judged, faint_obstacles
 
 SPECKS = 0.2
 """Share of an obstacle's pixels below which those in the mask already are no obstacle: chosen."""
-SAID = 0.05
-"""The share from which a region is said to have been left out: chosen, half of ``LEAST_SHARE``."""
+SAID = 0.5 * LEAST_SHARE
+"""The share from which a region is said to have been left out: derived, half of what one has."""
 
 
 def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) -> Binary:
