@@ -34,7 +34,7 @@ from navigation.recording.events import (
     Told,
 )
 from navigation.recording.files import RecordingError, RecordingFiles
-from navigation.recording.json_bodies import LINK, configuration_body
+from navigation.recording.json_bodies import FLEET_WAITS, LINK, configuration_body
 from vision.calibration.calibration import Calibration
 from vision.calibration.calibration_file import calibration_text
 from vision.camera.camera import Frame
@@ -97,8 +97,10 @@ class Recorder:
         self._pictures_waiting = 0
         self._stopping = False
         self._last_picture_s = -math.inf
-        self._counted_s: dict[str, float] = {}
+        self._counted: dict[str, tuple[float, bool]] = {}
+        """When the link's counters were recorded, and whether it was up."""
         self._said: dict[str, tuple[State, str]] = {}
+        self._waits: tuple[Mapping[str, str], Mapping[str, str]] = ({}, {})
         self._put = self._pictures = self._dropped = self._events = 0
         self._failed = ""
         self.turns = 0
@@ -219,9 +221,10 @@ class Recorder:
             level = _LEVELS.get(now.mission.state, "info")
             sentence = hide(f"{now.mission.state.value}: {now.sentence}")
             self.put(Told(time_s, level, sentence, robot or "mission"))
-        if time_s - self._counted_s.get(robot, -math.inf) >= COUNTERS_EVERY_S:
-            self._counted_s[robot] = time_s
-            link = now.link
+        link, (counted_s, was_up) = now.link, self._counted.get(robot, (-math.inf, False))
+        is_up = link.down_reason is None
+        if time_s - counted_s >= COUNTERS_EVERY_S or is_up is not was_up:
+            self._counted[robot] = (time_s, is_up)
             values = {
                 "state": link.state.value,
                 "down_reason": link.down_reason,
@@ -232,6 +235,21 @@ class Recorder:
             }
             topic = f"{LINK}/{robot}" if robot else LINK
             self.put(Counted(time_s, topic, hide_in(values)))
+
+    def robots(
+        self,
+        each: Mapping[str, DaemonState],
+        waits: Mapping[str, str],
+        waits_for: Mapping[str, str],
+        time_s: float,
+    ) -> None:
+        """The states of several robots, and where that is news which wait, why, and for whom."""
+        for name, one in each.items():
+            self.state(one, time_s, name)
+        if (waits, waits_for) != self._waits:
+            self._waits = (waits, waits_for)
+            values = {"waits": dict(waits), "waits_for": dict(waits_for)}
+            self.put(Counted(time_s, FLEET_WAITS, hide_in(values)))
 
     # The recorder's thread.
 

@@ -49,8 +49,9 @@ PLANS: Final = "/clearway/plans"
 LINK: Final = "/clearway/link"
 FLEET_REQUESTS: Final = "/clearway/fleet/requests"
 FLEET_PLANS: Final = "/clearway/fleet/plans"
+FLEET_WAITS: Final = "/clearway/fleet/waits"
 TOPICS: Final = (
-    CONFIGURATION, FRAMES, SCENES, REQUESTS, PLANS, FLEET_REQUESTS, FLEET_PLANS, LINK,
+    CONFIGURATION, FRAMES, SCENES, REQUESTS, PLANS, FLEET_REQUESTS, FLEET_PLANS, FLEET_WAITS, LINK,
 )  # fmt: skip
 """Topics of JSON messages, and ``LINK/NAME`` of several robots; the others are Foxglove's own
 schemas."""

@@ -227,8 +227,8 @@ class FleetDaemon:
         self._coordinate(now_s, decided, answer)
         self.state = self._state(now_s, decided)
         if self._recorder is not None:
-            for name, one in self.state.robots.items():
-                self._recorder.state(one, now_s, name)
+            now = self.state
+            self._recorder.robots(now.robots, now.waits, now.waits_for, now_s)
         with self._turned:
             self._ended += 1
             self._turned.notify_all()
