@@ -38,8 +38,13 @@ class Chronicles:
         camera: CameraStatus,
         wire_s: float | None,
         wall_s: float,
+        *,
+        charted: bool = True,
     ) -> None:
-        """Take what is new; ``wire_s`` is a capture-to-wire time that was not told yet."""
+        """Take what is new; ``wire_s`` is a capture-to-wire time that was not told yet.
+
+        ``charted`` False leaves the charts as they are.
+        """
         if fleet is None:
             self.all.see(state, camera, wall_s)
         else:
@@ -50,4 +55,5 @@ class Chronicles:
                 chronicle.see_robot(mine, wall_s)
             if wire_s is not None:
                 chronicle.time_wire(wire_s)
-            chronicle.sample(mine, camera)
+            if charted:
+                chronicle.sample(mine, camera)

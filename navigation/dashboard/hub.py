@@ -152,7 +152,7 @@ class Hub:
         news = False
         if state is not self._state:
             self._state, self._fleet, self._seen_s = state, self.daemon.fleet, now_s
-            self._observe(state)
+            self._observe(state, self._fleet)
             news = self._renew_plan(state)
             self._renew_world(state)
         self._renew_heat(state)
@@ -243,7 +243,7 @@ class Hub:
 
     # What is kept ready.
 
-    def _observe(self, state: DaemonState) -> None:
+    def _observe(self, state: DaemonState, fleet: FleetState | None) -> None:
         configs = self.chronicles.configs.values() or (self.daemon.config,)
         driven = {one.robot.marker_id for one in configs}
         self._others.update((i, pose) for i, pose in state.poses.items() if i not in driven)
@@ -251,7 +251,7 @@ class Hub:
         wire_s = self.daemon.last_wire_s()
         news_s = None if wire_s == self._wire_s else wire_s
         self._wire_s = wire_s
-        self.chronicles.see(state, self._fleet, camera, news_s, self.wall_clock())
+        self.chronicles.see(state, fleet, camera, news_s, self.wall_clock())
 
     def _tell(self, state: DaemonState, now_s: float) -> str:
         return json.dumps(self._facts(state, now_s), allow_nan=False)

@@ -7,17 +7,21 @@ decoded when it is asked for. Times are the run's clock, seconds; wall times sec
 from __future__ import annotations
 
 import json
+import math
 import struct
 from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias, TypeVar
 
 from mcap.exceptions import McapError
 from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import CRCValidationError, StreamReader
 
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import Station
 from navigation.recording import json_bodies as bodies
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import (
@@ -33,10 +37,12 @@ from navigation.recording.reader import (
 )
 from vision.camera.camera import Image
 
+T = TypeVar("T")
 LOG: Final = "/log"
 _SENTENCE_FIELD, _SOURCE_FIELD = 3, 4
 """`message` and `name` in foxglove.Log."""
-MISSION: Final = b"mission"
+MISSION: Final = "mission"
+"""The source in the log of what a single robot's mission is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,19 +56,39 @@ class TapedPicture:
     number: int
 
 
+@dataclass(frozen=True, slots=True)
+class TapedPlan:
+    """What one robot was planned, as `json_bodies.plan_body` has it, and where it goes."""
+
+    time_s: float
+    stations: tuple[Station, ...]
+    answer: dict[str, Any]
+
+
+Waits: TypeAlias = tuple[dict[str, str], dict[str, str]]
+"""Who waits and why, and for whom, by name."""
+
+
 @dataclass(slots=True)
 class Tape:
-    """A recording, ordered by time; `read_tape` makes one. Lists are ascending."""
+    """A recording, ordered by time; `read_tape` makes one. Lists are ascending.
+
+    What there is once for each robot is kept by its name; that of a single one is "".
+    """
 
     recording: Recording
     wall_offset_s: float
     """Wall time minus the run's clock."""
     frames: list[SeenFrame]
     pictures: list[TapedPicture] = field(default_factory=list)
-    said: list[tuple[float, str]] = field(default_factory=list)
+    plans: dict[str, list[TapedPlan]] = field(default_factory=lambda: defaultdict(list))
+    said: dict[str, list[tuple[float, str]]] = field(default_factory=lambda: defaultdict(list))
     """What the mission was and why: ``state: sentence``."""
-    links: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
+    links: dict[str, list[tuple[float, dict[str, Any]]]] = field(
+        default_factory=lambda: defaultdict(list)
+    )
     """The link's counters."""
+    waits: list[tuple[float, Waits]] = field(default_factory=list)
 
     @property
     def begin_s(self) -> float:
@@ -82,6 +108,20 @@ class Tape:
         """How many pictures had been looked at."""
         return bisect_right(self.frames, time_s, key=lambda seen: seen.captured_s)
 
+    def seen_between(self, begin_s: float, end_s: float, every_s: float) -> Iterator[float]:
+        """When something was seen, at least ``every_s`` apart."""
+        last_s = -math.inf
+        for seen in self.frames[self.count_until(begin_s) : self.count_until(end_s)]:
+            if seen.captured_s - last_s >= every_s:
+                last_s = seen.captured_s
+                yield last_s
+
+    def told_until(self, time_s: float, most: int) -> list[float]:
+        """When something was said of a mission, the newest ``most`` times."""
+        return sorted({at_s for said in self.said.values() for at_s, _ in said if at_s <= time_s})[
+            -most:
+        ]
+
     def scene_at(self, time_s: float) -> SeenScene | None:
         """The newest scene."""
         scenes = self.recording.scenes
@@ -90,21 +130,23 @@ class Tape:
             return scenes[0]
         return scenes[at - 1] if at else None
 
-    def plan_at(self, time_s: float) -> Planned | None:
-        """The newest plan, or the newest word that there is none."""
-        plans = self.recording.plans
-        at = bisect_right(plans, time_s, key=lambda plan: float(plan.answer["time_s"]))
+    def plan_at(self, time_s: float, robot: str = "") -> TapedPlan | None:
+        """A robot's newest plan, or the newest word that there is none."""
+        plans = self.plans.get(robot, [])
+        at = bisect_right(plans, time_s, key=lambda plan: plan.time_s)
         return plans[at - 1] if at else None
 
-    def said_at(self, time_s: float) -> str | None:
-        """``state: sentence`` of the mission."""
-        at = bisect_right(self.said, time_s, key=lambda one: one[0])
-        return self.said[at - 1][1] if at else None
+    def said_at(self, time_s: float, robot: str = "") -> str | None:
+        """``state: sentence`` of a robot's mission."""
+        return _newest(self.said.get(robot, []), time_s)
 
-    def link_at(self, time_s: float) -> dict[str, Any] | None:
-        """The newest counters of the link."""
-        at = bisect_right(self.links, time_s, key=lambda one: one[0])
-        return self.links[at - 1][1] if at else None
+    def link_at(self, time_s: float, robot: str = "") -> dict[str, Any] | None:
+        """The newest counters of a robot's link."""
+        return _newest(self.links.get(robot, []), time_s)
+
+    def waits_at(self, time_s: float) -> Waits:
+        """Who waits for whom; nobody, where nothing was recorded of that."""
+        return _newest(self.waits, time_s) or ({}, {})
 
     def picture_at(self, time_s: float) -> TapedPicture | None:
         """The newest picture."""
@@ -143,17 +185,44 @@ def read_tape(path: Path) -> Tape:
                 number = len(tape.pictures)
                 place = (offset, message.channel_id, number)
                 tape.pictures.append(TapedPicture(seen.captured_s, message.log_time, *place))
-        elif topic == LOG and bytes_field(message.data, _SOURCE_FIELD) == MISSION:
-            sentence = bytes_field(message.data, _SENTENCE_FIELD)
-            tape.said.append((time_s, sentence.decode(errors="replace")))
-        elif topic == bodies.LINK:
-            tape.links.append((time_s, json.loads(message.data)))
-    tape.said.sort(key=lambda one: one[0])
-    tape.links.sort(key=lambda one: one[0])
+        elif topic == LOG:
+            source = bytes_field(message.data, _SOURCE_FIELD).decode(errors="replace")
+            sentence = bytes_field(message.data, _SENTENCE_FIELD).decode(errors="replace")
+            alone = source == MISSION and not recording.config.robots
+            tape.said["" if alone else source].append((time_s, sentence))
+        elif topic == bodies.LINK or topic.startswith(f"{bodies.LINK}/"):
+            name = topic.removeprefix(bodies.LINK).removeprefix("/")
+            tape.links[name].append((time_s, json.loads(message.data)))
+        elif topic == bodies.FLEET_WAITS:
+            told = json.loads(message.data)
+            tape.waits.append((time_s, (told["waits"], told["waits_for"])))
+    moments: list[list[Any]] = [*tape.said.values(), *tape.links.values(), tape.waits]
+    for one_kind in moments:
+        one_kind.sort(key=lambda one: one[0])
     tape.pictures.sort(key=lambda one: one.captured_s)
     recording.scenes.sort(key=lambda scene: scene.captured_s)
-    recording.plans.sort(key=lambda plan: float(plan.answer["time_s"]))
+    for planned in sorted(recording.plans, key=lambda plan: float(plan.answer["time_s"])):
+        for name, plan in _plans_in(planned):
+            tape.plans[name].append(plan)
     return tape
+
+
+def _plans_in(planned: Planned) -> Iterator[tuple[str, TapedPlan]]:
+    """What each robot was planned by one answer, by name."""
+    request, answer = planned.request, planned.answer
+    time_s = float(answer["time_s"])
+    if isinstance(request, PlanRequest):
+        yield "", TapedPlan(time_s, request.stations, answer)
+        return
+    goals = {one.name: one.station for one in (*request.travellers, *request.idle)}
+    for name, mine in answer["robots"].items():
+        yield name, TapedPlan(time_s, (goals[name],) if name in goals else (), mine)
+
+
+def _newest(moments: list[tuple[float, T]], time_s: float) -> T | None:
+    """What was said last; ``moments`` ascending."""
+    at = bisect_right(moments, time_s, key=lambda one: one[0])
+    return moments[at - 1][1] if at else None
 
 
 def _placed_messages(path: Path) -> Iterator[tuple[int, str, Message]]:

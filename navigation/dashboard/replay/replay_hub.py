@@ -11,14 +11,17 @@ from typing import Any, Final
 
 from navigation.dashboard.chronicles import Chronicles
 from navigation.dashboard.hub import Hub
-from navigation.dashboard.messages.chronicle import SAMPLE_EVERY_S, SAMPLES
+from navigation.dashboard.messages.chronicle import LOG_LINES, SAMPLE_EVERY_S, SAMPLES
 from navigation.dashboard.replay.player import SPEEDS, Player
 from navigation.dashboard.replay.replayed_run import IT_IS_A_RECORDING, ReplayedRun
 from navigation.loop.daemon_state import DaemonState
+from navigation.loop.fleet.fleet_state import FleetState
 from navigation.shared.outside import finite_number, in_short
 
-TRACK_STEPS: Final = 3000
-"""How many moments a track of the past is made of at most."""
+TRACK_EVERY_S: Final = 0.2
+"""Places of a track of the past are as far apart, well below where it breaks (`UNSEEN_S`)."""
+TRACK_PLACES: Final = 12_000
+"""All tracks have as many places together, at most: half a second's work."""
 
 
 class ReplayHub(Hub):
@@ -75,23 +78,21 @@ class ReplayHub(Hub):
         self.chronicles = Chronicles(self.daemon.config)
         self.chronicle = self.chronicles.all
         run = self.run_shown
-        wall_s = run.tape.begin_s + run.tape.wall_offset_s
-        charted_s = place_s - SAMPLES * SAMPLE_EVERY_S
-        step_s = max(SAMPLE_EVERY_S, place_s / TRACK_STEPS)
-        at_s = 0.0
-        while at_s < place_s:
-            state, camera = run.state_at(at_s), run.camera_at(at_s)
-            self.chronicle.see(state, camera, wall_s + at_s)
-            if at_s >= charted_s:
-                self.chronicle.sample(state, camera)
-            at_s += step_s
+        tape, now_s = run.tape, run.tape.begin_s + place_s
+        track_s = TRACK_EVERY_S * TRACK_PLACES / max(1, len(self.chronicles.each))
+        tracked = tape.seen_between(now_s - track_s, now_s, TRACK_EVERY_S)
+        for time_s in sorted({*tape.told_until(now_s, LOG_LINES), *tracked}):
+            at_s = time_s - tape.begin_s
+            charted = time_s >= now_s - SAMPLES * SAMPLE_EVERY_S
+            state, fleet = run.at(at_s, in_short=not charted)
+            seen = (state, fleet, run.camera_at(at_s), None, time_s + tape.wall_offset_s)
+            self.chronicles.see(*seen, charted=charted)
         self.epoch += 1
         self.wake()
 
-    def _observe(self, state: DaemonState) -> None:
+    def _observe(self, state: DaemonState, _fleet: FleetState | None) -> None:
         """In the run's own times: whoever plays fast has not lifted the robot."""
-        run = self.run_shown
-        super()._observe(run.state_at(state.time_s))
+        super()._observe(*self.run_shown.at(state.time_s))
         self._others.update(  # as old as they are shown
             (i, pose) for i, pose in state.poses.items() if i in self._others
         )

@@ -74,7 +74,7 @@ export class MissionPanel {
     put("mission-state", word);
     put("sentence", sentence(state));
     this.#list(mission);
-    if (state.replay) put("fact-stations", mission.stations.length ? `${mission.stations.length} planned` : "–");
+    if (state.replay) put("fact-stations", mission.stations.length ? String(mission.stations.length) : "–");
     else put("fact-stations", mission.stations.length ? `${mission.visited} of ${mission.stations.length}` : "–");
     put("fact-to-go", metres(mission.state === "driving" ? state.to_go_m : null, 2));
     put("fact-clearance", metres(state.clearance_m, 3));

@@ -7,16 +7,13 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from navigation.config import load_config
 from navigation.fleet.request import FleetRequest
 from navigation.recording.compare import Tolerances
 from navigation.recording.reader import read_recording
-from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.replay import replay
 from tests.support.pictures import call
-from tests.support.runs.recordings import EVERY
+from tests.support.runs.recordings import EVERY, record_alcove
 
-CONFIGS = Path(__file__).parents[3] / "configs"
 EXACT = Tolerances(1e-9, 1e-9, 1e-9, 1e-9, 1e-9)
 SECONDS = 1.5
 
@@ -24,16 +21,8 @@ SECONDS = 1.5
 @pytest.fixture(scope="module")
 def alcove(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two robots have been planned together and have set off; every picture, without loss."""
-    config = load_config(CONFIGS / "alcove.yaml", {})
-    recording = config.recording.model_copy(update=EVERY)
     folder = tmp_path_factory.mktemp("alcove")
-    run_fleet_virtually(
-        config.model_copy(update={"recording": recording}),
-        look=lambda _daemon, now: now.time_s > SECONDS,
-        record=folder,
-    )
-    (file,) = folder.glob("*.mcap")
-    return file
+    return record_alcove(folder, lambda _daemon, now: now.time_s > SECONDS, **EVERY)
 
 
 def test_each_robot_has_channels_of_its_own_name(alcove: Path) -> None:

@@ -13,12 +13,15 @@ from typing import Any
 
 from navigation.config import Config, load_config
 from navigation.loop.eye import Eye
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.recorder import Recorder
 from navigation.loop.stages import eye_settings, marked_robots, plan_settings
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen
+from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import make_camera
 from navigation.simulator.settings import true_start_of
@@ -105,3 +108,14 @@ def make_recording(
     with bench.recorder:
         each(bench)
     return sorted(folder.glob("*.mcap"))
+
+
+def record_alcove(
+    folder: Path, until: Callable[[FleetDaemon, FleetState], bool], **recording: Any
+) -> Path:
+    """The recording of two robots that meet in a corridor with one niche, ``until`` says so."""
+    config = load_config(CONFIGS / "alcove.yaml", {})
+    changed = config.recording.model_copy(update=recording)
+    run_fleet_virtually(config.model_copy(update={"recording": changed}), look=until, record=folder)
+    (file,) = folder.glob("*.mcap")
+    return file

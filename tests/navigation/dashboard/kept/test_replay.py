@@ -75,10 +75,10 @@ def test_every_picture_is_found_by_its_place_in_the_file(tape: Tape, file: Path)
 
 
 def test_a_moment_is_what_was_recorded_then(tape: Tape, run: ReplayedRun) -> None:
-    begin = run.state_at(0.0)
+    begin = run.at(0.0)[0]
     assert (begin.mission.state, begin.mission.stations) == (State.IDLE, ())
-    assert wait_until(lambda: run.state_at(0.7).roadmap is not None)
-    middle = run.state_at(0.7)
+    assert wait_until(lambda: run.at(0.7)[0].roadmap is not None)
+    middle = run.at(0.7)[0]
     assert (middle.mission.state, middle.mission.reason) == (
         State.DRIVING,
         "driving to station 1 of 1",
@@ -94,7 +94,7 @@ def test_a_moment_is_what_was_recorded_then(tape: Tape, run: ReplayedRun) -> Non
     seen_so_far = [run.camera_at(place_s).captured for place_s in (0.0, 0.7)]
     assert seen_so_far == [1, tape.count_until(tape.begin_s + 0.7)]
     assert run.camera_at(0.7).rate_hz == pytest.approx(30.0, rel=0.2)
-    end = run.state_at(tape.end_s - tape.begin_s)
+    end = run.at(tape.end_s - tape.begin_s)[0]
     assert (end.mission.state, end.path) == (State.DONE, None)
 
 

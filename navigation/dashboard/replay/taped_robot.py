@@ -1,0 +1,149 @@
+"""One robot of a recording at any moment, as its daemon published it: mission, link, plan.
+
+What was not recorded is None or empty, never made up. Metres, radians, seconds of the run's clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Final
+
+import numpy as np
+
+from firmware_protocol.host.counters import HostCounters
+from firmware_protocol.host.state import LinkState
+from firmware_protocol.wire.framing import ParserCounters
+from navigation.config import Config
+from navigation.link.link_snapshot import LinkSnapshot
+from navigation.loop.daemon_state import DaemonState, StageTimes
+from navigation.mission.mission import Mission, State
+from navigation.mission.watch import Action, Verdict
+from navigation.recording.tape import Tape, TapedPlan
+from planner.borders.polyline import arc_lengths
+from planner.path import Path
+from planner.roadmap.roadmap import Roadmap
+from vision.camera.camera import Frame
+from vision.markers.markers import RobotPose
+
+DRIVEN: Final = frozenset((State.DRIVING, State.PROVING, State.HOLDING, State.PLANNING))
+"""Where a plan is shown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What all robots share at a moment: ``place_s`` after the recording's beginning."""
+
+    time_s: float
+    place_s: float
+    poses: Mapping[int, RobotPose]
+    roadmap: Roadmap | None
+    frame: Frame | None
+
+
+class TapedRobot:
+    """A robot of a tape; ``name`` is "" where there is one, ``config`` its own."""
+
+    def __init__(self, tape: Tape, name: str, config: Config) -> None:
+        self.tape, self.name, self.config = tape, name, config
+        self._path: tuple[TapedPlan | None, Path | None] = (None, None)
+
+    def pose_at(self, moment: Moment) -> RobotPose | None:
+        """Where it was seen last."""
+        return moment.poses.get(self.config.robot.marker_id)
+
+    def state_at(
+        self, moment: Moment, clearance_m: float | None, *, in_short: bool = False
+    ) -> DaemonState:
+        """All of it, in the times that ``moment`` has; ``in_short`` without its plan."""
+        mission, pose = self.mission_at(moment.time_s), self.pose_at(moment)
+        path = None
+        if mission.state in DRIVEN and not in_short:
+            path = self._path_of(self.tape.plan_at(moment.time_s, self.name), moment.roadmap)
+        return DaemonState(
+            time_s=moment.place_s,
+            mission=mission,
+            sentence=mission.reason,
+            pose=pose,
+            link=self._link_at(moment.time_s, mission.state),
+            to_go_m=None if path is None or pose is None else _to_go_m(path, pose),
+            clearance_m=clearance_m,
+            verdict=Verdict(Action.GO, ()),
+            frame=moment.frame,
+            poses=moment.poses,
+            roadmap=moment.roadmap,
+            path=path,
+            times=StageTimes(),
+        )
+
+    def mission_at(self, time_s: float) -> Mission:
+        """What was said of its mission, with the stations that were planned for last."""
+        said = self.tape.said_at(time_s, self.name)
+        planned = self.tape.plan_at(time_s, self.name)
+        stations = () if planned is None else planned.stations
+        if said is None:
+            return Mission(stations, reason="nothing was said of the mission yet")
+        name, _, sentence = said.partition(": ")
+        try:
+            return Mission(stations, state=State(name), reason=sentence)
+        except ValueError:  # of a program that has other states
+            return Mission(stations, reason=said)
+
+    def _link_at(self, time_s: float, state: State) -> LinkSnapshot:
+        known = self.tape.link_at(time_s, self.name)
+        if known is None:
+            return LinkSnapshot(LinkState.CLOSED, "nothing was recorded of the link yet", math.inf)
+        down = known.get("down_reason")
+        link = known.get("state")
+        names = {one.value for one in LinkState}
+        return LinkSnapshot(
+            LinkState(link) if link in names else LinkState.CLOSED,
+            str(down) if down is not None else None,
+            math.inf,
+            moving=state is State.DRIVING,
+            executed=int(known.get("executed") or 0),
+            rtt_s=known.get("rtt_s"),
+            sent=HostCounters(**_known(HostCounters, known.get("sent"))),
+            received=ParserCounters(**_known(ParserCounters, known.get("received"))),
+        )
+
+    def _path_of(self, planned: TapedPlan | None, roadmap: Roadmap | None) -> Path | None:
+        if planned is None or roadmap is None or planned.answer.get("status") != "ok":
+            return None
+        if self._path[0] is not planned or self._path[1] is None:
+            points = np.asarray(planned.answer["path"], dtype=np.float64).reshape(-1, 2)
+            if len(points) < 2:
+                return None
+            least = roadmap.path_clearance(points)
+            path = Path(
+                points,
+                roadmap.clearance(points),
+                float(planned.answer["length_m"]),
+                float(planned.answer["min_clearance_m"]),
+                least.at,
+                self.config.robot.radius_m,
+                (0, len(points) - 1),
+                (None, None),
+            )
+            self._path = (planned, path)
+        return self._path[1]
+
+
+def _to_go_m(path: Path, pose: RobotPose) -> float:
+    """What is left of the path from its place nearest to the robot."""
+    begins, steps = path.points[:-1], np.diff(path.points, axis=0)
+    squares = np.maximum((steps**2).sum(axis=1), np.finfo(float).tiny)
+    off = np.array((pose.x, pose.y)) - begins
+    shares = np.clip((off * steps).sum(axis=1) / squares, 0.0, 1.0)
+    nearest = int(np.hypot(*(off - shares[:, None] * steps).T).argmin())
+    lengths = arc_lengths(path.points)
+    passed_m = lengths[nearest] + shares[nearest] * (lengths[nearest + 1] - lengths[nearest])
+    return float(lengths[-1] - passed_m)
+
+
+def _known(kind: Any, values: object) -> dict[str, Any]:
+    """Of recorded counters those that there are, whole numbers."""
+    names = {one.name for one in fields(kind)}
+    given = values if isinstance(values, dict) else {}
+    return {name: value for name, value in given.items() if name in names}
