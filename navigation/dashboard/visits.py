@@ -2,8 +2,8 @@
 
 Rules
 - All of it is for operators, and what changes something is for the one who holds the arena.
-- Something is changed while no mission is under way and the robot is not stopped: nobody sets the
-  robot going, or leaves a stop, by it.
+- Something is changed while no robot has a mission under way or is stopped: nobody sets a robot
+  going, or leaves a stop, by it.
 - A body is JSON; its ``key`` is the seat's.
 - Work is done in a worker thread: neither the page nor the control loop waits.
 """
@@ -68,12 +68,14 @@ class Visits:
             return JSONResponse({"ok": False, "error": "take the arena first"})
 
         def work() -> dict[str, Any]:
-            state = hub.daemon.describe()["state"]
-            if state not in AT_REST:
-                first = "re-arm the robot" if state == State.STOPPED.value else "stop"
+            told = hub.daemon.describe()
+            robots = told.get("robots", {"": told})  # of several each, asked at this moment
+            states = {one["state"] for one in robots.values()}
+            if not states <= AT_REST:
+                first = "re-arm the robot" if State.STOPPED.value in states else "stop"
                 raise RefusedError(
-                    f"{self._subject} are changed while no mission is under way and the robot is "
-                    f"not stopped: {first} first"
+                    f"{self._subject} are changed while no mission is under way and no robot is "
+                    f"stopped: {first} first"
                 )
             return {"ok": True, "said": act(body)}
 

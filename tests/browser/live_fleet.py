@@ -16,6 +16,7 @@ from navigation.config import Config, parse_config
 from navigation.config.several.each_robot import each_robot
 from navigation.dashboard import Dashboard, ShownFleet
 from navigation.dashboard.hub import Hub
+from navigation.dashboard.settings.desk import Desk
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.people import People
 from navigation.mission.cycle import PlanAnswer
@@ -88,7 +89,7 @@ class _OneAtATime(People):
 class LiveFleet:
     """Daemon, control loop and dashboard of several robots."""
 
-    def __init__(self, config: Config) -> None:
+    def __init__(self, config: Config, desk: Desk | None = None) -> None:
         self.config = config
         self.world = FleetVirtualWorld(config)
         self.daemon = FleetDaemon(config, self.world, first_mission_id=FIRST_MISSION_ID)
@@ -101,6 +102,7 @@ class LiveFleet:
             ShownFleet(self.daemon, self.people),
             say=self.said.append,
             clock=self.world.clock,
+            desk=desk,
         )
 
     def __enter__(self) -> LiveFleet:

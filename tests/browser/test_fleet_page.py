@@ -1,15 +1,22 @@
 """The page of six robots in a real browser: choosing, sending, waiting, stopping all and one."""
 
 import math
+import shutil
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 from playwright.sync_api import Browser, ConsoleMessage, Page, expect
 
+from navigation.cli.setup.check import file_problems
+from navigation.config.load import load_config
+from navigation.config.several.each_robot import each_robot
+from navigation.dashboard.settings.desk import Around, Desk
 from navigation.mission.mission import State, Station
 from tests.browser.acting import click_at
+from tests.browser.live import CONFIGS
 from tests.browser.live_fleet import EXCHANGE, LiveFleet, fleet_config
 from tests.browser.pages import Keep
 from tests.support.waiting import wait_until
@@ -29,8 +36,17 @@ OpenFleet = Callable[..., Page]
 
 
 @pytest.fixture(scope="module")
-def program(browser: Browser) -> Iterator[LiveFleet]:
-    with LiveFleet(fleet_config()) as live:
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The configuration that the page may change."""
+    shutil.copytree(CONFIGS, folder := tmp_path_factory.mktemp("fleet") / "etc")
+    return folder / "fleet.yaml"
+
+
+@pytest.fixture(scope="module")
+def program(browser: Browser, file: Path) -> Iterator[LiveFleet]:
+    state = file.parents[1] / "state"
+    desk = Desk(Around(file, state, {}, file_problems, lambda: ([], []), reload=lambda: None))
+    with LiveFleet(fleet_config(), desk) as live:
         yield live
 
 
@@ -152,6 +168,49 @@ def test_who_waits_for_whom_is_in_the_list_and_in_the_picture(
     )
     assert strokes == 5
     keep(page, "fleet_light")
+
+
+def test_one_robot_s_settings_are_changed_with_the_keyboard_at_rest_only(
+    open_fleet: OpenFleet, live: LiveFleet, file: Path, keep: Keep
+) -> None:
+    page = open_fleet()
+    page.locator("#settings-open").focus()
+    page.keyboard.press("Enter")
+    page.locator("#settings-find").fill("bob")
+    radius = page.locator("[data-key='robots[1].radius_m'] input")
+    expect(radius).to_be_visible()
+    expect(page.locator("[data-key='robots[0].radius_m']")).to_be_hidden()
+    expect(radius).to_have_attribute("placeholder", "0.07")
+    radius.fill("-1")
+    problem = page.locator("[data-key='robots[1].radius_m'] .problem")
+    expect(problem).to_contain_text("must be > 0")
+    keep(page, "fleet_settings")
+    radius.fill("0.075")
+    expect(problem).to_have_text("")
+    page.locator("#settings-find").fill("")
+    marker = page.locator("[data-key='robots[0].marker_id'] input")
+    page.locator("summary", has_text="robots: ada").press("Enter")
+    marker.fill("3")
+    clash = page.locator("[data-key='robots[2].marker_id'] .problem")
+    expect(clash).to_contain_text("already")  # its section has opened
+    expect(clash).to_be_visible()
+    marker.fill("1")
+    expect(clash).to_be_empty()
+    save = page.locator("#settings-save")
+    expect(save).to_have_attribute("aria-disabled", "false")
+    live.people.stop("somebody works here", "dan")
+    save.press("Enter")
+    expect(page.locator("#settings-said")).to_contain_text("no mission is under way")
+    live.people.resume("dan")
+    assert wait_until(lambda: live.state("dan") is State.IDLE)
+    save.press("Enter")
+    expect(page.locator("#settings-said")).to_contain_text("Saved robots[1].radius_m")
+    assert each_robot(load_config(file, {}))["bob"].robot.radius_m == 0.075
+    page.locator("#settings-undo").press("Enter")
+    expect(page.locator("#settings-said")).to_contain_text("is undone")
+    assert each_robot(load_config(file, {}))["bob"].robot.radius_m == 0.07
+    page.keyboard.press("Escape")
+    expect(page.locator("#settings")).to_be_hidden()
 
 
 @pytest.mark.parametrize("look", list(LOOKS))

@@ -116,7 +116,7 @@ def command(
         )
         reload = _Reload(config, loaded, runner, log)
         runner.waits = waits
-        if not (no_dashboard or fleet):
+        if not no_dashboard:
             runner.desk = _desk(config, reload)
         with signals_heard(runner, reload):
             done, folder, exit_code = (

@@ -4,6 +4,8 @@ Rules
 - Changed here are numbers, switches, choices, and lists of numbers, and which of the devices that
   are plugged in is the camera and the robot's port. Everything else is shown only, with the
   reason: a file's name, an address or a command opens what the page's user may not open.
+- Each of several robots is a section of its own, with what differs from ``robot`` and ``serial``;
+  its name is shown only, since missions and starts go by it. Robots are listed in the file.
 - ``safety`` and ``dashboard`` are shown only: who may reach the page does not decide what keeps
   the robot from harm, nor who else may come.
 - What is typed is read as YAML's core schema reads it, so a form and a file mean the same.
@@ -15,17 +17,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from navigation.config.editing.in_text import Words, present_value, value_text
-from navigation.config.marks import read_document
+from navigation.config.editing.in_text import present_value, value_text
+from navigation.config.entries import RobotEntry
+from navigation.config.errors import key_name
+from navigation.config.marks import Location, read_document
 from navigation.config.reference import json_schema
 from navigation.config.secrecy.secrets import SECRET_KEY
-from navigation.config.sections import SIMULATED
+from navigation.config.sections import SIMULATED, RobotSection, SerialSection
 
 SHOWN_SECTIONS: Final = {
     "safety": "what keeps the robot from harm is changed in the file",
     "dashboard": "who may reach this page is changed in the file",
 }
-DEVICE_KEYS: Final = {("camera", "source"): "cameras", ("serial", "port"): "ports"}
+DEVICE_KEYS: Final = {
+    ("camera", "source"): "cameras",
+    ("serial", "port"): "ports",
+    ("robots", "port"): "ports",
+}
+"""The keys that name a device, without the numbers of entries."""
+ROBOTS: Final = "robots"
+NAME: Final = (ROBOTS, "name")
 MOST_TYPED: Final = 500
 _LIMITS: Final = {
     "exclusiveMinimum": "above",
@@ -43,7 +54,7 @@ class TypedError(ValueError):
 class Key:
     """One key of the form: its place, its schema, and why it is only shown ("": it can change)."""
 
-    where: Words
+    where: Location
     kind: str
     """``number``, ``whole``, ``flag``, ``choice``, ``list`` or ``text``."""
     schema: Mapping[str, Any]
@@ -53,7 +64,18 @@ class Key:
     @property
     def name(self) -> str:
         """As people write it: ``camera.rate_hz``."""
-        return ".".join(self.where)
+        return key_name(self.where)
+
+    @property
+    def section(self) -> Location:
+        """The section that it is in; an entry of a list is one, too."""
+        return self.where[: 1 if self.entry is None else 2]
+
+    @property
+    def entry(self) -> int | None:
+        """Which entry of a list it is of, from 0; None where it is of none."""
+        number = self.where[1] if len(self.where) > 1 else None
+        return number if isinstance(number, int) else None
 
     def value_of(self, typed: str) -> Any:
         """What was typed as plain data, None for "as without the key"; ``TypedError``."""
@@ -73,11 +95,22 @@ class Key:
         return document.data
 
 
-def form_keys(cameras: Sequence[str] = (), ports: Sequence[str] = ()) -> Iterator[Key]:
-    """Every key of a configuration, in the order of the reference; devices by their paths."""
-    schema = json_schema()
+def form_keys(text: str, cameras: Sequence[str] = (), ports: Sequence[str] = ()) -> Iterator[Key]:
+    """Every key of a configuration's text, in the order of the reference; devices by their paths.
+
+    Of several robots each has the keys of an entry.
+    """
+    schema, data = json_schema(), read_document(text).data
+    models = schema["$defs"]
     devices = {"cameras": cameras, "ports": ports}
-    yield from _keys((), schema["properties"], schema["$defs"], devices)
+    robots = present_value(data, (ROBOTS,))
+    for name, whole in schema["properties"].items():
+        if name == ROBOTS and isinstance(robots, list) and robots:
+            entry = models[_section_of(whole["items"])]["properties"]
+            for number in range(len(robots)):
+                yield from _keys((ROBOTS, number), entry, models, devices)
+        else:
+            yield from _keys((), {name: whole}, models, devices)
 
 
 def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
@@ -88,18 +121,38 @@ def form(text: str, keys: Sequence[Key]) -> list[dict[str, Any]]:
     """
     data = read_document(text).data
     meanings = {name: p.get("description", "") for name, p in json_schema()["properties"].items()}
-    sections: dict[str, dict[str, Any]] = {}
+    sections: dict[Location, dict[str, Any]] = {}
     for key in keys:
-        name = key.where[0]
-        section = sections.setdefault(name, {"name": name, "meaning": meanings[name], "keys": []})
-        present = present_value(data, key.where)
-        section["keys"].append(_field(key, present))
+        name = str(key.where[0])
+        title, meaning = name, meanings[name]
+        if key.entry is not None:
+            title = f"{name}: {present_value(data, (name, key.entry, 'name'))}"
+            meaning = "an empty field is as in `robot` and `serial`"
+        several = key.entry is not None
+        new = {"name": title, "meaning": meaning, "of_several": several, "keys": []}
+        section = sections.setdefault(key.section, new)
+        section["keys"].append(_field(key, data))
     return list(sections.values())
 
 
-def _field(key: Key, present: Any) -> dict[str, Any]:
-    is_secret = SECRET_KEY.search(key.where[-1]) is not None
-    default = key.schema.get("default")
+def _default_of(key: Key, data: Any) -> Any:
+    """What holds without the key: of one of several robots what all of them have."""
+    if key.entry is None:
+        return key.schema.get("default")
+    own = str(key.where[-1])
+    if RobotEntry.model_fields[own].is_required():
+        return None
+    for section, model in (("robot", RobotSection), ("serial", SerialSection)):
+        if own in model.model_fields:
+            present = present_value(data, (section, own))
+            default = model.model_fields[own].get_default()
+            return default if present is None else present
+    return None
+
+
+def _field(key: Key, data: Any) -> dict[str, Any]:
+    present, default = present_value(data, key.where), _default_of(key, data)
+    is_secret = SECRET_KEY.search(str(key.where[-1])) is not None
     field: dict[str, Any] = {
         "key": key.name,
         "kind": key.kind,
@@ -126,7 +179,7 @@ def _shown(key: Key, value: Any) -> str:
 
 
 def _keys(
-    at: Words,
+    at: Location,
     properties: Mapping[str, Any],
     models: Mapping[str, Any],
     devices: Mapping[str, Sequence[str]],
@@ -147,19 +200,22 @@ def _section_of(schema: Mapping[str, Any]) -> str | None:
     return None if found is None else str(found).rsplit("/", 1)[-1]
 
 
-def _key(where: Words, whole: Mapping[str, Any], devices: Mapping[str, Sequence[str]]) -> Key:
+def _key(where: Location, whole: Mapping[str, Any], devices: Mapping[str, Sequence[str]]) -> Key:
     ways = [way for way in whole.get("anyOf", (whole,)) if way.get("type") != "null"]
     schema = {**ways[0], "default": whole.get("default")}
     kind, reason = _kind(where, ways, schema)
-    if where in DEVICE_KEYS:
-        schema["enum"] = [SIMULATED, *devices[DEVICE_KEYS[where]]]
+    kept = tuple(part for part in where if isinstance(part, str))
+    if kept in DEVICE_KEYS:
+        schema["enum"] = [SIMULATED, *devices[DEVICE_KEYS[kept]]]
         kind, reason = "choice", ""
-    reason = SHOWN_SECTIONS.get(where[0], reason)
+    if kept == NAME:
+        reason = "names are changed in the file, where missions and starts go by them"
+    reason = SHOWN_SECTIONS.get(kept[0], reason)
     return Key(where, kind, schema, whole.get("description", ""), reason)
 
 
 def _kind(
-    where: Words, ways: Sequence[Mapping[str, Any]], schema: Mapping[str, Any]
+    where: Location, ways: Sequence[Mapping[str, Any]], schema: Mapping[str, Any]
 ) -> tuple[str, str]:
     """What kind of field it is, and why it is only shown."""
     types = {way.get("type") for way in ways}

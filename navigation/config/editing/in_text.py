@@ -13,14 +13,12 @@ import copy
 import json
 import re
 from collections.abc import Mapping
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
 import yaml
 
+from navigation.config.errors import key_name
 from navigation.config.marks import Location, compose, read_document
-
-Words: TypeAlias = tuple[str, ...]
-"""A key's place: ``("camera", "gain")``."""
 
 COMMENT_COLUMN: Final = 40
 _PLAIN: Final = re.compile(r"[A-Za-z_./][\w./:-]*")
@@ -30,10 +28,11 @@ class EditError(ValueError):
     """A value cannot be put into this text; the message says which, and what to do."""
 
 
-def with_values(text: str, changes: Mapping[Words, Any]) -> str:
+def with_values(text: str, changes: Mapping[Location, Any]) -> str:
     """The text with these values at their keys; ``EditError`` where that cannot be done.
 
-    ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key".
+    ``text`` is sound YAML whose root is a mapping; values are plain data, None for "no key". A
+    number in a place is that of an entry which is there, from 0.
     """
     wanted = read_document(text).data
     if not isinstance(wanted, dict):
@@ -41,13 +40,21 @@ def with_values(text: str, changes: Mapping[Words, Any]) -> str:
     wanted = copy.deepcopy(wanted)
     changed = text if text.endswith("\n") else text + "\n"
     for where, value in changes.items():
+        _find_entries(wanted, where)
         changed = _with_value(changed, where, value)
         _put(wanted, where, value)
     got = read_document(changed)
     if got.defects or not _is_same(got.data, wanted):
-        names = ", ".join(".".join(where) for where in changes)
+        names = ", ".join(map(key_name, changes))
         raise EditError(f"{names}: cannot be changed in this text without harm; edit the file")
     return changed
+
+
+def _find_entries(data: Any, where: Location) -> None:
+    """``EditError`` where a place is in an entry that is not there."""
+    for length, key in enumerate(where, 1):
+        if isinstance(key, int) and present_value(data, where[:length]) is None:
+            raise EditError(f"{key_name(where)}: there is no such entry in this text")
 
 
 def value_text(value: Any) -> str:
@@ -68,11 +75,15 @@ def value_text(value: Any) -> str:
     return json.dumps(value)
 
 
-def _with_value(text: str, where: Words, value: Any) -> str:
+def _with_value(text: str, where: Location, value: Any) -> str:
     """One change; the deepest mapping that is there takes the rest as its own key."""
     node = compose(text)
-    assert isinstance(node, yaml.MappingNode)
     for depth, key in enumerate(where):
+        if isinstance(node, yaml.SequenceNode) and isinstance(key, int) and key < len(node.value):
+            node = node.value[key]
+            continue
+        if not (isinstance(node, yaml.MappingNode) and isinstance(key, str)):
+            raise EditError(f"{key_name(where)}: there is no such entry in this text")
         entry = _entry(node, key)
         if entry is None:
             return text if value is None else _added(text, node, where[depth:], value)
@@ -81,7 +92,7 @@ def _with_value(text: str, where: Words, value: Any) -> str:
             if value is None:
                 return _removed(text, node, name, held)
             return _replaced(text, name, held, value)
-        if not isinstance(held, yaml.MappingNode):
+        if not isinstance(held, yaml.CollectionNode):
             rest = _nested(where[depth + 1 :], value)
             return text if value is None else _replaced(text, name, held, rest)
         node = held
@@ -101,7 +112,7 @@ def _end_of(node: yaml.Node) -> int:
     return max(_end_of(part) for part in parts)
 
 
-def _nested(where: Words, value: Any) -> Any:
+def _nested(where: Location, value: Any) -> Any:
     for key in reversed(where):
         value = {key: value}
     return value
@@ -125,7 +136,7 @@ def _replaced(text: str, name: yaml.Node, held: yaml.Node, value: Any) -> str:
     return f"{text[:begin]}{told}{space}{text[end + len(gap.group()) :]}"
 
 
-def _added(text: str, node: yaml.MappingNode, where: Words, value: Any) -> str:
+def _added(text: str, node: yaml.MappingNode, where: Location, value: Any) -> str:
     """A new key at the end of a mapping."""
     if node.flow_style:
         inside = node.end_mark.index - 1
@@ -153,17 +164,22 @@ def _removed(text: str, node: yaml.MappingNode, name: yaml.Node, held: yaml.Node
             else _emptied(text, node)
         )
     end = max(_end_of(held), name.end_mark.index)
+    number = [pair[0] for pair in node.value].index(name)
+    is_behind_a_dash = number == 0 and _begins_entry(text, name)
+    if (node.flow_style or is_behind_a_dash) and number + 1 < len(node.value):
+        return text[: name.start_mark.index] + text[node.value[number + 1][0].start_mark.index :]
     if node.flow_style:
-        number = [pair[0] for pair in node.value].index(name)
-        if number + 1 < len(node.value):
-            return (
-                text[: name.start_mark.index] + text[node.value[number + 1][0].start_mark.index :]
-            )
         return text[: _end_of(node.value[number - 1][1])] + text[end:]
     while text[end - 1] in "\n ":
         end -= 1
     begin = text.rfind("\n", 0, name.start_mark.index) + 1
     return text[:begin] + text[text.find("\n", end) + 1 :]
+
+
+def _begins_entry(text: str, name: yaml.Node) -> bool:
+    """Whether a key is on the line of its entry's dash, which has to stay."""
+    begin = text.rfind("\n", 0, name.start_mark.index) + 1
+    return text[begin : name.start_mark.index].strip() == "-"
 
 
 def _emptied(text: str, node: yaml.MappingNode) -> str:
@@ -176,18 +192,19 @@ def _emptied(text: str, node: yaml.MappingNode) -> str:
     return f"{text[: colon + 1]} {{}}{text[colon + 1 : begin]}{text[line_end:]}"
 
 
-def _put(data: dict[str, Any], where: Words, value: Any) -> None:
-    for key in where[:-1]:
-        inner = data.get(key)
-        if not isinstance(inner, dict):
+def _put(data: Any, where: Location, value: Any) -> None:
+    *outer, last = where
+    for key in outer:
+        inner = data[key] if isinstance(key, int) else data.get(key)
+        if not isinstance(inner, dict | list):
             if value is None:
                 return
             inner = data[key] = {}
         data = inner
     if value is None:
-        data.pop(where[-1], None)
+        data.pop(last, None)
     else:
-        data[where[-1]] = value
+        data[last] = value
 
 
 def _is_same(got: Any, wanted: Any) -> bool:
@@ -202,5 +219,8 @@ def _is_same(got: Any, wanted: Any) -> bool:
 def present_value(data: Any, where: Location) -> Any:
     """What stands in the data at a key; None where nothing does."""
     for key in where:
-        data = data.get(key) if isinstance(data, dict) and isinstance(key, str) else None
+        if isinstance(key, int):
+            data = data[key] if isinstance(data, list) and key < len(data) else None
+        else:
+            data = data.get(key) if isinstance(data, dict) else None
     return data

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import hashlib
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import takewhile
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from navigation.config import Config
 from navigation.config.editing.form import Key, TypedError, form, form_keys
-from navigation.config.editing.in_text import EditError, Words, with_values
+from navigation.config.editing.in_text import EditError, with_values
 from navigation.config.errors import ConfigError, key_name
 from navigation.config.load import parse_config, read_source
 from navigation.config.marks import Location
@@ -64,7 +63,7 @@ class Desk:
         return {
             "file": self._file.name,
             "base": _digest(text),
-            "sections": form(text, self._keys()),
+            "sections": form(text, self._keys(text)),
             "earlier": len(self._earlier()),
         }
 
@@ -118,16 +117,16 @@ class Desk:
         except (ConfigError, OSError, UnwrittenFileError) as error:
             raise RefusedError(f"not put back: {hide(str(error))}") from None
 
-    def _keys(self) -> list[Key]:
+    def _keys(self, text: str) -> list[Key]:
         cameras, ports = self._around.devices()
-        return list(form_keys(cameras, ports))
+        return list(form_keys(text, cameras, ports))
 
     def _changed(self, text: str, typed: Mapping[str, str]) -> tuple[str, list[dict[str, str]]]:
         """The text with the values, and what is wrong with it."""
         if len(typed) > MOST_CHANGES:
             raise RefusedError(f"more than {MOST_CHANGES} changes")
-        keys = {key.name: key for key in self._keys()}
-        values: dict[Words, Any] = {}
+        keys = {key.name: key for key in self._keys(text)}
+        values: dict[Location, Any] = {}
         problems: list[dict[str, str]] = []
         for name, words in typed.items():
             key = keys.get(name)
@@ -143,10 +142,10 @@ class Desk:
             changed = with_values(text, values)
         except EditError as error:
             return text, [*problems, _problem("", str(error))]
-        return changed, [*problems, *self._problems_of(changed)]
+        return changed, [*problems, *self._problems_of(changed, keys)]
 
-    def _problems_of(self, text: str) -> list[dict[str, str]]:
-        """As `clearway check` finds them."""
+    def _problems_of(self, text: str, keys: Collection[str]) -> list[dict[str, str]]:
+        """As `clearway check` finds them, each at the field that it is typed in."""
         folder, name = self._file.parent, self._file.name
         try:
             config = parse_config(text, name, folder, self._around.environment)
@@ -155,7 +154,7 @@ class Desk:
         else:
             found = list(self._around.file_problems(config))
         return [
-            _problem(_field_of(where), hide(f"{key_name(where)}: {what}" if where else what))
+            _problem(_field_of(where, keys), hide(f"{key_name(where)}: {what}" if where else what))
             for where, what in found
         ]
 
@@ -171,9 +170,10 @@ class Desk:
             old.unlink(missing_ok=True)
 
 
-def _field_of(where: Location) -> str:
-    """The name of the field in which a place is typed: a list is one field."""
-    return key_name(tuple(takewhile(lambda part: isinstance(part, str), where)))
+def _field_of(where: Location, keys: Collection[str]) -> str:
+    """The name of the field in which a place is typed: the longest that leads there."""
+    names = [key_name(where[:length]) for length in range(len(where), 0, -1)]
+    return next((name for name in names if name in keys), names[-1] if names else "")
 
 
 def _problem(key: str, sentence: str) -> dict[str, str]:

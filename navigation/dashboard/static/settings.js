@@ -64,17 +64,17 @@ export class Settings {
 
   #section(section) {
     const box = document.createElement("details");
-    box.open = section.keys.some((key) => key.value !== "" && !key.only_shown);
+    box.open = !section.of_several && section.keys.some((key) => key.value !== "" && !key.only_shown);
     const title = make("summary", "", section.name);
     title.append(make("span", "hint", ` ${section.meaning}`));
-    box.append(title, ...section.keys.map((key) => this.#row(key)));
+    box.append(title, ...section.keys.map((key) => this.#row(key, section.name)));
     return box;
   }
 
-  #row(key) {
+  #row(key, section) {
     const row = make("div", "setting");
     row.dataset.key = key.key;
-    row.dataset.words = `${key.key} ${key.meaning}`.toLowerCase();
+    row.dataset.words = `${section} ${key.key} ${key.meaning}`.toLowerCase();
     const label = make("label", "", key.key.split(".").slice(1).join(".") || key.key);
     const id = `setting-${key.key}`;
     const control = key.only_shown ? shown(key) : field(key);
@@ -116,11 +116,13 @@ export class Settings {
   #show(state = "") {
     for (const row of this.box.querySelectorAll(".setting")) {
       const found = this.#problems.get(row.dataset.key) ?? [];
+      if (found.length) row.closest("details").open = true;
       row.classList.toggle("is-changed", this.#typed.has(row.dataset.key));
       row.querySelector(".problem").textContent = found.map((one) => one.replace(`${row.dataset.key}: `, "")).join("; ");
       row.querySelector("input, select, output")?.setAttribute("aria-invalid", String(found.length > 0));
+      if (found.length && row.contains(document.activeElement)) row.scrollIntoView({ block: "nearest" });
     }
-    const rows = new Set([...this.box.querySelectorAll(".setting")].map((row) => row.dataset.key));
+    const rows = new Set([...this.box.querySelectorAll(".setting:not([hidden])")].map((row) => row.dataset.key));
     const others = [...this.#problems].filter(([key]) => !rows.has(key)).flatMap(([, found]) => found);
     if (others.length) this.#say(others.join("; "));
     const count = this.#typed.size;
@@ -159,7 +161,7 @@ export class Settings {
       const rows = [...box.querySelectorAll(".setting")];
       for (const row of rows) row.hidden = !row.dataset.words.includes(words);
       box.hidden = rows.every((row) => row.hidden);
-      if (words) box.open = true;
+      if (words && !box.hidden) box.open = true;
     }
   }
 

@@ -70,7 +70,7 @@ class FleetRunner(Runner):
                 f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
             )
             page = self._serve_dashboard(daemon, open_things, socket, folder)
-            missions = GiveMissions(daemon, self._say)
+            missions = GiveMissions(daemon, self._say, for_orders=self.waits)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=ports)
             open_things.callback(self._notifier.send, "STOPPING=1")

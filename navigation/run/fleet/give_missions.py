@@ -25,9 +25,14 @@ ROBOT_PATIENCE_S: Final = 3.0
 
 
 class GiveMissions:
-    """Gives missions as soon as they can be given; `cycle` before each of the daemon's."""
+    """Gives missions as soon as they can be given; `cycle` before each of the daemon's.
 
-    def __init__(self, daemon: FleetDaemon, say: Callable[[str], None]) -> None:
+    ``for_orders``: nothing that is configured is given, since people give the orders.
+    """
+
+    def __init__(
+        self, daemon: FleetDaemon, say: Callable[[str], None], *, for_orders: bool = False
+    ) -> None:
         self._daemon, self._say = daemon, say
         self._people = People(daemon)
         self._until_s = daemon.world.clock() + ROBOT_PATIENCE_S
@@ -49,9 +54,9 @@ class GiveMissions:
                 say(f"{name} has nothing to continue: its mission was {mission.state.value}")
         for name, seat in daemon.seats.items():
             stations = stations_of(seat.config)
-            if stations and name not in self._kept:
+            if stations and name not in self._kept and not for_orders:
                 self._given[name] = stations
-        self._tasks = self._open_tasks()
+        self._tasks = () if for_orders else self._open_tasks()
         self.cycle()
 
     def _open_tasks(self) -> tuple[ConfiguredStation, ...]:

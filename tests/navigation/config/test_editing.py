@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from navigation.config.editing.in_text import EditError, value_text, with_values
-from navigation.config.marks import read_document
+from navigation.config.marks import Location, read_document
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("*.yaml"))
 WORDS = st.text("abcdefgh_", min_size=1, max_size=6)
@@ -120,11 +120,15 @@ def at(data: Any, where: tuple[str, ...]) -> Any:
         ("a:\n  b: 'on'\n", ("a", "b"), "1e3", 'a:\n  b: "1e3"\n'),
         ("a: 1", ("a",), 2, "a: 2\n"),
         ("a:\n  b: 1\n", ("a", "x"), None, "a:\n  b: 1\n"),
+        ("a: [{b: 1}, {b: 2}]\n", ("a", 1, "b"), 3, "a: [{b: 1}, {b: 3}]\n"),
+        ("a:\n  - {b: 1}  # x\n", ("a", 0, "c"), 3, "a:\n  - {b: 1, c: 3}  # x\n"),
+        ("a:\n  - {b: 1, c: 3}\n  - 7\n", ("a", 0, "c"), None, "a:\n  - {b: 1}\n  - 7\n"),
+        ("a:\n- b: 1\n- b: 2\nd: 1\n", ("a", 0, "c"), 3, "a:\n- b: 1\n  c: 3\n- b: 2\nd: 1\n"),
+        ("a:\n  - b: 1\n    c: 2\n", ("a", 0, "b"), None, "a:\n  - c: 2\n"),
+        ("a:\n  -\n    b: 1\n    c: 2\n", ("a", 0, "b"), None, "a:\n  -\n    c: 2\n"),
     ],
 )
-def test_the_text_stays_a_person_s(
-    text: str, where: tuple[str, ...], value: Any, changed: str
-) -> None:
+def test_the_text_stays_a_person_s(text: str, where: Location, value: Any, changed: str) -> None:
     assert with_values(text, {where: value}) == changed
 
 
@@ -135,6 +139,12 @@ def test_the_text_stays_a_person_s(
 def test_what_cannot_be_changed_rightly_is_refused(text: str, where: tuple[str, ...]) -> None:
     with pytest.raises(EditError, match=rf"{'.'.join(where)}: cannot be changed in this text"):
         with_values(text, {where: 7})
+
+
+@pytest.mark.parametrize("where", [("a", 1, "b"), ("a", "b"), ("d", 0, "b"), ("e", 0, "b")])
+def test_an_entry_that_is_not_there_is_not_made(where: Location) -> None:
+    with pytest.raises(EditError, match="there is no such entry"):
+        with_values("a: [{b: 1}]\nd: 1\n", {where: 7})
 
 
 def test_a_text_of_several_lines_is_changed() -> None:

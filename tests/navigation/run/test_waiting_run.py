@@ -11,6 +11,7 @@ import pytest
 from navigation.cli.running.run import _Reload
 from navigation.config import Config, load_config
 from navigation.machine.logs import EventLog
+from navigation.run.fleet.fleet_runner import FleetRunner
 from navigation.run.runner import Runner
 from tests.support.waiting import wait_until
 
@@ -23,8 +24,8 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "simulation.yaml"
 
 
-def runner_of(config: Config, folder: Path) -> Runner:
-    return Runner(
+def runner_of(config: Config, folder: Path, kind: type[Runner] = Runner) -> Runner:
+    return kind(
         config.model_copy(
             update={"recording": config.recording.model_copy(update={"runs_dir": folder / "runs"})}
         ),
@@ -43,6 +44,23 @@ def test_a_run_that_waits_does_not_drive_the_configured_mission(file: Path) -> N
     report = runner.run().report
     assert report.waypoints_sent == 0
     assert report.state != "done"
+
+
+def test_several_robots_that_wait_drive_neither_missions_nor_tasks(file: Path) -> None:
+    text = (file.parent / "alcove.yaml").read_text()
+    mission = text[text.index("mission:") : text.index("simulation:")]
+    some = mission.splitlines(keepends=True)[:3]  # the first robot's
+    tasks = "tasks: [{x_m: 0.2, y_m: 0.9}]\n"
+    (file.parent / "alcove.yaml").write_text(text.replace(mission, "".join(some) + tasks))
+    config = load_config(file.parent / "alcove.yaml", {})
+    assert config.tasks
+    assert config.mission.robots[0].stations
+    runner = runner_of(config, file.parent, FleetRunner)
+    assert isinstance(runner, FleetRunner)
+    runner.waits = True
+    report, _, _ = runner.run_fleet()
+    assert {name: one.stations for name, one in report.robots.items()} == {"left": 0, "right": 0}
+    assert sum(one.waypoints_sent for one in report.robots.values()) == 0
 
 
 def test_only_what_the_page_asked_for_waits(file: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -23,11 +23,11 @@ SECRET = "a-secret-of-some-length"
 
 
 class Office:
-    """A desk over a copy of the shipped simulation, and how often it asked for a reload."""
+    """A desk over a copy of a shipped configuration, and how often it asked for a reload."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, name: str = "simulation.yaml") -> None:
         shutil.copytree(CONFIGS, folder / "etc")
-        self.file = folder / "etc" / "simulation.yaml"
+        self.file = folder / "etc" / name
         self.file.write_text(f"{self.file.read_text()}\ndashboard:\n  token: {SECRET}\n")
         self.reloads = 0
         self.state = folder / "state"
