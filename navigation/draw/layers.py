@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from navigation.draw.driven import DrivenRobot, driven_shapes
 from navigation.draw.numbers import costs, obstacle_labels
-from navigation.draw.places import distance_to_line
+from navigation.draw.robot_marks import lines_of, name_beside, nose
 from navigation.draw.shapes import (
     BOTTLENECK,
     FLOOR,
@@ -31,7 +32,6 @@ from navigation.draw.shapes import (
     Area,
     Colour,
     Disc,
-    Label,
     Layer,
     Screen,
     Shape,
@@ -90,6 +90,7 @@ class Content:
     track: FloatArray | None
     earlier: tuple[FloatArray, ...]
     others: tuple[OtherRobot, ...]
+    driven: tuple[DrivenRobot, ...]
     stations: tuple[tuple[float, ...], ...]
     title: str
 
@@ -154,6 +155,7 @@ def layers(content: Content, screen: Screen) -> tuple[Layer, ...]:
         Layer("earlier plans", tuple(_earlier(content, screen))),
         Layer("path", tuple(_path(content, screen))),
         Layer("driven track", tuple(_track(content, screen))),
+        Layer("driven robots", tuple(driven_shapes(content.driven, screen))),
         Layer("waypoints", tuple(_waypoints(content, screen))),
         Layer("bottleneck", tuple(_bottleneck(content, screen))),
         Layer("numbers", tuple(_numbers(content, screen))),
@@ -295,17 +297,8 @@ def _others(content: Content, screen: Screen) -> Iterator[Shape]:
         size = other.radius * screen.scale
         yield Disc(x, y, size, fill=OTHER_ROBOT, opacity=0.22)
         yield Disc(x, y, size, stroke=OTHER_ROBOT, width=2.0)
-        yield _nose(x, y, size, float(other.track[-1, 2]), OTHER_ROBOT, screen)
-        yield _name_beside(other.name, x, y, size, OTHER_ROBOT_INK, screen, drawn)
-
-
-def _nose(
-    x: float, y: float, size: float, heading_rad: float, colour: Colour, screen: Screen
-) -> Strokes:
-    """From a robot's middle to its rim: where it looks."""
-    angle = screen.heading(heading_rad)
-    tip = (x + size * math.cos(angle), y + size * math.sin(angle))
-    return Strokes((np.array([(x, y), tip]),), colour, 2.5)
+        yield nose(x, y, size, float(other.track[-1, 2]), OTHER_ROBOT, screen)
+        yield name_beside(other.name, x, y, size, OTHER_ROBOT_INK, screen, drawn)
 
 
 def _path(content: Content, screen: Screen) -> Iterator[Shape]:
@@ -318,15 +311,6 @@ def _path(content: Content, screen: Screen) -> Iterator[Shape]:
 def _track(content: Content, screen: Screen) -> Iterator[Shape]:
     if lines := lines_of(content.track):
         yield Strokes(tuple(screen.points(line) for line in lines), TRACK, 2.0)
-
-
-def lines_of(track: FloatArray | None) -> list[FloatArray]:
-    """The lines (k >= 2, m) between the rows of NaN of a track (n, m)."""
-    if track is None:
-        return []
-    pieces = np.split(track, np.flatnonzero(np.isnan(track[:, 0])))
-    whole = [piece[~np.isnan(piece[:, 0])] for piece in pieces]
-    return [piece for piece in whole if len(piece) > 1]
 
 
 def _waypoints(content: Content, screen: Screen) -> Iterator[Shape]:
@@ -358,32 +342,8 @@ def _stations(content: Content, screen: Screen) -> Iterator[Shape]:
         yield Disc(x, y, size, stroke=colour, width=2.0)
         yield Disc(x, y, 3.5, fill=colour)
         if len(station) == 3:
-            yield _nose(x, y, size, station[2], colour, screen)
-        yield _name_beside(name, x, y, size, colour, screen, drawn)
-
-
-def _name_beside(
-    name: str, x: float, y: float, size: float, colour: Colour, screen: Screen, path: FloatArray
-) -> Label:
-    """The name right or left of the place, below or above: in the frame, off the path."""
-    width = 8.0 * len(name)
-    low, high = screen.frame.min(axis=0), screen.frame.max(axis=0)
-    places = [
-        (x + size + 6.0, y + 4.5, "start", x + size + 6.0 + 0.5 * width),
-        (x - size - 6.0, y + 4.5, "end", x - size - 6.0 - 0.5 * width),
-        (x, y + size + 16.0, "middle", x),
-        (x, y - size - 8.0, "middle", x),
-    ]
-    best, room = places[0], -math.inf
-    for place in places:
-        middle = np.array([place[3], place[1] - 4.5])
-        reach = (0.5 * width + 4.0, 8.0)
-        if (middle - reach < low).any() or (middle + reach > high).any():
-            continue
-        off = distance_to_line(middle, path) if len(path) > 1 else math.inf
-        if min(off, 0.5 * width + 8.0) > room:
-            best, room = place, min(off, 0.5 * width + 8.0)
-    return Label(best[0], best[1], name, 14.0, colour, best[2], bold=True, halo=True)
+            yield nose(x, y, size, station[2], colour, screen)
+        yield name_beside(name, x, y, size, colour, screen, drawn)
 
 
 def _station_name(number: int, last: int) -> tuple[str, Colour]:

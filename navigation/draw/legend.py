@@ -7,8 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from navigation.draw.layers import Content, lines_of
+from navigation.draw.driven import colour_of
+from navigation.draw.layers import Content
 from navigation.draw.numbers import MOST_BESIDE
+from navigation.draw.robot_marks import lines_of
 from navigation.draw.shapes import (
     BOTTLENECK,
     FAINT_INK,
@@ -35,7 +37,8 @@ from planner.scene import FloatArray
 from planner.shared.figures import at_most, sized
 
 LEGEND_WIDTH = 236
-_ROW = 26.0
+ROW = 26.0
+"""Pixels from one row to the next."""
 _TEXT = 40.0
 """From the legend's left side to its words."""
 
@@ -51,7 +54,7 @@ def legend(content: Content, screen: Screen, left: float, top: float, bottom: fl
     for mark, words in _rows(content, left, y):
         shapes += mark
         shapes.append(Label(left + _TEXT, y + 4.5, words, 13.0))
-        y += _ROW
+        y += ROW
     shapes += _ramp(content, left, y)
     shapes += scale_bar(screen, content.scene.units, left, bottom)
     return Layer("legend", tuple(shapes), clipped=False)
@@ -79,7 +82,7 @@ def _wrapped(text: str, width: int) -> Iterator[str]:
 
 
 def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[Shape], str]]:
-    """The rows' marks and words, from ``first_y`` down, one every ``_ROW`` pixels."""
+    """The rows' marks and words, from ``first_y`` down, one every ``ROW`` pixels."""
     units = content.scene.units
     y = first_y
     found = content.found
@@ -92,7 +95,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
         [Area((_box(left + 2.0, y - 7.0, left + 30.0, y + 7.0),), OBSTACLE)],
         f"obstacles ({count})" + (", numbered from 0" if 1 < count <= MOST_BESIDE else ""),
     )
-    y += _ROW
+    y += ROW
     if found:
         yield (
             [
@@ -101,28 +104,36 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
             ],
             f"path, {sized(found.length, units)}" + _cost(found, units),
         )
-        y += _ROW
+        y += ROW
         if found.alternatives:
             mark: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 2.5, dash=(8.0, 5.0))]
             yield mark, f"alternatives ({len(found.alternatives)})"
-            y += _ROW
+            y += ROW
     before = [line for line in content.earlier if len(line) > 1]
     if before:
         length = sum(arc_lengths(line)[-1] for line in before)
         older: list[Shape] = [Strokes((bar(y),), OTHER_PATH, 3.5)]
         yield older, f"replaced plans ({len(before)}), {sized(length, units)}"
-        y += _ROW
+        y += ROW
     if content.trajectory:
         waypoints = content.trajectory.waypoints
         dots: list[Shape] = [
             Disc(left + x, y, 2.6, fill=PAGE, stroke=PATH, width=1.3) for x in (4, 16, 28)
         ]
         yield dots, f"waypoints ({len(waypoints)}), {content.trajectory.duration_s:.3g} s"
-        y += _ROW
+        y += ROW
     if driven_lines := lines_of(content.track):
         driven = sum(arc_lengths(line)[-1] for line in driven_lines)
         yield [Strokes((bar(y),), TRACK, 2.0)], f"driven track, {sized(driven, units)}"
-        y += _ROW
+        y += ROW
+    for number, one in enumerate(content.driven):
+        length = sum(arc_lengths(line[:, :2])[-1] for line in lines_of(one.track))
+        line: list[Shape] = [Strokes((bar(y),), colour_of(number), 2.5)]
+        yield line, f"{number + 1} {one.name}, {sized(length, units)}"
+        y += ROW
+    if any(one.goals for one in content.driven):
+        yield [Disc(left + 16.0, y, 7.0, stroke=INK, width=1.5)], "where each was to go"
+        y += ROW
     seen = [other for other in content.others if len(other.track)]
     if seen:
         robot: list[Shape] = [
@@ -131,7 +142,7 @@ def _rows(content: Content, left: float, first_y: float) -> Iterator[tuple[list[
             Disc(left + 22.0, y, 8.0, stroke=OTHER_ROBOT, width=2.0),
         ]
         yield robot, f"other robots ({len(seen)}), as seen last"
-        y += _ROW
+        y += ROW
     gap = content.bottleneck()
     if gap is not None:
         ring: list[Shape] = [

@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from navigation.draw.driven import DrivenRobot
 from navigation.draw.layers import Content, OtherRobot, layers
-from navigation.draw.legend import LEGEND_WIDTH, legend
+from navigation.draw.legend import LEGEND_WIDTH, ROW, legend
 from navigation.draw.shapes import Drawing, fit_screen
 from planner.path import NoPath, Path, Trajectory
 from planner.scene import FloatArray, Scene
@@ -49,6 +50,8 @@ class Shown(TypedDict, total=False):
     earlier: Sequence[ArrayLike]
     """The driven stretches (n, 2) of plans that the path replaced."""
     others: Sequence[OtherRobot]
+    driven: Sequence[DrivenRobot]
+    """Several robots, each with its track in its own colour."""
     stations: Sequence[Sequence[float]]
     """(x, y) or (x, y, heading_rad) each: start, vias, goal."""
     title: str
@@ -133,6 +136,7 @@ def _drawing(
         None if track is None else _line(track),
         tuple(_line(line) for line in shown.get("earlier", ())),
         tuple(shown.get("others", ())),
+        tuple(shown.get("driven", ())),
         tuple(tuple(float(v) for v in station) for station in shown.get("stations", ())),
         shown.get("title", "Clearway"),
     )
@@ -140,7 +144,8 @@ def _drawing(
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height
     left = 2 * MARGIN + width
-    page_height = round(max(height, LEAST_HEIGHT) + 2 * MARGIN)
+    least = LEAST_HEIGHT + ROW * len(content.driven)
+    page_height = round(max(height, least) + 2 * MARGIN)
     shapes = legend(content, screen, left, MARGIN, page_height - MARGIN)
     return Drawing(
         width=round(left + LEGEND_WIDTH + MARGIN),

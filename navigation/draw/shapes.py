@@ -35,6 +35,21 @@ BOTTLENECK: Colour = (214, 28, 78)
 START: Colour = (10, 122, 62)
 GOAL: Colour = (184, 92, 0)
 
+ROBOTS: tuple[Colour, ...] = (
+    (23, 0, 216),
+    (207, 69, 0),
+    (0, 115, 144),
+    (115, 0, 0),
+    (161, 69, 216),
+    (115, 115, 96),
+    (0, 0, 72),
+    (46, 0, 24),
+)
+"""Of several robots, in the order of the configuration, and again from the ninth on: every robot
+has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ by 28
+(CIE 1976) for those who lack one kind of cones as for others: found by search, and tested
+(`test_palette.py`)."""
+
 CLEARANCE_RAMP: tuple[Colour, ...] = (
     (202, 40, 36),
     (236, 124, 44),

@@ -30,7 +30,7 @@ ROW = 22.0
 
 def draw_fleet(scene: Scene, robots: Sequence[FleetRobot], plan: FleetPlan) -> str:
     """The picture as SVG text."""
-    content = Content(scene, None, None, None, None, None, (), (), (), "Fleet")
+    content = Content(scene, None, None, None, None, None, (), (), (), (), "Fleet")
     window = content.window()
     screen = fit_screen(window, scene.y_down, PLOT_WIDTH, PLOT_HEIGHT, MARGIN, MARGIN)
     width, height = screen.scale * window.width, screen.scale * window.height

@@ -20,6 +20,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 
 from navigation.config.secrecy.secrets import hide_in
+from navigation.config.values import MOST_ROBOTS
 from navigation.dashboard.admission.access import Gate, Refusal, bearer_of
 from navigation.dashboard.kept.runs import KeptFile, KeptRun, KeptRuns, RunPage, is_run
 
@@ -131,6 +132,7 @@ def _page_body(page: RunPage) -> dict[str, Any]:
 
 def _run_body(run: KeptRun) -> dict[str, Any]:
     report = run.report or {}
+    robots = report.get("robots")
     return {
         "name": run.name,
         "began": run.began.isoformat(),
@@ -138,6 +140,7 @@ def _run_body(run: KeptRun) -> dict[str, Any]:
         "state": _text(report.get("state")),
         "reason": _text(report.get("reason")),
         "duration_s": _number(report.get("duration_s")),
+        "robots": list(robots)[:MOST_ROBOTS] if isinstance(robots, dict) else [],
         "files": [_file_body(file) for file in run.files],
         "recordings": [_file_body(file) for file in run.recordings],
     }

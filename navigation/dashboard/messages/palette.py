@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from navigation.draw import shapes
-from navigation.draw.shapes import Colour, ramp_colour
+from navigation.draw.shapes import ROBOTS, Colour, ramp_colour
 
 ARENA: Mapping[str, Colour] = {
     "obstacle": shapes.OBSTACLE,
@@ -24,20 +24,6 @@ ARENA: Mapping[str, Colour] = {
     "goal": shapes.GOAL,
     "halo": shapes.PAGE,
 }
-ROBOTS: tuple[Colour, ...] = (
-    (23, 0, 216),
-    (207, 69, 0),
-    (0, 115, 144),
-    (115, 0, 0),
-    (161, 69, 216),
-    (115, 115, 96),
-    (0, 0, 72),
-    (46, 0, 24),
-)
-"""Of several robots, in the order of the configuration, and again from the ninth on: every robot
-has its number and name, too. White on each has a contrast of 4.5 at least, and any two differ by 28
-(CIE 1976) for those who lack one kind of cones as for others: found by search, and tested
-(`test_palette.py`)."""
 DAY: Mapping[str, Colour] = {
     "page": (244, 245, 246),
     "card": shapes.PAGE,

@@ -20,6 +20,21 @@ const FIGURES = [
   ["Pictures", (r) => `${figure(r.frames?.processed, 0, "")}, ${figure(r.frames?.dropped, 0, "dropped")}`],
   ["Sent again on the link", (r) => figure(r.link?.retransmits, 0, "")],
 ];
+/** The same of a run of several robots, and of each of them. */
+const ALL_FIGURES = [
+  ["Duration", (r) => duration(r.duration_s)],
+  ["Least gap", (r) => figure(r.least_gap_m, 3, "m") + (Array.isArray(r.least_gap_between) ? `, ${r.least_gap_between.join(" and ")}` : "")],
+  ["Least clearance", (r) => figure(r.min_clearance_m, 3, "m")],
+  ["Planned together", (r) => (r.rounds === 1 ? "once" : `${figure(r.rounds, 0, "")} times`)],
+];
+const EACH = [
+  ["How it ended", (r) => WORDS[r.state] ?? "–"],
+  ["Stations", (r) => `${figure(r.stations_visited, 0, "")} of ${figure(r.stations, 0, "")}`],
+  ["Clearance", (r) => figure(r.min_clearance_m, 3, "m")],
+  ["Off the plan", (r) => figure(r.tracking_error_m?.max, 3, "m")],
+  ["Off the goal", (r) => figure(r.goal_error_m, 3, "m")],
+  ["To wire, median", (r) => figure(r.latency_ms?.capture_to_wire?.p50, 1, "ms")],
+];
 
 export class History {
   #runs = [];
@@ -84,7 +99,8 @@ export class History {
         make("span", "long", run.duration_s === null ? "" : duration(run.duration_s)),
         make("span", "size", inBytes(bytes(run))),
       );
-      if (run.recordings.length) button.append(make("span", "has", "recorded"));
+      const has = [run.robots.length ? `${run.robots.length} robots` : "", run.recordings.length ? "recorded" : ""].filter(Boolean);
+      if (has.length) button.append(make("span", "has", has.join(", ")));
       button.setAttribute("aria-pressed", String(run.name === this.#chosen));
       button.addEventListener("click", () => this.#choose(run, button));
       const item = document.createElement("li");
@@ -100,7 +116,7 @@ export class History {
     const title = make("h3", "", `${when(run.began)}: ${word(run).toLowerCase()}`);
     title.tabIndex = -1;
     const parts = [title];
-    if (run.reason) parts.push(make("p", "reason", sentence(run.reason)));
+    if (run.reason) parts.push(make("p", "reason", run.robots.length ? run.reason : sentence(run.reason)));
     const figures = make("dl", "figures", "");
     const picture = make("figure", "track-picture", "");
     parts.push(figures, picture, this.#files(run));
@@ -117,11 +133,14 @@ export class History {
     }
     try {
       const report = JSON.parse(await (await fetchFile(this.connection, address(run, "report.json"), "")).text());
-      box.replaceChildren(...FIGURES.map(([words, text]) => {
+      if (this.#chosen !== run.name) return;
+      const areSeveral = report.robots !== null && typeof report.robots === "object";
+      box.replaceChildren(...(areSeveral ? ALL_FIGURES : FIGURES).map(([words, text]) => {
         const row = document.createElement("div");
         row.append(make("dt", "", words), make("dd", "", text(report)));
         return row;
       }));
+      if (areSeveral) box.after(eachRobot(report.robots));
     } catch (error) {
       box.replaceWith(make("p", "hint", `The report could not be read: ${error.message}.`));
     }
@@ -177,6 +196,31 @@ export class History {
 
 function make(name, className, textContent) {
   return Object.assign(document.createElement(name), { className, textContent });
+}
+
+/** A table with a row for each robot, its number and colour as on the rest of the page. */
+function eachRobot(robots) {
+  const head = document.createElement("tr");
+  head.append(...["Robot", ...EACH.map(([words]) => words)].map((words) => Object.assign(make("th", "", words), { scope: "col" })));
+  const rows = Object.entries(robots).map(([name, report], index) => {
+    const row = document.createElement("tr");
+    const title = Object.assign(make("th", "", ""), { scope: "row" });
+    title.append(make("span", `chip own-${index % 8}`, String(index + 1)), make("span", "", name));
+    row.append(title, ...EACH.map(([, text]) => make("td", "", text(report ?? {}))));
+    row.children[1].className = `what ${report?.state ?? ""}`;
+    return row;
+  });
+  const table = document.createElement("table");
+  const [top, body] = [document.createElement("thead"), document.createElement("tbody")];
+  top.append(head);
+  body.append(...rows);
+  table.append(top, body);
+  const box = make("div", "each-robot", "");
+  box.tabIndex = 0; // it scrolls where the page is narrow
+  box.setAttribute("role", "region");
+  box.setAttribute("aria-label", "Each robot");
+  box.append(table);
+  return box;
 }
 
 const address = (run, file) => `/api/runs/${run.name}/${file}`;

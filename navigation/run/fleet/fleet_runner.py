@@ -14,6 +14,7 @@ from navigation.config import Config
 from navigation.config.sections import SIMULATED
 from navigation.config.several.each_robot import each_robot
 from navigation.control import ControlServer, default_socket
+from navigation.draw import DrawError
 from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
@@ -21,6 +22,7 @@ from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.people import People
 from navigation.machine.sd_notify import Watchdog
 from navigation.mission.mission import State
+from navigation.run.fleet.fleet_picture import write_picture
 from navigation.run.fleet.fleet_report import FleetReport, summarise_fleet
 from navigation.run.fleet.fleet_warm_up import warm_up_fleet
 from navigation.run.fleet.fleet_world import FleetWorld
@@ -85,6 +87,11 @@ class FleetRunner(Runner):
                 "info", "finished", state=report.state, reason=reason, duration_s=duration_s
             )
         self._write(folder, report)
+        if folder is not None:
+            try:
+                write_picture(folder / "track.svg", daemon, world.truths, report)
+            except DrawError as error:
+                self._say(f"trouble: {error}")
         if recorder is not None:
             self._say(recorder.summary())
         return report, folder, self._exit_code_of(state, daemon)

@@ -65,3 +65,38 @@ def test_an_earlier_run_is_looked_at_and_saved_with_the_keyboard(
     assert page.title() == "Ready – Clearway"
     page.locator("#history-open").press("h")
     expect(page.locator("#history-box")).to_be_hidden()
+
+
+def test_of_several_robots_each_has_a_row_in_its_colour(
+    site: Site, open_page: OpenPage, keep: Keep, tmp_path: Path
+) -> None:
+    names = ["ada", "<i>bob</i>"]
+    each = {"state": "done", "stations": 1, "stations_visited": 1, "goal_error_m": 0.004}
+    report = {
+        "state": "done", "reason": "ada: there", "duration_s": 31.0, "least_gap_m": 0.012,
+        "least_gap_between": names, "rounds": 1, "robots": dict.fromkeys(names, each),
+    }  # fmt: skip
+    (tmp_path / "runs" / "2026-01-25_12-00-00" / "report.json").write_text(json.dumps(report))
+    page = open_page(site.dashboard.url, viewport={"width": 390, "height": 844})
+    page.wait_for_function("() => globalThis.clearway?.connection.isUp")
+    page.keyboard.press("h")
+    run = page.locator("#history-list .run").first
+    expect(run).to_contain_text("2 robots, recorded")
+    run.press("Enter")
+    detail = page.locator("#history-detail")
+    expect(detail.locator(".reason")).to_have_text("ada: there")
+    expect(detail.locator(".figures")).to_contain_text("0.012 m, ada and <i>bob</i>")
+    rows = detail.locator(".each-robot tbody tr")
+    expect(rows).to_have_count(2)
+    expect(rows.nth(1).locator("th")).to_have_text("2<i>bob</i>")
+    expect(rows.nth(1)).to_contain_text("Arrived1 of 1–")
+    expect(rows.nth(1)).to_contain_text("0.004 m")
+    box = detail.locator(".each-robot")
+    box.focus()
+    page.keyboard.press("ArrowRight")  # it is wider than a phone, and the page is not
+    page.wait_for_function("box => box.scrollLeft > 0", arg=box.element_handle())
+    wide, shown = page.evaluate(
+        "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
+    )
+    assert wide <= shown
+    keep(page, "fleet_history")

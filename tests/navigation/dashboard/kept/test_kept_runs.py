@@ -70,6 +70,7 @@ def test_runs_are_listed_newest_first_with_what_each_left(kept_site: Site) -> No
     assert (newest["state"], newest["duration_s"], newest["running"]) == (None, None, False)
     assert [file["name"] for file in newest["files"]] == ["events.jsonl"]
     assert (first["state"], first["reason"], first["duration_s"]) == ("done", "there", 12.5)
+    assert first["robots"] == []
     assert {f["name"]: f["bytes"] for f in first["files"]}["track.svg"] == len("<svg/>")
     tapes = [{"name": TAPE, "bytes": 256 * 4096}]
     assert (newest["recordings"], later["recordings"], first["recordings"]) == ([], tapes, [])

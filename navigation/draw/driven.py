@@ -1,0 +1,58 @@
+"""Several robots that were driven: where each was to go, its track, and where it was last.
+
+Each has the colour that the page gives it, its number from 1, and its name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from navigation.draw.robot_marks import lines_of, name_beside, nose
+from navigation.draw.shapes import PAGE, ROBOTS, Colour, Disc, Screen, Shape, Strokes
+from planner.scene import FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenRobot:
+    """One of several: its track (n, 3) of x, y, heading_rad, which breaks at a row of NaN.
+
+    ``goals`` (x, y) are the stations of its last mission.
+    """
+
+    name: str
+    radius: float
+    track: FloatArray
+    goals: Sequence[tuple[float, float]]
+
+
+def colour_of(number: int) -> Colour:
+    """The colour of a robot by its number from 0."""
+    return ROBOTS[number % len(ROBOTS)]
+
+
+def driven_shapes(robots: Sequence[DrivenRobot], screen: Screen) -> Iterator[Shape]:
+    """All tracks, and over them all robots."""
+    for number, robot in enumerate(robots):
+        lines = tuple(screen.points(line[:, :2]) for line in lines_of(robot.track))
+        if lines:
+            yield Strokes(lines, PAGE, 5.0)
+            yield Strokes(lines, colour_of(number), 2.5)
+    for number, robot in enumerate(robots):
+        yield from _robot(number, robot, screen)
+
+
+def _robot(number: int, robot: DrivenRobot, screen: Screen) -> Iterator[Shape]:
+    colour, size = colour_of(number), robot.radius * screen.scale
+    for x, y in screen.points(np.array(robot.goals).reshape(-1, 2)).tolist():
+        yield Disc(x, y, 0.6 * size, stroke=colour, width=1.5)
+    if not len(robot.track):
+        return
+    x, y = screen.points(robot.track[-1:, :2])[0].tolist()
+    yield Disc(x, y, size, fill=colour, opacity=0.25)
+    yield Disc(x, y, size, stroke=colour, width=2.5)
+    yield nose(x, y, size, float(robot.track[-1, 2]), colour, screen)
+    words = f"{number + 1} {robot.name}"
+    yield name_beside(words, x, y, size, colour, screen, np.empty((0, 2)))

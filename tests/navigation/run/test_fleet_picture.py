@@ -1,0 +1,68 @@
+"""The picture that a run of several robots leaves behind."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from navigation.config import load_config
+from navigation.draw import DrawError
+from navigation.draw.shapes import ROBOTS
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
+from navigation.run.fleet.fleet_picture import write_picture
+from navigation.run.fleet.fleet_report import summarise_fleet
+from navigation.run.fleet.fleet_runner import FleetRunner
+from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
+from navigation.run.fleet.fleet_virtual_world import FleetVirtualWorld
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+ALCOVE = load_config(CONFIGS / "alcove.yaml", {})
+SECONDS = 4.0
+
+
+def test_each_robot_has_its_track_in_its_own_colour_and_the_length_that_it_drove(
+    tmp_path: Path,
+) -> None:
+    file, driven_m = tmp_path / "track.svg", {}
+
+    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+        if now.time_s < SECONDS:
+            return False
+        assert isinstance(daemon.world, FleetVirtualWorld)
+        truths = daemon.world.truths
+        report = summarise_fleet(daemon, truths, now.state, now.sentence, now.time_s)
+        write_picture(file, daemon, truths, report)
+        with pytest.raises(DrawError, match="cannot be written"):
+            write_picture(tmp_path / "no" / "track.svg", daemon, truths, report)
+        for name, truth in truths.items():
+            steps = np.diff(truth.track()[:, 1:3], axis=0)
+            driven_m[name] = float(np.hypot(*steps.T).sum())
+        return True
+
+    run_fleet_virtually(ALCOVE, look=look)
+    picture = file.read_text()
+    for number, (name, length_m) in enumerate(driven_m.items()):
+        assert length_m > 0.2
+        colour = "#{:02x}{:02x}{:02x}".format(*ROBOTS[number])
+        assert colour in picture
+        told = re.search(rf">{number + 1} {name}, ([\d.]+) m<", picture)
+        assert told is not None, "the legend has it"
+        assert float(told[1]) == pytest.approx(length_m, rel=0.01)
+        assert f">{number + 1} {name}<" in picture, "beside the robot"
+
+
+@pytest.mark.timed
+def test_a_run_leaves_it_beside_its_report(tmp_path: Path) -> None:
+    assert ALCOVE.simulation is not None
+    simulation = ALCOVE.simulation.model_copy(update={"time_limit_s": SECONDS})
+    recording = ALCOVE.recording.model_copy(update={"runs_dir": tmp_path, "journal": None})
+    config = ALCOVE.model_copy(update={"simulation": simulation, "recording": recording})
+    socket = tmp_path / "socket"
+    runner = FleetRunner(config, once=True, say=lambda _: None, socket=socket, dashboard=False)
+    report, folder, _ = runner.run_fleet()
+    assert report.state == "failed", "there was no time to arrive"
+    assert folder is not None
+    assert {"report.json", "track.svg"} <= {file.name for file in folder.iterdir()}
+    assert ">2 right" in (folder / "track.svg").read_text()
