@@ -98,7 +98,7 @@ class Drive:
         if found:
             self.address = f"ws://{found[1]}/live"
             self.serves.set()
-        if re.match(r" *[\d.]+ s  \w+ +driving", line):
+        if re.match(r" *[\d.]+ s  \S+ +driving ", line):
             self.drives.set()
 
     def _run(self) -> None:
