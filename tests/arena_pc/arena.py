@@ -30,6 +30,7 @@ serial:
   port: {ADAPTER.format("A1")}
 safety:
   pose_stale_s: 0.5
+  frame_stale_s: 0.5
 mission:
   stations:
     - {{x_m: 0.72, y_m: 1.52}}

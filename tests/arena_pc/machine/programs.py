@@ -10,7 +10,7 @@ from pathlib import Path
 from tests.arena_pc.machine.pc import ArenaPC
 
 LOOK_EVERY_S = 1.0
-PATIENCE_S = 120.0
+PATIENCE_S = 240.0
 """By the host's clock; an emulated machine beside other work is slow."""
 SCRIPTS = Path(__file__).parents[1] / "scripts"
 _NUMBERS = itertools.count(1)

@@ -7,6 +7,7 @@ in its memory. Nothing is plugged in while a snapshot is taken.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import subprocess
 import tempfile
@@ -46,11 +47,13 @@ BOOTED = State(
 
 
 def restored(image: Path, state: State, work: Path) -> ArenaPC:
-    """A machine in a state; the first time it is led there."""
+    """A machine in a state; the first time it is led there, by one process."""
     file = _file(image, state)
-    if not file.exists():
-        with tempfile.TemporaryDirectory(prefix="arena-") as folder:
-            _take(image, state, Path(folder), file)
+    with file.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not file.exists():
+            with tempfile.TemporaryDirectory(prefix="arena-") as folder:
+                _take(image, state, Path(folder), file)
     pc = ArenaPC(image, work, ["-incoming", f"exec:zstd -dcq '{file}'"])
     try:
         _wait_for_status(pc, "query-status", {"paused", "running"}, RESTORE_WITHIN_S)

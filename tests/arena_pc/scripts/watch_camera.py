@@ -2,8 +2,8 @@
 
     watch_camera.py DEVICE RATE_HZ
 
-A line is ``STATE CAPTURED REASON``. What a camera that runs says of its rate is left out: an
-emulated machine stumbles.
+A line is ``STATE CAPTURED REASON``; there is one for every fifty pictures, too. What a camera that
+runs says of its rate is left out: an emulated machine stumbles.
 """
 
 import sys
@@ -31,14 +31,14 @@ def main(device: str, rate_hz: float) -> None:
             known=known,
         )
 
-    shown = ""
+    shown, counted = "", 0
     with LatestFrame(open_camera, time.monotonic) as reader:
         while True:
             reader.take(LOOK_S)
             status = reader.status()
             news = status.state if status.state == "running" else f"{status.state} {status.reason}"
-            if news != shown:
-                shown = news
+            if news != shown or status.captured >= counted + 50:
+                shown, counted = news, status.captured
                 print(status.state, status.captured, status.reason)
 
 

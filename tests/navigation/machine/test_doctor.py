@@ -175,7 +175,7 @@ def test_what_is_plugged_in_and_may_not_be_opened_is_a_warning(
     """Found on a PC whose user was in none of the groups: everything was well."""
     plugged_in = [{"path": str(terminal), "device": str(terminal), "name": "a camera"}]
     monkeypatch.setattr("navigation.cli.setup.devices.cameras_here", lambda: plugged_in)
-    monkeypatch.setattr("navigation.cli.setup.devices.serial_ports", lambda: [])
+    monkeypatch.setattr("navigation.cli.setup.devices.serial_ports", list)
 
     def cameras() -> list[list[str]]:
         found = json.loads(call("doctor", "--format", "json").out)["findings"]
