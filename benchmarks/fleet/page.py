@@ -102,7 +102,11 @@ class Drive:
             self.drives.set()
 
     def _run(self) -> None:
-        self.report, _, _ = self.runner.run_fleet()
+        try:
+            self.report, _, _ = self.runner.run_fleet()
+        finally:
+            self.serves.set()  # whoever waits need not wait any longer
+            self.drives.set()
 
     def __enter__(self) -> Drive:
         self._thread.start()
@@ -123,15 +127,18 @@ def page_s() -> float:
 def measure(config: Config, kind: str, seconds: float, figures: Figures) -> None:
     """One run with this kind of viewer."""
     with tempfile.TemporaryDirectory() as folder, Drive(config, Path(folder)) as drive:
-        if not drive.serves.wait(PATIENCE_S):
+        if not drive.serves.wait(PATIENCE_S) or not drive.address:
             raise RuntimeError("the run serves no page")
         ours, theirs = multiprocessing.Pipe()
         arguments = (drive.address, kind == PICTURE, theirs)
         viewer = multiprocessing.get_context("spawn").Process(target=view, args=arguments)
         if kind != NOBODY:
             viewer.start()
-        if not drive.drives.wait(PATIENCE_S):
-            raise RuntimeError("no robot drives")
+        if not drive.drives.wait(PATIENCE_S) or drive.report is not None:
+            why = "" if drive.report is None else f": {drive.report.reason}"
+            if kind != NOBODY:
+                viewer.kill()
+            raise RuntimeError(f"no robot has driven, is the machine busy?{why}")
         before = asked(ours) if kind != NOBODY else ({}, {})
         began_s, page, process = time.monotonic(), page_s(), time.process_time()
         threading.Event().wait(seconds)
