@@ -35,6 +35,8 @@ second at the worst."""
 LEAST_REACH = 1e-6
 """Pixels: derived, borders that touch leave each other nothing, and nothing cannot be divided
 by."""
+TOUCHING_PX = 1e-4
+"""A point so near to its outline lies on it: chosen, above rounding and below what is seen."""
 _CENTRE_STEPS = 60
 """Steps towards the centre that is as far from the nearest point as from the farthest: chosen, the
 last one moves it by a sixtieth of the difference."""
@@ -126,10 +128,33 @@ def _simplest(points: FloatArray, reach: FloatArray, is_hole: bool) -> _Simple |
         here = int(corners.after[here])
     rows = np.zeros((left, 6))
     rows[:, 0], rows[:, 1] = corners.x[order], corners.y[order]
+    if not _encloses(rows[:, :2], points, is_hole):
+        return None
     depths = _depths(points, rows[:, :2], corners.point[order])
     rows[:, 5] = np.sqrt((depths**2).mean())
     tips = np.hypot(*(rows[:, :2] - points[corners.point[order]]).T)
     return _Simple(POLYGON, rows, float(max(depths.max(), tips.max())))
+
+
+def _encloses(rim: FloatArray, points: FloatArray, is_hole: bool) -> bool:
+    """Whether all points are on the obstacle's side of the rim.
+
+    Noise may cross a border with itself, and no step knows its sides then.
+    """
+    x, y = points[:, 0], points[:, 1]
+    inside = np.zeros(len(points), np.bool_)
+    ends = np.roll(rim, -1, axis=0)
+    for (ax, ay), (bx, by) in zip(rim.tolist(), ends.tolist(), strict=True):
+        if ay != by:
+            inside ^= ((ay > y) != (by > y)) & (x < ax + (bx - ax) * (y - ay) / (by - ay))
+    along = ends - rim
+    long = np.maximum((along**2).sum(axis=1), LEAST_REACH**2)
+    for point in points[inside if is_hole else ~inside]:
+        off = point - rim
+        share = np.clip((off * along).sum(axis=1) / long, 0.0, 1.0)
+        if np.hypot(*(off - share[:, None] * along).T).min() > TOUCHING_PX:
+            return False
+    return True
 
 
 def _depths(points: FloatArray, corners: FloatArray, at: NDArray[np.int64]) -> FloatArray:

@@ -2,9 +2,11 @@
 // one SVG group that can be switched off; what was chosen is remembered.
 
 import { CameraView, Heat } from "./camera.js";
-import { clearanceSpan } from "./world.js";
+import { clearanceSpan, obstaclePlaces } from "./world.js";
 import { element } from "./stage.js";
 
+/** With more obstacles numbers would hide the arena. */
+const MOST_NUMBERED = 60;
 export const LAYERS = ["picture", "obstacles", "diagram", "roadmap", "plan", "track", "robots", "clearance", "camera"];
 const OFF_AT_FIRST = ["clearance", "camera"];
 const TITLES = {
@@ -113,6 +115,7 @@ export class Layers {
     this.stage.group("obstacles").replaceChildren(
       element("path", { class: "obstacle", d: solid.join(""), "fill-rule": "evenodd" }),
       element("path", { class: "obstacle-line", d: open.join("") }),
+      ...obstaclePlaces(world, MOST_NUMBERED).map(({ owner, x, y }) => element("text", { class: "label obstacle-number", x: this.stage.x(x), y: this.stage.y(y), "text-anchor": "middle", "dominant-baseline": "central" }, String(owner))),
     );
   }
 

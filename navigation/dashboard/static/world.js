@@ -82,3 +82,32 @@ function surrounds(ring, x, y) {
   }
   return inside;
 }
+
+/** Where the numbers stand that messages name obstacles by: inside each, where it is widest half-way up. */
+export function obstaclePlaces(world, most) {
+  const { border, border_first: first, border_closed: closed, border_object: owner } = world.arrays;
+  const places = new Map();
+  for (let b = 0; b < closed.length; b++) {
+    if (places.has(owner[b])) continue; // its holes come later
+    const points = [];
+    for (let k = first[b]; k < first[b + 1]; k++) points.push([border[2 * k], border[2 * k + 1]]);
+    if (points.length) places.set(owner[b], { owner: owner[b], ...middleOf(points) });
+  }
+  return places.size <= most ? [...places.values()] : [];
+}
+
+function middleOf(points) {
+  const heights = points.map(([, y]) => y);
+  const y = 0.5 * (Math.min(...heights) + Math.max(...heights));
+  const crossings = [];
+  points.forEach(([ax, ay], k) => {
+    const [bx, by] = points[(k + 1) % points.length];
+    if (ay > y !== by > y) crossings.push(ax + ((bx - ax) * (y - ay)) / (by - ay));
+  });
+  crossings.sort((a, b) => a - b);
+  let widest = [points[0][0], points[0][0]];
+  for (let k = 0; k + 1 < crossings.length; k += 2) {
+    if (crossings[k + 1] - crossings[k] > widest[1] - widest[0]) widest = [crossings[k], crossings[k + 1]];
+  }
+  return { x: 0.5 * (widest[0] + widest[1]), y };
+}

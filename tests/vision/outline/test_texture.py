@@ -10,7 +10,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -28,16 +28,16 @@ CORNER_PX = np.sqrt(0.5)
 """From a pixel's centre to its corner: a border runs between centres of pixels."""
 ROUNDED_PX = 1e-3
 """OpenCV's polygons have single precision, and a circle is one of 720 sides."""
-FINE = 4
+FINE = 3
 """Samples a pixel."""
-MANY = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+MANY = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 def picture_of(mask: Mask) -> NDArray[np.uint8]:
     return np.where(mask, 25, 235).astype(np.uint8)
 
 
-def ragged(seed: int, size: int = 120) -> Mask:
+def ragged(seed: int, size: int = 90) -> Mask:
     """Bars, discs and a frame with a hole, their borders with pixels added at random."""
     rng = np.random.default_rng(seed)
     mask = np.zeros((size, size), np.uint8)
@@ -120,7 +120,7 @@ def test_every_pixel_of_an_obstacle_stays_inside_its_outline(seed: int, texture_
     assert (outlines.share_of(pixels) == 1).all()
 
 
-@MANY
+@settings(MANY, max_examples=12)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.5, 1.0, 1.7, 3.0, 5.0]))
 def test_nothing_farther_than_the_tolerance_is_added_and_no_two_meet(
     seed: int, texture_px: float
@@ -136,6 +136,7 @@ def test_nothing_farther_than_the_tolerance_is_added_and_no_two_meet(
 
 
 @MANY
+@example(1_209_451_408, 0.5, 3.0)  # noise crosses a border with itself
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.5, 1.0, 3.0]), st.floats(0.0, 4.0))
 def test_every_edge_point_of_a_picture_with_grey_stays_behind_its_outline(
     seed: int, texture_px: float, noise: float
