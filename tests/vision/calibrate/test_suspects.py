@@ -45,7 +45,7 @@ def test_pictures_that_were_turned_over_are_named(
     named = {r.split(":")[0] for r in lens.remarks}
     usual = estimate_lens(mixed[count:]).rms_px
     # where turning over moves nothing, as for a board in the middle, it does no harm either
-    truth = SimpleNamespace(camera_matrix=CAMERA, distortion=LENS)
+    truth = SimpleNamespace(camera_matrix=CAMERA, distortion=LENS, model="brown")
     shown = {v.name for v in mixed[:count] if rms_px(residuals_px(v, truth)) > 1.7 * usual}
     assert shown
     assert shown <= named <= {f"picture {i}" for i in range(count)}
