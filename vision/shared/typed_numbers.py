@@ -7,7 +7,11 @@ Rules
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-NONE, ONE = np.int64(0), np.int64(1)
-NO, YES = np.bool_(False), np.bool_(True)
+NONE: Any = np.int64(0)
+ONE: Any = np.int64(1)
+NO: Any = np.bool_(False)
+YES: Any = np.bool_(True)
