@@ -29,18 +29,18 @@ NEITHER = 1e-10
 """A skewness below this share of what it could be is rounding: chosen, thousands of sums round by
 1e-12 in all. The border is its own mirror image then."""
 
-STEPS, CRISP_STEPS = 2.0**32, 2.0**20
-"""To so many parts of a pixel points are rounded: chosen, powers of two, exact. What is equal but
-for its place in the picture stays equal, and ties are decided alike everywhere. Without grey a
+STEPS = 2.0**20
+"""To so many parts of a pixel points are rounded: chosen, a power of two, exact. What is equal but
+for its place in the picture stays equal, and ties are decided alike everywhere; without grey a
 point is the middle between two pixels, but for what the smoothing's weights lack of one."""
 
 
 @njit(**SUMS)
-def bring_into_place(points, exact, away, border):
+def bring_into_place(points, away, border):
     """Write a border's points (n, 2) so that it is right-handed and begins far in the east.
 
     It begins where it is farthest from its centroid, which is turned to the east, and that point
-    is its origin. ``exact``: without grey; ``away`` (n + 1,): room to work in.
+    is its origin. ``away`` (n + 1,): room to work in.
     """
     px = border.x
     py = border.y
@@ -77,8 +77,7 @@ def bring_into_place(points, exact, away, border):
         turns += 1
         east, south = -south, east
         xx, xy, yx, yy = -yx, -yy, xx, xy
-    steps = CRISP_STEPS if exact else STEPS
-    share = 1.0 / steps
+    share = 1.0 / STEPS
     for part in range(2):
         # from the first point to the end, and from there on; or back to the start, and from there
         behind = part == 1
@@ -94,8 +93,8 @@ def bring_into_place(points, exact, away, border):
             i = low + count - 1 - k if transposed else low + k
             u = points[i, 0] - x
             v = points[i, 1] - y
-            px[to + k] = math.floor((xx * u + xy * v) * steps + 0.5) * share
-            py[to + k] = math.floor((yx * u + yy * v) * steps + 0.5) * share
+            px[to + k] = math.floor((xx * u + xy * v) * STEPS + 0.5) * share
+            py[to + k] = math.floor((yx * u + yy * v) * STEPS + 0.5) * share
     _repeat(px, py, n)
     return Place(transposed, turns, xx * x + xy * y, yx * x + yy * y)
 
@@ -152,15 +151,15 @@ def bring_cracks_along(border, cracks, place):
     dx = qx[0] - hx[0]
     dy = qy[0] - hy[0]
     _shift(qx, qy, n, dx, dy)
-    right = _rounded(dx - x, CRISP_STEPS)
-    down = _rounded(dy - y, CRISP_STEPS)
+    right = _rounded(dx - x)
+    down = _rounded(dy - y)
     _shift(border.x, border.y, border.n, right, down)
     return Place(place.transposed, place.turns, dx, dy)
 
 
 @njit(**LEAF)
-def _rounded(x, steps):
-    return math.floor(x * steps + 0.5) / steps
+def _rounded(x):
+    return math.floor(x * STEPS + 0.5) / STEPS
 
 
 @njit(**LEAF)

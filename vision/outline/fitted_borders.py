@@ -20,6 +20,8 @@ POLYGON: Final = 0
 CIRCLE: Final = 1
 TINY: Final = 2
 """Too few points for a fit: defined."""
+FEWEST_LINES: Final = 3
+"""Lines that enclose something: derived, two do not."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,22 +15,18 @@ from numpy.typing import NDArray
 from vision.borders.contours import Borders, EdgePoints
 from vision.outline.drawn.separation_kernels import runs_between_two_greys
 from vision.outline.fit.edge_prices import LEAST_LINE, edge_prices
+from vision.outline.fit.outline_kernels import KNOWN_PX
 from vision.outline.fitted_borders import FittedBorders
 from vision.outline.fitting_kernels import fit_borders
-from vision.outline.limit_kernels import allow_losses, longest_of
+from vision.outline.limit_kernels import LOUD_PX, NOISY_PX, QUIET_PX, allow_losses, longest_of
 from vision.outline.outline_types import CrackPixels, Prices
 from vision.outline.work import make_fitted, memory_for
 
 SMOOTHING = 0.5311
 """The noise left by the profile's five-pixel Gaussian: derived, 1 / sqrt(2 sqrt(pi)) at sigma 1."""
-FLOOR_PX = 0.05
-"""The smallest spread of edge points that is believed: chosen, lenses, prints and edges are no
-lines."""
-CALM_PX, NOISY_CALM_PX = 0.12, 0.06
-"""Deviation that costs nothing in a picture with grey (chosen); less of it where noise moves points
+CALM_PX = 0.12
+"""Deviation that costs nothing in a picture with grey (chosen); half of it where noise moves points
 much: it would hide true corners there, and hardly spares a false one."""
-QUIET_PX, NOISY_PX = 0.1, 0.2
-"""From where to where in the noise of a point the one becomes the other: chosen."""
 STAIRCASE_PX = 0.5
 """Deviation that costs nothing in a picture of black and white only, or blurred after it was one:
 derived, a pixel's centre is no farther off the border that it was rounded from."""
@@ -62,13 +58,13 @@ class Tolerance(NamedTuple):
 def tolerance_of(edges: EdgePoints, noise: float, contrast: float) -> Tolerance:
     """The tolerance that a picture's noise (grey levels), contrast and edges call for."""
     spread = SMOOTHING * noise / (edges.slope * max(contrast, 1.0))
-    sigma = float(np.hypot(FLOOR_PX, spread))
+    sigma = float(np.hypot(KNOWN_PX, spread))
     crisp = edges.crispness if edges.crispness > 0.3 else 0.0
     blur = edges.blur_px
     noisy = min(max((spread - QUIET_PX) / (NOISY_PX - QUIET_PX), 0.0), 1.0)
-    calm = CALM_PX + (NOISY_CALM_PX - CALM_PX) * noisy
+    calm = CALM_PX * (1.0 - 0.5 * noisy)
     # noise outweighs what little of the bend is left so far out
-    loud = min(1.0, spread / 0.15)
+    loud = min(1.0, spread / LOUD_PX)
     return Tolerance(
         crisp=crisp > 0.5,
         dead_zone_px=calm + (STAIRCASE_PX - calm) * max(crisp, staircase_share(edges, sigma)),

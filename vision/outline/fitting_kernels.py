@@ -46,8 +46,8 @@ from vision.outline.drawn.separating_chord_kernels import all_chords, separate_b
 from vision.outline.drawn.separation_kernels import fill_cracks, find_cracks
 from vision.outline.fit.outline_kernels import finish_edge
 from vision.outline.fit.shape_kernels import HUGE
-from vision.outline.fitted_borders import CIRCLE, LINE, POLYGON, TINY
-from vision.outline.limit_kernels import limits_of
+from vision.outline.fitted_borders import CIRCLE, FEWEST_LINES, LINE, POLYGON, TINY
+from vision.outline.limit_kernels import QUIET_PX, limits_of
 from vision.outline.outline_types import (
     BorderPoints,
     Costs,
@@ -76,11 +76,6 @@ places are where the border may break: chosen."""
 ROUNDER_BY = 0.85
 """With grey: by how much cheaper an arc is then: chosen. It is no dearer than two chords that pass
 for it."""
-QUIET_PX = 0.1
-"""With grey: the noise of a point up to which a second look tells: chosen."""
-CHEAP = 3.0
-"""A circle that costs no more than so many lines is not compared with other edges: chosen, as
-many as enclose something."""
 NO_BLUR = 0.0
 """Without grey no corner is rounded: defined."""
 SURE = 0.5
@@ -116,7 +111,7 @@ def fit_borders(
             fitted.border_kind[b] = TINY
             continue
         border = BorderPoints(places[0], places[1], here.shape[0])
-        place = bring_into_place(here, exact, work.room.numbers[0], border)
+        place = bring_into_place(here, work.room.numbers[0], border)
         known = crack_pixels.starts[b + 1] - crack_pixels.starts[b] if exact else 0
         cracks = Cracks(places[2], places[3], places[4], places[5], known)
         if exact:
@@ -183,7 +178,8 @@ def _fit_border(
     if cracks.n > 0 and nearly:
         # no search would find what it loses: the last check does
         edges = cut_circle(border, work.circle, work.outline)
-    elif round_cost > CHEAP * prices.line + limits.expected * border.n:
+    # a circle that costs no more than any lines would is not compared with other edges
+    elif round_cost > FEWEST_LINES * prices.line + limits.expected * border.n:
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
         )
@@ -197,7 +193,7 @@ def _fit_border(
         edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
-    if edges < 3 and not _any(finished.kind, edges):
+    if edges < FEWEST_LINES and not _any(finished.kind, edges):
         # two lines enclose nothing: so small a border is its pixels' outline
         return TINY, NONE
     return POLYGON, edges
@@ -214,6 +210,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     spare = work.room.numbers[6]
     crisp = limits.crisp
     spread = tolerance.spread_px
+    # noise leaves nothing to see at a second look
     looks = LOOKS if crisp or spread <= QUIET_PX else 1
     finer = Prices(prices.line, prices.arc if crisp else ROUNDER_BY * prices.arc, prices.circle)
     radius = work.circle[2] if round_cost < HUGE else 0.0

@@ -15,16 +15,21 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING
-from vision.outline.fit.outline_kernels import STRAY_PX
+from vision.outline.fit.outline_kernels import KNOWN_PX, STRAY_PX
 from vision.outline.outline_types import Limits
 
-TANGENT_PX, CRISP_TANGENT_PX = 0.05, 0.3
-"""With and without grey (chosen), by how much two smoothly joined edges may miss or cross each
-other, noise aside."""
+QUIET_PX, NOISY_PX = 0.1, 0.2
+"""From where to where in the noise of a point a picture counts as noisy: chosen."""
+LOUD_PX = 0.5 * (QUIET_PX + NOISY_PX)
+"""From here on noise outweighs what little blur does: derived, half-way."""
+CRISP_TANGENT_PX = 0.3
+"""Without grey, by how much two smoothly joined edges may miss or cross each other: chosen. With
+grey no more than ``KNOWN_PX``, noise aside."""
 CUT_PX = 0.7
 """Blur's worth of a missing corner pixel: chosen, the sides still meet where they would with it."""
 MOST_PX = 1.0
-"""How far an edge may leave a border without noise: chosen, the pixel that is promised."""
+"""How far an edge may leave a border without noise: chosen, the pixel that is promised. At a tip,
+too: what is farther off is none."""
 CALM_LOSS_PX = 0.02
 """Deviation that does not count as area lost: chosen."""
 CHORD_PX, CRISP_CHORD_PX = 0.2, 0.34
@@ -51,7 +56,7 @@ def limits_of(tolerance, exact):
         math.ceil(tolerance.trim_px),
         tolerance.guard_px,
         CUT_PX if exact else tolerance.blur_px,
-        CRISP_TANGENT_PX if crisp else TANGENT_PX + spread,
+        CRISP_TANGENT_PX if crisp else KNOWN_PX + spread,
         CALM_LOSS_PX + 2.0 * spread,
         MOST_PX + 4.5 * spread,
         CRISP_CHORD_PX if crisp else CHORD_PX + 2.0 * spread,

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
+from vision.outline.corners.crossing_kernels import AROUND
 from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
 from vision.outline.fit.shape_kernels import HUGE, circle_cost, line_cost
@@ -30,8 +31,6 @@ NEAR_MISS = 1.6
 """Share of the worst deviation up to which an arc is worth turning between the pixels: chosen."""
 SPAN = 160
 """At most so many seeds in one stretch: chosen, a bound on the work."""
-TURN = 6
-"""Points on either side of a seed that tell how sharply its border turns: chosen."""
 CORNER = 1.2
 """Turn in radians from which a seed is surely a corner: chosen, a cap of 10 px radius turns by
 0.6, and a staircase turns sharply by itself."""
@@ -42,10 +41,7 @@ ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
 """What a stretch may be: defined, a line or an arc, an arc, neither."""
 ROUNDING = 1e-9
 """A partition begun elsewhere may cost as much, but for the order of its sums: chosen."""
-ROUND_SEEDS = 12
-"""At most so many seeds on a border that is nearly a circle and no polygon: chosen, it turns
-evenly, and a break beside an arc moves to its place when the edges are fitted."""
-NO_LINE, NO_CIRCLE = 2.0, 3.0
+ASTRAY = 3.0
 """In worst deviations: how far a seed may lie from the chord, or from the circle through both
 ends and the middle, of a stretch that might be a line or an arc (chosen)."""
 
@@ -68,18 +64,12 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         if is_seed[k]:
             seeds[m] = k
             m += 1
-    chord = _longest_line(n, radius, 0.5 * costs.worst, NONE)
-    if radius > 0.0 and m > ROUND_SEEDS and prices.line * n >= limit * chord:
-        # no polygon is cheaper than the circle: what is left are arcs
-        for t in range(ROUND_SEEDS):
-            seeds[t] = seeds[t * m // ROUND_SEEDS]
-        m = ROUND_SEEDS
     seeds = seeds[:m]
     snap_seeds(border, seeds, skip + 4)
     sharpest = -1.0
     start = NONE
     for t in range(m):
-        turn = turn_at(border, seeds[t], TURN)
+        turn = turn_at(border, seeds[t], AROUND)
         if turn > sharpest:
             sharpest = turn
             start = t
@@ -252,7 +242,7 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
         k = position[s] - shift
         if a < k < b:
             far = max(far, abs((px[k] - x0) * dy - (py[k] - y0) * dx))
-    if far <= NO_LINE * worst * chord:
+    if far <= ASTRAY * worst * chord:
         return ANY
     # the circle through both ends and the middle
     c = (a + b) // 2
@@ -274,12 +264,12 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
         k = (position[s] + position[s + 1]) // 2 - shift
         if a < k < b:
             d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
-            if abs(d) > NO_CIRCLE * worst:
+            if abs(d) > ASTRAY * worst:
                 return NOTHING
         k = position[s] - shift
         if a < k < b:
             d = math.sqrt((px[k] - x0 - mx) ** 2 + (py[k] - y0 - my) ** 2) - r
-            if abs(d) > NO_CIRCLE * worst:
+            if abs(d) > ASTRAY * worst:
                 return NOTHING
     return BENT
 

@@ -30,18 +30,19 @@ from vision.outline.fit.shape_kernels import (
     refine_circle,
 )
 from vision.outline.fitted_borders import LINE
+from vision.outline.limit_kernels import LOUD_PX
 from vision.shared.typed_numbers import NONE, ONE
 
 CIRCLE_LOSS = 1.3
 """How much more than its edges might a circle may lose that spares them all: chosen."""
-INWARDS, LOUD_PX = 0.31, 0.15
+INWARDS = 0.31
 """Blur moves the half-way level of a circle inwards by half its variance over the radius; a blur
 that is read off profiles along rows and columns, which meet a circle aslant, looks so much wider
-that it is less than a third (measured). Less with noise, and nothing from this spread on (too)."""
+that it is less than a third (measured). Less with noise, and nothing from ``LOUD_PX`` on. Fillets'
+own measure of the same (``half_variance`` in ``vision.outline.corners.fillet_kernels``) gives more:
+nearer for most circles, but 0.08 px too much at a radius of 5 px and a blur of 1.5 px."""
 ROUGH = 64
 """Points that tell most other shapes from a circle: chosen, it only spares work."""
-REFINEMENTS = np.int64(8)
-"""Rounds of Gauss-Newton: chosen, a bound on the work."""
 THIRDS = np.int64(3)
 """Arcs that a circle is cut into where it does not separate its pixels: derived, each turns by
 less than half a circle."""
@@ -67,7 +68,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     far = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, 2.0 * worst, HUGE)
     if far >= HUGE or not fit_circle(px, py, NONE, n, ONE, circle):
         return HUGE, False
-    refine_circle(px, py, NONE, n, REFINEMENTS, circle)
+    refine_circle(px, py, NONE, n, circle)
     if not goes_round(px, py, n, circle[0], circle[1]):
         return HUGE, False
     if crisp:

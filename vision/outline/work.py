@@ -12,9 +12,6 @@ import numpy as np
 
 from vision.outline.outline_types import Fitted, Memory
 
-LEAST = 16
-"""So long are rows at least: chosen, a few sums of a stretch, or a corner, need that."""
-
 
 class _Kept(threading.local):
     """What this thread's last picture was fitted in: fresh pages cost as much as a small fit."""
@@ -35,7 +32,7 @@ def memory_for(longest: int) -> Memory:
 
 def make_memory(most: int) -> Memory:
     """Memory to fit borders of fewer than ``most`` points or cracks."""
-    row = max(2 * most + 1, LEAST)
+    row = 2 * most + 1
     return Memory(
         most,
         np.empty((15, row)),

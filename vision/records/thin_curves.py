@@ -25,7 +25,6 @@ FEWEST = 5
 """Pixels of the shortest chain whose bend can be told from rounding."""
 BESIDE = ((1, 0), (0, 1), (-1, 0), (0, -1))
 ACROSS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-ROUNDS = 8
 
 
 def open_chain(pixels: list[Pixel]) -> list[Pixel] | None:
@@ -70,7 +69,7 @@ def chain_edges(points: NDArray[np.float64]) -> tuple[list[Edge], float]:
     px, py = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
     circle = np.empty(3)
     if fit_circle(px, py, 0, len(px), 1, circle):
-        refine_circle(px, py, 0, len(px), ROUNDS, circle)
+        refine_circle(px, py, 0, len(px), circle)
         cx, cy, radius = circle.tolist()
         away = np.hypot(px - cx, py - cy) - radius
         if float(np.abs(away).max()) <= NEAR_PX:

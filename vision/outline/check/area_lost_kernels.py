@@ -19,12 +19,10 @@ from vision.outline.check.loss_kernels import edge_loss
 from vision.outline.corners.crossing_kernels import onto
 from vision.outline.drawn.joint_relaxation_kernels import relax_joints
 from vision.outline.fit.outline_kernels import arc_sweep, edge_end, finish_edge
-from vision.outline.fit.shape_kernels import HUGE
+from vision.outline.fit.shape_kernels import HUGE, ROUNDS
 from vision.outline.fitted_borders import LINE
 from vision.shared.typed_numbers import NONE
 
-CHECKS = 6
-"""Times that the finished edges are compared with the border: chosen, a bound on the work."""
 RAGGED_SHARE, CRISP_RAGGED_SHARE = 0.15, 0.03
 """Area lost per point from which a stretch counts as ragged, where its border loses too much:
 chosen."""
@@ -114,7 +112,7 @@ def check_edges(border, outline, edges, limits, budget, review, finished, circle
         ragged[e] = False
         stale[e] = True
         losses[e] = 0.0
-    for _ in range(CHECKS):
+    for _ in range(ROUNDS):
         _finish_stale(border, outline, edges, review, finished, circle)
         changed, total = _find_losses(border, outline, edges, limits, review, finished)
         while total > budget:

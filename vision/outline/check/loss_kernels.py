@@ -19,18 +19,19 @@ from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_ends, distance_to_edge
 from vision.outline.fit.separating_fit_kernels import HALF
 from vision.outline.fitted_borders import LINE
+from vision.outline.limit_kernels import MOST_PX
 
 LOST_AXIS_PX = 0.505
 """Along a pixel's axis, how far from the middle between two pixels' centres an edge may run
 before a pixel counts as lost: chosen, half a pixel and a hundredth of that."""
-NARROW_PX, LONGEST_TIP_PX = 0.75, 12.0
-"""Half the width of a tip without a pixel's centre, and how far it may reach back: chosen, a little
-more than half a pixel's diagonal; ``vision.outline.check.stray_kernels.TIP_PX``."""
-BESIDE_OTHER_PX = 0.5
-"""A point farther from its edge may lie at a neighbouring one: chosen, half a pixel."""
-TIP_STRAY_PX = 1.0
-"""The border of a tip stays as near to its edges: chosen, a pixel. What is farther off is no
-tip."""
+NARROW_PX = 0.75
+"""Half the width of a tip without a pixel's centre: chosen, a little more than half a pixel's
+diagonal."""
+LONGEST_TIP_PX = 12.0
+"""How far a tip may reach back: as far as the blur's sigma over the sine of half its angle. This is
+10 degrees at a sigma of 1 px (chosen)."""
+BESIDE_OTHER_PX = HALF
+"""A point farther from its edge may lie at a neighbouring one: half a pixel."""
 TIP_PX = 2.5
 """Within this distance of a corner pixels are too coarse to tell where its sides run: chosen."""
 
@@ -73,7 +74,7 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
             beside = x * x + y * y < near_begin
             beside |= (xs[k] - x1) * (xs[k] - x1) + (ys[k] - y1) * (ys[k] - y1) < near_end
             lost = (best > LOST_AXIS_PX * max(ax, ay)) | (best >= HALF * HALF)
-            beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
+            beside &= best < MOST_PX * MOST_PX
             doubts += lost & (not beside)
         return doubts == 0
     cx, cy, r = rows[e, 2], rows[e, 3], rows[e, 4]
@@ -101,7 +102,7 @@ def _nothing_lost(border, lo, hi, finished, e, after, near_begin, near_end):
         axis = axis if within else end_axis
         beside = (to_begin < near_begin) | (to_end < near_end)
         lost = (best > LOST_AXIS_PX * axis) | (best >= HALF * HALF)
-        beside &= best < TIP_STRAY_PX * TIP_STRAY_PX
+        beside &= best < MOST_PX * MOST_PX
         doubts += lost & (not beside)
     return doubts == 0
 
@@ -200,7 +201,7 @@ def edge_loss(border, lo, hi, finished, e, edges, limits):
         beside = (x - rows[e, 0]) ** 2 + (y - rows[e, 1]) ** 2 < near_begin
         beside = beside or (x - rows[next_, 0]) ** 2 + (y - rows[next_, 1]) ** 2 < near_end
         best, fx, fy = distance_to_edge(kinds, rows, e, next_, x, y)
-        if beside and best < (TIP_STRAY_PX if crisp else STRAY_PX):
+        if beside and best < (MOST_PX if crisp else STRAY_PX):
             continue
         if best >= BESIDE_OTHER_PX:
             d, ex, ey = distance_to_edge(kinds, rows, before, e, x, y)

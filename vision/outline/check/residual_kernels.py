@@ -22,8 +22,6 @@ from vision.outline.fitted_borders import ARC_CCW, LINE
 
 NEAR_ENDS = 4
 """Points at either end of an edge that may be nearer to its neighbour: chosen."""
-BESIDE_PX = 0.4
-"""A point farther from its edge may be its neighbour's: chosen."""
 ROUNDING = math.sqrt(2.0 / math.pi)
 """At a corner that turns by an angle, blur moves the border off it by so many times its sigma and
 the sine of half the angle: derived, the mean of |x| under a Gaussian, as in
@@ -61,11 +59,10 @@ def measure_residual(border, finished, count, blur, reach):
             x = border.x[k]
             y = border.y[k]
             d, _, _ = distance_to_edge(kind, rows, i, after, x, y)
-            if d > BESIDE_PX:
-                other, _, _ = distance_to_edge(kind, rows, before, i, x, y)
-                d = min(d, other)
-                other, _, _ = distance_to_edge(kind, rows, after, behind, x, y)
-                d = min(d, other)
+            other, _, _ = distance_to_edge(kind, rows, before, i, x, y)
+            d = min(d, other)
+            other, _, _ = distance_to_edge(kind, rows, after, behind, x, y)
+            d = min(d, other)
             if (x - rows[i, 0]) ** 2 + (y - rows[i, 1]) ** 2 < reach * reach:
                 d -= min(begin, d)
             if (x - rows[after, 0]) ** 2 + (y - rows[after, 1]) ** 2 < reach * reach:

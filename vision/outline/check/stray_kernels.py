@@ -3,10 +3,12 @@
 Rules and units
 - ``border`` and ``finished``, edges ``0 .. count - 1`` around it: see
   ``vision.outline.outline_types``.
+- Points of an edge that are ``STRAY_PX`` apart are looked for beside the border.
 - What is checked is the finished outline, joints and chords and all, however it came about: a
   fit's residuals leave out what lies near its ends, and where along an edge its points lie.
 - Where blur rounded a pointed corner back, the outline has the corner that the sides make: a tip
-  may reach farther, see ``TIP_PX``.
+  may reach ``LONGEST_TIP_PX`` farther, from where its sides are no farther apart than ``STRAY_PX``:
+  no robot fits into that.
 """
 
 # mypy: allow-untyped-defs
@@ -19,19 +21,11 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
-from vision.outline.check.loss_kernels import loss_beside
+from vision.outline.check.loss_kernels import LONGEST_TIP_PX, loss_beside
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_sweep, distance_to_edge
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
-TIP_PX, TIP_BASE_PX = 12.0, 2.0
-"""How long a pointed corner's sides may be where they leave the border by more than ``STRAY_PX``,
-and how far apart where they begin to. A tip reaches as far back as the blur's sigma over the sine
-of half its angle: these are 10 degrees at a sigma of 1 px (chosen). No robot fits into its
-base."""
-EVERY_PX = 2.0
-"""Points of an edge so far apart are looked for beside the border: chosen, as far as
-``STRAY_PX``."""
 LONGEST = 4.0
 """What is longer than so many of its stretch's points, and a tip at either end, is not its edge:
 chosen."""
@@ -70,7 +64,7 @@ def outline_strays(border, finished, count):
 @njit(**LEAF)
 def _is_wide(ax, ay, bx, by):
     """Whether a corner whose sides leave the border at a and b is no pointed one."""
-    return (ax - bx) ** 2 + (ay - by) ** 2 > TIP_BASE_PX * TIP_BASE_PX
+    return (ax - bx) ** 2 + (ay - by) ** 2 > STRAY_PX * STRAY_PX
 
 
 @njit(**LEAF)
@@ -109,9 +103,9 @@ def _beside_border(border, lo, hi, finished, i, after):
     if kind[i] != LINE:
         begin, sweep = arc_sweep(kind, rows, i, after)
         length = abs(sweep) * rows[i, 4]
-    if length > LONGEST * (hi - lo + 1) + 2.0 * TIP_PX:
+    if length > LONGEST * (hi - lo + 1) + 2.0 * LONGEST_TIP_PX:
         return False, x0, y0, x0, y0
-    steps = max(math.ceil(length / EVERY_PX), 1)
+    steps = max(math.ceil(length / STRAY_PX), 1)
     step = length / steps
     found = False
     ahead = 0.0
@@ -142,7 +136,7 @@ def _beside_border(border, lo, hi, finished, i, after):
             last_y = y
         else:
             ahead += step
-            if ahead > TIP_PX:
+            if ahead > LONGEST_TIP_PX:
                 return False, first_x, first_y, last_x, last_y
     return found, first_x, first_y, last_x, last_y
 

@@ -11,15 +11,16 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
 
 SHALLOW = 0.03
 """Sine of the angle below which two lines are taken for one: chosen, 1.7 degrees."""
-TURN = 6
-"""Points on either side of a break that tell where its border comes from and goes to:
-chosen."""
+AROUND = np.int64(6)
+"""Points on either side of a break, or of a wall's end, that tell where the border comes from and
+goes to: chosen, a wall's half width and what blur rounds."""
 
 
 @njit(**LEAF)
@@ -96,8 +97,8 @@ def crossing(border, here, a, a_arc, b, b_arc, out):
     out[0] = base_x + off * off_x
     out[1] = base_y + off * off_y
     # where the border comes from and goes to
-    p = here - min(TURN, border.n // 4)
-    q = here + min(TURN, border.n // 4)
+    p = here - min(AROUND, border.n // 4)
+    q = here + min(AROUND, border.n // 4)
     p = p + border.n if p < 0 else p
     ax, ay = tangent_at(a, a_arc, out[0], out[1], x - border.x[p], y - border.y[p])
     bx, by = tangent_at(b, b_arc, out[0], out[1], border.x[q] - x, border.y[q] - y)

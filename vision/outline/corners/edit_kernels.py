@@ -39,6 +39,7 @@ from vision.outline.corners.fillet_kernels import (
 from vision.outline.corners.wall_end_kernels import try_end, turns_back
 from vision.outline.fit.outline_kernels import edge_end
 from vision.outline.fit.shape_kernels import BEATEN, HUGE, fit_line, line_cost
+from vision.outline.fitted_borders import FEWEST_LINES
 from vision.outline.outline_types import Run
 from vision.shared.typed_numbers import NO, ONE
 
@@ -61,8 +62,6 @@ COUNTER_TURN = math.radians(3.0)
 FLAT = 0.25
 """An arc that turns by less (radians) may be a line that took some of the arcs at its ends: up to
 60 px long it rises by less than 2 px (chosen)."""
-FEWEST = 3
-"""Lines that enclose something: derived, two do not; with an arc it is one less."""
 
 
 @njit(**LEAF)
@@ -75,10 +74,11 @@ def find_edits(border, outline, edges, untouched, blur, costs, prices, edits, ch
     sums = edits.sums
     find_corners(border, outline, edges, corners)
     sum_costs(border, outline, edges, corners, blur.sigma, costs, sums)
-    spare = edges - FEWEST
+    # with an arc it is one less
+    spare = edges - FEWEST_LINES
     for e in range(edges):
         if outline.is_arc[e]:
-            spare = edges - FEWEST + 1
+            spare = edges - FEWEST_LINES + 1
     stays = change.stays
     any_edit = False
     for i in range(edges):

@@ -20,17 +20,15 @@ from vision.outline.corners.fillet_kernels import PIXEL_BLUR_PX, half_variance, 
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.wall_end_kernels import square_ends
 from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.fit.shape_kernels import ROUNDS
 from vision.outline.outline_types import Blur, Change, Edits
 from vision.shared.typed_numbers import NONE
 
-ROUNDS = 16
-"""Times that an outline is edited at most, so that the search has a bound: chosen,
-nearly all take two."""
 LEFT = 3
 """Points that an edge keeps between two edits: derived, two would lie on any line."""
 MOVED = 16
 """Points by which an edge may be longer between two edits: derived, these look for an end among
-``vision.outline.corners.wall_end_kernels.AROUND`` points beyond it, on either side, and no more."""
+``vision.outline.corners.crossing_kernels.AROUND`` points beyond it, on either side, and no more."""
 
 
 @njit(**LEAF, inline="always")

@@ -23,7 +23,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     TURN,
     change_cost,
 )
-from vision.outline.fit.shape_kernels import HUGE, circle_rms, fit_line
+from vision.outline.fit.shape_kernels import HUGE, ROUNDS, circle_rms, fit_line
 from vision.shared.typed_numbers import ONE, YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
@@ -31,14 +31,13 @@ LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
 corner is ill-known, where they turn more its fillet is far from it."""
 PIXEL_BLUR_PX = 0.2887
 """The spread (sigma) of a pixel's own width: derived, 1 / sqrt(12)."""
-ROUNDED_PX, ROUNDED_BY = 1.5, 2.5
-"""A fillet's tangents are at least so long, and so many times the blur: chosen, blur rounds a
-sharp corner as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
-ANCHOR_FROM, ANCHOR_TO = 0.3, 0.7
-"""The part of a line that surely is none of the arcs at its ends (chosen)."""
-LOOKS, ASTRAY = 6, 2.0
-"""Points of a run that tell at once whether it is round, in worst deviations before the fit: only
-spares work (chosen)."""
+ROUNDED_BY = 2.5
+"""A fillet's tangents are at least so many times as long as the blur: chosen, blur rounds a sharp
+corner as an arc would whose tangents are 1.6 .. 1.9 times the blur's sigma."""
+ANCHOR_FROM = 0.3
+"""The part of a line that may be of the arcs at either end (chosen)."""
+ANCHOR_TO = 1.0 - ANCHOR_FROM
+"""Where the other end's begins: derived."""
 INWARDS, MORE_INWARDS = 0.25, 0.1
 """Blur moves a round border inwards, by half its variance over the radius. That little tells much
 of an arc that has to touch two lines: its radius moves four times as far where they turn by 90
@@ -48,9 +47,8 @@ twelfth for discs at blurs of 0.5 .. 2)."""
 OWN = 3
 """Points that a fillet and the lines beside it have for themselves: derived, two would lie on any
 line."""
-STEPS, REFITS = 8, 3
-"""Steps of Gauss-Newton for a radius, which settles in four; times that the lines beside a fillet
-are fitted again (chosen: bounds on the work)."""
+REFITS = 3
+"""Times that the lines beside a fillet are fitted again: chosen, a bound on the work."""
 
 
 @njit(**LEAF)
@@ -95,7 +93,7 @@ def solve_radius(border, lo, hi, a, b, corner, radius, inwards):
     px = border.x
     py = border.y
     share = 1.0 / corner[4]
-    for _ in range(STEPS):
+    for _ in range(ROUNDS):
         cx = corner[0] + radius * share * corner[2]
         cy = corner[1] + radius * share * corner[3]
         reach = radius * corner[5]
@@ -136,20 +134,6 @@ def _cut(border, lo, hi, corner):
             best = off
             cut = dx * corner[2] + dy * corner[3]
     return cut
-
-
-@njit(**LEAF)
-def _is_round(border, lo, hi, corner, radius, worst):
-    """Whether some of the points lo .. hi lie near a fillet: most polygons are told by these."""
-    px = border.x
-    py = border.y
-    cx = corner[0] + radius / corner[4] * corner[2]
-    cy = corner[1] + radius / corner[4] * corner[3]
-    for t in range(LOOKS + 1):
-        k = lo + (hi - lo) * t // LOOKS
-        if abs(math.sqrt((px[k] - cx) ** 2 + (py[k] - cy) ** 2) - radius) > worst:
-            return False
-    return True
 
 
 @njit(**LEAF)
@@ -209,7 +193,7 @@ def try_fillet(border, blur, costs, change):
     points[3] = hi
     fit_line(px, py, lo, a_to, ONE, rows[0])
     fit_line(px, py, b_from, hi, ONE, rows[2])
-    least = max(ROUNDED_PX, ROUNDED_BY * blur.sigma)
+    least = ROUNDED_BY * blur.sigma
     radius = 0.0
     cost = HUGE
     for again in range(REFITS):
@@ -218,8 +202,6 @@ def try_fillet(border, blur, costs, change):
         if again == 0:
             radius = _cut(border, a_to, b_from, corner) / (1.0 / corner[4] - 1.0)
             if radius * corner[5] < 0.7 * least:
-                return HUGE
-            if not _is_round(border, stays[1], stays[2], corner, radius, ASTRAY * costs.worst):
                 return HUGE
         radius = solve_radius(border, lo, hi, rows[0], rows[2], corner, radius, blur.half_variance)
         if radius * corner[5] < least:

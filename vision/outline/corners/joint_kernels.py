@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.crossing_kernels import crossing, onto, touch
-from vision.outline.fit.outline_kernels import edge_end
+from vision.outline.fit.outline_kernels import KNOWN_PX, edge_end
 from vision.outline.fit.separating_fit_kernels import separate_circle, separate_line
 from vision.outline.fit.shape_kernels import (
     HUGE,
@@ -33,10 +32,6 @@ from vision.shared.typed_numbers import ONE
 ROUNDS = 4
 """Times that edges are fitted, each with the corners of the time before: chosen, a bound on the
 work."""
-REFINEMENTS = np.int64(8)
-"""Rounds of Gauss-Newton (chosen: a bound on the work)."""
-STRAIGHT_PX = 0.05
-"""An arc that rises less over its chord is a line: chosen, no edge point is known better."""
 SMOOTH_SLIDE = 24
 """Points by which a break beside an arc may move to where the fits of both sides are best:
 chosen."""
@@ -132,9 +127,9 @@ def _fit_edges(border, outline, edges, limits, near):
             chord_x = px[b - 1] - px[a]
             chord_y = py[b - 1] - py[a]
             rise = (chord_x * chord_x + chord_y * chord_y) / (8.0 * row[2])
-            is_arc[e] = rise >= STRAIGHT_PX
+            is_arc[e] = rise >= KNOWN_PX
         if is_arc[e]:
-            refine_circle(px, py, a, b, REFINEMENTS, row)
+            refine_circle(px, py, a, b, row)
             if limits.crisp:
                 separate_circle(px, py, a, b, row, near)
             row[4] = circle_rms(px, py, a, b, row)

@@ -13,29 +13,27 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.corners.blurred_corner_kernels import change_cost, put_corner
+from vision.outline.corners.crossing_kernels import AROUND
+from vision.outline.corners.fillet_kernels import MOST_TURN
 from vision.outline.corners.joint_kernels import nearest_point
 from vision.outline.fit.shape_kernels import HUGE
 from vision.shared.typed_numbers import NO
 
-BACK = -0.5
-"""Cosine between two lines from which on the border turns back: by 120 degrees or more (chosen)."""
+BACK = math.cos(MOST_TURN)
+"""Cosine between two lines from which on the border turns back: where there is no fillet."""
 LEAST = 8
 """Points of a line that the border turns back from or to: less than that is no wall (chosen)."""
-AROUND = np.int64(6)
-"""Points on either side of what lies between among which the wall's end is: its half width, and
-what blur rounds (chosen)."""
-SHARP_BY, SHARP_PX = 2.2, 0.5
+WIDTH_BY, SHARP_PX = 2.2, 0.5
 """A sharp tip's border is no wider than so many times the blur's sigma, and so much more
 (chosen). The half-way level alone would be where it is 1.35 sigma wide."""
-PLAIN_BY, PLAIN_PX = 2.0, 2.5
-"""A side is seen by the search from so many times what blur rounds at a corner on, both its ends,
-and the points of its fit: chosen."""
+PLAIN_PX = 2.5
+"""A side is seen by the search from so many times what blur rounds at a corner on, and so much
+more, the points of its fit: chosen."""
 SHORTEST = 2
 """Points of the shortest side: derived, they make a line."""
 SQUARE_PX = 1.5
@@ -80,7 +78,7 @@ def try_end(border, blur, costs, change):
             best = far
             tip = k
             width = abs(from_a + from_b)
-    if not SHARP_BY * blur.sigma + SHARP_PX < width < PLAIN_BY * blur.guard + PLAIN_PX:
+    if not WIDTH_BY * blur.sigma + SHARP_PX < width < WIDTH_BY * blur.guard + PLAIN_PX:
         return HUGE
     x = px[tip % n]
     y = py[tip % n]
@@ -129,7 +127,7 @@ def square_ends(outline, edges, blur):
             continue
         dx = joints[after, 0] - joints[e, 0]
         dy = joints[after, 1] - joints[e, 1]
-        if dx * dx + dy * dy > (PLAIN_BY * blur.guard + PLAIN_PX) ** 2:
+        if dx * dx + dy * dy > (WIDTH_BY * blur.guard + PLAIN_PX) ** 2:
             continue
         ux = a[2] - b[2]
         uy = a[3] - b[3]

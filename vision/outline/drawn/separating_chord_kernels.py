@@ -31,9 +31,6 @@ from vision.shared.typed_numbers import NONE
 WAY = 0.998
 """Share of a crack's way that a chord may cross: chosen, so that no pixel's centre lies on it by a
 hair."""
-CHORD_RESIDUAL_PX = 0.25
-"""What a chord is off until its cracks have been measured: derived, the mean of 0 .. half a
-pixel."""
 TIP_LEAST = 3
 """Cracks lost that are no tip yet: derived, those of one pixel that hangs on by a side."""
 ROUNDS = 4
@@ -200,7 +197,6 @@ def _write(finished, i, x, y, k):
     finished.rows[i, 2] = 0.0
     finished.rows[i, 3] = 0.0
     finished.rows[i, 4] = 0.0
-    finished.rows[i, 5] = CHORD_RESIDUAL_PX
     finished.at[i] = k
 
 

@@ -18,8 +18,10 @@ from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import TAU, successor
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 
-FLATTEST_PX = 1e-3
-"""An arc that rises less above its chord is a line: chosen, a fiftieth of what a point is known."""
+KNOWN_PX = 0.05
+"""No edge point is known better: chosen, lenses, prints and edges are no lines."""
+FLATTEST_PX = KNOWN_PX / 50.0
+"""An arc that is written rises more above its chord: derived, far less than a point is known."""
 STRAY_PX = 2.0
 """How far a written outline and its border may be apart (chosen), but for a pointed corner that
 blur rounded back. Edges leave their points by a pixel and 4.5 sigma of their noise at most
@@ -87,7 +89,7 @@ def _is_ccw(px, py, lo, hi, cx, cy):
 
 @njit(**LEAF)
 def finish_edge(border, outline, edges, e, rows, circle):
-    """Write edge e between its joints into ``rows``; returns its kind.
+    """Write edge e between its joints into ``rows``, all but what it is off; returns its kind.
 
     ``circle`` (3,) is room to work in.
     """
@@ -100,7 +102,6 @@ def finish_edge(border, outline, edges, e, rows, circle):
     rows[e, 2] = 0.0
     rows[e, 3] = 0.0
     rows[e, 4] = 0.0
-    rows[e, 5] = shape[e, 4]
     if not outline.is_arc[e]:
         return LINE
     lo = outline.breaks[e]

@@ -30,6 +30,9 @@ CHUNK = 32
 """Points after which a cost is compared with its bound: chosen, it only spares work."""
 FLATTEST_RADIUS_PX = 1e6
 """A circle of a larger radius is a line: chosen, beyond any picture."""
+ROUNDS = 8
+"""Times that a fit, a search or a check is repeated at most: chosen, a bound on the work; nearly
+all settle after two to four."""
 SETTLED_PX = 1e-6
 """A circle that moves less has converged: chosen, far below what points are known to."""
 
@@ -188,12 +191,12 @@ def taubin(xx, xy, yy, xz, yz, zz, mx, my, out):
 
 
 @njit(**SUMS)
-def refine_circle(px, py, lo, hi, rounds, circle):
-    """Gauss-Newton on the distances of points lo .. hi - 1 from a circle, at most so often."""
+def refine_circle(px, py, lo, hi, circle):
+    """Gauss-Newton on the distances of points lo .. hi - 1 from a circle."""
     xs, ys = px[lo:hi], py[lo:hi]
     cx, cy, r = circle[0], circle[1], circle[2]
     inv = 1.0 / (hi - lo)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         # normal equations of the distances sqrt((x - cx)^2 + (y - cy)^2) - r
         suu = suv = svv = su = sv = sud = svd = sd = 0.0
         for k in range(hi - lo):
