@@ -68,8 +68,8 @@ class SimulatedFleet:
     def open_camera(self, name: str | None = None) -> Camera:
         """A new camera, closed; the same source each time. ``name`` is one of several cameras."""
         fleet = []
-        for name, one in each_robot(self._config).items():
-            robot = self._robots.get(name)
+        for who, one in each_robot(self._config).items():
+            robot = self._robots.get(who)
             shared = shared_pose(one) if robot is None else None
             fleet.append((one.robot, partial(pose_of, one, robot, shared)))
         return camera_over(
