@@ -12,6 +12,9 @@ from planner.scene import PolygonRecord, object_records
 from tests.support.drawn.render import coverage, outline_points
 from vision import extract
 
+KINDS = ("rectangle", "disc", "half disc", "stadium", "star", "ellipse", "blob")
+"""The shapes that ``outline`` draws."""
+
 
 def outline(rng: np.random.Generator, kind: str) -> np.ndarray:
     """A mask (200, 200) of one crisp object."""
@@ -48,7 +51,7 @@ def cover_table(count: int, cells: list[str]) -> list[str]:
         "| shape | method | least IoU | below 0.995 | most Hausdorff px | edges, mean |",
         "|---|---|---|---|---|---|",
     ]
-    for kind in ("rectangle", "disc", "half disc", "stadium", "star", "ellipse", "blob"):
+    for kind in KINDS:
         if not wanted(kind, cells):
             continue
         rows: dict[str, list[tuple[float, float, int]]] = {
