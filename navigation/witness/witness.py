@@ -137,7 +137,9 @@ class Witness:
         known = self._measured or UNKNOWN
         if abs(known.latency_s - self._compared_s) > REDATED_S:
             self._compared_s = known.latency_s
-            self._agreement.begin_again()  # what was dated otherwise would show as a parting
+            # what was dated otherwise shows as a parting, and may have just now, untold yet
+            self._parting = None
+            self._agreement.begin_again()
         wheels = self.wheels.at(time_s - self._compared_s)
         if wheels is None:
             return
