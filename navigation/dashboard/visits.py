@@ -68,6 +68,7 @@ class Visits:
             return JSONResponse({"ok": False, "error": "take the arena first"})
 
         def work() -> dict[str, Any]:
+            hub.daemon.settle()  # a stop that was ordered just before counts
             told = hub.daemon.describe()
             robots = told.get("robots", {"": told})  # of several each, asked at this moment
             states = {one["state"] for one in robots.values()}

@@ -133,6 +133,9 @@ class FakeDaemon:
         if self.state.mission.state is State.STOPPED:
             self.show(mission=replace(self.state.mission, state=State.IDLE))
 
+    def settle(self) -> None:
+        """It acts at once."""
+
     def replan(self) -> None:
         self.orders.append("replan")
 
