@@ -166,6 +166,7 @@ class LiveFleet:
         self.people.stop("the test is over")
         links = [seat.link for seat in self.daemon.seats.values()]
         assert wait_until(lambda: all(link.snapshot().estopped for link in links))
+        self.people.settle()  # whom the loop does not know to be stopped yet is not re-armed
         self.people.resume()
         assert wait_until(lambda: not any(link.snapshot().estopped for link in links))
         assert wait_until(lambda: not any(self.state(n) is State.STOPPED for n in self.names))
