@@ -267,4 +267,4 @@ def wait_until_due(robots: Sequence[SimulatedRobot], wait_s: float) -> None:
     try:
         select.select(robots, [], [], wait_s)
     except (*PORT_FAULTS, ValueError):  # a line that was closed is no file any more
-        time.sleep(wait_s)
+        time.sleep(wait_s)  # nothing is left to wait on but the next step

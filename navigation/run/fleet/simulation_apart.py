@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
@@ -201,7 +201,7 @@ def _answer(pipe: Connection, side: object, last: str = "") -> None:
             return
         try:
             member = getattr(side, name)
-            answer = member(*arguments) if isinstance(member, Callable) else member  # type: ignore[arg-type]
+            answer = member(*arguments) if callable(member) else member
             pipe.send((answer, None))
         except Exception as error:  # noqa: BLE001 - it belongs to who asked
             pipe.send((None, error))

@@ -68,6 +68,6 @@ def connected(path: Path, within_s: float) -> socket.socket:
             line.close()
             if time.monotonic() > end_s:
                 raise GoneError(f"{path}: {error}") from error
-            time.sleep(LOOK_EVERY_S)
+            time.sleep(LOOK_EVERY_S)  # the socket is not made yet
         else:
             return line

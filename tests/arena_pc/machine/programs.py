@@ -24,7 +24,7 @@ def wait_for(pc: ArenaPC, command: str, pattern: str, within_s: float = PATIENCE
         if re.search(pattern, output, re.MULTILINE):
             return output
         assert time.monotonic() < end_s, f"{command}: no {pattern!r} in:\n{output}"
-        time.sleep(LOOK_EVERY_S)
+        time.sleep(LOOK_EVERY_S)  # nobody tells when it would answer otherwise
 
 
 def wait_for_files(pc: ArenaPC, *files: str) -> None:

@@ -101,4 +101,4 @@ def _wait_for_status(pc: ArenaPC, query: str, wanted: set[str], within_s: float)
     while (status := pc.qmp(query).get("status")) not in wanted:
         if status == "failed" or time.monotonic() > end_s:
             raise GoneError(f"{query}: {status} after {within_s:g} s at most\n{pc.logs()}")
-        time.sleep(LOOK_EVERY_S)
+        time.sleep(LOOK_EVERY_S)  # QEMU is asked how far it has come

@@ -231,7 +231,7 @@ class UsbCamera:
             choice = self._choice
             span_s = 1.0 / choice.rate_hz
             due_s = max(due_s + span_s, time.monotonic() - span_s)
-            time.sleep(max(0.0, due_s - time.monotonic()))
+            time.sleep(max(0.0, due_s - time.monotonic()))  # the rate that it offers
             size = choice.size
             picture = self._picture(choice.fourcc, size.width, size.height, number)
             with contextlib.suppress(OSError):  # unplugged
