@@ -70,10 +70,11 @@ class PlanAsked:
 
 @dataclass(frozen=True, slots=True)
 class PlanAnswered:
-    """The planner's answer."""
+    """The planner's answer; ``carried``: given in an earlier file of the recording."""
 
     time_s: float
     answer: PlanAnswer
+    carried: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,10 +87,11 @@ class FleetAsked:
 
 @dataclass(frozen=True, slots=True)
 class FleetAnswered:
-    """Its answer: what each robot is promised."""
+    """Its answer: what each robot is promised; ``carried`` as for one robot."""
 
     time_s: float
     answer: FleetAnswer
+    carried: bool = False
 
 
 @dataclass(frozen=True, slots=True)

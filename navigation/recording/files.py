@@ -1,7 +1,7 @@
 """Recorded events into MCAP files: a new file when one is full, the oldest ones removed.
 
 Rules
-- Every file stands alone: it begins with the configuration and the newest scene.
+- Every file stands alone: it begins with the configuration and what still holds.
 - Nothing is compressed beyond the pictures' own format, and `flush` closes a chunk: what was
   flushed survives a kill.
 - Only files with a recording's name are counted and removed, and never the one being written.
@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from types import MappingProxyType
@@ -44,6 +44,7 @@ from navigation.recording.events import (
     Told,
 )
 from navigation.recording.names import PREFIX, SUFFIX
+from navigation.recording.standing import Standing
 from planner.path import NoPath
 from planner.scene import FloatArray
 
@@ -87,7 +88,7 @@ class RecordingFiles:
         self._paths: dict[str, SceneUpdateChannel] = {}
         self._log = LogChannel("/log", context=self._context)
         self._poses: dict[int, PoseInFrameChannel] = {}
-        self._scene: SceneSeen | None = None
+        self._standing = Standing()
         self.path = self._new_path()
         self._open(stamp_ns)
 
@@ -116,11 +117,15 @@ class RecordingFiles:
         header = self._header(self.files)
         configuration = self._json_channel(bodies.CONFIGURATION)
         configuration.log(header, log_time=stamp_ns(header["anchor_s"]))
-        if self._scene is not None:
-            self.write(replace(self._scene, carried=True))
+        for event in self._standing.carried():
+            self._write(event)
 
     def write(self, event: RecordedEvent) -> None:
         """Write one event: as Foxglove's message where it has one, and as JSON for replay."""
+        self._standing.take(event)
+        self._write(event)
+
+    def _write(self, event: RecordedEvent) -> None:
         time_ns = self._stamp_ns(event.time_s)
         match event:
             case PictureTaken(frame):
@@ -133,7 +138,6 @@ class RecordingFiles:
                     channel = self._pose_channel(pose.id)
                     channel.log(messages.pose_message(pose, time_ns), log_time=time_ns)
             case SceneSeen():
-                self._scene = event
                 self._write_json(bodies.SCENES, bodies.scene_body(event), time_ns)
                 self._scenes.log(messages.scene_message(event.scene, time_ns), log_time=time_ns)
             case RoadmapBuilt():
@@ -141,13 +145,13 @@ class RecordingFiles:
                 self._roadmaps.log(update, log_time=time_ns)
             case PlanAsked():
                 self._write_json(bodies.REQUESTS, bodies.request_body(event), time_ns)
-            case PlanAnswered(_, answer):
+            case PlanAnswered(answer=answer):
                 self._write_json(bodies.PLANS, bodies.plan_body(event), time_ns)
                 points = None if isinstance(answer.path, NoPath) else answer.path.points
                 self._write_path("/plan", points, time_ns)
             case FleetAsked():
                 self._write_json(bodies.FLEET_REQUESTS, bodies.fleet_request_body(event), time_ns)
-            case FleetAnswered(_, fleet):
+            case FleetAnswered(answer=fleet):
                 self._write_json(bodies.FLEET_PLANS, bodies.fleet_plan_body(event), time_ns)
                 for name in self._names.values():
                     promise = fleet.promises.get(name)

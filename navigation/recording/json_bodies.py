@@ -192,6 +192,7 @@ def plan_body(answered: PlanAnswered) -> dict[str, Any]:
         "time_s": answered.time_s,
         "id": answer.id,
         "revision": answer.scene_revision,
+        "carried": answered.carried,
     }
     if isinstance(answer.path, NoPath):
         return {**body, **_unreachable(answer.path.reason)}
@@ -243,6 +244,7 @@ def fleet_plan_body(answered: FleetAnswered) -> dict[str, Any]:
         "time_s": answered.time_s,
         "id": answer.id,
         "revision": answer.scene_revision,
+        "carried": answered.carried,
         "robots": robots,
     }
 

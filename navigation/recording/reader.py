@@ -61,6 +61,11 @@ class Planned:
     request: PlanRequest | FleetRequest
     answer: dict[str, Any]
 
+    @property
+    def carried(self) -> bool:
+        """Whether it was planned in an earlier file of the recording, and still holds."""
+        return bool(self.answer.get("carried", False))
+
 
 @dataclass(slots=True)
 class Recording:

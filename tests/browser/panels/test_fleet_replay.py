@@ -41,7 +41,8 @@ def tape(tmp_path_factory: pytest.TempPathFactory) -> Tape:
             began_s.append(now.time_s)
         return bool(began_s) and now.time_s > began_s[0] + AFTER_S
 
-    return read_tape(record_alcove(tmp_path_factory.mktemp("alcove"), until))
+    (file,) = record_alcove(tmp_path_factory.mktemp("alcove"), until)
+    return read_tape(file)
 
 
 @pytest.fixture

@@ -8,8 +8,11 @@ import pytest
 from mcap.reader import make_reader
 
 from navigation.fleet.request import FleetRequest
+from navigation.loop.fleet.fleet_daemon import FleetDaemon
+from navigation.loop.fleet.fleet_state import FleetState
 from navigation.recording.compare import Tolerances
 from navigation.recording.reader import read_recording
+from navigation.recording.tape import read_tape
 from navigation.run.replay import replay
 from tests.support.pictures import call
 from tests.support.runs.recordings import EVERY, record_alcove
@@ -22,7 +25,8 @@ SECONDS = 1.5
 def alcove(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two robots have been planned together and have set off; every picture, without loss."""
     folder = tmp_path_factory.mktemp("alcove")
-    return record_alcove(folder, lambda _daemon, now: now.time_s > SECONDS, **EVERY)
+    (file,) = record_alcove(folder, lambda _daemon, now: now.time_s > SECONDS, **EVERY)
+    return file
 
 
 def test_each_robot_has_channels_of_its_own_name(alcove: Path) -> None:
@@ -47,6 +51,26 @@ def test_request_promises_and_gates_are_read_back(alcove: Path) -> None:
     assert {name: one["status"] for name, one in robots.items()} == {"left": "ok", "right": "ok"}
     waits = {gate["other"] for one in robots.values() for gate in one["gates"]}
     assert waits, "in a corridor with one niche somebody gives way"
+
+
+def test_a_file_begins_with_every_robot_s_promise_and_who_waits(tmp_path: Path) -> None:
+    waited_s = list[float]()
+
+    def waited(_daemon: FleetDaemon, now: FleetState) -> bool:
+        waited_s.extend([now.time_s] if now.waits else [])
+        return bool(waited_s) and now.time_s > waited_s[0] + SECONDS
+
+    files = record_alcove(tmp_path, waited, file_mb=1.0, **EVERY)
+    # the writer is behind: a file may have room for what still holds only
+    *_, first, last = (read_tape(file) for file in files if read_recording(file).frames)
+    assert last.waits_at(last.begin_s) == first.waits_at(first.end_s) != ({}, {})
+    for name in ("left", "right"):
+        plan, before = last.plan_at(last.begin_s, name), first.plan_at(first.end_s, name)
+        assert plan is not None
+        assert before is not None
+        assert plan.answer["path"] == before.answer["path"]
+        assert last.said_at(last.begin_s, name)
+    assert replay(last.recording).is_equal
 
 
 def test_without_loss_it_replays_to_the_same_numbers(alcove: Path) -> None:

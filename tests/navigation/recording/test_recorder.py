@@ -17,12 +17,15 @@ from mcap.reader import make_reader
 
 from navigation.config import load_config
 from navigation.loop.recorder import MOST_PICTURES_WAITING
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import Station
 from navigation.recording import files as recording_files
-from navigation.recording.events import Told
+from navigation.recording.events import PlanAnswered, PlanAsked, Told
 from navigation.recording.files import RecordingError
 from navigation.recording.reader import read_recording
+from navigation.recording.tape import read_tape
 from navigation.run.replay import replay
-from tests.support.runs.recordings import BEGAN, EVERY, RecordedBench, make_recording
+from tests.support.runs.recordings import BEGAN, EVERY, GOAL, RecordedBench, make_recording
 from tests.support.waiting import wait_until
 
 
@@ -135,7 +138,45 @@ def test_a_full_file_is_followed_by_another_that_stands_alone(tmp_path: Path) ->
     parts = [read_recording(file) for file in files]
     assert [part.part for part in parts] == list(range(1, len(files) + 1))
     assert sum(len(part.frames) for part in parts) == 36
-    assert sum(len(part.plans) for part in parts) == 6
+    assert sum(not plan.carried for part in parts for plan in part.plans) == 6
+
+
+def test_a_file_begins_with_what_still_holds(tmp_path: Path) -> None:
+    """Whoever replays the second file sees the plan, and what the mission was."""
+
+    def drive(bench: RecordedBench) -> None:
+        bench.frames(2)
+        bench.plan(1)
+        bench.plan(2)
+        bench.recorder.put(Told(bench.now_s, "info", "driving: to the first station", "mission"))
+        bench.recorder.put(Told(bench.now_s, "info", "driving: to the second station", "mission"))
+        bench.frames(16)
+
+    files = make_recording(tmp_path, drive, file_mb=1.0, **EVERY)
+    assert len(files) > 2
+    first, *others = [read_tape(file) for file in files]
+    for tape in others:
+        plan = tape.plan_at(tape.begin_s)
+        assert plan is not None
+        assert plan.answer["carried"]
+        assert {**plan.answer, "carried": False} == first.plans[""][1].answer
+        assert [one.answer["id"] for one in tape.plans[""]] == [2]
+        assert tape.said_at(tape.begin_s) == "driving: to the second station"
+
+
+def test_a_question_is_answered_across_the_end_of_a_file(tmp_path: Path) -> None:
+    def ask_and_wait(bench: RecordedBench) -> None:
+        bench.frames(2)
+        request = PlanRequest(1, bench.start, (Station(*GOAL),), bench.revision)
+        bench.recorder.put(PlanAsked(bench.now_s, request))
+        bench.frames(16)
+        bench.recorder.put(PlanAnswered(bench.now_s, bench.planner.answer(request)))
+
+    files = make_recording(tmp_path, ask_and_wait, file_mb=1.0, **EVERY)
+    plans = [read_recording(file).plans for file in files]
+    assert len(files) > 2
+    assert [len(of_file) for of_file in plans] == [0] * (len(files) - 1) + [1]
+    assert not plans[-1][0].carried
 
 
 def test_the_oldest_files_go_when_the_folder_has_grown_too_large(tmp_path: Path) -> None:

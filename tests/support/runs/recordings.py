@@ -112,10 +112,9 @@ def make_recording(
 
 def record_alcove(
     folder: Path, until: Callable[[FleetDaemon, FleetState], bool], **recording: Any
-) -> Path:
-    """The recording of two robots that meet in a corridor with one niche, ``until`` says so."""
+) -> list[Path]:
+    """The files of a recording of two robots in a corridor with one niche, ``until`` says so."""
     config = load_config(CONFIGS / "alcove.yaml", {})
     changed = config.recording.model_copy(update=recording)
     run_fleet_virtually(config.model_copy(update={"recording": changed}), look=until, record=folder)
-    (file,) = folder.glob("*.mcap")
-    return file
+    return sorted(folder.glob("*.mcap"))

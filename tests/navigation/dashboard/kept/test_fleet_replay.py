@@ -47,7 +47,8 @@ def lived() -> Lived:
 @pytest.fixture(scope="module")
 def tape(lived: Lived, tmp_path_factory: pytest.TempPathFactory) -> Tape:
     """From the start until a second after one of the two has begun to wait for the other."""
-    return read_tape(record_alcove(tmp_path_factory.mktemp("alcove"), lived.look))
+    (file,) = record_alcove(tmp_path_factory.mktemp("alcove"), lived.look)
+    return read_tape(file)
 
 
 @pytest.fixture
