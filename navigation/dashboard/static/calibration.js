@@ -3,7 +3,9 @@
 
 import { drawBoardView } from "./board.js";
 import { allow, onPress } from "./press.js";
+import { request } from "./request.js";
 
+const ADDRESS = "/api/calibration";
 const ASK_EVERY_MS = 150;
 const byId = (id) => document.getElementById(id);
 const upper = (text) => text.slice(0, 1).toUpperCase() + text.slice(1);
@@ -55,7 +57,7 @@ export class Calibration {
 
   async #ask() {
     clearTimeout(this.#timer);
-    const told = await this.#fetch("");
+    const told = await request(this.connection, ADDRESS);
     if (!this.isOpen) return;
     if (told.ok) await this.#show(told);
     else this.#refuse(told.error);
@@ -84,7 +86,7 @@ export class Calibration {
 
   async #draw({ state, remarks }) {
     this.#frame = state.frame;
-    const answer = await fetch(`/api/calibration/picture.jpg?frame=${state.frame}`, { headers: { ...this.connection.authorization } }).catch(() => null);
+    const answer = await fetch(`${ADDRESS}/picture.jpg?frame=${state.frame}`, { headers: { ...this.connection.authorization } }).catch(() => null);
     if (!answer?.ok) return;
     const picture = byId("calibration-picture");
     const before = picture.src;
@@ -106,7 +108,7 @@ export class Calibration {
 
   async #order(what, body = {}) {
     const taken = what === "cancel" ? { ok: true } : await this.seat.takeIfFree();
-    const answer = taken.ok ? await this.#fetch(`/${what}`, { ...body, key: this.connection.key }) : taken;
+    const answer = taken.ok ? await request(this.connection, `${ADDRESS}/${what}`, { ...body, key: this.connection.key }) : taken;
     this.#answered = answer.ok ? "" : answer.error;
     await this.#ask();
   }
@@ -114,22 +116,6 @@ export class Calibration {
   #showKind() {
     const isChessboard = byId("board-kind").value === "chessboard";
     for (const one of this.box.querySelectorAll(".of-charuco")) one.hidden = isChessboard;
-  }
-
-  async #fetch(address, body) {
-    const options = { headers: { ...this.connection.authorization } };
-    if (body) {
-      options.method = "POST";
-      options.headers["Content-Type"] = "application/json";
-      options.body = JSON.stringify(body);
-    }
-    try {
-      const answer = await fetch(`/api/calibration${address}`, options);
-      if (answer.ok) return await answer.json();
-      return { ok: false, error: (await answer.text()).trim() };
-    } catch {
-      return { ok: false, error: "there is no connection to the program" };
-    }
   }
 
   #say(text) {

@@ -2,6 +2,7 @@
 // typed, saved by whoever holds the arena. It is not modal: STOP stays where it is, and works.
 
 import { allow, onPress } from "./press.js";
+import { request } from "./request.js";
 
 const CHECK_AFTER_MS = 350;
 
@@ -48,7 +49,7 @@ export class Settings {
 
   async #load() {
     this.#form = null;
-    const answer = await this.#fetch("/api/settings");
+    const answer = await request(this.connection, "/api/settings");
     if (!answer.ok) {
       this.#say(answer.error);
       return;
@@ -103,7 +104,7 @@ export class Settings {
 
   async #check() {
     const round = ++this.#round;
-    const answer = await this.#fetch("/api/settings/check", { changes: Object.fromEntries(this.#typed) });
+    const answer = await request(this.connection, "/api/settings/check", { changes: Object.fromEntries(this.#typed) });
     if (round !== this.#round) return; // something was typed since
     this.#problems.clear();
     if (!answer.ok) this.#say(answer.error);
@@ -145,7 +146,7 @@ export class Settings {
 
   async #change(address, body) {
     const taken = await this.seat.takeIfFree();
-    const answer = taken.ok ? await this.#fetch(address, { ...body, key: this.connection.key }) : taken;
+    const answer = taken.ok ? await request(this.connection, address, { ...body, key: this.connection.key }) : taken;
     if (!answer.ok) {
       this.#say(answer.error);
       return;
@@ -162,22 +163,6 @@ export class Settings {
       for (const row of rows) row.hidden = !row.dataset.words.includes(words);
       box.hidden = rows.every((row) => row.hidden);
       if (words && !box.hidden) box.open = true;
-    }
-  }
-
-  async #fetch(address, body) {
-    const options = { headers: { ...this.connection.authorization } };
-    if (body) {
-      options.method = "POST";
-      options.headers["Content-Type"] = "application/json";
-      options.body = JSON.stringify(body);
-    }
-    try {
-      const answer = await fetch(address, options);
-      if (answer.ok) return await answer.json();
-      return { ok: false, error: (await answer.text()).trim() };
-    } catch {
-      return { ok: false, error: "there is no connection to the program" };
     }
   }
 
