@@ -53,6 +53,8 @@ class Judged:
     metres_per_pixel: float | None = None
     speed_m_s: float | None = None
     stale_s: float = 0.2
+    any_size: bool = False
+    """Nobody asked for a size: whichever the source has is right."""
 
     @property
     def exposure_ms(self) -> float | None:
@@ -75,7 +77,7 @@ def camera_findings(judged: Judged) -> list[Finding]:
 def _size(judged: Judged) -> Iterator[Finding]:
     (width, height), (w, h) = judged.quality.size, judged.asked.size_px
     told = f"{width}x{height}"
-    if judged.quality.size == judged.asked.size_px:
+    if judged.any_size or judged.quality.size == judged.asked.size_px:
         yield Finding("ok", "size", told)
         return
     cure = f"set camera.size_px to [{width}, {height}], and calibrate at this size"

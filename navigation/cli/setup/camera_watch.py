@@ -87,6 +87,7 @@ def watch(
             metres_per_pixel=_scale(calibration, quality.size),
             speed_m_s=None if config is None else config.robot.speed_m_s,
             stale_s=0.2 if config is None else config.safety.frame_stale_s,
+            any_size=config is None and "size_px" not in wanted.model_fields_set,
         )
 
 

@@ -132,6 +132,14 @@ def test_files_and_folders_say_what_cannot_be_known(
     assert "a file's pace is not its camera's" in capsys.readouterr().out
 
 
+def test_without_a_size_any_is_right(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    jpegs(tmp_path, (640, 480))
+    assert run(["camera", str(tmp_path), "--seconds", "1"]) == 0
+    told = capsys.readouterr().out
+    assert "asks for" not in told
+    assert "size_px: [640, 480]" in told
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
