@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from navigation.config import Config, load_config
 from navigation.config.simulation import SimulatedKnockSection
-from navigation.loop.eye import Eye
-from navigation.loop.stages import eye_settings, marked_robots, place_settings
+from navigation.loop.seeing.eye import Eye
+from navigation.loop.seeing.eye_settings import eye_settings, marked_robots, place_settings
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera
 from navigation.simulator.picture.pinhole import pinhole_of

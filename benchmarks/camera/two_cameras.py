@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 
 from navigation.config import Config, load_config
 from navigation.config.several.each_camera import each_camera
-from navigation.loop.eye import Eye
-from navigation.loop.joined.joined_eye import JoinedEye
-from navigation.loop.joined.joined_parts import joined_eye
-from navigation.loop.stages import eye_settings, marked_robots
+from navigation.loop.seeing.eye import Eye
+from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
+from navigation.loop.seeing.joined.joined_eye import JoinedEye
+from navigation.loop.seeing.joined.joined_parts import joined_eye
 from navigation.run.world import floor_plan_of
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera

@@ -24,15 +24,15 @@ from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop import reports
 from navigation.loop.daemon_state import DaemonState, DrivenPlan, StageTimes
-from navigation.loop.eye import Glimpse
-from navigation.loop.other_robots import OtherRobots
 from navigation.loop.parts import Surroundings, camera_part
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.robot_orders import RobotOrders
-from navigation.loop.scene_doubt import SceneDoubt
+from navigation.loop.seeing.eye import Glimpse
+from navigation.loop.seeing.other_robots import OtherRobots
+from navigation.loop.seeing.scene_doubt import SceneDoubt
+from navigation.loop.seeing.vision_stage import VisionStage
 from navigation.loop.stages import pilot_settings, plan_settings, witness_limits
-from navigation.loop.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import Mission, MissionError, Station
 from navigation.mission.pilot import Pilot

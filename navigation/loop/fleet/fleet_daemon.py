@@ -20,17 +20,17 @@ from navigation.fleet.coordinator import Coordinator
 from navigation.fleet.request import FleetAnswer
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.loop.daemon_state import DaemonState, StageTimes
-from navigation.loop.eye import Glimpse
 from navigation.loop.fleet.fleet_parts import FleetSurroundings
 from navigation.loop.fleet.fleet_planner import FleetPlanner
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.fleet.seat import Seat, Witnesses
-from navigation.loop.other_robots import OtherRobots
 from navigation.loop.parts import camera_part
 from navigation.loop.planner_news import PlannerNews
 from navigation.loop.reports import camera_openings, camera_reason, to_go_m
-from navigation.loop.scene_doubt import SceneDoubt
-from navigation.loop.vision_stage import VisionStage
+from navigation.loop.seeing.eye import Glimpse
+from navigation.loop.seeing.other_robots import OtherRobots
+from navigation.loop.seeing.scene_doubt import SceneDoubt
+from navigation.loop.seeing.vision_stage import VisionStage
 from navigation.mission.cycle import Orders, PlanAnswer, PlanRequest, Sight
 from navigation.mission.mission import MissionError
 from navigation.recording.events import FleetAsked, SceneSeen

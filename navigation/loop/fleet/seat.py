@@ -21,7 +21,8 @@ from navigation.loop.fleet.fleet_planner import limits_of_robot
 from navigation.loop.parts import Link
 from navigation.loop.reports import robot_report
 from navigation.loop.robot_orders import RobotOrders
-from navigation.loop.stages import pilot_settings, reach_m, stop_s, witness_limits
+from navigation.loop.seeing.eye_settings import reach_m, stop_s
+from navigation.loop.stages import pilot_settings, witness_limits
 from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
 from navigation.mission.mission import State
 from navigation.mission.pilot import Pilot

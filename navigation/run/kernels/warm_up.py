@@ -17,8 +17,8 @@ import cv2
 import numpy as np
 
 from navigation.config import Config
-from navigation.loop.eye import Body, Eye, EyeSettings
 from navigation.loop.planning import ArenaPlanner, PlanSettings
+from navigation.loop.seeing.eye import Body, Eye, EyeSettings
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.mission.traffic import Disc

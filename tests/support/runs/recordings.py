@@ -12,12 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from navigation.config import Config, load_config
-from navigation.loop.eye import Eye
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
 from navigation.loop.fleet.fleet_state import FleetState
 from navigation.loop.planning import ArenaPlanner
 from navigation.loop.recorder import Recorder
-from navigation.loop.stages import eye_settings, marked_robots, plan_settings
+from navigation.loop.seeing.eye import Eye
+from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
+from navigation.loop.stages import plan_settings
 from navigation.mission.cycle import PlanRequest
 from navigation.mission.mission import Station
 from navigation.recording.events import PlanAnswered, PlanAsked, RoadmapBuilt, SceneSeen

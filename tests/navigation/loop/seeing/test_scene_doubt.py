@@ -9,8 +9,8 @@ import pytest
 
 import vision
 from navigation.loop.daemon import Daemon
-from navigation.loop.eye import Glimpse
-from navigation.loop.scene_doubt import SceneDoubt
+from navigation.loop.seeing.eye import Glimpse
+from navigation.loop.seeing.scene_doubt import SceneDoubt
 from navigation.loop.stages import stations_of
 from navigation.mission.mission import State
 from navigation.run.virtual_world import VirtualWorld

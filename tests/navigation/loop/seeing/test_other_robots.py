@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from navigation.loop.other_robots import OtherRobots
+from navigation.loop.seeing.other_robots import OtherRobots
 from navigation.mission.traffic import LOST_S
 from vision.markers.markers import RobotPose
 

@@ -25,7 +25,7 @@ from typing import Final
 import numpy as np
 
 import vision
-from navigation.loop.eye import EyeSettings, Glimpse, Poses, doubles_of, extract_settings
+from navigation.loop.seeing.eye import EyeSettings, Glimpse, Poses, doubles_of, extract_settings
 from planner.scene import FloatArray
 from vision.camera.camera import Frame, Image
 from vision.joined.agreement import edge_points_m, outlines_apart_m

@@ -16,9 +16,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from navigation.config.several.each_camera import each_camera
-from navigation.loop.eye import Glimpse
-from navigation.loop.joined.joined_eye import MISSED_FRAMES, START_S
-from navigation.loop.joined.joined_parts import joined_eye
+from navigation.loop.seeing.eye import Glimpse
+from navigation.loop.seeing.joined.joined_eye import MISSED_FRAMES, START_S
+from navigation.loop.seeing.joined.joined_parts import joined_eye
 from navigation.run.world import floor_plan_of
 from navigation.simulator.arena import SimulatedArena, load_arena
 from navigation.simulator.picture.camera import make_camera

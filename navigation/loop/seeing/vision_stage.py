@@ -14,10 +14,10 @@ from typing import Protocol
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
-from navigation.loop.eye import Eye, Glimpse
-from navigation.loop.joined.joined_eye import JoinedEye
-from navigation.loop.joined.joined_parts import joined_eye
-from navigation.loop.stages import eye_settings, marked_robots, place_settings
+from navigation.loop.seeing.eye import Eye, Glimpse
+from navigation.loop.seeing.eye_settings import eye_settings, marked_robots, place_settings
+from navigation.loop.seeing.joined.joined_eye import JoinedEye
+from navigation.loop.seeing.joined.joined_parts import joined_eye
 from navigation.shared.supervisor import in_words
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame

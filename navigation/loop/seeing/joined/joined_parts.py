@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from navigation.config import Config
 from navigation.config.sections import RobotSection
 from navigation.config.several.each_camera import each_camera
-from navigation.loop.joined.joined_eye import JoinedEye, JoinedSettings
-from navigation.loop.stages import eye_settings, marked_robots
+from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
+from navigation.loop.seeing.joined.joined_eye import JoinedEye, JoinedSettings
 from vision.joined.floor_plan import FloorPlan
 from vision.joined.pose_fusion import PoseFusion
 from vision.markers.markers import MarkerTracker

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from navigation.config import load_config
-from navigation.loop.eye import Eye, Glimpse
-from navigation.loop.stages import eye_settings, marked_robots
+from navigation.loop.seeing.eye import Eye, Glimpse
+from navigation.loop.seeing.eye_settings import eye_settings, marked_robots
 from navigation.simulator.arena import load_arena
 from navigation.simulator.picture.camera import SimulatedCamera, make_camera
 from navigation.simulator.picture.pinhole import pinhole_of
@@ -17,7 +17,7 @@ from planner.scene import CircleRecord, SceneObject
 from vision.camera.camera import Frame
 from vision.markers.markers import MarkerTracker
 
-CONFIG = load_config(Path(__file__).parents[3] / "configs" / "simulation.yaml", environment={})
+CONFIG = load_config(Path(__file__).parents[4] / "configs" / "simulation.yaml", environment={})
 TRUTH = load_arena(CONFIG)
 
 

@@ -12,7 +12,7 @@ obstacles that somebody took away, perhaps.
 
 from __future__ import annotations
 
-from navigation.loop.eye import Glimpse
+from navigation.loop.seeing.eye import Glimpse
 from planner.scene import Scene
 from vision.doubts import doubts_about
 from vision.watch.camera_place import NOTHING_KNOWN

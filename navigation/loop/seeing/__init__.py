@@ -1,0 +1,1 @@
+"""What the control loop sees: the eye, what it doubts, and who else is there."""

@@ -1,0 +1,91 @@
+"""From a configuration to the settings of the eye: robots, markers, and where the camera is.
+
+Metres, radians, seconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from navigation.config import Config
+from navigation.config.sections import RobotSection, SafetySection
+from navigation.config.values import FloorMarkerSection
+from navigation.loop.seeing.eye import Body, EyeSettings
+from navigation.mission.traffic import REACTION_S
+from planner.scene import Bounds
+from vision.calibration.blind import is_shown
+from vision.calibration.calibration import Calibration
+from vision.markers.markers import MarkedRobot
+from vision.watch.camera_place import FloorMarker, PlaceSettings
+
+
+def eye_settings(config: Config, driven: Sequence[RobotSection] = ()) -> EyeSettings:
+    """What the eye looks for; ``driven`` are the driven robots where there are several."""
+    robots = tuple(driven) or (config.robot,)
+    seen = (*robots, *config.other_robots)
+    return EyeSettings(
+        bounds_m=Bounds(*config.arena.bounds_m),
+        polarity=config.vision.polarity,
+        method=config.vision.method,
+        threshold=config.vision.threshold,
+        texture_px=config.vision.texture_px,
+        driven_ids=tuple(one.marker_id for one in robots),
+        bodies={one.marker_id: Body(one.radius_m, one.marker_height_m) for one in seen},
+        reach_m=max((reach_m(one, config.safety) for one in driven), default=0.0),
+    )
+
+
+def place_settings(config: Config, one_of_several: Calibration | None = None) -> PlaceSettings:
+    """What says whether the camera is where it was; of several, by the markers that it shows."""
+    markers = tuple(
+        FloorMarker(one.marker_id, one.place_m)
+        for one in config.arena.floor_markers
+        if one_of_several is None or _is_in_picture(one, one_of_several)
+    )
+    return PlaceSettings(
+        bounds_m=Bounds(*config.arena.bounds_m),
+        markers=markers,
+        dictionary=config.robot.dictionary,
+        limit_px=config.safety.camera_moved_px,
+    )
+
+
+def _is_in_picture(marker: FloorMarkerSection, calibration: Calibration) -> bool:
+    """Whether a camera shows a marker whole, however it is turned, with some white around it."""
+    if marker.place_m is None:
+        return False
+    reach = 0.5 * math.sqrt(2.0) * 1.25 * marker.size_m
+    sides = np.array([(-reach, -reach), (reach, -reach), (reach, reach), (-reach, reach)])
+    return bool(is_shown(calibration, np.array(marker.place_m) + sides).all())
+
+
+def stop_s(robot: RobotSection, safety: SafetySection) -> float:
+    """How long a robot can drive at most after it was seen last: lease, reaction and brakes."""
+    braking_s = robot.speed_m_s / robot.acceleration_m_s2
+    return safety.pose_stale_s + safety.lease_s + REACTION_S + braking_s
+
+
+def reach_m(robot: RobotSection, safety: SafetySection) -> float:
+    """How far it can have come by then."""
+    return robot.speed_m_s * stop_s(robot, safety)
+
+
+def marked_robots(config: Config, driven: Sequence[RobotSection] = ()) -> list[MarkedRobot]:
+    """The robots whose markers are looked for; ``driven`` as for the eye."""
+    ours = [
+        MarkedRobot(
+            one.marker_id,
+            one.marker_size_m,
+            one.marker_height_m,
+            marker_yaw_rad=math.radians(one.marker_turn_deg),
+        )
+        for one in tuple(driven) or (config.robot,)
+    ]
+    others = [
+        MarkedRobot(one.marker_id, one.marker_size_m, one.marker_height_m)
+        for one in config.other_robots
+    ]
+    return [*ours, *others]
