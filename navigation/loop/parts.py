@@ -157,18 +157,8 @@ class PlannerPart(Protocol[_Q_contra]):
         """Start it again after an error."""
 
 
-class Surroundings(Protocol):
-    """What a run is connected to; opens and closes the simulated robot."""
-
-    @property
-    def config(self) -> Config:
-        """What was asked for."""
-        ...
-
-    @property
-    def truth(self) -> Truth | None:
-        """What only a simulation can know."""
-        ...
+class AnySurroundings(Protocol):
+    """What every run is connected to; opens and closes the simulated robots."""
 
     @property
     def calibration(self) -> Calibration:
@@ -191,6 +181,26 @@ class Surroundings(Protocol):
         """The camera."""
         ...
 
+    def start(self) -> None:
+        """Switch simulated robots on."""
+
+    def stop(self) -> None:
+        """Switch them off."""
+
+
+class Surroundings(AnySurroundings, Protocol):
+    """What a run of one robot is connected to."""
+
+    @property
+    def config(self) -> Config:
+        """What was asked for."""
+        ...
+
+    @property
+    def truth(self) -> Truth | None:
+        """What only a simulation can know."""
+        ...
+
     def make_link(self) -> Link:
         """The link to the robot."""
         ...
@@ -203,9 +213,3 @@ class Surroundings(Protocol):
     ) -> PlannerPart[PlanRequest]:
         """The planner."""
         ...
-
-    def start(self) -> None:
-        """Switch a simulated robot on."""
-
-    def stop(self) -> None:
-        """Switch it off."""

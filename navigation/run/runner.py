@@ -170,7 +170,7 @@ class Runner:
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()
             prepare_picture(daemon)
-            daemon.let_the_robot_stop()
+            daemon.let_the_robots_stop()
             duration_s = self._clock() - daemon.started_s
             report = summarise(daemon, state, reason, duration_s)
             self._log.write(

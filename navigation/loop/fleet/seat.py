@@ -1,12 +1,11 @@
-"""One robot of several in the control loop: its pilot, its link, and what the camera says of it.
+"""One robot of several in the control loop: what the coordinator knows of it, and what it releases.
 
-The parts are those of a run with one robot. Metres, radians, seconds of the world's clock.
+Metres, radians, seconds of the world's clock.
 """
 
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
@@ -14,48 +13,31 @@ from typing import Final
 from navigation.config import Config
 from navigation.fleet.places_kept import Member
 from navigation.fleet.releases import Release
-from navigation.journal.journal import Journal, SentPlan
 from navigation.link.link_snapshot import LinkSnapshot
-from navigation.loop.daemon_state import DrivenPlan
+from navigation.loop.driven_robot import DrivenRobot
 from navigation.loop.fleet.fleet_planner import limits_of_robot
 from navigation.loop.parts import Link
 from navigation.loop.reports import robot_report
-from navigation.loop.robot_orders import RobotOrders
 from navigation.loop.seeing.eye_settings import reach_m, stop_s
-from navigation.loop.stages import pilot_settings, witness_limits
 from navigation.mission.cycle import Orders, PlanAnswer, RobotReport, Sight
 from navigation.mission.mission import State
-from navigation.mission.pilot import Pilot
 from navigation.mission.targets import to_wire
 from navigation.mission.traffic import STANDING_M_S
-from navigation.mission.trust import Level
-from navigation.shared.track import Track
-from navigation.witness import NO_EVIDENCE, Witness
 from vision.markers.markers import RobotPose
 
-PLANS_KEPT: Final = 200
 BRAKES_S: Final = 0.3
 """After a lease: the last one's way over the line, wheels that begin to brake, the camera."""
 STOOD_S: Final = 0.25
 """A robot that was seen to stand for so long stands."""
 
 
-class Seat:
-    """One robot's parts, its pose, and what it was given."""
+class Seat(DrivenRobot):
+    """One robot of several, as the coordinator sees it and lets it drive."""
 
     def __init__(self, name: str, config: Config, link: Link, first_mission_id: int) -> None:
-        self.name, self.config, self.link = name, config, link
-        self.pilot = Pilot(pilot_settings(config), first_mission_id)
-        self.orders = RobotOrders(link, config)
-        self.witness = Witness(witness_limits(config))
-        self.pose: RobotPose | None = None
-        self.pose_arrived_s = -math.inf
-        self.plans: deque[DrivenPlan] = deque(maxlen=PLANS_KEPT)
-        self.sightings = Track()
-        self.evidence = NO_EVIDENCE
+        super().__init__(name, config, link, first_mission_id)
         self.answer: PlanAnswer | None = None
         """What the pilot is told in the next cycle."""
-        self.journal: Journal | None = None
         self.partner: str | None = None
         """The sentence that says which robot of the fleet is in the path."""
         self._limits = limits_of_robot(config)
@@ -63,30 +45,17 @@ class Seat:
         self._permitted_s = -math.inf
         self._sent: tuple[int, int] | None = None
         """The plan's mission on the wire, and how many of its targets may be sent."""
-        self.clearance_m: float | None = None
 
     # What comes in.
 
-    def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> None:
-        """The newest picture's poses: the robot gets its own at once."""
-        pose = poses.get(self.config.robot.marker_id)
-        if pose is None:
-            return
-        self.link.pose_fix(pose.x, pose.y, pose.heading_rad, pose.captured_s)
-        if self._moved_s == math.inf or math.hypot(pose.vx, pose.vy) > STANDING_M_S:
+    def sees(self, poses: Mapping[int, RobotPose], frame_s: float) -> RobotPose | None:
+        """The newest picture's poses: the robot gets its own at once, if it is among them."""
+        pose = super().sees(poses, frame_s)
+        if pose is not None and (
+            self._moved_s == math.inf or math.hypot(pose.vx, pose.vy) > STANDING_M_S
+        ):
             self._moved_s = pose.captured_s
-        self.pose, self.pose_arrived_s = pose, frame_s
-        self.witness.saw(pose, frame_s)
-        if self.pilot.trust.level is not Level.DOUBTED:
-            self.sightings.add(pose.captured_s, pose.x, pose.y, pose.heading_rad)
-
-    def hears(self, snapshot: LinkSnapshot, now_s: float, *, forget_latency: bool) -> None:
-        """The wheels' side of the story."""
-        if snapshot.status is not None:
-            self.witness.report(snapshot.status, now_s - snapshot.status_age_s)
-        if forget_latency:
-            self.witness.forget_latency()
-        self.evidence = self.witness.evidence()
+        return pose
 
     def report(self, snapshot: LinkSnapshot) -> RobotReport:
         """What the pilot is told of the robot.
@@ -154,18 +123,14 @@ class Seat:
 
     # What goes out.
 
-    def carry_out(
-        self, orders: Orders, now_s: float, sight: Sight, release: Release | None
-    ) -> None:
+    def drive(self, orders: Orders, now_s: float, sight: Sight, release: Release | None) -> None:
         """Send what the cycle has decided, of the plan no more than is released."""
         if orders.permit:
             self._permitted_s = now_s
-        self.orders.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
+        self.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
         if orders.estop:
             self._sent = None
             return
-        if orders.measure_latency:
-            self.witness.measure_again()
         if orders.upload is not None:
             self._upload(orders, now_s, release)
         elif self._sent is not None and self.pilot.mission.state is State.DRIVING:
@@ -181,7 +146,7 @@ class Seat:
             return
         count = 0 if release is None else release.targets
         self._sent = mission_id, count
-        self.plans.append(DrivenPlan(self.pilot.plan.path, self.pilot.plan.trajectory, now_s))
+        self.keep_plan(now_s)
         self.link.upload(mission_id, to_wire(targets), True, count)
 
     def _release_more(self, release: Release | None) -> None:
@@ -193,17 +158,6 @@ class Seat:
         if count > before:
             self._sent = mission_id, count
             self.link.release(mission_id, count)
-
-    def write_journal(self, orders: Orders, now_s: float) -> str:
-        """Keep mission, progress and the plan before they take effect; the trouble with it."""
-        mission = self.pilot.mission
-        if self.journal is None or not mission.stations:
-            return ""
-        sent = None
-        if orders.upload is not None:
-            sent = SentPlan(orders.upload[0], mission.visited, orders.upload[1])
-        self.journal.keep(mission, sent, now_s)
-        return self.journal.trouble
 
 
 class Witnesses:

@@ -247,12 +247,12 @@ def test_vision_that_fails_holds_the_robot_and_is_made_anew(
     def fail(*_given: object) -> None:
         raise RuntimeError("no such picture")
 
-    eye = arena.daemon._vision.eye
+    eye = arena.daemon.view.vision.eye
     monkeypatch.setattr(eye, "look", fail)
     now = arena.until(State.HOLDING)
     assert "the vision failed (RuntimeError: no such picture)" in now.sentence
     assert cycle_until(arena.daemon, lambda now: now.mission.is_over).mission.state is State.DONE
-    assert arena.daemon._vision.eye is not eye
+    assert arena.daemon.view.vision.eye is not eye
 
 
 def test_a_camera_that_stays_away_is_tried_with_growing_pauses(arena: Arena) -> None:
