@@ -5,10 +5,9 @@ Units: metres, radians, seconds.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
-
-import numpy as np
 
 from navigation.link.link_snapshot import LinkSnapshot
 from navigation.mission.cycle import RobotReport
@@ -54,7 +53,7 @@ def to_go_m(pose: RobotPose | None, targets: Sequence[Target], executed: int) ->
         return None
     left = targets[min(executed, len(targets)) :]
     points = [(pose.x, pose.y), *((t.x_m, t.y_m) for t in left)]
-    return float(np.hypot(*np.diff(np.array(points), axis=0).T).sum())
+    return math.fsum(map(math.dist, points, points[1:]))
 
 
 def describe(

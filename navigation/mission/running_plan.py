@@ -62,14 +62,16 @@ class RunningPlan:
 
 def distance_to_polyline(points: FloatArray, position: tuple[float, float]) -> float:
     """The distance from a position to a polyline (n, 2), n >= 1, in the same units."""
-    here = np.asarray(position, dtype=np.float64)
+    x, y = points[:, 0] - position[0], points[:, 1] - position[1]
     if len(points) == 1:
-        return float(np.hypot(*(points[0] - here)))
-    a, d = points[:-1], points[1:] - points[:-1]
-    squared = (d * d).sum(1)
-    t = ((here - a) * d).sum(1) / np.where(squared > 0.0, squared, 1.0)
-    nearest = a + np.clip(t, 0.0, 1.0)[:, None] * d
-    return float(np.hypot(*(nearest - here).T).min())
+        return math.hypot(x[0], y[0])
+    dx, dy = np.diff(x), np.diff(y)
+    x, y = x[:-1], y[:-1]
+    squared = dx * dx + dy * dy
+    t = -(x * dx + y * dy) / np.maximum(squared, np.finfo(float).tiny)
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
+    x, y = x + t * dx, y + t * dy
+    return math.sqrt((x * x + y * y).min())
 
 
 def what_is_driven(path: Path, stations_left: int) -> str:

@@ -99,6 +99,8 @@ def encounter(
     ``way`` (n, 2) is the path that the robot still has to go, from ``here`` on; with no row the
     robot stands and means to.
     """
+    if not movers:
+        return None
     soon = cut(here, way, limits.stop_m)
     later = cut(here, way, LOOK_AHEAD_M)
     for mover in movers:

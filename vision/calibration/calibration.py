@@ -27,6 +27,7 @@ from vision.calibration.lens_model import (
     MOST_TERMS,
     STRAIGHT,
     LensArrays,
+    PlaneView,
     folds,
     lens_arrays,
 )
@@ -36,9 +37,9 @@ FloatArray = NDArray[np.float64]
 LEAST_SHOWN = 0.5
 """Of a picture that a lens folds in, so much has to be shown once: what folds so early is a wrong
 file rather than a lens."""
-_MOST_TILT_RAD = math.radians(45.0)
 _PLANES_KEPT = 64
 """Heights whose homographies are remembered: as many as robots have markers, and more."""
+_MOST_TILT_RAD = math.radians(45.0)
 """Between the middle of a picture with a horizon in it and the floor's normal: beyond it the camera
 looks along the floor, not at it."""
 
@@ -75,9 +76,7 @@ class Calibration:
     lens: LensArrays = field(init=False, repr=False, compare=False)
     _front: float = field(init=False, repr=False, compare=False)
     _pixel_from_arena: FloatArray = field(init=False, repr=False, compare=False)
-    _planes: dict[float, tuple[FloatArray, FloatArray]] = field(
-        init=False, repr=False, compare=False
-    )
+    _planes: dict[float, PlaneView] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         width, height = self.size
@@ -102,7 +101,8 @@ class Calibration:
         inverse = np.array(np.linalg.inv(homography), dtype=np.float64)
         inverse.setflags(write=False)
         object.__setattr__(self, "_pixel_from_arena", inverse)
-        object.__setattr__(self, "_planes", {0.0: (homography, inverse)})
+        floor = PlaneView(homography, inverse, self._front, self.lens)
+        object.__setattr__(self, "_planes", {0.0: floor})
         center = self.camera_center_m
         if center is not None and not (
             len(center) == 3 and all(math.isfinite(v) for v in center) and center[2] > 0.0
@@ -164,11 +164,11 @@ class Calibration:
 
     def plane_from_pixel(self, height_m: float = 0.0) -> FloatArray:
         """The homography (3, 3) from undistorted pixels to the plane at ``height_m``."""
-        return self._plane(height_m)[0]
+        return self.plane_view(height_m).from_pixel
 
     def image_from_arena(self, points_m: ArrayLike, height_m: float = 0.0) -> FloatArray:
         """Metres (n, 2) at ``height_m`` above the floor to raw pixels (n, 2); NaN out of sight."""
-        homography = self._plane(height_m)[1]
+        homography = self.plane_view(height_m).to_pixel
         if self.lens.model == STRAIGHT:
             return _apply(homography, _points(points_m), self._front)
         from vision.calibration.calibration_kernels import image_from_plane
@@ -222,8 +222,8 @@ class Calibration:
 
         return distort_all(np.array(ideal, order="C"), self.lens)
 
-    def _plane(self, height_m: float) -> tuple[FloatArray, FloatArray]:
-        """The homographies (3, 3) of the plane at ``height_m`` from undistorted pixels and back."""
+    def plane_view(self, height_m: float = 0.0) -> PlaneView:
+        """The plane at ``height_m`` and its picture, as kernels take them."""
         known = self._planes.get(height_m)
         if known is not None:
             return known
@@ -236,8 +236,9 @@ class Calibration:
             homography.setflags(write=False)
         if len(self._planes) >= _PLANES_KEPT:
             self._planes.clear()
-        self._planes[height_m] = there, back
-        return there, back
+        view = PlaneView(there, back, self._front, self.lens)
+        self._planes[height_m] = view
+        return view
 
     def _parallax(self, height_m: float) -> tuple[FloatArray, float]:
         """The point below the camera, and (H - h) / H."""
@@ -296,7 +297,7 @@ def _points(points: ArrayLike) -> FloatArray:
 
 
 def _matrix(name: str, value: ArrayLike, shape: Sequence[int]) -> FloatArray:
-    array = np.array(value, dtype=np.float64)
+    array = np.array(value, dtype=np.float64, order="C")
     if array.shape != tuple(shape):
         raise CalibrationError(f"{name}: a shape of {array.shape}: must be {tuple(shape)}")
     if not np.isfinite(array).all():

@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
-from vision.calibration.lens_model import FISHEYE, STRAIGHT, LensArrays
+from vision.calibration.lens_model import FISHEYE, STRAIGHT, LensArrays, PlaneView
 
 _MOST_STEPS = 50
 _DONE, _GOOD = 1e-12, 1e-9
@@ -190,3 +190,17 @@ def _moved(x: float, y: float, h: NDArray[np.float64], front: float) -> tuple[fl
     if not w * front > 0.0:
         return math.nan, math.nan
     return (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w, (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def seen_at(x_m: float, y_m: float, view: PlaneView) -> tuple[float, float]:
+    """The raw pixel of one point of a plane; NaN out of sight."""
+    x, y = _moved(x_m, y_m, view.to_pixel, view.front)
+    return distort(x, y, view.lens)
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def placed_at(x_px: float, y_px: float, view: PlaneView) -> tuple[float, float]:
+    """The point of a plane that one raw pixel shows; NaN where it shows none."""
+    x, y = undistort(x_px, y_px, view.lens)
+    return _moved(x, y, view.from_pixel, view.front)

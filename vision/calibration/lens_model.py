@@ -49,6 +49,19 @@ class LensArrays(NamedTuple):
     reach: float
 
 
+class PlaneView(NamedTuple):
+    """A plane of the arena and its picture, as kernels take them.
+
+    ``from_pixel`` (3, 3) leads from undistorted pixels to the plane, ``to_pixel`` back; the third
+    coordinate of what is before the camera has the sign of ``front``.
+    """
+
+    from_pixel: FloatArray
+    to_pixel: FloatArray
+    front: float
+    lens: LensArrays
+
+
 def lens_arrays(model: str, camera_matrix: FloatArray, terms: ArrayLike) -> LensArrays:
     """The arrays of a lens; ``camera_matrix`` (3, 3), ``terms`` as the model has them."""
     k = camera_matrix

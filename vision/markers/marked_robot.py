@@ -104,20 +104,28 @@ def body_discs_px(
     lens shows no layer whole: an unseen body is unknown ground.
     """
     x, y = (pose.x, pose.y) if isinstance(pose, RobotPose) else pose[:2]
-    angles = np.linspace(0.0, math.tau, 16, endpoint=False)
-    ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * body_radius_m
-    floor, top = (
-        calibration.image_from_arena(np.vstack([[(0.0, 0.0)], ring]) + np.array([x, y]), h)
-        for h in (0.0, top_height_m)
-    )
-    floor, top = (top if np.isnan(floor).any() else floor), (floor if np.isnan(top).any() else top)
-    if np.isnan(floor).any():
+    outline = _DISC * body_radius_m + (x, y)
+    floor, top = (_seen_disc(calibration.image_from_arena(outline, h)) for h in (0.0, top_height_m))
+    floor, top = floor or top, top or floor
+    if floor is None or top is None:
         return np.empty((0, 3))
-    radii = [float(np.linalg.norm(p[1:] - p[0], axis=1).max()) for p in (floor, top)]
     # Discs half a radius apart leave less than 4 % of a radius uncovered between them.
-    length = float(np.linalg.norm(top[0] - floor[0]))
-    count = 1 if length < 0.5 else 1 + math.ceil(length / max(0.5 * min(radii), 1.0))
+    length = math.dist(top[:2], floor[:2])
+    count = 1 if length < 0.5 else 1 + math.ceil(length / max(0.5 * min(floor[2], top[2]), 1.0))
     share = np.linspace(0.0, 1.0, count)[:, None] if count > 1 else np.ones((1, 1))
-    centers = floor[0] * (1.0 - share) + top[0] * share
-    radius = (radii[0] * (1.0 - share) + radii[1] * share) * 1.04 + margin_px
-    return np.hstack([centers, radius])
+    discs = np.array(floor) * (1.0 - share) + np.array(top) * share
+    discs[:, 2] = discs[:, 2] * 1.04 + margin_px
+    return np.asarray(discs)
+
+
+def _seen_disc(outline_px: FloatArray) -> tuple[float, float, float] | None:
+    """The disc (x, y, radius) that holds the picture of `_DISC`; None where not all is seen."""
+    x, y = outline_px[0].tolist()
+    off = outline_px - outline_px[0]
+    radius = math.sqrt((off * off).sum(axis=1).max())
+    return None if math.isnan(radius) else (x, y, radius)
+
+
+_TURNS = np.linspace(0.0, math.tau, 16, endpoint=False)
+_DISC = np.vstack([[(0.0, 0.0)], np.column_stack([np.cos(_TURNS), np.sin(_TURNS)])])
+"""A unit disc's middle and points around it."""

@@ -29,10 +29,9 @@ from vision.markers.marker_kernels import (
     FOLDED,
     HIDDEN,
     PARALLEL,
+    ROUGH,
     fit_quad,
 )
-
-_MAX_ROUGHNESS_PX = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,10 +70,15 @@ def refine_quad(
     ideal = np.empty((4, 2))
     became, roughness_px = fit_quad(grey, seen_px, cells, calibration.lens, ideal)
     if became != FITTED:
-        return _REFUSALS[became]
-    if roughness_px > _MAX_ROUGHNESS_PX:
-        return Refused(f"its sides are not straight ({roughness_px:.2f} px)")
+        return why_refused(became, roughness_px)
     return RefinedQuad(ideal, roughness_px)
+
+
+def why_refused(became: int, roughness_px: float) -> Refused:
+    """What became of a quadrilateral that is not taken for a marker, in words."""
+    if became == ROUGH:
+        return Refused(f"its sides are not straight ({roughness_px:.2f} px)")
+    return _REFUSALS[became]
 
 
 def warm_up() -> None:

@@ -25,7 +25,9 @@ _MIN_SEEN = 0.7
 _MIN_SINE = 0.1
 """Of the angle between two neighbouring sides."""
 
-FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART = 0, 1, 2, 3, 4, 5
+_MAX_ROUGHNESS_PX = 0.7
+
+FITTED, AT_EDGE, FOLDED, HIDDEN, PARALLEL, APART, ROUGH = 0, 1, 2, 3, 4, 5, 6
 """What became of a quadrilateral."""
 
 
@@ -72,7 +74,7 @@ def fit_quad(
             if not (abs(x - seen_px[i, 0]) <= farthest and abs(y - seen_px[i, 1]) <= farthest):
                 return APART, roughness_px
         roughness_px = np.sqrt(np.mean(lines[:, 3] ** 2))
-    return FITTED, roughness_px
+    return (FITTED if roughness_px <= _MAX_ROUGHNESS_PX else ROUGH), roughness_px
 
 
 @njit(cache=True, nogil=True, fastmath=False)

@@ -1,6 +1,5 @@
-"""The compiled loops of ``vision.markers.marker_pattern``: a marker's pixels, and the fit to them.
+"""The compiled fit of ``vision.markers.marker_pattern``: a marker's known pattern to its pixels.
 
-Raw pixels, centres at integers; ``lens`` as ``vision.calibration.lens_model`` has it.
 Pattern coordinates u, v are in cells from the top left corner of the upright marker, v down.
 """
 
@@ -13,8 +12,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
-from vision.calibration.calibration_kernels import undistort
-from vision.calibration.lens_model import LensArrays
 
 UNKNOWNS = 13
 """u = p0 a + p1 b + p2, v = p3 a + p4 b + p5; the blur, pixels; three numbers for the dark,
@@ -22,7 +19,7 @@ three for the contrast, each a plane over the marker."""
 LEAST_PIXELS = 8 * UNKNOWNS
 """Fewer say too little."""
 
-_EDGE_PX, _BLUR_PX = 1.2, 2.5
+EDGE_PX, _BLUR_PX = 1.2, 2.5
 """Beyond the border's edge the rim is looked at so far out, and within it no floor is felt."""
 _LEAST_LIGHT = 0.8
 """Of the contrast that a rim of paper shows at least."""
@@ -40,44 +37,8 @@ _LEAST_PIVOT = 1e-12
 """Of a matrix with a diagonal of ones: what is less is rounding."""
 _MAX_MISFIT = 0.3
 """The residuals' rms as a share of the contrast."""
-
-
-@njit(cache=True, nogil=True, fastmath=False)
-def collect_pixels(
-    grey: NDArray[np.uint8],
-    box: tuple[int, int, int, int],
-    lens: LensArrays,
-    plane_from_pixel: NDArray[np.float64],
-    pattern_from_plane: NDArray[np.float64],
-    cells: int,
-    rim: float,
-    every: int,
-) -> NDArray[np.float64]:
-    """Rows (n, 3) of a, b, grey value: the pixels of ``box`` that lie on the marker or its rim.
-
-    a, b are the pixel's place in the plane; ``box`` is x0, y0, x1, y1 with the ends included,
-    inside ``grey``; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Of each
-    row one pixel in ``every`` is taken, of the next row the ones beside, so that every edge is
-    crossed at all places.
-    """
-    x0, y0, x1, y1 = box
-    rows = np.empty((((x1 - x0) // every + 1) * (y1 - y0 + 1), 3))
-    count = 0
-    h, p = plane_from_pixel, pattern_from_plane
-    for y in range(y0, y1 + 1):
-        for x in range(x0 + (y - y0) % every, x1 + 1, every):
-            px, py = undistort(float(x), float(y), lens)
-            w = h[2, 0] * px + h[2, 1] * py + h[2, 2]
-            a = (h[0, 0] * px + h[0, 1] * py + h[0, 2]) / w
-            b = (h[1, 0] * px + h[1, 1] * py + h[1, 2]) / w
-            u, v = p[0] * a + p[1] * b + p[2], p[3] * a + p[4] * b + p[5]
-            if u < -rim or v < -rim or u > cells + rim or v > cells + rim:
-                continue
-            rows[count, 0] = a
-            rows[count, 1] = b
-            rows[count, 2] = grey[y, x]
-            count += 1
-    return rows[:count]
+_BLOCK = 64
+"""Pixels whose products are summed at a time."""
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -90,7 +51,7 @@ def settle_pattern(
 ) -> bool:
     """Gauss-Newton until nothing moves; whether the pattern is there. Changes ``state``.
 
-    ``pixels`` (n, 3) from `collect_pixels`, ``state`` (13,) with a first guess of the affine map.
+    ``pixels`` (n, 3) from `marker_pixels`, ``state`` (13,) with a first guess of the affine map.
     """
     cells = len(bits)
     grey = np.zeros(256, dtype=np.int64)
@@ -135,22 +96,21 @@ def _on_paper(
     A marker may be cut tightly, and the floor beside it is no part of the pattern: then the inner
     cells alone say where it is.
     """
-    beyond = _EDGE_PX / cell_px
+    beyond = EDGE_PX / cell_px
     inside = np.zeros(256, dtype=np.int64)
     sides = np.zeros((4, 256), dtype=np.int64)
     outmost = np.empty(len(pixels))
-    off = np.empty(4)
     for i in range(len(pixels)):
         a, b, grey = pixels[i, 0], pixels[i, 1], int(pixels[i, 2])
         u = state[0] * a + state[1] * b + state[2]
         v = state[3] * a + state[4] * b + state[5]
-        off[0], off[1], off[2], off[3] = -u, -v, u - cells, v - cells
-        outmost[i] = off.max()
-        inside[grey] += outmost[i] < -0.5
-        if (off > 0.0).sum() != 1:  # along a side, but not at its corners
-            continue
-        for side in range(4):
-            sides[side, grey] += off[side] > beyond
+        off_u, off_v = max(-u, u - cells), max(-v, v - cells)
+        outmost[i] = max(off_u, off_v)
+        if outmost[i] < -0.5:
+            inside[grey] += 1
+        elif outmost[i] > beyond and min(off_u, off_v) <= 0.0:  # along a side, not at its corners
+            side = (0 if u < 0.0 else 1) if off_u > off_v else (2 if v < 0.0 else 3)
+            sides[side, grey] += 1
     dark, paper = _quantile(inside, 0.15), _quantile(inside, 0.95)
     for side in range(4):
         if sides[side].sum() == 0:
@@ -236,7 +196,8 @@ def _normal_equations(
     ``metric`` (2, 2) is J J^T of the plane's a, b by raw pixels: a blur that is round in the
     picture is none in the plane, seen from the side or through a wide lens. The pattern is blurred
     by a Gaussian that is narrow against a cell, so that only the nearest grid line of each
-    direction is felt at a pixel.
+    direction is felt at a pixel. Where the cells around are alike, light and dark alone are: such
+    pixels are summed apart, as they have no other unknowns.
     """
     out_matrix[:] = 0.0
     out_right[:] = 0.0
@@ -244,45 +205,117 @@ def _normal_equations(
     per_px_u = _length(state[0], state[1], metric)
     per_px_v = _length(state[3], state[4], metric)
     spread_u, spread_v = state[6] * per_px_u, state[6] * per_px_v
-    row = np.empty(UNKNOWNS)
-    total = weights = 0.0
+    rows, weighted = np.empty((UNKNOWNS + 1, _BLOCK)), np.empty((UNKNOWNS, _BLOCK))
+    flat = np.zeros((2, 9))
+    count = 0
+    total = 0.0
     for i in range(len(pixels)):
         a, b = pixels[i, 0], pixels[i, 1]
         u = state[0] * a + state[1] * b + state[2]
         v = state[3] * a + state[4] * b + state[5]
         line_u = min(max(math.floor(u + 0.5), 0), cells)
         line_v = min(max(math.floor(v + 0.5), 0), cells)
-        du, dv = (u - line_u) / spread_u, (v - line_v) / spread_v
-        p, q = _share(du), _share(dv)
-        slope_p, slope_q = _slope(du) / spread_u, _slope(dv) / spread_v
         above_left = _cell(bits, line_u - 1, line_v - 1)
         above_right = _cell(bits, line_u, line_v - 1)
         below_left = _cell(bits, line_u - 1, line_v)
         below_right = _cell(bits, line_u, line_v)
+        x, y = u / cells - 0.5, v / cells - 0.5
+        contrast = state[10] + state[11] * x + state[12] * y
+        dark = state[7] + state[8] * x + state[9] * y
+        if above_left == above_right == below_left == below_right:
+            error = pixels[i, 2] - dark - contrast * above_left
+            weight = 1.0 if abs(error) <= limit else limit / abs(error)
+            total += error * error
+            _add_flat(flat, int(above_left), weight, x, y, error)
+            continue
+        du, dv = (u - line_u) / spread_u, (v - line_v) / spread_v
+        p, slope_p = _blurred_step(du)
+        q, slope_q = _blurred_step(dv)
         above = above_left + (above_right - above_left) * p
         below = below_left + (below_right - below_left) * p
         light = above + (below - above) * q
         along_u = (above_right - above_left) * (1.0 - q) + (below_right - below_left) * q
-        light_u, light_v = along_u * slope_p, (below - above) * slope_q
-        x, y = u / cells - 0.5, v / cells - 0.5
-        contrast = state[10] + state[11] * x + state[12] * y
-        error = pixels[i, 2] - (state[7] + state[8] * x + state[9] * y + contrast * light)
+        light_u = contrast * along_u * slope_p / spread_u
+        light_v = contrast * (below - above) * slope_q / spread_v
+        error = pixels[i, 2] - dark - contrast * light
         total += error * error
         weight = 1.0 if abs(error) <= limit else limit / abs(error)
-        weights += weight
-        row[0], row[1], row[2] = contrast * light_u * a, contrast * light_u * b, contrast * light_u
-        row[3], row[4], row[5] = contrast * light_v * a, contrast * light_v * b, contrast * light_v
-        row[6] = -contrast * (light_u * du * per_px_u + light_v * dv * per_px_v)
-        row[7], row[8], row[9] = 1.0, x, y
-        row[10], row[11], row[12] = light, light * x, light * y
+        rows[0, count], rows[1, count], rows[2, count] = light_u * a, light_u * b, light_u
+        rows[3, count], rows[4, count], rows[5, count] = light_v * a, light_v * b, light_v
+        rows[6, count] = -(light_u * du * per_px_u + light_v * dv * per_px_v)
+        rows[7, count], rows[8, count], rows[9, count] = 1.0, x, y
+        rows[10, count], rows[11, count], rows[12, count] = light, light * x, light * y
+        rows[UNKNOWNS, count] = error
         for j in range(UNKNOWNS):
-            scaled = weight * row[j]
-            if scaled == 0.0:
-                continue
-            out_right[j] += scaled * error
-            for k in range(j + 1):
-                out_matrix[j, k] += scaled * row[k]
+            weighted[j, count] = weight * rows[j, count]
+        count += 1
+        if count == _BLOCK:
+            _add_products(rows, weighted, count, out_matrix, out_right)
+            count = 0
+    _add_products(rows, weighted, count, out_matrix, out_right)
+    _add_alike(flat, out_matrix, out_right)
     return math.sqrt(total / max(len(pixels), 1))
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def _add_products(
+    rows: NDArray[np.float64],
+    weighted: NDArray[np.float64],
+    count: int,
+    out_matrix: NDArray[np.float64],
+    out_right: NDArray[np.float64],
+) -> None:
+    """The sums of ``count`` pixels' derivatives, one by the other and by the last row's errors."""
+    for j in range(UNKNOWNS):
+        for k in range(j + 1):
+            total = 0.0
+            for i in range(count):
+                total += weighted[j, i] * rows[k, i]
+            out_matrix[j, k] += total
+        total = 0.0
+        for i in range(count):
+            total += weighted[j, i] * rows[UNKNOWNS, i]
+        out_right[j] += total
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _add_flat(
+    sums: NDArray[np.float64], light: int, weight: float, x: float, y: float, error: float
+) -> None:
+    """One pixel in the dark (row 0) or the light (row 1), where no edge is felt."""
+    sums[light, 0] += weight
+    sums[light, 1] += weight * x
+    sums[light, 2] += weight * y
+    sums[light, 3] += weight * x * x
+    sums[light, 4] += weight * x * y
+    sums[light, 5] += weight * y * y
+    sums[light, 6] += weight * error
+    sums[light, 7] += weight * error * x
+    sums[light, 8] += weight * error * y
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _add_alike(
+    flat: NDArray[np.float64], out_matrix: NDArray[np.float64], out_right: NDArray[np.float64]
+) -> None:
+    """The sums of pixels in the dark (row 0), and in the light (row 1), which feel the contrast."""
+    for light in range(2):
+        sums = flat[light]
+        for rows in range(7, 8 + 3 * light, 3):
+            for columns in range(7, rows + 1, 3):
+                m = out_matrix
+                m[rows, columns] += sums[0]
+                m[rows + 1, columns] += sums[1]
+                m[rows + 2, columns] += sums[2]
+                m[rows + 1, columns + 1] += sums[3]
+                m[rows + 2, columns + 1] += sums[4]
+                m[rows + 2, columns + 2] += sums[5]
+                if rows > columns:
+                    m[rows, columns + 1] += sums[1]
+                    m[rows, columns + 2] += sums[2]
+                    m[rows + 1, columns + 2] += sums[4]
+            for k in range(3):
+                out_right[rows + k] += sums[6 + k]
 
 
 @njit(cache=True, nogil=True, fastmath=False)
@@ -300,12 +333,17 @@ def _cell(bits: NDArray[np.float64], column: int, row: int) -> float:
 
 
 @njit(cache=True, nogil=True, fastmath=False)
-def _share(t: float) -> float:
-    """The normal distribution."""
-    return 0.5 * math.erfc(-t * 0.7071067811865476)
+def _blurred_step(t: float) -> tuple[float, float]:
+    """The normal distribution and its density, within 1e-7.
 
-
-@njit(cache=True, nogil=True, fastmath=False)
-def _slope(t: float) -> float:
-    """Its density."""
-    return 0.3989422804014327 * math.exp(-0.5 * t * t)
+    Abramowitz and Stegun, Handbook of mathematical functions (1964), 26.2.17.
+    """
+    away = abs(t)
+    if away > 6.0:
+        return (1.0 if t > 0.0 else 0.0), 0.0
+    density = 0.3989422804014327 * math.exp(-0.5 * t * t)
+    k = 1.0 / (1.0 + 0.2316419 * away)
+    series = -1.821255978 + k * 1.330274429
+    series = 0.319381530 + k * (-0.356563782 + k * (1.781477937 + k * series))
+    tail = density * k * series
+    return (1.0 - tail if t > 0.0 else tail), density

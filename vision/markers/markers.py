@@ -6,16 +6,15 @@ Rules and units
   overhead camera the two solutions of a marker's pose in space can hardly be told apart.
 - With a rolling shutter a pose has the time of the rows of its own marker; its corners are put to
   where they were at that time, by the track's velocity: else a marker that moves is sheared.
-- The search is narrowed around where each robot should be; the whole picture is searched only
-  for robots that are not there. What has the wrong size, is not square, is half hidden or
-  has jumped is no robot.
+- Each robot is looked for where it should be: first its known marker is laid there (`sighting`),
+  then markers are searched for around it; the whole picture is searched only for robots that are
+  not there. What has jumped is no robot.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -23,7 +22,6 @@ import numpy as np
 from vision.calibration.blind import coarsest_pixel_m
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Frame, Image
-from vision.markers import marker_corners, marker_pattern
 from vision.markers.marked_robot import (
     MarkedRobot,
     RobotPose,
@@ -31,8 +29,7 @@ from vision.markers.marked_robot import (
     marker_pose,
     robot_pose,
 )
-from vision.markers.marker_corners import Refused, refine_quad
-from vision.markers.marker_pattern import fit_pattern, pattern_bits
+from vision.markers.marker_pattern import pattern_bits
 from vision.markers.marker_search import (
     MarkerError,
     dictionary_by_name,
@@ -42,6 +39,7 @@ from vision.markers.marker_search import (
     finder_of,
     grey_of,
 )
+from vision.markers.sighting import RobotMarker, Sighting, warm_up
 from vision.markers.tracking import Pose, Track
 
 __all__ = [
@@ -57,9 +55,6 @@ __all__ = [
     "robot_pose",
 ]
 
-_UNIT_CORNERS = np.array([-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j])
-_SIZE_TOLERANCE = 0.15
-_SQUARE_TOLERANCE = 0.02
 _COARSE_SIDE_PX = 24.0
 """A marker is still decoded at this size, so a picture is searched no finer than needed."""
 
@@ -70,14 +65,6 @@ _APART_SIZES = 1.0
 """Two sightings nearer to each other than a marker's side are one marker, seen by two recipes."""
 _LOST_SEARCH_S = 1.0
 _LOST_SEARCH_EVERY = 3
-
-
-@dataclass(frozen=True, slots=True)
-class _Sighting:
-    id: int
-    pose: Pose
-    corners_px: FloatArray
-    residual_m: float
 
 
 class MarkerTracker:
@@ -106,10 +93,13 @@ class MarkerTracker:
                 raise MarkerError(
                     f"marker id = {robot.id}: {dictionary} has ids 0 to {len(book.bytesList) - 1}"
                 )
-        self._cells = book.markerSize + 2
-        self._bits = {robot.id: pattern_bits(book, robot.id) for robot in robots}
-        marker_corners.warm_up()
-        marker_pattern.warm_up()
+        self._markers = {
+            robot.id: RobotMarker(robot, pattern_bits(book, robot.id), calibration, self._row_s)
+            for robot in robots
+        }
+        self._pixel_m = calibration.metres_per_pixel
+        self._late_s = dict.fromkeys(self._robots, 0.0)
+        warm_up()
         recipes = ((23, 15.0), (11, 7.0), (45, 10.0))
         self._finders = [finder_of(book, window, constant) for window, constant in recipes]
         self._near = self._finders[:2]
@@ -146,10 +136,10 @@ class MarkerTracker:
         grey = grey_of(frame.image)
         grey.setflags(write=False)  # as a grey frame is: the kernels are compiled for one kind
         refusals: list[str] = []
-        found: dict[int, _Sighting] = {}
+        found: dict[int, Sighting] = {}
         poses: dict[int, RobotPose] = {}
 
-        def find(sighting: _Sighting | None) -> None:
+        def find(sighting: Sighting | None) -> None:
             if sighting is None:
                 return
             found[sighting.id] = sighting
@@ -196,19 +186,23 @@ class MarkerTracker:
 
     def _look_near(
         self, grey: Image, robot: MarkedRobot, now_s: float, refusals: list[str]
-    ) -> _Sighting | None:
+    ) -> Sighting | None:
         """Look where the robot should be."""
-        expected = self._tracks[robot.id].predict(now_s)
         last_s = self._tracks[robot.id].last_s
+        expected = self._tracks[robot.id].predict(now_s - self._late_s[robot.id])
         if expected is None or last_s is None:
             return None
         marker = marker_pose(expected, robot)
+        moves = self._tracks[robot.id].velocity
+        followed = self._markers[robot.id].follow(grey, marker, moves)
+        if followed is not None:
+            return followed
         center = self._calibration.image_from_arena([marker[:2]], robot.marker_height_m)[0]
         if not np.isfinite(center).all():
             return None
         side_px = self._side_px(robot)
         reach_m = robot.limits.slack_m + 0.5 * robot.limits.max_speed_m_s * (now_s - last_s)
-        half = 1.1 * side_px + 8.0 + reach_m / self._calibration.metres_per_pixel
+        half = 1.1 * side_px + 8.0 + reach_m / self._pixel_m
         x0, y0 = (max(0, math.floor(v - half)) for v in center)
         x1, y1 = (
             min(limit, math.ceil(v + half) + 1)
@@ -226,7 +220,7 @@ class MarkerTracker:
         return None
 
     def _look_for_doubles(
-        self, everywhere: dict[int, list[_Sighting]], found: dict[int, _Sighting]
+        self, everywhere: dict[int, list[Sighting]], found: dict[int, Sighting]
     ) -> None:
         """Markers in several places, once two searches in a row have seen them so."""
         places = {}
@@ -242,8 +236,8 @@ class MarkerTracker:
         self._suspects = frozenset(places)
 
     def _search(
-        self, grey: Image, found: Mapping[int, _Sighting], refusals: list[str]
-    ) -> dict[int, list[_Sighting]]:
+        self, grey: Image, found: Mapping[int, Sighting], refusals: list[str]
+    ) -> dict[int, list[Sighting]]:
         """Every robot's sightings in the whole picture, with another recipe each time.
 
         What was ``found`` in this picture is not looked at closely again.
@@ -274,7 +268,7 @@ class MarkerTracker:
             for robot_id, robot in self._robots.items()
         }
 
-    def _best(self, sightings: list[_Sighting], robot_id: int, now_s: float) -> _Sighting | None:
+    def _best(self, sightings: list[Sighting], robot_id: int, now_s: float) -> Sighting | None:
         """Of several markers with one id, the one nearest to where the robot should be."""
         if not sightings:
             return None
@@ -285,58 +279,15 @@ class MarkerTracker:
 
     def _sight(
         self, grey: Image, robot: MarkedRobot, quad_px: FloatArray, refusals: list[str]
-    ) -> _Sighting | None:
+    ) -> Sighting | None:
         """A marker's quadrilateral as a robot's pose, unless it cannot be one."""
-        quad = refine_quad(grey, quad_px, self._cells, self._calibration)
-        if isinstance(quad, Refused):
-            refusals.append(f"marker {robot.id}: {quad.reason}")
-            return None
-        calibration, height_m = self._calibration, robot.marker_height_m
-        sides_px = calibration.distort_points(quad.corners_px)
-        corners = calibration.arena_from_image(sides_px, height_m)
-        if not np.isfinite(corners).all():
-            refusals.append(f"marker {robot.id}: it lies where no floor is seen")
-            return None
-        whole = fit_pattern(grey, corners, self._bits[robot.id], calibration, height_m)
-        corners = corners if whole is None else whole
-        corners_px = calibration.image_from_arena(corners, height_m)
-        corners_px.setflags(write=False)
-        corners = self._at_one_time(corners, corners_px[:, 1], robot.id)
-        points = corners[:, 0] + 1j * corners[:, 1]
-        center = points.mean()
-        # The similarity nearest to the four corners, all of them with equal weight.
-        turn = np.vdot(_UNIT_CORNERS, points - center) / 2.0
-        size_m = abs(turn)
-        residual_m = float(np.sqrt(np.mean(np.abs(points - center - turn * _UNIT_CORNERS) ** 2)))
-        wanted_m = robot.marker_size_m
-        if abs(size_m - wanted_m) > _SIZE_TOLERANCE * wanted_m:
-            refusals.append(
-                f"marker {robot.id}: a side of {1000 * size_m:.1f} mm, not {1000 * wanted_m:.1f}"
-            )
-            return None
-        if residual_m > _SQUARE_TOLERANCE * wanted_m:
-            refusals.append(f"marker {robot.id}: not square ({1000 * residual_m:.1f} mm)")
-            return None
-        pose = robot_pose((center.real, center.imag, float(np.angle(turn))), robot)
-        return _Sighting(robot.id, pose, corners_px, residual_m)
+        moves = self._tracks[robot.id].velocity
+        return self._markers[robot.id].look(grey, quad_px, moves, refusals)
 
-    def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, robot_id: int) -> FloatArray:
-        """The corners (4, 2) where they were when the marker's middle row was exposed."""
-        if self._row_s == 0.0:
-            return corners
-        moves = self._tracks[robot_id].velocity
-        late_s = self._row_s * (rows_px - rows_px.mean())
-        right, up = (corners - corners.mean(axis=0)).T
-        turn = moves.turn_rate_rad_s
-        speeds = np.stack([moves.vx - turn * up, moves.vy + turn * right], axis=1)
-        return np.asarray(corners - speeds * late_s[:, None], dtype=np.float64)
-
-    def _believe(
-        self, sighting: _Sighting, frame_s: float, refusals: list[str]
-    ) -> RobotPose | None:
+    def _believe(self, sighting: Sighting, frame_s: float, refusals: list[str]) -> RobotPose | None:
         """The pose, at the time at which its marker's middle row was exposed."""
         rows_after = self._calibration.size[1] - 1 - float(sighting.corners_px[:, 1].mean())
-        before_s = self._row_s * rows_after
+        before_s = self._late_s[sighting.id] = self._row_s * rows_after
         now_s = frame_s - before_s
         track = self._tracks[sighting.id]
         velocity = track.offer(sighting.pose, now_s)
@@ -357,10 +308,10 @@ class MarkerTracker:
         )
 
     def _side_px(self, robot: MarkedRobot) -> float:
-        return robot.marker_size_m / self._calibration.metres_per_pixel
+        return robot.marker_size_m / self._pixel_m
 
 
-def _is_there(quad_px: FloatArray, known: _Sighting | None) -> bool:
+def _is_there(quad_px: FloatArray, known: Sighting | None) -> bool:
     """Whether a quadrilateral's middle lies within the marker that is known already."""
     if known is None:
         return False

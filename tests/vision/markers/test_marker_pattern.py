@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from tests.support.drawn.boards import LIGHT, Patch, marker_patch, pose_bound, render
 from vision.calibration.calibration import Calibration
-from vision.markers import marker_pattern, marker_pattern_kernels
+from vision.markers import marker_pattern_kernels
 from vision.markers.marker_pattern import fit_pattern, pattern_bits
+from vision.markers.marker_place_kernels import MOST_PIXELS, collect_pixels, marker_pixels
 from vision.markers.markers import dictionary_by_name
 
 SIZE = (160, 160)
@@ -188,16 +189,8 @@ def test_a_marker_cut_tightly_is_within_a_twentieth_of_a_pixel(side_px, rim, flo
         assert np.linalg.norm(found.mean(axis=0) - truth.mean(axis=0)) < 0.05
 
 
-def test_of_a_large_marker_no_more_pixels_are_used_than_the_bound(monkeypatch):
+def test_of_a_large_marker_no_more_pixels_are_used_than_the_bound():
     used = []
-    plain = marker_pattern.collect_pixels
-
-    def counted(*arguments):
-        rows = plain(*arguments)
-        used.append(len(rows))
-        return rows
-
-    monkeypatch.setattr(marker_pattern, "collect_pixels", counted)
     rng = np.random.default_rng(1)
     for side_px in (60, 250, 400):
         grey, corners, bits = _printed(side_px, 0.4, 1.0, 200.0, rng)
@@ -206,7 +199,9 @@ def test_of_a_large_marker_no_more_pixels_are_used_than_the_bound(monkeypatch):
         found = fit_pattern(grey, truth, bits, calibration)
         assert found is not None
         assert np.linalg.norm(found.mean(axis=0) - truth.mean(axis=0)) < 0.015
-    assert max(used) <= marker_pattern._MOST_PIXELS
+        view, state = calibration.plane_view(), np.zeros(6)
+        used.append(len(marker_pixels(grey, truth, state, view, 6, side_px / 6.0)))
+    assert max(used) <= MOST_PIXELS
     assert used[0] > 3000, "a small marker keeps all of its pixels"
 
 
@@ -234,3 +229,44 @@ def test_equations_of_an_unknown_that_is_not_seen_are_refused() -> None:
     rows[:, 3] = rows[:, 1]
     for matrix in (rows.T @ rows, np.zeros((3, 3)), np.full((2, 2), np.nan)):
         assert not marker_pattern_kernels._solve(matrix.copy(), np.ones(len(matrix)))
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.floats(-40.0, 40.0))
+def test_a_blurred_step_is_the_normal_distribution(t: float) -> None:
+    """Within the 1e-7 that its source promises."""
+    share, density = marker_pattern_kernels._blurred_step(t)
+    assert share == pytest.approx(0.5 * math.erfc(-t / math.sqrt(2.0)), abs=1.1e-7)
+    assert density == pytest.approx(math.exp(-0.5 * t * t) / math.sqrt(math.tau), abs=1e-7)
+
+
+def _lenses() -> list[Calibration]:
+    """A plain picture, a wide lens's middle and near its rim, and a fisheye's."""
+    brown, fisheye = [-0.3, 0.12, 0.001, -0.001, -0.02], [0.02, -0.01, 0.004, -0.001]
+    matrix = [[420.0, 0.0, 319.5], [0.0, 421.0, 239.5], [0.0, 0.0, 1.0]]
+    turn = cv2.Rodrigues(np.array([0.2, -0.15, 0.03]))[0] @ np.diag([1.0, -1.0, -1.0])
+    pose = np.column_stack([turn, -turn @ np.array([0.3, 0.3, 2.0])])
+    size = (640, 480)
+    return [
+        Calibration.from_scale(0.002, size),
+        Calibration.from_camera(size, matrix, np.zeros(5), pose),
+        Calibration.from_camera(size, matrix, brown, pose),
+        Calibration.from_camera(size, matrix, fisheye, pose, "fisheye"),
+    ]
+
+
+@pytest.mark.parametrize("lens", range(4))
+@pytest.mark.parametrize("box", [(300, 220, 347, 260), (20, 20, 160, 90), (2, 300, 9, 302)])
+def test_a_pixel_s_place_is_the_calibration_s_whatever_the_lens(lens, box):
+    calibration = _lenses()[lens]
+    rng = np.random.default_rng(lens)
+    grey = rng.integers(0, 256, calibration.size[::-1]).astype(np.uint8)
+    everything = np.zeros(6)
+    rows = collect_pixels(grey, box, calibration.plane_view(), (0.3, 0.2, 0.05), everything, 6, 0.5)
+    x0, y0, x1, y1 = box
+    columns, lines = np.meshgrid(np.arange(x0, x1 + 1), np.arange(y0, y1 + 1))
+    pixels = np.column_stack([columns.ravel(), lines.ravel()]).astype(float)
+    assert len(rows) == len(pixels)
+    back = calibration.image_from_arena(rows[:, :2] * 0.05 + np.array([0.3, 0.2]))
+    assert np.abs(back - pixels).max() < 1e-4
+    assert np.array_equal(rows[:, 2], grey[lines.ravel(), columns.ravel()])

@@ -17,7 +17,6 @@ from tests.support.drawn.boards import DARK, LIGHT, Patch, marker_patch, render
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.camera.sources import read_picture
-from vision.markers import markers
 from vision.markers.markers import (
     MarkedRobot,
     MarkerError,
@@ -30,6 +29,7 @@ from vision.markers.markers import (
     marker_pose,
     robot_pose,
 )
+from vision.markers.sighting import RobotMarker
 from vision.markers.tracking import Pose, wrap
 
 SIZE = (360, 300)
@@ -172,13 +172,14 @@ def test_a_pose_is_told_before_the_next_robot_is_looked_for(
     for i in range(6):
         tracker.update(Frame(image, i / 30.0, i, "t"))
     happened: list[str] = []
-    plain = markers.fit_pattern
+    for name in ("follow", "look"):
+        plain = getattr(RobotMarker, name)
 
-    def seen(*arguments: Any) -> Any:
-        happened.append("looked")
-        return plain(*arguments)
+        def seen(*arguments: Any, plain: Any = plain) -> Any:
+            happened.append("looked")
+            return plain(*arguments)
 
-    monkeypatch.setattr(markers, "fit_pattern", seen)
+        monkeypatch.setattr(RobotMarker, name, seen)
     for i in range(6, 18):  # with two searches of the whole picture for markers seen twice
         happened.clear()
         tracker.update(Frame(image, i / 30.0, i, "t"), lambda _: happened.append("told"))

@@ -1,0 +1,350 @@
+"""The compiled steps from a picture and a quadrilateral to a marker's place and how well it reads.
+
+Raw pixels, centres at integers; ``view`` is the arena's plane at the marker's height, in metres.
+Corners in the order top left, top right, bottom right, bottom left of the upright marker; a
+marker's ``bits`` (n, n), its dark border included, are 1 where a cell is light.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+import planner.scene.compile_options  # noqa: F401 (chooses how kernels are compiled and kept)
+from vision.calibration.calibration_kernels import placed_at, seen_at
+from vision.calibration.lens_model import PlaneView
+from vision.markers.marker_kernels import FITTED, fit_quad
+from vision.markers.marker_pattern_kernels import EDGE_PX, LEAST_PIXELS, UNKNOWNS, settle_pattern
+
+NO_FLOOR = 7
+"""What became of a quadrilateral, beside what `fit_quad` says: it lies where no floor is seen."""
+NOT_READ = 0.0
+"""How well the cells read where they do not, or no pattern was fitted."""
+
+_RIM_PX = 3.0
+_RIM_CELLS = 0.75
+"""How far around the marker pixels are used: the rim is light for a cell at least."""
+MOST_PIXELS = 12_000
+"""In the box around a marker: more are thinned out. From 200 px on the centre stays within 0.01 px
+(``test_marker_pattern.py``)."""
+_MAX_MOVE_PX = 1.5
+_STRETCH_PX = 48
+"""Of a row, on which a pixel's place is a cubic's: a wide lens's own is within 1e-4 px of it
+(``test_marker_pattern.py``)."""
+_CORE = 0.3
+"""Of a cell, to each side of its middle, in which it is read: the rest may be blurred."""
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def follow_marker(
+    grey: NDArray[np.uint8],
+    marker: tuple[float, float, float, float],
+    bits: NDArray[np.float64],
+    view: PlaneView,
+    out_m: NDArray[np.float64],
+    out_px: NDArray[np.float64],
+) -> float:
+    """How well a marker reads that should be at x, y, heading, side in metres; 0 for not at all.
+
+    ``out_m`` and ``out_px`` (4, 2) are its corners as `see_marker` gives them.
+    """
+    x, y, heading, side = marker
+    c, s = 0.5 * side * math.cos(heading), 0.5 * side * math.sin(heading)
+    guess = np.empty((4, 2))
+    guess[0, 0], guess[0, 1] = seen_at(x - c - s, y - s + c, view)
+    guess[1, 0], guess[1, 1] = seen_at(x + c - s, y + s + c, view)
+    guess[2, 0], guess[2, 1] = seen_at(x + c + s, y + s - c, view)
+    guess[3, 0], guess[3, 1] = seen_at(x - c + s, y - s - c, view)
+    became, _, read = see_marker(grey, guess, bits, view, out_m, out_px)
+    return read if became == FITTED else NOT_READ
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def see_marker(
+    grey: NDArray[np.uint8],
+    guess_px: NDArray[np.float64],
+    bits: NDArray[np.float64],
+    view: PlaneView,
+    out_m: NDArray[np.float64],
+    out_px: NDArray[np.float64],
+) -> tuple[int, float, float]:
+    """The corners of a marker near ``guess_px`` (4, 2), which is good to a few pixels.
+
+    Its sides, and within them the whole pattern, where that can be fitted. ``out_m`` (4, 2) in the
+    plane, ``out_px`` (4, 2). Returns what became of it, the sides' roughness in pixels, and how
+    well the cells read (`_worst_cell`), 0 where only the sides were fitted.
+    """
+    ideal = np.empty((4, 2))
+    became, roughness_px = fit_quad(grey, guess_px, len(bits), view.lens, ideal)
+    if became != FITTED:
+        return became, roughness_px, NOT_READ
+    sides_m = np.empty((4, 2))
+    h = view.from_pixel
+    for i in range(4):
+        x, y = ideal[i, 0], ideal[i, 1]
+        w = h[2, 0] * x + h[2, 1] * y + h[2, 2]
+        if not w * view.front > 0.0:
+            return NO_FLOOR, roughness_px, NOT_READ
+        sides_m[i, 0] = (h[0, 0] * x + h[0, 1] * y + h[0, 2]) / w
+        sides_m[i, 1] = (h[1, 0] * x + h[1, 1] * y + h[1, 2]) / w
+    is_there, read = place_pattern(grey, sides_m, bits, view, out_m)
+    if not is_there:
+        out_m[:] = sides_m
+    for i in range(4):
+        out_px[i, 0], out_px[i, 1] = seen_at(out_m[i, 0], out_m[i, 1], view)
+    return FITTED, roughness_px, read
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def place_pattern(
+    grey: NDArray[np.uint8],
+    corners_m: NDArray[np.float64],
+    bits: NDArray[np.float64],
+    view: PlaneView,
+    out_m: NDArray[np.float64],
+) -> tuple[bool, float]:
+    """The corners of the pattern that lies near ``corners_m`` (4, 2), into ``out_m``.
+
+    Returns whether it is there, and how well its cells read (`_worst_cell`).
+    """
+    cells = len(bits)
+    center, unit_m = _middle(corners_m)
+    if not unit_m > 0.0:
+        return False, NOT_READ
+    state = np.zeros(UNKNOWNS)
+    _affine(corners_m, center, unit_m, cells, state)
+    seen_px = np.empty((4, 2))
+    cell_px = 0.0
+    for i in range(4):
+        seen_px[i, 0], seen_px[i, 1] = seen_at(corners_m[i, 0], corners_m[i, 1], view)
+    for i in range(4):
+        before = (i + 3) % 4
+        dx, dy = seen_px[i, 0] - seen_px[before, 0], seen_px[i, 1] - seen_px[before, 1]
+        cell_px += 0.25 * math.sqrt(dx * dx + dy * dy) / cells
+    metric = np.empty((2, 2))
+    if not _metric(seen_px, unit_m, view, metric):
+        return False, NOT_READ
+    pixels = marker_pixels(grey, corners_m, state, view, cells, cell_px)
+    if len(pixels) < LEAST_PIXELS or not settle_pattern(pixels, bits, state, metric, cell_px):
+        return False, NOT_READ
+    determinant = state[0] * state[4] - state[1] * state[3]
+    if determinant == 0.0:
+        return False, NOT_READ
+    for i in range(4):
+        u = (cells if i == 1 or i == 2 else 0.0) - state[2]
+        v = (cells if i >= 2 else 0.0) - state[5]
+        out_m[i, 0] = center[0] + unit_m * (state[4] * u - state[1] * v) / determinant
+        out_m[i, 1] = center[1] + unit_m * (state[0] * v - state[3] * u) / determinant
+        x, y = seen_at(out_m[i, 0], out_m[i, 1], view)
+        if not max(abs(x - seen_px[i, 0]), abs(y - seen_px[i, 1])) <= _MAX_MOVE_PX:
+            return False, NOT_READ
+    return True, _worst_cell(pixels, bits, state, cell_px)
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _middle(corners_m: NDArray[np.float64]) -> tuple[tuple[float, float], float]:
+    """The corners' middle, and their mean distance from it."""
+    x = y = unit_m = 0.0
+    for i in range(4):
+        x, y = x + 0.25 * corners_m[i, 0], y + 0.25 * corners_m[i, 1]
+    for i in range(4):
+        dx, dy = corners_m[i, 0] - x, corners_m[i, 1] - y
+        unit_m += 0.25 * math.sqrt(dx * dx + dy * dy)
+    return (x, y), unit_m
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _affine(
+    corners_m: NDArray[np.float64],
+    center: tuple[float, float],
+    unit_m: float,
+    cells: int,
+    out_state: NDArray[np.float64],
+) -> None:
+    """The affine map that takes the corners, in units around their centre, to the pattern's.
+
+    Least squares; as the centre is the corners' mean, its shift is the pattern's middle.
+    """
+    aa = ab = bb = 0.0
+    au = av = bu = bv = 0.0
+    for i in range(4):
+        a, b = (corners_m[i, 0] - center[0]) / unit_m, (corners_m[i, 1] - center[1]) / unit_m
+        u = 0.5 * cells if i == 1 or i == 2 else -0.5 * cells
+        v = 0.5 * cells if i >= 2 else -0.5 * cells
+        aa, ab, bb = aa + a * a, ab + a * b, bb + b * b
+        au, av, bu, bv = au + a * u, av + a * v, bu + b * u, bv + b * v
+    determinant = aa * bb - ab * ab
+    if not determinant > 0.0:
+        return
+    out_state[0], out_state[1] = (
+        (bb * au - ab * bu) / determinant,
+        (aa * bu - ab * au) / determinant,
+    )
+    out_state[3], out_state[4] = (
+        (bb * av - ab * bv) / determinant,
+        (aa * bv - ab * av) / determinant,
+    )
+    out_state[2] = out_state[5] = 0.5 * cells
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _metric(
+    seen_px: NDArray[np.float64], unit_m: float, view: PlaneView, out: NDArray[np.float64]
+) -> bool:
+    """J J^T (2, 2) of the plane, in units of the marker's size, by raw pixels at its middle."""
+    x = y = 0.0
+    for i in range(4):
+        x, y = x + 0.25 * seen_px[i, 0], y + 0.25 * seen_px[i, 1]
+    ax, ay = placed_at(x + 0.5, y, view)
+    bx, by = placed_at(x - 0.5, y, view)
+    cx, cy = placed_at(x, y + 0.5, view)
+    dx, dy = placed_at(x, y - 0.5, view)
+    j00, j10 = (ax - bx) / unit_m, (ay - by) / unit_m
+    j01, j11 = (cx - dx) / unit_m, (cy - dy) / unit_m
+    out[0, 0], out[1, 1] = j00 * j00 + j01 * j01, j10 * j10 + j11 * j11
+    out[0, 1] = out[1, 0] = j00 * j10 + j01 * j11
+    return bool(np.isfinite(out[0, 0]) and np.isfinite(out[1, 1]))
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def marker_pixels(
+    grey: NDArray[np.uint8],
+    corners_m: NDArray[np.float64],
+    state: NDArray[np.float64],
+    view: PlaneView,
+    cells: int,
+    cell_px: float,
+) -> NDArray[np.float64]:
+    """Rows (n, 3) of a, b, grey value: the pixels on the marker and its rim, at most the bound.
+
+    a, b are a pixel's place in the plane, in units of the marker's size around its centre;
+    ``state`` begins with the affine map from there to the pattern. None where a part of the marker
+    is out of the picture; of the rim a part may be.
+    """
+    center, unit_m = _middle(corners_m)
+    rim = min(_RIM_PX / cell_px, _RIM_CELLS)
+    wider = 1.0 + 2.0 * rim / cells
+    height, width = grey.shape
+    low_x = low_y = math.inf
+    high_x = high_y = -math.inf
+    for i in range(4):
+        x, y = seen_at(corners_m[i, 0], corners_m[i, 1], view)
+        if not (x >= 0.0 and y >= 0.0 and x <= width - 1 and y <= height - 1):
+            return np.empty((0, 3))
+        x, y = seen_at(
+            center[0] + wider * (corners_m[i, 0] - center[0]),
+            center[1] + wider * (corners_m[i, 1] - center[1]),
+            view,
+        )
+        if not (math.isfinite(x) and math.isfinite(y)):
+            return np.empty((0, 3))
+        low_x, high_x = min(low_x, x), max(high_x, x)
+        low_y, high_y = min(low_y, y), max(high_y, y)
+    x0, y0 = max(0, math.floor(low_x) - 1), max(0, math.floor(low_y) - 1)
+    x1, y1 = min(width - 1, math.ceil(high_x) + 1), min(height - 1, math.ceil(high_y) + 1)
+    place = center[0], center[1], unit_m
+    return collect_pixels(grey, (x0, y0, x1, y1), view, place, state[:6], cells, rim)
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def collect_pixels(
+    grey: NDArray[np.uint8],
+    box: tuple[int, int, int, int],
+    view: PlaneView,
+    place: tuple[float, float, float],
+    pattern_from_plane: NDArray[np.float64],
+    cells: int,
+    rim: float,
+) -> NDArray[np.float64]:
+    """Rows (n, 3) of a, b, grey value: the pixels of ``box`` that lie on the marker or its rim.
+
+    ``box`` is x0, y0, x1, y1 with the ends included, inside ``grey``; ``place`` the centre's x, y
+    and the unit; ``pattern_from_plane`` (6,) the first guess, ``rim`` a width in cells. Of each
+    row one pixel in so many is taken, of the next row the ones beside, so that every edge is
+    crossed at all places. None where a part of the box shows no floor.
+    """
+    x0, y0, x1, y1 = box
+    every = (x1 - x0 + 1) * (y1 - y0 + 1) // MOST_PIXELS + 1
+    rows = np.empty((((x1 - x0) // every + 1) * (y1 - y0 + 1), 3))
+    count = 0
+    p = pattern_from_plane
+    stretches = (x1 - x0) // _STRETCH_PX + 1
+    step = max(x1 - x0, 1) / (3.0 * stretches)
+    nodes = np.empty((3 * stretches + 1, 2))
+    for y in range(y0, y1 + 1):
+        for i in range(len(nodes)):
+            a, b = placed_at(x0 + step * i, float(y), view)
+            if not (math.isfinite(a) and math.isfinite(b)):
+                return rows[:0]
+            nodes[i, 0], nodes[i, 1] = (a - place[0]) / place[2], (b - place[1]) / place[2]
+        for x in range(x0 + (y - y0) % every, x1 + 1, every):
+            t = (x - x0) / step
+            first = 3 * min(int(t) // 3, stretches - 1)
+            t -= first
+            # Lagrange's cubic through the four nodes of the stretch
+            near, far = t * (t - 3.0) / 2.0, (t - 1.0) * (t - 2.0) / 6.0
+            w0, w1, w2, w3 = far * (3.0 - t), near * (t - 2.0), near * (1.0 - t), far * t
+            a = w0 * nodes[first, 0] + w1 * nodes[first + 1, 0]
+            a += w2 * nodes[first + 2, 0] + w3 * nodes[first + 3, 0]
+            b = w0 * nodes[first, 1] + w1 * nodes[first + 1, 1]
+            b += w2 * nodes[first + 2, 1] + w3 * nodes[first + 3, 1]
+            u, v = p[0] * a + p[1] * b + p[2], p[3] * a + p[4] * b + p[5]
+            if u < -rim or v < -rim or u > cells + rim or v > cells + rim:
+                continue
+            rows[count, 0] = a
+            rows[count, 1] = b
+            rows[count, 2] = grey[y, x]
+            count += 1
+    return rows[:count]
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _worst_cell(
+    pixels: NDArray[np.float64],
+    bits: NDArray[np.float64],
+    state: NDArray[np.float64],
+    cell_px: float,
+) -> float:
+    """How well the worst of all cells and of the light rim beside them reads.
+
+    1 where it is as light, or as dark, as the fit has light and dark there, 0.5 halfway, 0 where it
+    is the other; 0 too where a cell has no pixel to be read by.
+    """
+    cells = len(bits)
+    light = np.zeros((cells + 2, cells + 2))
+    counts = np.zeros((cells + 2, cells + 2))
+    beyond = EDGE_PX / cell_px
+    for i in range(len(pixels)):
+        a, b = pixels[i, 0], pixels[i, 1]
+        u = state[0] * a + state[1] * b + state[2]
+        v = state[3] * a + state[4] * b + state[5]
+        column, row = math.floor(u), math.floor(v)
+        across, along = abs(u - column - 0.5) <= _CORE, abs(v - row - 0.5) <= _CORE
+        if column < 0 or column >= cells:
+            across = max(-u, u - cells) > beyond
+        if row < 0 or row >= cells:
+            along = max(-v, v - cells) > beyond
+        if not (across and along and abs(u - 0.5 * cells) < 0.5 * cells + 1.0):
+            continue
+        if not abs(v - 0.5 * cells) < 0.5 * cells + 1.0:
+            continue
+        x, y = u / cells - 0.5, v / cells - 0.5
+        dark = state[7] + state[8] * x + state[9] * y
+        contrast = state[10] + state[11] * x + state[12] * y
+        light[row + 1, column + 1] += (pixels[i, 2] - dark) / contrast if contrast > 0.0 else 0.5
+        counts[row + 1, column + 1] += 1.0
+    worst = 1.0
+    for row in range(cells + 2):
+        for column in range(cells + 2):
+            outside = (row == 0 or row == cells + 1) + (column == 0 or column == cells + 1)
+            if outside == 2:
+                continue
+            if counts[row, column] == 0.0:
+                return NOT_READ
+            share = light[row, column] / counts[row, column]
+            is_light = outside == 1 or bits[row - 1, column - 1] > 0.5
+            worst = min(worst, share if is_light else 1.0 - share)
+    return float(max(worst, NOT_READ))

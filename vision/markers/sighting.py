@@ -1,0 +1,120 @@
+"""One robot's marker in one picture: followed from where it should be, or seen where it was found.
+
+Rules and units
+- Poses, markers and pixels are as in `marked_robot`; a frame's rows are ``row_s`` seconds apart.
+- A marker is followed without being searched for: sides and pattern are fitted to the picture from
+  where it should be, and every cell and the light rim must read right there. That is stricter than
+  to decode it, where cells that are wrong are corrected. Whoever is not followed is searched for.
+- What has the wrong size, is not square or is half hidden is no robot.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from vision.calibration.calibration import Calibration, FloatArray
+from vision.camera.camera import Image
+from vision.markers.marked_robot import MarkedRobot, robot_pose
+from vision.markers.marker_corners import why_refused
+from vision.markers.marker_kernels import FITTED
+from vision.markers.marker_place_kernels import NO_FLOOR, follow_marker, see_marker
+from vision.markers.tracking import Pose, Velocity
+
+_UNIT_CORNERS = (-0.5 + 0.5j, 0.5 + 0.5j, 0.5 - 0.5j, -0.5 - 0.5j)
+_SIZE_TOLERANCE = 0.15
+_SQUARE_TOLERANCE = 0.02
+_LEAST_READ = 0.65
+"""How well each cell of a marker that is followed has to read: 1 as printed, 0.5 halfway to the
+other. One that is wrong reads at 0 (``test_following.py``)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """Where a marker puts its robot; ``corners_px`` and ``residual_m`` as in ``RobotPose``."""
+
+    id: int
+    pose: Pose
+    corners_px: FloatArray
+    residual_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class RobotMarker:
+    """A robot's marker under one camera; ``bits`` (n, n) are its cells (`pattern_bits`)."""
+
+    robot: MarkedRobot
+    bits: FloatArray
+    calibration: Calibration
+    row_s: float
+
+    def follow(self, grey: Image, expected: Pose, moves: Velocity) -> Sighting | None:
+        """The marker at the pose at which it should be, where it surely is there."""
+        view = self.calibration.plane_view(self.robot.marker_height_m)
+        corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
+        square = (*expected, self.robot.marker_size_m)
+        if follow_marker(grey, square, self.bits, view, corners, corners_px) < _LEAST_READ:
+            return None
+        return self._sighting(corners, corners_px, moves, [])
+
+    def look(
+        self, grey: Image, quad_px: FloatArray, moves: Velocity, refusals: list[str]
+    ) -> Sighting | None:
+        """A quadrilateral (4, 2) with the marker's code as a sighting, unless it cannot be one."""
+        view = self.calibration.plane_view(self.robot.marker_height_m)
+        corners, corners_px = np.empty((4, 2)), np.empty((4, 2))
+        became, roughness_px, _ = see_marker(grey, quad_px, self.bits, view, corners, corners_px)
+        if became == NO_FLOOR:
+            refusals.append(f"marker {self.robot.id}: it lies where no floor is seen")
+            return None
+        if became != FITTED:
+            reason = why_refused(became, roughness_px).reason
+            refusals.append(f"marker {self.robot.id}: {reason}")
+            return None
+        return self._sighting(corners, corners_px, moves, refusals)
+
+    def _sighting(
+        self, corners: FloatArray, corners_px: FloatArray, moves: Velocity, refusals: list[str]
+    ) -> Sighting | None:
+        """Corners as the robot's pose, unless they are not those of its square."""
+        corners_px.setflags(write=False)
+        if self.row_s != 0.0:
+            corners = self._at_one_time(corners, corners_px[:, 1], moves)
+        points = [complex(x, y) for x, y in corners.tolist()]
+        center = sum(points) / 4.0
+        # The similarity nearest to the four corners, all of them with equal weight.
+        pairs = [(point - center, unit) for point, unit in zip(points, _UNIT_CORNERS, strict=True)]
+        turn = sum(off * unit.conjugate() for off, unit in pairs) / 2.0
+        size_m = abs(turn)
+        residual_m = math.sqrt(sum(abs(off - turn * unit) ** 2 for off, unit in pairs) / 4.0)
+        called, wanted_m = f"marker {self.robot.id}", self.robot.marker_size_m
+        if abs(size_m - wanted_m) > _SIZE_TOLERANCE * wanted_m:
+            refusals.append(f"{called}: a side of {1e3 * size_m:.1f} mm, not {1e3 * wanted_m:.1f}")
+            return None
+        if residual_m > _SQUARE_TOLERANCE * wanted_m:
+            refusals.append(f"{called}: not square ({1e3 * residual_m:.1f} mm)")
+            return None
+        pose = robot_pose((center.real, center.imag, cmath.phase(turn)), self.robot)
+        return Sighting(self.robot.id, pose, corners_px, residual_m)
+
+    def _at_one_time(self, corners: FloatArray, rows_px: FloatArray, moves: Velocity) -> FloatArray:
+        """The corners (4, 2) where they were when the marker's middle row was exposed."""
+        late_s = self.row_s * (rows_px - rows_px.mean())
+        right, up = (corners - corners.mean(axis=0)).T
+        turn = moves.turn_rate_rad_s
+        speeds = np.stack([moves.vx - turn * up, moves.vy + turn * right], axis=1)
+        return np.asarray(corners - speeds * late_s[:, None], dtype=np.float64)
+
+
+def warm_up() -> None:
+    """Compile, or load, the kernels now: the first frame must not wait for seconds."""
+    blank = np.zeros((32, 32), dtype=np.uint8)
+    blank.setflags(write=False)
+    plan = Calibration.from_scale(1.0, (32, 32))
+    marker = RobotMarker(MarkedRobot(0, 16.0), np.zeros((6, 6)), plan, 0.0)
+    square = np.array([(8.0, 8.0), (24.0, 8.0), (24.0, 24.0), (8.0, 24.0)])
+    marker.look(blank, square, Velocity(), [])
+    marker.follow(blank, (16.0, 16.0, 0.0), Velocity())
