@@ -1,12 +1,13 @@
 """What one picture costs the control loop, in processor time, with several robots and with one.
 
-    python -m benchmarks.fleet.looking [--config configs/crossing.yaml] [--robots 1,8] [--seconds 15]
+    python -m benchmarks.fleet.looking [--config configs/crossing.yaml] [--robots 1,8]
+        [--seconds 15]
 
-The first seconds of a run in virtual time, with all simulated robots, links and faults outside of
-what is measured. ``markers`` is from a picture to the last robot's pose, ``the rest of looking``
-what the arena is looked at for, ``deciding`` all else of a cycle but its wait for a picture: pilots,
-coordinator, orders to the links. Milliseconds of the processor in the middle, so that other work on
-the machine hardly shows; a robot that was lost and is searched for shows in the mean.
+The first seconds of a run in virtual time, with all simulated robots and links outside of what is
+measured. ``markers`` is from a picture to the last robot's pose, ``the rest of looking`` what the
+arena is looked at for, ``deciding`` all else of a cycle but its wait for a picture: pilots,
+coordinator, orders to the links. Milliseconds of the processor in the middle, so that other work
+on the machine hardly shows; a robot that was lost and is searched for shows in the mean.
 """
 
 from __future__ import annotations

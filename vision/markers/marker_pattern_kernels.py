@@ -205,7 +205,7 @@ def _normal_equations(
     per_px_u = _length(state[0], state[1], metric)
     per_px_v = _length(state[3], state[4], metric)
     spread_u, spread_v = state[6] * per_px_u, state[6] * per_px_v
-    rows, weighted = np.empty((UNKNOWNS + 1, _BLOCK)), np.empty((UNKNOWNS, _BLOCK))
+    rows, weighted = np.empty((UNKNOWNS + 2, _BLOCK)), np.empty(_BLOCK)
     flat = np.zeros((2, 9))
     count = 0
     total = 0.0
@@ -245,9 +245,7 @@ def _normal_equations(
         rows[6, count] = -(light_u * du * per_px_u + light_v * dv * per_px_v)
         rows[7, count], rows[8, count], rows[9, count] = 1.0, x, y
         rows[10, count], rows[11, count], rows[12, count] = light, light * x, light * y
-        rows[UNKNOWNS, count] = error
-        for j in range(UNKNOWNS):
-            weighted[j, count] = weight * rows[j, count]
+        rows[UNKNOWNS, count], rows[UNKNOWNS + 1, count] = error, weight
         count += 1
         if count == _BLOCK:
             _add_products(rows, weighted, count, out_matrix, out_right)
@@ -265,17 +263,21 @@ def _add_products(
     out_matrix: NDArray[np.float64],
     out_right: NDArray[np.float64],
 ) -> None:
-    """The sums of ``count`` pixels' derivatives, one by the other and by the last row's errors."""
+    """The sums of ``count`` pixels' derivatives, one by the other and by the errors.
+
+    The last two rows are errors and weights; ``weighted`` is room for one row.
+    """
     for j in range(UNKNOWNS):
+        total = 0.0
+        for i in range(count):
+            weighted[i] = rows[UNKNOWNS + 1, i] * rows[j, i]
+            total += weighted[i] * rows[UNKNOWNS, i]
+        out_right[j] += total
         for k in range(j + 1):
             total = 0.0
             for i in range(count):
-                total += weighted[j, i] * rows[k, i]
+                total += weighted[i] * rows[k, i]
             out_matrix[j, k] += total
-        total = 0.0
-        for i in range(count):
-            total += weighted[j, i] * rows[UNKNOWNS, i]
-        out_right[j] += total
 
 
 @njit(cache=True, nogil=True, fastmath=False)

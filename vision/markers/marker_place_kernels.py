@@ -31,8 +31,8 @@ MOST_PIXELS = 12_000
 """In the box around a marker: more are thinned out. From 200 px on the centre stays within 0.01 px
 (``test_marker_pattern.py``)."""
 _MAX_MOVE_PX = 1.5
-_STRETCH_PX = 48
-"""Of a row, on which a pixel's place is a cubic's: a wide lens's own is within 1e-4 px of it
+_STRETCH_PX = 24
+"""Along a row or column, on which a pixel's place is a cubic's: within 1e-4 px of a wide lens's own
 (``test_marker_pattern.py``)."""
 _CORE = 0.3
 """Of a cell, to each side of its middle, in which it is read: the rest may be blurred."""
@@ -271,26 +271,28 @@ def collect_pixels(
     rows = np.empty((((x1 - x0) // every + 1) * (y1 - y0 + 1), 3))
     count = 0
     p = pattern_from_plane
-    stretches = (x1 - x0) // _STRETCH_PX + 1
-    step = max(x1 - x0, 1) / (3.0 * stretches)
-    nodes = np.empty((3 * stretches + 1, 2))
-    for y in range(y0, y1 + 1):
-        for i in range(len(nodes)):
-            a, b = placed_at(x0 + step * i, float(y), view)
+    step_x, first_x, weights_x = _cubics(x1 - x0 + 1)
+    step_y, first_y, weights_y = _cubics(y1 - y0 + 1)
+    grid = np.empty((first_y[-1] + 4, first_x[-1] + 4, 2))
+    for j in range(grid.shape[0]):
+        for i in range(grid.shape[1]):
+            a, b = placed_at(x0 + step_x * i, y0 + step_y * j, view)
             if not (math.isfinite(a) and math.isfinite(b)):
                 return rows[:0]
-            nodes[i, 0], nodes[i, 1] = (a - place[0]) / place[2], (b - place[1]) / place[2]
+            grid[j, i, 0], grid[j, i, 1] = (a - place[0]) / place[2], (b - place[1]) / place[2]
+    nodes = np.empty((grid.shape[1], 2))
+    for y in range(y0, y1 + 1):
+        n, w = first_y[y - y0], weights_y[y - y0]
+        for i in range(len(nodes)):
+            for k in range(2):
+                nodes[i, k] = w[0] * grid[n, i, k] + w[1] * grid[n + 1, i, k]
+                nodes[i, k] += w[2] * grid[n + 2, i, k] + w[3] * grid[n + 3, i, k]
         for x in range(x0 + (y - y0) % every, x1 + 1, every):
-            t = (x - x0) / step
-            first = 3 * min(int(t) // 3, stretches - 1)
-            t -= first
-            # Lagrange's cubic through the four nodes of the stretch
-            near, far = t * (t - 3.0) / 2.0, (t - 1.0) * (t - 2.0) / 6.0
-            w0, w1, w2, w3 = far * (3.0 - t), near * (t - 2.0), near * (1.0 - t), far * t
-            a = w0 * nodes[first, 0] + w1 * nodes[first + 1, 0]
-            a += w2 * nodes[first + 2, 0] + w3 * nodes[first + 3, 0]
-            b = w0 * nodes[first, 1] + w1 * nodes[first + 1, 1]
-            b += w2 * nodes[first + 2, 1] + w3 * nodes[first + 3, 1]
+            n, i = first_x[x - x0], x - x0
+            a = weights_x[i, 0] * nodes[n, 0] + weights_x[i, 1] * nodes[n + 1, 0]
+            a += weights_x[i, 2] * nodes[n + 2, 0] + weights_x[i, 3] * nodes[n + 3, 0]
+            b = weights_x[i, 0] * nodes[n, 1] + weights_x[i, 1] * nodes[n + 1, 1]
+            b += weights_x[i, 2] * nodes[n + 2, 1] + weights_x[i, 3] * nodes[n + 3, 1]
             u, v = p[0] * a + p[1] * b + p[2], p[3] * a + p[4] * b + p[5]
             if u < -rim or v < -rim or u > cells + rim or v > cells + rim:
                 continue
@@ -299,6 +301,26 @@ def collect_pixels(
             rows[count, 2] = grey[y, x]
             count += 1
     return rows[:count]
+
+
+@njit(cache=True, nogil=True, fastmath=False)
+def _cubics(count: int) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
+    """How a function of ``count`` pixels in a row follows from few of its values.
+
+    These nodes are so many pixels apart, the first and the last pixel among them; for each pixel
+    the first of the four nodes around it, and their weights (4,): Lagrange's cubics.
+    """
+    stretches = (count - 1) // _STRETCH_PX + 1
+    step = max(count - 1, 1) / (3.0 * stretches)
+    first, weights = np.empty(count, np.int64), np.empty((count, 4))
+    for i in range(count):
+        t = i / step
+        first[i] = 3 * min(int(t) // 3, stretches - 1)
+        t -= first[i]
+        near, far = t * (t - 3.0) / 2.0, (t - 1.0) * (t - 2.0) / 6.0
+        weights[i, 0], weights[i, 1] = far * (3.0 - t), near * (t - 2.0)
+        weights[i, 2], weights[i, 3] = near * (1.0 - t), far * t
+    return step, first, weights
 
 
 @njit(cache=True, nogil=True, fastmath=False)

@@ -287,3 +287,44 @@ def test_driven_by_acceleration_and_turns_a_robot_is_followed_all_the_time(
             assert len(found) == 1
             assert math.dist((found[0].x, found[0].y), pose[:2]) < 0.1 * PIXEL_M
     assert sum(followed) >= len(followed) - 1
+
+
+def test_no_clutter_is_followed() -> None:
+    """Pictures of 30 grey rectangles, and of a checkered floor: nothing in them is a marker."""
+    rng, one = np.random.default_rng(6), marker(45.0)
+    for number in range(300):
+        image = np.full(SIZE[::-1], 200, np.uint8)
+        for _ in range(30):
+            center = rng.uniform(60, 140, 2).tolist()
+            box = cv2.boxPoints((center, rng.uniform(4, 50, 2).tolist(), rng.uniform(0, 90)))
+            cv2.fillPoly(image, [box.astype(np.int32)], int(rng.choice([35, 200, 90])))
+        if number % 10 == 0:
+            rows, columns = np.mgrid[: SIZE[1], : SIZE[0]]
+            image = np.where((rows // 7 + columns // 7) % 2, 200, 35).astype(np.uint8)
+        expected = at(0.0, 0.0, float(rng.uniform(-3, 3)))
+        assert follow(cv2.GaussianBlur(image, (0, 0), 0.8).astype(np.uint8), one, expected) is None
+
+
+@pytest.mark.parametrize(("off_px", "is_followed"), [(60.0, True), (85.0, False), (300.0, False)])
+def test_a_marker_that_leaves_the_picture_is_not_followed(off_px: float, is_followed: bool) -> None:
+    one, pose = marker(40.0), at(off_px, 0.0, 0.0)
+    assert (follow(picture(patch_of(one, pose)), one, pose) is not None) == is_followed
+
+
+@pytest.mark.parametrize("rim", [DARK, 80.0])
+def test_a_marker_without_light_around_it_is_not_followed(rim: float) -> None:
+    one, pose = marker(48.0), at(0.0, 0.0, 0.3)
+    cells = patch_of(one, pose).cells
+    dark = np.pad(cells[1:-1, 1:-1], 1, constant_values=rim)
+    assert follow(picture(replace(patch_of(one, pose), cells=dark)), one, pose) is None
+
+
+@pytest.mark.parametrize("least", [1.0, 0.6, 0.3])
+def test_a_marker_in_dim_or_uneven_light_is_followed(least: float) -> None:
+    one, pose = marker(48.0), at(0.0, 0.0, 0.3)
+    shade = np.linspace(1.0, least, SIZE[0])[None, :]
+    image = (picture(patch_of(one, pose)) * shade).astype(np.uint8)
+    found = follow(image, one, pose)
+    assert found is not None
+    assert is_at(found, pose, 48.0)
+    assert follow((image // 3).astype(np.uint8), one, pose) is not None
