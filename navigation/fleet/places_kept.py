@@ -107,11 +107,15 @@ def comes_too_near(way: FloatArray, name: str, members: Mapping[str, Member]) ->
     reason to hold.
     """
     radius_m = members[name].radius_m
+    x_m, y_m = way[0].tolist()
+    length_m = float(np.hypot(*np.diff(way, axis=0).T).sum())
     for other, one in members.items():
         if other == name or one.pose is None:
             continue
         bodies_m = radius_m + one.radius_m
-        now_m = float(np.hypot(*(way[0] - np.array(one.pose[:2])))) - bodies_m
+        now_m = math.dist((x_m, y_m), one.pose[:2]) - bodies_m
+        if now_m - length_m >= TOUCH_M:  # too far away to be met on it
+            continue
         least_m = distance_to_polyline(way, one.pose[:2]) - bodies_m
         if least_m < min(TOUCH_M, now_m - NEARER_M):
             return f"{other} is in the path: it leaves {max(least_m, 0.0):.3f} m"

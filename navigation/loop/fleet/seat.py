@@ -127,7 +127,8 @@ class Seat(DrivenRobot):
         """Send what the cycle has decided, of the plan no more than is released."""
         if orders.permit:
             self._permitted_s = now_s
-        self.carry_out(replace(orders, upload=None), now_s, sight.pose_age_s)
+        others = orders if orders.upload is None else replace(orders, upload=None)
+        self.carry_out(others, now_s, sight.pose_age_s)
         if orders.estop:
             self._sent = None
             return
