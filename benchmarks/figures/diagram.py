@@ -13,7 +13,8 @@ from benchmarks.paper.canvas import DEFAULT, FULL, INVALID, REDUCED, SITE, Panel
 from benchmarks.paper.diagrams import all_edges, chain_segments
 from navigation.draw.shapes import Strokes
 from planner.borders.generators import Generators, gather_borders, place_generators
-from planner.diagram.agvd import diagram, omit_invalid
+from planner.diagram.agvd import omit_invalid
+from planner.diagram.mesh import make_mesh
 from planner.roadmap.roadmap import Roadmap
 from planner.scene import CircleRecord, PolygonRecord, Scene, SceneObject, primitive_kernels
 from tests.support.drawn.render import polygon
@@ -49,7 +50,7 @@ def long_walls() -> Scene:
 def sampled(scene: Scene, spacing: float) -> tuple[Generators, Points, NDArray[np.bool_]]:
     """The generators, their ordinary diagram's edges (n, 4), and which are valid (n,)."""
     generators = place_generators(gather_borders(scene), spacing)
-    agvd = omit_invalid(diagram(generators), generators, "exact")
+    agvd = omit_invalid(make_mesh(generators), generators, "exact")
     segments, valid = all_edges(agvd)
     return generators, segments, valid
 

@@ -15,12 +15,20 @@ from typing import Any
 
 import numpy as np
 
-from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
+from planner.borders.generators import BoolArray, Borders, Generators, Mode
 from planner.delaunay.voronoi_diagram import DiagramArrays, voronoi_arrays
 from planner.diagram import agvd_kernels as kernels
 from planner.diagram.chains import chain_kernels
 from planner.diagram.diagram_arrays import Bent, ChainArrays
-from planner.diagram.mesh import Mesh, generators_of, ordinary, solve
+from planner.diagram.mesh import (
+    Mesh,
+    generators_of,
+    lay_straight,
+    mark,
+    no_chains,
+    ordinary,
+    solve,
+)
 from planner.diagram.vertex_kernels import EXACT, UNUSED
 from planner.scene import FloatArray, IntArray
 
@@ -29,7 +37,8 @@ from planner.scene import FloatArray, IntArray
 class Agvd:
     """The generators, their diagram, and which of its edges are valid.
 
-    The exact diagram has a ``mesh`` that the rest is made from when it is first asked for.
+    The rest is made of the ``mesh`` when it is first asked for. There is none where all generators
+    are on one line.
     """
 
     borders: Borders
@@ -41,10 +50,7 @@ class Agvd:
     def generators(self) -> Generators:
         """All generators, those that refining added included."""
         if "generators" not in self._made:
-            if self.mesh is None:
-                return Generators(
-                    np.empty((0, 2)), np.empty(0, np.int32), self.spacing, self.borders
-                )
+            assert self.mesh is not None
             self._made["generators"] = generators_of(self.mesh, self.borders, self.spacing)
         return self._made["generators"]  # type: ignore[no-any-return]
 
@@ -61,7 +67,7 @@ class Agvd:
     def _diagram(self) -> tuple[DiagramArrays, BoolArray]:
         if "diagram" not in self._made:
             if self.mesh is None:
-                sites = diagram(self.generators)
+                sites = voronoi_arrays(self.generators.sites)
                 self._made["diagram"] = sites, np.zeros(len(sites.edges), np.bool_)
             else:
                 self._made["diagram"] = ordinary(self.mesh)
@@ -124,39 +130,25 @@ class Chains:
         )  # fmt: skip
 
 
-def diagram(generators: Generators) -> DiagramArrays:
-    """The ordinary Voronoi diagram of the generators."""
-    return voronoi_arrays(generators.sites)
-
-
-def omit_invalid(sites: DiagramArrays, generators: Generators, mode: Mode) -> Agvd:
-    """Mark the edges that belong to the generalized diagram's free part. O(m)."""
-    borders = generators.borders
-    valid = kernels.valid_edges(
-        sites.edges,
-        sites.vertices,
-        generators.sites,
-        generators.label,
-        borders.corners,
-        borders.closed,
-        borders.box,
-        generators.spacing,
-        SAME_PLACE * borders.extent,
-        mode == "paper",
-    )
-    made = {"generators": generators, "diagram": (sites, valid)}
-    return Agvd(borders, generators.spacing, None, made)
+def omit_invalid(mesh: Mesh | None, generators: Generators, mode: Mode) -> Agvd:
+    """Mark the edges of the generators' mesh that belong to the diagram's free part. O(n)."""
+    borders, spacing = generators.borders, generators.spacing
+    if mesh is None:
+        return Agvd(borders, spacing, None, {"generators": generators})
+    mark(mesh, borders, spacing, mode)
+    return Agvd(borders, spacing, mesh)
 
 
 def join_chains(agvd: Agvd) -> Chains:
-    """Join the valid edges into chains of straight links and measure them. O(m log k)."""
-    edges, label, borders = agvd.ordinary.edges, agvd.generators.label, agvd.borders
-    xy = agvd.ordinary.vertices
-    node_vertex, ends, first, link, along = kernels.trace_chains(edges, agvd.valid, len(xy))
-    points, pieces, first = kernels.chain_points(edges, xy, label, first, link, along)
-    places = np.c_[points, borders.distances(points)[0]]
-    proved = np.zeros(len(points), np.bool_)
-    return _measured(borders, Bent(places, pieces, first, proved), ends, xy[node_vertex])
+    """Join the valid edges into chains of straight links and measure them. O(n log k)."""
+    mesh, borders = agvd.mesh, agvd.borders
+    (traced, bent), node_xy = no_chains(), np.empty((0, 2))
+    if mesh is not None:
+        points, pieces, first, traced = lay_straight(mesh)
+        places = np.c_[points, borders.distances(points)[0]]
+        bent = Bent(places, pieces, first, np.zeros(len(points), np.bool_))
+        node_xy = mesh.at[traced.node]
+    return _measured(borders, bent, traced.ends, node_xy)
 
 
 def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chains]:
@@ -165,7 +157,7 @@ def solve_chains(mesh: Mesh | None, generators: Generators) -> tuple[Agvd, Chain
     ``mesh`` is the generators' and becomes the diagram's.
     """
     if mesh is None:
-        agvd = omit_invalid(diagram(generators), generators, "exact")
+        agvd = omit_invalid(None, generators, "exact")
         return agvd, join_chains(agvd)
     agvd = Agvd(generators.borders, generators.spacing, mesh)
     return agvd, mesh_chains(mesh, generators.borders, generators.spacing)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators
+from planner.borders.generators import SAME_PLACE, BoolArray, Borders, Generators, Mode
 from planner.delaunay import insertion_kernels
 from planner.delaunay.triangle_kernels import DEAD
 from planner.delaunay.voronoi_diagram import DiagramArrays
@@ -115,7 +115,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
         return None
     if not np.isfinite(generators.sites).all():
         raise ValueError("generators: must be finite")  # the kernel would write out of bounds
-    traced, bent = _no_chains()
+    traced, bent = no_chains()
     status, order, xy, tri, circ, alias, exponent, _ = insertion_kernels.triangulate(
         generators.sites, room
     )
@@ -148,7 +148,7 @@ def make_mesh(generators: Generators) -> Mesh | None:
     )
 
 
-def _no_chains() -> tuple[Traced, Bent]:
+def no_chains() -> tuple[Traced, Bent]:
     """The chains of a mesh where nothing was traced yet."""
     none = np.empty(0, np.int32)
     zero = np.zeros(1, np.int32)
@@ -190,6 +190,22 @@ def solve(mesh: Mesh, borders: Borders, spacing: float) -> None:
                 break
         add_sites(mesh, *missing)
         flat, triangles = _flat(mesh, sag), mesh.triangles
+
+
+def mark(mesh: Mesh, borders: Borders, spacing: float, mode: Mode) -> None:
+    """Mark the sampled diagram's valid edges; nothing is solved."""
+    vertex_kernels.mark_changed(
+        _flat(mesh, 0.0), mesh.circ, borders.corners, mesh.triangles, borders.closed, borders.box,
+        0.5 * spacing, SAME_PLACE * borders.extent, mode == "paper",
+    )  # fmt: skip
+
+
+def lay_straight(mesh: Mesh) -> tuple[FloatArray, IntArray, IntArray, Traced]:
+    """The marked diagram's chains as they were sampled: points, pieces, offsets; and as links."""
+    _, *parts = trace_kernels.trace_chains(mesh.tri, mesh.mask, mesh.stale, mesh.traced)
+    traced = Traced(mesh.mask, *parts)
+    laid = trace_kernels.lay_straight(_flat(mesh, 0.0), mesh.at, traced.first, traced.link)
+    return *laid, traced
 
 
 def _flat(mesh: Mesh, sag: float) -> FlatMesh:

@@ -34,19 +34,21 @@ WAITING, DONE = 0x80, 3
 NEAR, PROVED_NEAR = 4.0, 16.0
 """How far a vertex may lie from where it was sampled, in half spacings; and a turning point whose
 circle is known to be empty: where a border leaves its tangent slowly, samples tell it late."""
+EVERY_EDGE = np.bool_(False)
+"""Edges within one object may be valid, too."""
 UNUSED, EXACT, KEPT, INTRUDED = 0, 1, 2, 3
 """What is known of a vertex: nothing; that it is equidistant to its pieces and its circle is
 empty; that near-parallel pieces left it as sampled; that a border lies inside its circle."""
 
 
 @njit(**LEAF)
-def mark_valid(tri, label, triangles, changed, pieces, tolerance):
+def _mark_valid(tri, label, triangles, changed, pieces, tolerance, between):
     """Set bit k in the ``mask`` of free triangles where the edge opposite site k is valid.
 
-    Only the edges of the ``changed`` triangles are looked at; they may change the masks of
-    their neighbours.
+    With ``between``, edges between two objects are, and no others. Only the edges of the
+    ``changed`` triangles are looked at; they may change the masks of their neighbours.
     """
-    side, mask = triangles.side, triangles.mask
+    side, mask, owner = triangles.side, triangles.mask, pieces.owner
     for i in changed:
         mask[i] = WAITING
     for i in changed:
@@ -69,7 +71,10 @@ def mark_valid(tri, label, triangles, changed, pieces, tolerance):
             if side[n] == FREE:
                 a = np.int64(label[np.int64(tri[8 * i + next_side(j)])])
                 b = np.int64(label[np.int64(tri[8 * i + previous_side(j)])])
-                valid = a != b and is_valid(pieces, a, b, False, tolerance)
+                if between:
+                    valid = owner[a] != owner[b]
+                else:
+                    valid = a != b and is_valid(pieces, a, b, tolerance)
             if valid:
                 mask[i] |= np.uint8(1 << j)
                 mask[n] |= bit
@@ -174,9 +179,9 @@ def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
         if a == b:
             return x, y, KEPT, False
         return _slid(pieces, a, b, x, y, tolerance)
-    ab = is_valid(pieces, a, b, False, tolerance)
-    bc = is_valid(pieces, b, c, False, tolerance)
-    ca = is_valid(pieces, c, a, False, tolerance)
+    ab = is_valid(pieces, a, b, tolerance)
+    bc = is_valid(pieces, b, c, tolerance)
+    ca = is_valid(pieces, c, a, tolerance)
     if ab and bc and ca:
         qx, qy, found = _meeting(pieces, a, b, c, x, y, tolerances)
         if found:
@@ -255,9 +260,9 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
             r = near
             got = INTRUDED
             overshot = (a in (b, c) or b == c) and not (
-                is_valid(pieces, which, a, False, tolerance)
-                and is_valid(pieces, which, b, False, tolerance)
-                and is_valid(pieces, which, c, False, tolerance)
+                is_valid(pieces, which, a, tolerance)
+                and is_valid(pieces, which, b, tolerance)
+                and is_valid(pieces, which, c, tolerance)
             )
             if r >= relevant and not overshot:
                 bad[count, 0], bad[count, 1] = i, which
@@ -283,27 +288,40 @@ def _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad):
 
 
 @njit(**OWNING, error_model="numpy")
+def mark_changed(mesh, circ, pieces, triangles, closed, box, half, same_place, between):
+    """Bring centres, sides and valid edges of the triangles that changed up to date: which did.
+
+    ``circ`` are their circles, ``closed`` and ``box`` say what is free, ``half`` is half a
+    spacing, and ends within ``same_place`` of a piece lie on it. ``between`` as in ``_mark_valid``.
+    """
+    n = len(triangles.mask)
+    changed, queue = np.empty(n, np.int32), np.empty(n, np.int32)
+    changed = changed[: find_changed(mesh, circ, triangles, changed, np.empty(SCRATCH))]
+    mark_sides(mesh, triangles, changed, pieces, closed, box, half, queue)
+    _mark_valid(mesh.tri, mesh.label, triangles, changed, pieces, same_place, between)
+    return changed
+
+
+@njit(**OWNING, error_model="numpy")
 def solve_vertices(mesh, circ, pieces, triangles, closed, box, doubt, tolerances, same_place):
     """Exact places of the vertices that valid edges meet, passages left out.
 
-    Brings the centres, sides and valid edges of triangles that changed up to date first: ``circ``
-    are their circles, ``closed`` and ``box`` say what is free, and ends within ``same_place`` of a
-    piece lie on it. Then writes ``place``, ``rho``, the exact clearance, and ``state`` of every
-    vertex that is UNUSED; the others are as they were. Only the changed triangles and their
-    neighbours, whose valid edges may have, are looked at. Returns sites that are missing
-    around circles that were not empty, at clearances that are relevant: places (e, 2),
-    labels (e,) and a triangle near each (e,). So are they where pieces did not meet because one
-    of them is nearer than its sites and, with ``doubt``, because another one is.
+    Brings the triangles that changed up to date first (:func:`mark_changed`). Then writes
+    ``place``, ``rho``, the exact clearance, and ``state`` of every vertex that is UNUSED; the
+    others are as they were. Only the changed triangles and their neighbours, whose valid edges may
+    have, are looked at. Returns sites that are missing around circles that were not empty, at
+    clearances that are relevant: places (e, 2), labels (e,) and a triangle near each (e,). So are
+    they where pieces did not meet because one of them is nearer than its sites and, with
+    ``doubt``, because another one is.
     """
     tri, label = mesh.tri, mesh.label
     at, xy, rho = triangles.at, triangles.place, triangles.rho
     k = len(pieces.kind) - len(pieces.before)
     n = len(triangles.mask)
-    changed, queue = np.empty(n, np.int32), np.empty(n, np.int32)
-    changed = changed[: find_changed(mesh, circ, triangles, changed, np.empty(SCRATCH))]
-    mark_sides(mesh, triangles, changed, pieces, closed, box, tolerances.half, queue)
-    mark_valid(tri, label, triangles, changed, pieces, same_place)
-    todo, wanted = queue, np.zeros(n, np.bool_)
+    changed = mark_changed(
+        mesh, circ, pieces, triangles, closed, box, tolerances.half, same_place, EVERY_EDGE
+    )
+    todo, wanted = np.empty(n, np.int32), np.zeros(n, np.bool_)
     todo = todo[: _choose(tri, label, changed, triangles.mask, triangles.state, wanted, todo)]
     bad = np.empty((len(todo), 2), np.int32)
     count = _solve(mesh, pieces, triangles, todo, doubt, tolerances, bad)

@@ -5,8 +5,8 @@ Rules and units
   border or wall of the bounds, exact, negative inside an obstacle or outside the bounds.
 - A roadmap is built for a robot of one radius: its graph holds what that robot can use.
 - The stages are functions of their own, so that a caller with a clock can time them:
-  ``gather_borders``, ``place_generators``, then ``make_mesh``, ``solve_chains``, or in the
-  paper's mode ``diagram``, ``omit_invalid``, ``join_chains``.
+  ``gather_borders``, ``place_generators``, ``make_mesh``, then ``solve_chains``, or in the
+  paper's mode ``omit_invalid``, ``join_chains``.
 """
 
 from __future__ import annotations
@@ -32,7 +32,6 @@ from planner.borders.generators import (
 from planner.diagram.agvd import (
     Agvd,
     Chains,
-    diagram,
     join_chains,
     mesh_chains,
     omit_invalid,
@@ -167,7 +166,7 @@ class Roadmap:
         from planner.diagram.update import update_diagram
 
         agvd = None
-        if isinstance(self.scene, Scene):
+        if isinstance(self.scene, Scene) and self.mode == "exact":
             agvd = update_diagram(self.agvd, self.scene, scene)
         if agvd is None or agvd.mesh is None:
             return build_roadmap(scene, self.radius, spacing=self.spacing, mode=self.mode)
@@ -296,13 +295,12 @@ def build_roadmap(
     borders = gather_borders(scene, mode)
     generators = place_generators(borders, delta)
     done("geometry")
+    mesh = make_mesh(generators)
+    done("voronoi")
     if mode == "exact":
-        mesh = make_mesh(generators)
-        done("voronoi")
         agvd, chains = solve_chains(mesh, generators)
     else:
-        agvd = omit_invalid(diagram(generators), generators, mode)
-        done("voronoi")
+        agvd = omit_invalid(mesh, generators, mode)
         chains = join_chains(agvd)
     roadmap = finish_roadmap(scene, size, mode, agvd, chains)
     done("roadmap")

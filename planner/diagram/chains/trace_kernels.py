@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from planner.delaunay.triangle_kernels import next_side, previous_side
 from planner.diagram.diagram_arrays import Bent
 from planner.scene.compile_options import LEAF, OWNING
 
@@ -143,6 +144,28 @@ def _keep_chains(tri, kept, old, number, node, used, ends, first, link):
         used[o >> 3] |= np.uint8(1 << (o & 3))
         first[m + 1] = links
     return nodes
+
+
+@njit(**OWNING, error_model="numpy")
+def lay_straight(mesh, at, first, link):
+    """The chains as straight links from centre ``at`` (t, 2) to centre of their triangles.
+
+    Returns ``points`` (p, 2), ``pieces`` (p, 2) and offsets (c + 1,) as in
+    :class:`planner.diagram.diagram_arrays.Bent`.
+    """
+    tri, label = mesh.tri, mesh.label
+    c = len(first) - 1
+    points = np.empty((len(link) + c, 2))
+    pieces = np.full((len(link) + c, 2), -1, np.int32)
+    for j in range(c):
+        for q in range(first[j], first[j + 1] + 1):
+            h = link[q] if q < first[j + 1] else np.int64(tri[link[q - 1] + 4])
+            i, k = h >> 3, h & 7
+            points[q + j, 0], points[q + j, 1] = at[i, 0], at[i, 1]
+            if q < first[j + 1]:
+                pieces[q + j, 0] = label[np.int64(tri[8 * i + previous_side(k)])]
+                pieces[q + j, 1] = label[np.int64(tri[8 * i + next_side(k)])]
+    return points, pieces, first + np.arange(c + 1, dtype=np.int32)
 
 
 @njit(**OWNING, error_model="numpy")
