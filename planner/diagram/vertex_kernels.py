@@ -29,6 +29,8 @@ from planner.scene.primitive_kernels import ARC, NONE, POINT, distance, foot
 
 TURN_TRIES = 4
 """Pieces tried opposite a turning point: the sampled one, then whichever lies nearer."""
+MANY = 8
+"""Where more than one triangle of so many changed, all are looked at for vertices to solve."""
 WAITING, DONE = 0x80, 3
 """In a mask while edges are marked: the triangle waits; its edges seen from across, shifted."""
 NEAR, PROVED_NEAR = 4.0, 16.0
@@ -210,22 +212,22 @@ def solve_one(mesh, pieces, t, a, b, c, x, y, tolerances):
 def _choose(tri, label, changed, mask, state, wanted, todo):
     """The vertices to solve among the changed triangles and their neighbours, in order.
 
-    Writes them into ``todo`` (t,): how many. ``wanted`` (t,) bool is False at first.
+    Writes them into ``todo`` (t,): how many. ``wanted`` (t,) bool is False at first. All others
+    with valid edges are solved already, or passages.
     """
     n = len(mask)
-    every = len(changed) == n
-    for m in range(len(changed)):
+    some = MANY * len(changed) < n
+    for m in range(len(changed) if some else 0):
         i = np.int64(changed[m])
-        for k in range(1 if every or np.int64(tri[8 * i]) == DEAD else 4):
-            j = i if k == 0 else np.int64(tri[8 * i + 3 + k]) >> 3
-            if mask[j] == 0 or state[j] != UNUSED or wanted[j]:
-                continue
-            a, b = label[np.int64(tri[8 * j])], label[np.int64(tri[8 * j + 1])]
-            if not is_passage(mask[j], a, b, label[np.int64(tri[8 * j + 2])]):
-                wanted[j] = True
+        wanted[i] = True
+        for k in range(0 if np.int64(tri[8 * i]) == DEAD else 3):
+            wanted[np.int64(tri[8 * i + 4 + k]) >> 3] = True
     count = 0
     for p in range(n):
-        if wanted[p]:
+        if (some and not wanted[p]) or mask[p] == 0 or state[p] != UNUSED:
+            continue
+        a, b = label[np.int64(tri[8 * p])], label[np.int64(tri[8 * p + 1])]
+        if not is_passage(mask[p], a, b, label[np.int64(tri[8 * p + 2])]):
             todo[count] = p
             count += 1
     return count
