@@ -124,7 +124,7 @@ def _change_borders(
     for n, j in enumerate(came):
         flat.add_object(scene.objects[j], n)
     new = NewBorders(
-        np.array(flat.kind, np.int8), np.array(flat.rows, np.float64).reshape(-1, 6),
+        np.array(flat.kind, np.int8), np.array(flat.numbers, np.float64).reshape(-1, 6),
         np.array(flat.turned, np.int32), np.array(flat.borders, np.int32).reshape(-1, 3),
     )  # fmt: skip
     pieces, found, *rest = border_kernels.change_borders(

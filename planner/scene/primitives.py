@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
 from typing import TypeAlias
 
 import numpy as np
@@ -15,6 +14,7 @@ from planner.scene.records import (
     CircleRecord,
     Edge,
     PointRecord,
+    PolygonRecord,
     Record,
     SceneObject,
     Segment,
@@ -52,11 +52,11 @@ class Primitives:
 
 
 class Flattener:
-    """Collects primitives border by border: a row and a kind each, and how many per border."""
+    """Collects primitives border by border: a kind and six numbers each, and each border's count."""
 
     def __init__(self, y_down: bool) -> None:
         self.y_down = y_down
-        self.rows: list[tuple[float, ...]] = []
+        self.numbers: list[float] = []
         self.kind: list[int] = []
         self.turned: list[int] = []
         self.borders: list[tuple[int, int, bool]] = []
@@ -71,25 +71,26 @@ class Flattener:
         """The records of one border of an object; -1 owns the bounds."""
         before = len(self.kind)
         for record in records:
-            match record:
-                case PointRecord(at):
-                    self._add(POINT, (*at, 0.0, 0.0, 0.0, 0.0))
-                case CircleRecord(center, radius):
-                    self._add(CIRCLE, (*center, radius, 0.0, 0.0, 0.0))
-                case _:
-                    self._add_edges(record_edges(record))
+            # most are polygons of segments: they are told by their type, patterns are slower
+            if type(record) is PolygonRecord:
+                self._add_edges(record.edges)
+            elif isinstance(record, PointRecord):
+                self._add(POINT, (*record.at, 0.0, 0.0, 0.0, 0.0))
+            elif isinstance(record, CircleRecord):
+                self._add(CIRCLE, (*record.center, record.radius, 0.0, 0.0, 0.0))
+            else:
+                self._add_edges(record_edges(record))
         self.borders.append((len(self.kind) - before, owner, is_hole))
 
     def _add_edges(self, edges: Sequence[Edge]) -> None:
-        # most primitives are segments: they are told by their type, patterns are slower
-        rows, kind = self.rows, self.kind
+        numbers, kind = self.numbers, self.kind
         for edge in edges:
             if type(edge) is Segment:
                 start, end = edge.start, edge.end
                 if start == end:
                     self._add(POINT, (*start, 0.0, 0.0, 0.0, 0.0))
                     continue
-                rows.append((start[0], start[1], end[0], end[1], 0.0, 0.0))
+                numbers += (*start, *end, 0.0, 0.0)
                 kind.append(SEGMENT)
             elif isinstance(edge, Arc):
                 a0, turn = edge.sweep(self.y_down)
@@ -100,18 +101,17 @@ class Flattener:
 
     def _add(self, kind: int, row: tuple[float, ...]) -> None:
         self.kind.append(kind)
-        self.rows.append(row)
+        self.numbers += row
 
     def finish(self) -> Primitives:
         """All that was added, as flat arrays."""
         count = len(self.kind)
-        flat = chain.from_iterable(self.rows)
         backwards = np.zeros(count, dtype=np.bool_)
         backwards[self.turned] = True
         sizes = [size for size, _, _ in self.borders]
         arrays = (
             np.array(self.kind, dtype=np.int8),
-            np.fromiter(flat, np.float64, 6 * count).reshape(-1, 6),
+            np.array(self.numbers, dtype=np.float64).reshape(-1, 6),
             np.repeat(np.array([o for _, o, _ in self.borders], np.int32), sizes),
             np.repeat(np.arange(len(self.borders), dtype=np.int32), sizes),
             np.repeat(np.array([hole for _, _, hole in self.borders], np.bool_), sizes),
