@@ -152,11 +152,13 @@ def _fill_heights(pieces, order, begin, end, level, blocks):
         for b in range(level[tier + 1] - level[tier]):
             first, last = b << tier, min((b + 1) << tier, n) - 1
             row = blocks[level[tier] + b]
-            row[4] = end_of(kind, data, backwards, order[first], FIRST)[1]
-            row[5] = row[6] = row[7] = end_of(kind, data, backwards, order[last], LAST)[1]
+            one, other = np.int64(order[first]), np.int64(order[last])
+            row[4] = end_of(kind, data, backwards, one, FIRST)[1]
+            row[5] = row[6] = row[7] = end_of(kind, data, backwards, other, LAST)[1]
             if begin[first] != begin[last]:
-                row[5] = end_of(kind, data, backwards, order[begin[first]], FIRST)[1]
-                row[6] = end_of(kind, data, backwards, order[begin[last]], FIRST)[1]
+                one, other = np.int64(order[begin[first]]), np.int64(order[begin[last]])
+                row[5] = end_of(kind, data, backwards, one, FIRST)[1]
+                row[6] = end_of(kind, data, backwards, other, FIRST)[1]
             if begin[last] >= first and end[last] == last + 1:
                 row[7] = row[6] if begin[first] != begin[last] else row[7]
                 row[4] = row[5] if begin[first] == begin[last] else row[4]

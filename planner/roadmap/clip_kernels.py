@@ -272,7 +272,7 @@ def _write(tree, chains, a, s, b, e, out, n):
 @njit(**LEAF)
 def _copy_chain(chains, c, out, n):
     """Write chain c as it is; how many points then."""
-    for i in range(chains.first[c], chains.first[c + 1]):
+    for i in range(np.int64(chains.first[c]), np.int64(chains.first[c + 1])):
         _copy_point(chains, i, out, n)
         n += 1
     return n

@@ -28,6 +28,8 @@ def as_path(
     polyline = np.concatenate(points)
     gap, x, y, _, _ = box_tree_kernels.polyline_clearance(borders.tree, polyline)
     rho, _ = borders.distances(polyline)
+    # of arrays that may be changed: for others the kernel would be compiled once more
+    cost = judge(borders, polyline, radius + request.margin, request.preference)
     for array in (polyline, rho):
         array.setflags(write=False)
     return Path(
@@ -40,7 +42,7 @@ def as_path(
         stations=tuple(stations),
         headings_rad=request.headings_rad,
         order=order,
-        cost=judge(borders, polyline, radius + request.margin, request.preference),
+        cost=cost,
     )
 
 

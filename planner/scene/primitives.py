@@ -52,7 +52,7 @@ class Primitives:
 
 
 class Flattener:
-    """Collects primitives border by border: a kind and six numbers each, and each border's count."""
+    """Collects primitives border by border: a kind and six numbers each, a count a border."""
 
     def __init__(self, y_down: bool) -> None:
         self.y_down = y_down

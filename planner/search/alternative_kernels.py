@@ -34,6 +34,8 @@ from planner.search.route_kernels import (
 )
 from planner.search.search_kernels import GateCosts, Graph
 
+BEYOND = 1.0 + 1e-9
+"""Costs are known but for rounding: so many times the limit is surely beyond it."""
 COST, ENTRY, EXIT, BEGIN, END, TAKEN, LEFT = 0, 1, 2, 3, 4, 5, 6
 """Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told,
 and after how many steps it left another, -1 at its gate."""
@@ -165,8 +167,9 @@ def _first_routes(query, start, goal):
     none = np.empty(0, np.int32)
     shut = np.zeros(len(query.graph.around) - 1, np.bool_)
     best, entry, out, way, work = search(
-        query.graph, query.ahead, query.floor, query.start, query.goal, shut, query.own
-    )
+        query.graph, query.ahead, query.floor, query.start, query.goal, shut, query.own,
+        np.inf,
+    )  # fmt: skip
     if best < np.inf:
         table = _noted(table, best, entry, out, none, way, NONE)
     for i in range(len(start.where)):
@@ -180,11 +183,11 @@ def _first_routes(query, start, goal):
 
 
 @njit(**OWNING)
-def _leave(query, table, told, pick, way, work, budget):
+def _leave(query, table, told, pick, way, most, work, budget):
     """Leave route ``pick``, its steps ``way``, at its gate and at each of its nodes.
 
-    Not before it left another itself. The table with the routes that were found, and the work,
-    which ends at ``budget``.
+    Not before it left another itself, and for routes that cost less than ``most``. The table with
+    the routes that were found, and the work, which ends at ``budget``.
     """
     graph, ends, own = query.graph, query.graph.chains.ends, query.own
     entry, first = int(table.routes[pick, ENTRY]), int(table.routes[pick, LEFT])
@@ -212,7 +215,7 @@ def _leave(query, table, told, pick, way, work, budget):
             _bar_told(table, told, entry, way, at, barred, goal.cost)
             origin = GateCosts(np.full(1, u, np.int32), np.full(1, gone))
         found, way_in, way_out, rest, looked_at = search(
-            graph, query.ahead, query.floor, origin, goal, shut, barred
+            graph, query.ahead, query.floor, origin, goal, shut, barred, most
         )
         work += looked_at + len(own) // CLEARED + len(told) * (at + 2) + table.filled
         if found < np.inf:
@@ -250,11 +253,14 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
     table, work = _first_routes(query, start, goal)
     taken = np.zeros(wanted * 4 + 8, np.int32)
     told, laid = 0, 0
+    limit = np.inf
     while laid < wanted and told < len(taken) and work <= budget:
         work += table.filled
         pick = _cheapest(table.routes, table.filled)
-        if pick < 0 or table.routes[pick, COST] > dearest * table.routes[taken[0], COST]:
+        if pick < 0 or table.routes[pick, COST] > limit:
             break
+        if told == 0:
+            limit = dearest * table.routes[pick, COST]
         taken[told], table.routes[pick, TAKEN] = pick, 1.0
         told += 1
         entry, out = int(table.routes[pick, ENTRY]), int(table.routes[pick, EXIT])
@@ -268,5 +274,6 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
             laid += 1
             begin[laid] = begin[laid - 1] + len(xy)
         if entry >= 0 and laid < wanted:
-            table, work = _leave(query, table, taken[:told], pick, way, work, budget)
+            most = limit * BEYOND
+            table, work = _leave(query, table, taken[:told], pick, way, most, work, budget)
     return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy(), work

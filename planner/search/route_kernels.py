@@ -71,14 +71,14 @@ def between(graph, start, i, goal, j):
 
 
 @njit(**OWNING)
-def search(graph, ahead, floor, start, goal, shut, barred):
+def search(graph, ahead, floor, start, goal, shut, barred, most):
     """The cheapest way from the ``start``'s gates to the ``goal``'s, not over ``shut`` nodes (n,).
 
     A* over the chains not below ``floor``; ``ahead`` (n,) is what is left at least from each node,
-    as :func:`costs_from` says of the goal. No step is walked that is ``barred`` (2 chains,).
-    Returns the cost, infinity where there is none, the start's and the goal's gate, the chains in
-    order as chain * 2 + end walked from, and the work: steps looked at, and what clearing the nodes
-    costs in them.
+    as :func:`costs_from` says of the goal. No step is walked that is ``barred`` (2 chains,), and no
+    way found that costs ``most`` or more. Returns the cost, infinity where there is none, the
+    start's and the goal's gate, the chains in order as chain * 2 + end walked from, and the work:
+    steps looked at, and what clearing the nodes costs in them.
     """
     around, leaving, total = graph.around, graph.leaving, graph.total
     ends, clearance = graph.chains.ends, graph.chains.clearance
@@ -91,7 +91,7 @@ def search(graph, ahead, floor, start, goal, shut, barred):
     keys = np.empty(64)
     items = np.empty(64, np.int32)
     size, work = np.int64(0), n // CLEARED
-    best, out, exit_node = np.inf, -1, -1
+    best, out, exit_node = most, -1, -1
     for i in range(len(s_node)):
         u = s_node[i]
         if s_cost[i] < far[u]:
@@ -129,6 +129,8 @@ def search(graph, ahead, floor, start, goal, shut, barred):
         count += 1
         u = ends[came[u] // 2, came[u] % 2]
     entry = gate[u] if u >= 0 else -1
+    if exit_node < 0:
+        best = np.inf
     return best, entry, out, steps[:count][::-1].copy(), work
 
 
