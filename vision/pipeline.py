@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Bounds, Scene, SceneObject
-from vision.binarise.binary import Binary
+from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
 from vision.binarise.grey import as_array
-from vision.binarise.methods import Method, Polarity
+from vision.binarise.grey_picture import Binary
 from vision.borders.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
 from vision.errors import PictureError

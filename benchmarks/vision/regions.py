@@ -194,12 +194,13 @@ def thin_edge(cover: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray((wider != 0) & ~cover)
 
 
-def looked_at(one: Drawn) -> tuple[list[bool], int]:
-    """Which of the obstacles are found, and how many regions are nobody's."""
-    try:
-        inside = binarise(one.picture).inside
-    except PictureError:
-        return [False] * len(one.obstacles), 1
+def looked_at(one: Drawn, inside: NDArray[np.uint8] | None = None) -> tuple[list[bool], int]:
+    """Which of the obstacles are found ``inside`` (h, w), and how many regions are nobody's."""
+    if inside is None:
+        try:
+            inside = binarise(one.picture).inside
+        except PictureError:
+            return [False] * len(one.obstacles), 1
     count, labels = cv2.connectedComponents(inside, connectivity=8)
     areas = np.bincount(labels.ravel(), minlength=count)
     false = set(range(1, count))

@@ -42,7 +42,7 @@ from navigation.config.values import (
     Station,
     Text,
 )
-from vision.binarise.methods import Method
+from vision.binarise import Method
 
 SIMULATED = "simulated"
 """The word that stands for a source or port made by the simulator."""

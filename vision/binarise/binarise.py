@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
+from vision.binarise import METHODS, POLARITIES, Method, Polarity
 from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
-from vision.binarise.binary import Binary, black_and_white
 from vision.binarise.grey import as_array, as_grey, scaled_threshold
 from vision.binarise.grey_classes import (
     Classes,
@@ -38,10 +38,11 @@ from vision.binarise.grey_picture import (
     CALMINGS,
     LEAST_CONTRAST,
     SAFE_MARGIN_SIGMAS,
+    Binary,
     Look,
+    black_and_white,
 )
 from vision.binarise.light import FREE_LEVEL, light_surface
-from vision.binarise.methods import METHODS, POLARITIES, Method, Polarity
 from vision.binarise.regions.edge_evidence import NEARLY_ALL, Support, follows_edges, leaves_out
 from vision.binarise.regions.missed_obstacles import with_left_out
 from vision.errors import PictureError

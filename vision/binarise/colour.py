@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
+from vision.binarise import Method, Polarity
 from vision.binarise.binarise import binarise
-from vision.binarise.binary import Binary
-from vision.binarise.methods import Method, Polarity
+from vision.binarise.grey_picture import Binary
 from vision.errors import PictureError
 from vision.shared.scratch import Room
 

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binary import Binary
+from vision.binarise.grey_picture import Binary
 from vision.borders import contour_kernels as kernels
 from vision.borders.edge_kernels import edge_points
 from vision.borders.staircase_kernels import follow_staircase
@@ -113,7 +113,7 @@ def laplacian_border(mask: NDArray[np.uint8]) -> NDArray[np.bool_]:
 
 
 def follow_borders(mask: NDArray[np.uint8], room: Room | None = None) -> Borders:
-    """Follow every border of a padded mask (see ``vision.binarise.binary.Binary``).
+    """Follow every border of a padded mask (see ``vision.binarise.grey_picture.Binary``).
 
     The mask is marked on the way and is the same again afterwards. With a ``room`` the borders
     stay only until it is used again.

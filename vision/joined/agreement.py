@@ -17,8 +17,8 @@ from typing import Final
 
 import numpy as np
 
+from vision.binarise import Method, Polarity
 from vision.binarise.binarise import binarise
-from vision.binarise.methods import Method, Polarity
 from vision.borders.contours import follow_borders, locate_edges
 from vision.calibration.calibration import FloatArray
 from vision.camera.camera import Image

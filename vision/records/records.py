@@ -33,7 +33,6 @@ from planner.scene import (
 )
 from vision.borders.contours import Borders
 from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
-from vision.records.border_look_kernels import look_at_borders, may_be_thin
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.records.clipping import clip_circle, clip_polygon
 from vision.records.placement import Placement
@@ -79,12 +78,12 @@ def build_objects(
     """The scene's objects in the order of their first pixel. O(records)."""
     bounds = placement.bounds
     limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
-    ends, stray = look_at_borders(fitted.kind, fitted.data, fitted.edge_starts, limits)
-    strays = stray.tolist()
-    outlines = _Outlines.of(fitted, ends, placement)
+    strays = _beyond(fitted, limits).tolist()
+    outlines = _Outlines.of(fitted, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
-    thin = may_be_thin(borders.area, borders.starts).tolist()
+    # two cracks for every pixel that they enclose, or more
+    thin = ((borders.area > 0) & (2 * borders.area <= np.diff(borders.starts))).tolist()
     # in metres the picture's edge is not the bounds'
     in_pixels = placement.calibration is None
     outline: dict[int, Record] = {}
@@ -116,6 +115,21 @@ def build_objects(
     )
 
 
+def _beyond(fitted: FittedBorders, limits: tuple[float, float, float, float]) -> NDArray[np.bool_]:
+    """Which borders (b,) have a corner, or an arc's whole circle, beyond the limits.
+
+    ``limits``: x, y of the least and of the greatest.
+    """
+    low, high = np.array(limits[:2]), np.array(limits[2:])
+    data = fitted.data
+    out = ((data[:, :2] < low) | (data[:, :2] > high)).any(axis=1)
+    bent = np.flatnonzero(fitted.kind != LINE)
+    center, radius = data[bent, 2:4], data[bent, 4:5]
+    out[bent] |= ((center - radius < low) | (center + radius > high)).any(axis=1)
+    before = np.concatenate(([0], np.cumsum(out)))
+    return np.asarray(np.diff(before[fitted.edge_starts]) > 0)
+
+
 @dataclass(frozen=True, slots=True)
 class _Outlines:
     """Fitted edges in the scene's coordinates.
@@ -129,15 +143,18 @@ class _Outlines:
     rms: list[float]
 
     @classmethod
-    def of(
-        cls, fitted: FittedBorders, next_edges: NDArray[np.int64], placement: Placement
-    ) -> _Outlines:
+    def of(cls, fitted: FittedBorders, placement: Placement) -> _Outlines:
         data = fitted.data
         if placement.calibration is not None:
             x, y = placement.scale, placement.y_scale
             data = data * np.array([x, y, x, y, x, 1.0])
         corners: list[Vec] = list(zip(data[:, 0].tolist(), data[:, 1].tolist(), strict=True))
-        ends = [corners[e] for e in next_edges.tolist()]
+        starts = fitted.edge_starts
+        some = starts[1:] > starts[:-1]
+        ends = corners[1:] + corners[:1]
+        # a border's last edge ends where its first one begins
+        for first, last in zip(starts[:-1][some].tolist(), starts[1:][some].tolist(), strict=True):
+            ends[last - 1] = corners[first]
         edges: list[Edge] = [*new_segments(corners, ends)]
         bent = np.flatnonzero(fitted.kind != LINE)
         which = bent.tolist()

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Arc, Binarisation, PointRecord, Scene, SceneObject, record_edges
-from vision.binarise.methods import ONE_LEVEL
+from vision.binarise import ONE_LEVEL
 from vision.calibration.calibration import Calibration, FloatArray
 from vision.camera.camera import Image
 from vision.doubts import doubts_about, with_doubts

@@ -14,7 +14,7 @@ from navigation.cli.cold_kernels import compile_what_is_missing
 from navigation.cli.options import INPUT, OUTPUT, OutputType, format_option, polarity_option
 from navigation.cli.outputs import keep_apart, warn_of_doubts, write_text
 from navigation.cli.progress import long_work
-from vision.binarise.methods import METHODS, Method
+from vision.binarise import METHODS, Method
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

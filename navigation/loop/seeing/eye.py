@@ -15,7 +15,7 @@ import numpy as np
 
 import vision
 from planner.scene import Bounds, FloatArray, Scene
-from vision.binarise.methods import Method, Polarity
+from vision.binarise import Method, Polarity
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame
 from vision.markers.marker_search import grey_of

@@ -16,7 +16,7 @@ import vision
 from navigation.config import Config
 from navigation.run.kernels.warm_up import compile_eye, compile_planner
 from planner.scene import Bounds, Scene
-from vision.binarise.methods import METHODS, POLARITIES
+from vision.binarise import METHODS, POLARITIES
 from vision.camera.camera import Image
 
 SIZE_PX = (160, 120)

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from tests.support.drawn.outline_judge import failures, mask_of
 from tests.support.drawn.outline_pictures import FAMILIES, LOOKS, Look, Picture, shown
 from vision import PictureError, extract
-from vision.binarise.methods import Polarity
+from vision.binarise import Polarity
 
 POLARITIES = st.sampled_from(["dark", "light"])
 FEW = settings(

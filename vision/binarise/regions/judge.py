@@ -26,9 +26,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binary import Binary
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
-from vision.binarise.grey_picture import LEAST_CONTRAST, Look, calming_of
+from vision.binarise.grey_picture import LEAST_CONTRAST, Binary, Look, calming_of
 from vision.binarise.regions.edge_evidence_kernels import (
     OUTER,
     REACH,

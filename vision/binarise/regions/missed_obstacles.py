@@ -20,8 +20,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binary import Binary
-from vision.binarise.grey_picture import Look
+from vision.binarise.grey_picture import Binary, Look
 from vision.binarise.light import without_light
 from vision.binarise.regions.edge_evidence import Support
 from vision.binarise.regions.edge_evidence_kernels import REACH
