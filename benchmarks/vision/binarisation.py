@@ -79,14 +79,14 @@ def binary_of(judged: Any, *_: Any) -> Any:
 
 
 def without_others(judged: Any, _: Any, support: Any) -> Any:
-    return missed_obstacles.with_left_out(judged, (), support)
+    return ADDED(judged, (), support)
 
 
 def asked_itself(support: Any) -> Any:
     return [support]
 
 
-ASKED = missed_obstacles._asked
+ASKED, ADDED = missed_obstacles._asked, missed_obstacles.with_left_out
 
 
 def asked_flat(support: Any) -> Any:

@@ -13,6 +13,7 @@ Rules and units
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Literal
@@ -29,13 +30,14 @@ from vision.binarise.grey_classes import (
     Classes,
     classes_of,
     grey_spread,
-    least_room,
     significant_dark,
     split_classes,
+    unevenness,
 )
 from vision.binarise.grey_picture import (
     CALM_NOISE,
     CALMINGS,
+    FEWEST,
     LEAST_CONTRAST,
     SAFE_MARGIN_SIGMAS,
     Binary,
@@ -48,18 +50,13 @@ from vision.binarise.regions.missed_obstacles import with_left_out
 from vision.errors import PictureError
 from vision.shared.scratch import Room
 
-EVEN_MARGIN = 0.25
-"""Least distance of the darkest free pixels from the level, as a share of the contrast, at
-which light is even: chosen, half of what there is at most."""
-SURE_MARGIN = 0.35
+MOST_UNEVEN = 0.125
+"""How much free pixels spread at most where light is even, as a share of the contrast: chosen, the
+darkest, of two such spreads, stay half as far from the level as they would without. Where light is
+uneven there is so much at least between one level and a class."""
+SURELY_EVEN = 0.075
 """The same where noise, or the glow around light obstacles, hides the edges that are left out:
 chosen."""
-UNEVEN_MARGIN = 0.5 * EVEN_MARGIN
-"""Share of the contrast that is left between one level and a class where light is uneven: derived,
-half of what is left where it is even."""
-FEWEST_PAIRS = 256
-"""Pairs of pixels across a level from which a sample of them is enough to judge it by: chosen,
-their mean is known to a sixteenth of what they scatter."""
 EVEN_IS_AS_GOOD = 1.25
 """What speaks for a level that even light would have counts so many times: it is half-way too, and
 the picture need not be changed. Chosen, by ``tests/vision/binarise``."""
@@ -198,21 +195,22 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     if classes is None and spread <= 1.5 * look.noise + LEAST_CONTRAST / 4.0:
         return _uniform(look, side)
     even = classes
-    room = 0.0 if classes is None else least_room(look, classes, side)
-    if room < EVEN_MARGIN:
+    uneven = math.inf if classes is None else unevenness(look, classes, side)
+    if uneven > MOST_UNEVEN:
         even = None
     # noise hides the edges that a level leaves out, and so does the glow around light obstacles
-    surely = room >= SURE_MARGIN or (side == "dark" and look.noise < CALM_NOISE)
+    sure = uneven <= SURELY_EVEN
+    surely = sure or (side == "dark" and look.noise < CALM_NOISE)
     if (
         even is not None
         and surely
-        and follows_edges(look, even, side)
+        and follows_edges(look, even)
         and not leaves_out(look, even, side)
     ):
         return _even(look, even, side)
     support = Support(look, side)
     best, across = support.best_level(look.counts, even)
-    if across < FEWEST_PAIRS:
+    if across < FEWEST:
         # what is so rare the sample may have missed
         support = Support(look, side, 2 * look.grey.size)
         best, _ = support.best_level(look.counts, even)
@@ -223,9 +221,8 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
         if each is None:
             continue
         level = (_even if each is even else _level)(look.apart(), each, side)
-        sure = each is even and room >= SURE_MARGIN
         # a division need not have as much: edges are measured nearer to half-way there
-        as_good = EVEN_IS_AS_GOOD if sure else NEARLY_ALL
+        as_good = EVEN_IS_AS_GOOD if each is even and sure else NEARLY_ALL
         judged.append((support.judge.real(level), as_good))
     judged = [one for one in judged if one[0].speaks > 0.0]
     if not judged:
@@ -252,7 +249,7 @@ def _level(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Bina
     )
     how = Binarisation("otsu", _shown(classes.level, side), side, reason)
     # where there is least light there is least between the classes
-    margin = UNEVEN_MARGIN * classes.contrast
+    margin = MOST_UNEVEN * classes.contrast
     return black_and_white(look, classes.level, classes.contrast, how, margin=margin)
 
 

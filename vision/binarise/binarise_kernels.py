@@ -18,9 +18,13 @@ from planner.scene.compile_options import LEAF, OWNING
 SAMPLE = 32768
 """Pixels looked at, about: chosen, a share of one in a hundred is known to a twentieth of
 itself."""
-SAMPLED = 90
-"""Rows, and columns, in which the noise is looked at, about: chosen, 16,200 differences whose
-median is known to one part in a hundred."""
+SAMPLED = math.isqrt(SAMPLE // 4)
+"""Rows, and columns, in which the noise is looked at, about: derived, two differences at each of
+their crossings are half as many as the pixels, and their median is known to one part in a hundred.
+"""
+REACH = 4
+"""Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
+blurs."""
 AT_A_TIME = 128
 """Pixels of a row that are looked at together: chosen, for time."""
 BINS = 2048

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from planner.scene import Binarisation
 from vision.binarise import Method, Polarity
 from vision.binarise.binarise import binarise
+from vision.binarise.binarise_kernels import REACH, SAMPLE
 from vision.binarise.grey_picture import Binary
+from vision.binarise.light import FREE_LEVEL
 from vision.errors import PictureError
 from vision.shared.scratch import Room
 
-SAMPLE = 65536
-"""About so many pixels are looked at for colours: chosen, 256 rows of 256."""
 LEAST_DEPTH = 40.0
 """Distance from the floor, in grey levels of one channel, that light does not explain: chosen, more
 than lamps and shadows tint a grey floor."""
@@ -35,10 +35,6 @@ FLOOR_STEP = 4
 time."""
 BIN = 16
 """Width of a bin of the colours' histogram: chosen, more than the noise of one colour."""
-FLOOR_GREY = 215.0
-"""Grey value that the floor gets: chosen, room above it for noise and for what is lighter."""
-BLUR_PX = 3
-"""So near to an obstacle a pixel's colour may be part of its rim: chosen, a lens in focus."""
 
 
 def binarise_by_colour(
@@ -124,15 +120,15 @@ class _Colours:
         if binary is None:
             return int(np.count_nonzero(pixels))
         seen = np.ascontiguousarray(binary.inside[:: self.step, :: self.step])
-        reach = 2 * (1 + (BLUR_PX - 1) // self.step) + 1
+        reach = 2 * (1 + (REACH - 1) // self.step) + 1
         around = cv2.dilate(seen, np.ones((reach, reach), np.uint8))
         return int(np.count_nonzero(_without_specks(pixels & (around == 0))))
 
     def beside_the_floor(self, side: Literal["dark", "light"]) -> NDArray[np.uint8]:
         """The picture (h, w), by the channel that is farthest from the floor to that side."""
         values = np.arange(256.0)[:, None]
-        scale = FLOOR_GREY / 255.0
-        base = FLOOR_GREY if side == "dark" else 255.0 - FLOOR_GREY
+        scale = FREE_LEVEL / 255.0
+        base = FREE_LEVEL if side == "dark" else 255.0 - FREE_LEVEL
         table = np.clip(np.rint(base + scale * (values - self.floor)), 0.0, 255.0)
         apart = cv2.LUT(self.picture, table.astype(np.uint8)[:, None, :])
         blue, green, red = cv2.split(apart)

@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import flat_histogram, split_histogram, steepest_level
 from vision.binarise.grey_picture import (
-    BUSY_NOISE,
-    CALM_NOISE,
+    FEWEST,
     LEAST_CONTRAST,
-    MEAN,
     NO_CALMING,
     SAFE_MARGIN_SIGMAS,
     Look,
@@ -27,9 +25,6 @@ from vision.binarise.grey_picture import (
 
 LEAST_CONTRAST_SIGMAS = 5.0
 """The least contrast in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
-DARKEST_SIGMAS = 2.0
-"""How far below the middle the darkest free pixels are taken to be, in spreads of the light.
-Chosen, by ``tests/vision/binarise``."""
 PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
 """How far from a class's middle its pixels lie that blur has left alone: as a share of the
 contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
@@ -39,14 +34,6 @@ MOST_ON_PLATEAU = 0.7
 STEEP = 0.25
 """Least step from pixel to pixel, as a share of the contrast, that is taken for an edge's. Chosen,
 by ``tests/vision/binarise``."""
-FLAT, FLAT_SIGMAS = 0.1, 4.0
-"""Most that the grey value changes by over two pixels where there is no edge: as a share of the
-contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
-FEWEST_FLAT = 0.02
-"""Least share of a class that has to be no edge for its spread to be known. Chosen, by
-``tests/vision/binarise``."""
-FEWEST_SIGNIFICANT = 9
-"""Fewest such pixels that have a middle. Chosen, by ``tests/vision/binarise``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +63,7 @@ class Classes:
 def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
     """The two classes of a picture, seen through a little smoothing where it is noisy."""
     strongest = look.noise if strongest is None else strongest
-    calming = MEAN if CALM_NOISE <= strongest < BUSY_NOISE else calming_of(strongest)
+    calming = calming_of(strongest)
     counts = look.counts_after(calming)
     found = split_classes(counts, look.noise * calming.left)
     if found is None:
@@ -105,8 +92,10 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
     on_plateau = rare & (np.abs(np.arange(256) - middle) <= reach)
     if counts[on_plateau].sum() >= MOST_ON_PLATEAU * counts[rare].sum():
         return found
-    flat = flat_histogram(look.grey, max(FLAT * found.contrast, FLAT_SIGMAS * look.noise))
-    if flat[rare].sum() < FEWEST_FLAT * counts[rare].sum():
+    # two pixels of a plateau differ by no more than it is wide
+    wide = 2.0 * max(PLATEAU * found.contrast, PLATEAU_SIGMAS * look.noise)
+    flat = flat_histogram(look.grey, wide)
+    if flat[rare].sum() < FEWEST:
         return found
     spread = grey_spread(np.where(rare, flat, 0))
     if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
@@ -133,22 +122,18 @@ def split_classes(histogram: NDArray[np.int64], noise: float) -> Classes | None:
     return Classes(dark, light, spread, dark_share) if found else None
 
 
-def room_left(classes: Classes, noise: float) -> float:
-    """How far the darkest free pixels stay from the level, as a share of the contrast."""
-    uneven = np.sqrt(max(classes.light_spread**2 - noise**2, 0.0))
-    return float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast)
+def unevenness(look: Look, classes: Classes, side: Literal["dark", "light"]) -> float:
+    """How much the free pixels spread beyond the noise, as a share of the contrast.
 
-
-def least_room(look: Look, classes: Classes, side: Literal["dark", "light"]) -> float:
-    """The same for light obstacles too, which uneven light spreads more than it does the ground."""
-    room = room_left(classes, look.noise)
-    if side == "dark":
-        return room
-    obstacles = classes.dark_spread
-    if obstacles is None:
-        obstacles = grey_spread(look.counts[: math.ceil(classes.level)])
-    uneven = max(obstacles**2 - look.noise**2, 0.0) ** 0.5
-    return min(room, float(0.5 - DARKEST_SIGMAS * uneven / classes.contrast))
+    And light obstacles too, which uneven light spreads more than it does the ground.
+    """
+    spread = classes.light_spread
+    if side == "light":
+        dark = classes.dark_spread
+        spread = max(
+            spread, grey_spread(look.counts[: math.ceil(classes.level)]) if dark is None else dark
+        )
+    return math.sqrt(max(spread**2 - look.noise**2, 0.0)) / classes.contrast
 
 
 def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> float | None:
@@ -164,7 +149,7 @@ def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> fl
     least = np.maximum(noise * np.float32(SAFE_MARGIN_SIGMAS * calming.left), 0.15 * light)
     found = calmed[light - calmed > least]
     for _ in range(2):
-        if found.size < FEWEST_SIGNIFICANT:
+        if found.size < FEWEST:
             return None
         found = found[found < 0.5 * (light + float(np.median(found)))]
     return float(np.median(found)) if found.size else None

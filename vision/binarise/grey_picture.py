@@ -35,13 +35,12 @@ do."""
 LEAST_CONTRAST = 8.0
 """Grey levels between light and dark below which nothing is taken for an obstacle. Chosen, by
 ``tests/vision/binarise``."""
+FEWEST = 32
+"""Samples from which their mean or middle is believed: chosen, it is known to a sixth of what they
+scatter."""
 CALM_NOISE = 0.5 * LEAST_CONTRAST
-"""Noise, in grey levels, from which a picture is smoothed by 1 px where noise counts: derived, half
-of the least contrast."""
-WILD_NOISE = 25.0
-"""The same, by 2 px: chosen, six times as much."""
-BUSY_NOISE = 12.0
-"""Noise up to which the mean of 3 x 3 pixels is smooth enough to be judged, and cheaper: chosen."""
+"""Noise, in grey levels, from which a picture is smoothed where noise counts: derived, half of the
+least contrast."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +58,6 @@ class Calming:
 
 NO_CALMING = Calming(0.0, 1.0)
 """The picture as it is: defined."""
-MEAN = Calming(0.8165, 1.0 / 3.0, ((np.uint16(1), np.uint16(1), np.uint16(0)), 9))
-"""The mean of 3 x 3 pixels: derived, sqrt(2 / 3) and a third."""
 BINOMIAL = Calming(1.0, 0.2734, ((np.uint16(6), np.uint16(4), np.uint16(1)), 256))
 """The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time; derived, 70 /
 256 of the noise."""
@@ -71,10 +68,13 @@ CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
 
 
 def calming_of(noise: float) -> Calming:
-    """The smoothing after which noise that strong hardly crosses a level."""
+    """The smoothing after which noise that strong hardly crosses a level.
+
+    The wide one only where the binomial would leave noise of the least contrast.
+    """
     if noise < CALM_NOISE:
         return NO_CALMING
-    return BINOMIAL if noise < WILD_NOISE else WIDE
+    return BINOMIAL if BINOMIAL.left * noise < LEAST_CONTRAST else WIDE
 
 
 class Look:
@@ -114,8 +114,6 @@ class Look:
         """The smoothed picture (h, w)."""
         if calming is NO_CALMING:
             return self.grey
-        if calming is MEAN:
-            return read_only(cv2.blur(self.grey, (3, 3)))
         if calming is BINOMIAL:
             return read_only(cv2.GaussianBlur(self.grey, (5, 5), 0.0))
         return read_only(cv2.GaussianBlur(self.grey, (0, 0), calming.sigma_px))

@@ -1,6 +1,7 @@
 """The light on the ground, as a surface over the picture.
 
-Grey values are 0 .. 255.
+Grey values are 0 .. 255. The thumbnail that local light is seen in has a pixel for ``REACH`` of the
+picture's, for light has no sharper edges.
 """
 
 from __future__ import annotations
@@ -11,12 +12,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.binarise.binarise_kernels import REACH
+
 FREE_LEVEL = 200.0
-"""Grey value that free pixels get when a picture is divided by its light: chosen, room above it for
-what is lighter."""
-THUMB = 4
-"""Pixels of a picture for one of the thumbnail that local light is seen in: chosen, light has no
-sharper edges."""
+"""Grey value that the free floor gets when a picture is divided by its light or seen beside the
+floor's colour: chosen, room above it for noise and for what is lighter."""
 WIDEST = 0.33
 """The shorter side's share that an obstacle takes at most where local light is looked for:
 chosen, a third."""
@@ -71,7 +71,7 @@ def without_light(
     camera = grey if side == "dark" else 255 - grey
     small = cv2.resize(
         camera,
-        (max(width // THUMB, 1), max(height // THUMB, 1)),
+        (max(width // REACH, 1), max(height // REACH, 1)),
         interpolation=cv2.INTER_AREA,
     ).astype(np.float32)
     wide = 2 * round(0.5 * WIDEST * min(small.shape)) + 1

@@ -37,15 +37,13 @@ BINOMIAL_LEFT = 0.2734
 """The share of white noise that the binomial of 5 x 5 pixels leaves: derived, 70 / 256."""
 RING = 4
 """How far away the pixels around a dot lie: chosen, outside its blurred rim."""
-FEWEST_AROUND = 8
-"""Pixels around a dot whose mean is believed: chosen, a quarter of them all."""
-BESIDE, LEAST_BESIDE = 0.4, 0.2
-"""How deep the picture is on two opposite sides of what is no dot, on an average and each at
-least, as shares of its own depth: chosen."""
-NEAR = 5
-"""Within so many pixels, in rows and columns, ...: chosen, a dot and its rim."""
-MOST_MARKED = 12
-"""... there are no more marked ones than a dot has: chosen, those of one 4 px across."""
+BESIDE = 0.4
+"""How deep the picture is on both sides of what is no dot, as a share of its own depth: chosen."""
+NEAR = RING + 1
+"""Within so many pixels, in rows and columns, ...: derived, a dot and its rim."""
+MOST_MARKED = int(0.25 * math.pi * RING**2)
+"""... there are no more marked ones than a dot has: derived, those of a disc that the ring leaves
+room for."""
 
 
 @njit(**OWNING)
@@ -242,7 +240,7 @@ def _is_dot(grey, mask, y, x, noise):
             if inside and mask[there_y + 1, there_x + 1] == 0:
                 total += grey[there_y, there_x]
                 around += 1
-    if around < FEWEST_AROUND:
+    if around == 0:
         return False
     ground = total / around
     depth = ground - _smoothed(grey, y, x)
@@ -263,7 +261,7 @@ def _is_on_a_line(grey, y, x, ground, depth):
             continue
         here = ground - _smoothed(grey, y + i, x + j)
         there = ground - _smoothed(grey, y - i, x - j)
-        if min(here, there) >= LEAST_BESIDE * depth and here + there >= 2.0 * BESIDE * depth:
+        if min(here, there) >= BESIDE * depth:
             return True
     return False
 

@@ -122,7 +122,7 @@ def _beyond(fitted: FittedBorders, limits: tuple[float, float, float, float]) ->
     """
     low, high = np.array(limits[:2]), np.array(limits[2:])
     data = fitted.data
-    out = ((data[:, :2] < low) | (data[:, :2] > high)).any(axis=1)
+    out = np.any((data[:, :2] < low) | (data[:, :2] > high), axis=1)
     bent = np.flatnonzero(fitted.kind != LINE)
     center, radius = data[bent, 2:4], data[bent, 4:5]
     out[bent] |= ((center - radius < low) | (center + radius > high)).any(axis=1)

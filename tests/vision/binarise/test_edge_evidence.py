@@ -24,9 +24,7 @@ def test_the_level_of_a_plain_picture_follows_edges(dark: float, blur: float, no
     look = Look(picture)
     classes = classes_of(look)
     assert classes is not None
-    assert follows_edges(look, classes, "dark")
-    # the negative of a picture of light obstacles looks the same
-    assert follows_edges(look, classes, "light")
+    assert follows_edges(look, classes)
 
 
 def test_the_level_between_a_shadow_and_the_light_does_not() -> None:
@@ -36,7 +34,7 @@ def test_the_level_between_a_shadow_and_the_light_does_not() -> None:
     classes = classes_of(look)
     assert classes is not None
     assert classes.dark > 100.0
-    assert not follows_edges(look, classes, "dark")
+    assert not follows_edges(look, classes)
     best, _ = Support(look, "dark").best_level(look.counts, classes)
     assert best is not None
     assert 45.0 < best.level < 129.0

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from vision.binarise.binarise_kernels import sampled_histogram
-from vision.binarise.grey_picture import BINOMIAL, MEAN, NO_CALMING, WIDE, Calming, Look, calming_of
+from vision.binarise.grey_picture import BINOMIAL, NO_CALMING, WIDE, Calming, Look, calming_of
 
 PICTURES = arrays.arrays(np.uint8, st.tuples(st.integers(1, 12), st.integers(1, 40)))
-WHOLE = {MEAN: lambda p: cv2.blur(p, (3, 3)), BINOMIAL: lambda p: cv2.GaussianBlur(p, (5, 5), 0.0)}
+WHOLE = {BINOMIAL: lambda p: cv2.GaussianBlur(p, (5, 5), 0.0)}
 
 
-@given(PICTURES, st.sampled_from([MEAN, BINOMIAL]))
+@given(PICTURES, st.sampled_from([BINOMIAL]))
 def test_a_smoothed_sample_is_a_sample_of_the_smoothed_picture(picture, calming) -> None:
     counts = Look(picture).counts_after(calming)
     np.testing.assert_array_equal(counts, sampled_histogram(WHOLE[calming](picture)))
@@ -41,7 +41,7 @@ def test_a_large_picture_is_sampled_where_a_smoothed_one_would_be() -> None:
         assert 20000 < counts.sum() < 45000
 
 
-@pytest.mark.parametrize("calming", [NO_CALMING, MEAN, BINOMIAL, WIDE])
+@pytest.mark.parametrize("calming", [NO_CALMING, BINOMIAL, WIDE])
 @pytest.mark.parametrize("kind", [np.uint8, np.float32])
 def test_a_smoothing_leaves_as_much_noise_as_it_says(calming: Calming, kind: type) -> None:
     rng = np.random.default_rng(2)

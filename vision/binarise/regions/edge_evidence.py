@@ -17,10 +17,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS, Classes
-from vision.binarise.grey_picture import LEAST_CONTRAST, Look, calming_of
+from vision.binarise.binarise_kernels import REACH, SAMPLE
+from vision.binarise.grey_classes import Classes
+from vision.binarise.grey_picture import (
+    FEWEST,
+    LEAST_CONTRAST,
+    SAFE_MARGIN_SIGMAS,
+    Look,
+    calming_of,
+)
 from vision.binarise.regions.edge_evidence_kernels import (
-    REACH,
     SAMPLED_PAIRS,
     steps_across_level,
     steps_off_level,
@@ -28,72 +34,48 @@ from vision.binarise.regions.edge_evidence_kernels import (
 )
 from vision.binarise.regions.judge import FAINT, THIN_SHARE, Judge
 
-FIRST_PAIRS = 16384
-"""Pairs of pixels that are looked at first; more where few of them lie across the level. Chosen, by
-``tests/vision/binarise``."""
-FEWEST_ACROSS = 32
-"""Pairs across a level from which their mean is believed. Chosen, by ``tests/vision/binarise``."""
+FIRST_PAIRS = SAMPLE // 2
+"""Pairs of pixels that are looked at first; more where few of them lie across the level. Derived,
+two pixels make one."""
 WEAK_STEP, STRONG_STEP = 0.35, 1.3
 """Steps, as shares of the contrast, that are less or more than the classes make. Chosen, by
 ``tests/vision/binarise``."""
-PLAIN_STEP = 0.6
-"""The least step, as a share of the contrast and of the light there is, that shows an obstacle.
-Chosen, by ``tests/vision/binarise``."""
 FEW = 0.2
-"""Share of weak pairs up to which a level follows edges: a blurred edge's foot and noise. As many
-may be found on one side of the level with a plain step: edges that it leaves out. Chosen, by
+"""Share of weak pairs up to which a level follows edges: a blurred edge's foot, noise. Chosen, by
 ``tests/vision/binarise``."""
 FEW_STRONG = 0.04
 """The same of steps that are too strong: joints of a floor have many more edges than what is far
 darker and stands on it, and no plain picture has such steps. Chosen, by
 ``tests/vision/binarise``."""
-CLEAR_SIGMAS = 8.0
-"""A step off the level that is an edge of its own, in sigmas. Chosen, by
-``tests/vision/binarise``."""
+CLEAR_SIGMAS = SAFE_MARGIN_SIGMAS * math.sqrt(2.0)
+"""A step off the level that is an edge of its own, in standard deviations of a pixel: derived, the
+difference of two scatters by the root of two more."""
 FEWEST_CLEAR = 3
 """Such steps, of those looked at, from which on a level leaves something out. Chosen, by
-``tests/vision/binarise``."""
-COST = 0.3
-"""What a border has to have, as a share of the typical sharp step, to speak for itself. Chosen, by
 ``tests/vision/binarise``."""
 NOWHERE = np.zeros((0, 0), np.uint8)
 """No pixel is shut out: defined."""
 LEFT_PAIRS = 1 << 21
 """Pairs of pixels that are looked at for what a level has left out, about. Chosen, by
 ``tests/vision/binarise``."""
-LEFT_COST = 0.6
-"""What a border there has to have, as a share of what noise has hardly anywhere. Chosen, by
+NEARLY_ALL = 0.95
+"""The share of the most that any level has from which another one is as good. Chosen, by
 ``tests/vision/binarise``."""
-NEARLY_ALL, MOST = 0.95, 0.9
-"""The share of the most that any level has from which the level half-way is as good, and where the
-light is even anyway. Chosen, by ``tests/vision/binarise``."""
 
 
-def follows_edges(look: Look, classes: Classes, side: Literal["dark", "light"]) -> bool:
-    """Whether edges as strong as the classes' contrast lie where their level is crossed.
-
-    And whether there are hardly any elsewhere, weaker only as the light is.
-    """
+def follows_edges(look: Look, classes: Classes) -> bool:
+    """Whether edges as strong as the classes' contrast lie where their level is crossed."""
     height, width = look.grey.shape
     if min(height, width) <= REACH:
         return True
     level = np.float32(classes.level)
     weakest = np.float32(WEAK_STEP * classes.contrast)
     strongest = np.float32(STRONG_STEP * classes.contrast + 3.0 * look.noise)
-    # without light a pixel is black, which is white where obstacles are light
-    end = 0.0 if side == "dark" else 255.0
-    # and half of an edge between black and white is no plain step, whatever light there is
-    at_least = PLAIN_STEP * classes.contrast + LEAST_CONTRAST_SIGMAS * look.noise
-    lightest = classes.light if side == "dark" else end - classes.dark
-    share = PLAIN_STEP * classes.contrast / (lightest + at_least)
-    least = share * at_least + LEAST_CONTRAST_SIGMAS * look.noise
-    plain = tuple(np.float32(v) for v in (share, least, end, 1.0 if side == "dark" else -1.0))
     pairs = FIRST_PAIRS
     while True:
-        found = steps_across_level(look.grey, level, weakest, strongest, plain, pairs)
-        count, weak, strong, beside = found
-        if count >= FEWEST_ACROSS or pairs >= 2 * height * width:
-            return bool(max(weak, beside) <= FEW * count and strong <= FEW_STRONG * count)
+        count, weak, strong = steps_across_level(look.grey, level, weakest, strongest, pairs)
+        if count >= FEWEST or pairs >= 2 * height * width:
+            return bool(weak <= FEW * count and strong <= FEW_STRONG * count)
         pairs *= 16
 
 
@@ -123,7 +105,7 @@ class Support:
         self.judge = Judge.of(look, side, pairs)
         calming = calming_of(look.noise)
         self.grey, self.noise = look.grey_after(calming), look.noise * calming.left
-        self._cost = max(COST * self.judge.typical(pairs), self.judge.least)
+        self._cost = max(FAINT * self.judge.typical(pairs), self.judge.least)
         self._pairs = pairs
 
     def best_level(
@@ -139,7 +121,7 @@ class Support:
         if most <= 0.0:
             return None, 0
         best = even
-        if even is None or believed[math.ceil(even.level)] < MOST * most:
+        if even is None or believed[math.ceil(even.level)] < NEARLY_ALL * most:
             best = _classes_at(believed, counts)
         assert best is not None
         return best, int(pairs[math.ceil(best.level)])
@@ -149,7 +131,7 @@ class Support:
 
         However faint those edges are beside the others, as far as noise has none like them.
         """
-        believed, _ = self._believed(shut, LEFT_COST * self.judge.least, LEFT_PAIRS)
+        believed, _ = self._believed(shut, FAINT * self.judge.least, LEFT_PAIRS)
         most = float(believed.max())
         if most <= 0.0:
             return None

@@ -17,19 +17,17 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING, SUMS
-from vision.binarise.binarise_kernels import AT_A_TIME
+from vision.binarise.binarise_kernels import AT_A_TIME, REACH, SAMPLE
 
-REACH = 4
-"""Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
-blurs."""
 OUTER = 6
 """Pixels beyond both ends: chosen, a light that changes evenly has a quarter of the outer step
 then, a sharp edge all of it."""
 SOFT = 0.4
 """Share of the outer step that a light that changes evenly has, and some more for one that does
 not: chosen, beyond a quarter."""
-SAMPLED_PAIRS = 65536
-"""Pairs of pixels that are looked at, about, where a whole picture is judged: chosen, for time."""
+SAMPLED_PAIRS = 2 * SAMPLE
+"""Pairs of pixels that are looked at, about, where a whole picture is judged: derived, every pixel
+of a sample begins two, to the right and down."""
 
 
 @njit(**LEAF)
@@ -39,20 +37,17 @@ def _row_step(height, width, pairs):
 
 
 @njit(**LEAF)
-def steps_across_level(grey, level, weak, strong, plain, pairs):
-    """How many pairs lie across a level, with a weak step and with a strong one; and beside it.
+def steps_across_level(grey, level, weak, strong, pairs):
+    """How many pairs lie across a level, with a weak step and with a strong one.
 
-    Returns ``(all, weak, strong, beside)``: the pairs across the level, those of them whose
-    step is less than ``weak`` and more than ``strong`` grey levels, and the pairs on one side of
-    it whose step is plain all the same. ``plain`` is ``(share, least, end, sign)``: the step is
-    more than ``share`` of how far the pixel that is farther from ``end``, where ``sign`` times
-    grey values begin, lies from it, and ``least``.
+    Returns ``(all, weak, strong)``: the pairs across the level, and those of them whose step is
+    less than ``weak`` and more than ``strong`` grey levels.
     """
     height, width = grey.shape
     length = min(width - REACH, AT_A_TIME)
     segments = max(1, (width - REACH) // AT_A_TIME)
     step = max(1, 2 * height * segments * length // pairs)
-    every, weaks, strongs, besides = 0.0, 0.0, 0.0, 0.0
+    every, weaks, strongs = 0.0, 0.0, 0.0
     for i in range(0, (height - REACH) * segments, step):
         # the next segment each time, so that no column is left out
         y = i // segments
@@ -60,20 +55,18 @@ def steps_across_level(grey, level, weak, strong, plain, pairs):
         here = grey[y, x : x + length]
         for down in (False, True):
             there = grey[y + REACH, x : x + length] if down else grey[y, x + REACH :]
-            a, b, c, d = _steps(here, there, level, weak, strong, plain)
+            a, b, c = _steps(here, there, level, weak, strong)
             every += a
             weaks += b
             strongs += c
-            besides += d
-    return every, weaks, strongs, besides
+    return every, weaks, strongs
 
 
 @njit(**SUMS)
-def _steps(here, there, level, weak, strong, plain):
+def _steps(here, there, level, weak, strong):
     """The same of one stretch of pairs."""
     nothing, one = np.float32(0.0), np.float32(1.0)
-    share, least, end, sign = plain
-    every, weaks, strongs, besides = nothing, nothing, nothing, nothing
+    every, weaks, strongs = nothing, nothing, nothing
     for x in range(here.shape[0]):
         a = np.float32(here[x])
         b = np.float32(there[x])
@@ -82,9 +75,7 @@ def _steps(here, there, level, weak, strong, plain):
         every += across
         weaks += across if step < weak else nothing
         strongs += across if step > strong else nothing
-        lit = max(sign * a, sign * b) - sign * end
-        besides += one - across if step > share * lit + least else nothing
-    return every, weaks, strongs, besides
+    return every, weaks, strongs
 
 
 @njit(**LEAF)

@@ -26,14 +26,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.binarise.binarise_kernels import REACH
 from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
 from vision.binarise.grey_picture import LEAST_CONTRAST, Binary, Look, calming_of
-from vision.binarise.regions.edge_evidence_kernels import (
-    OUTER,
-    REACH,
-    steps_of_regions,
-    typical_step,
-)
+from vision.binarise.regions.edge_evidence_kernels import OUTER, steps_of_regions, typical_step
 
 SIGMAS = 6.0
 """How far a border's step stands out of the noise at least: derived, noise alone does so twice in

@@ -20,10 +20,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.binarise.binarise_kernels import REACH
 from vision.binarise.grey_picture import Binary, Look
 from vision.binarise.light import without_light
 from vision.binarise.regions.edge_evidence import Support
-from vision.binarise.regions.edge_evidence_kernels import REACH
 from vision.binarise.regions.judge import LEAST_SHARE, THICK_PX, Judge, Judged, faint_obstacles
 
 SPECKS = 0.2
