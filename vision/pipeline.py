@@ -21,8 +21,7 @@ from numpy.typing import NDArray
 from planner.scene import Bounds, Scene, SceneObject
 from vision.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
-from vision.binarise.grey import as_array
-from vision.binarise.grey_picture import Binary
+from vision.binarise.grey_picture import Binary, as_array
 from vision.borders.contours import Borders, follow_borders, laplacian_border, locate_edges
 from vision.doubts import with_doubts
 from vision.errors import PictureError

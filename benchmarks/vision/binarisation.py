@@ -39,7 +39,7 @@ from benchmarks.vision.regions import FAMILIES, TUNING, Drawn, drawn, looked_at
 from tests.support.drawn.render import coverage, outline_points, ramp
 from vision import PictureError
 from vision.binarise import colour
-from vision.binarise.regions import missed_obstacles
+from vision.binarise.grey_picture import FEWEST, NO_CALMING
 from vision.shared.scratch import Room
 
 Side = Literal["dark", "light"]
@@ -66,43 +66,20 @@ def yes(*_: Any, **__: Any) -> bool:
     return True
 
 
-def empty(*_: Any) -> list[Any]:
-    return []
-
-
-def no_level(*_: Any) -> tuple[None, int]:
-    return None, 9999
-
-
-def binary_of(judged: Any, *_: Any) -> Any:
-    return judged.binary
-
-
-def without_others(judged: Any, _: Any, support: Any) -> Any:
-    return ADDED(judged, (), support)
-
-
-def asked_itself(support: Any) -> Any:
-    return [support]
-
-
-ASKED, ADDED = missed_obstacles._asked, missed_obstacles.with_left_out
-
-
-def asked_flat(support: Any) -> Any:
-    return [next(iter(ASKED(support)))]
-
-
-def no_one(_: Any) -> Any:
-    return []
-
-
 def nothing(*_: Any, **__: Any) -> None:
     return None
 
 
+def no_level(*_: Any) -> tuple[None, int]:
+    return None, FEWEST
+
+
 def first(value: Any, *_: Any) -> Any:
     return value
+
+
+def its_binary(judged: Any, *_: Any) -> Any:
+    return judged.binary
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,44 +216,33 @@ def figures(all_cases: list[Case]) -> Figures:
 Change = tuple[str, Any]
 """A place, ``package.module.name`` below ``vision.binarise``, and what stands there instead."""
 STAGES: dict[str, tuple[Change, ...]] = {
-    "too strong steps": (("regions.edge_evidence.STRONG_STEP", 1e9),),
-    "too weak steps": (("regions.edge_evidence.WEAK_STEP", -1.0),),
-    "plain steps beside": (("regions.edge_evidence.PLAIN_STEP", 1e9),),
-    "follows edges": (("binarise.follows_edges", yes),),
-    "even light at once": (("binarise.follows_edges", no),),
-    "leaves out": (("binarise.leaves_out", no),),
-    "even margin": (("binarise.EVEN_MARGIN", -9.0),),
-    "sure margin": (("binarise.SURE_MARGIN", -9.0),),
-    "sharpened": (("grey_classes._sharpened", first),),
-    "rare pixels": (("grey_classes._rare_pixels", nothing),),
-    "significant dark": (("grey_classes.significant_dark", nothing),),
-    "as good": (("binarise.EVEN_IS_AS_GOOD", 1.0),),
+    "even light taken at once": (("binarise.follows_edges", no),),
+    "does the level follow edges?": (("binarise.follows_edges", yes),),
+    "steps too weak for the classes": (("regions.edge_evidence.WEAK_STEP", -1.0),),
+    "steps too strong for them": (("regions.edge_evidence.STRONG_STEP", 1e9),),
+    "does the level leave edges out?": (("binarise.leaves_out", no),),
+    "how much free pixels spread": (("binarise.MOST_UNEVEN", 1e9),),
+    "less of it in noise": (("binarise.SURELY_EVEN", 1e9),),
+    "classes set right where most is edge": (("grey_classes._sharpened", first),),
+    "classes of rare pixels": (("grey_classes._rare_pixels", nothing),),
+    "what stands out of uneven noise": (("grey_classes.significant_dark", nothing),),
+    "the level that edges speak for": (("regions.edge_evidence.Support.best_level", no_level),),
+    "smoothing before the level": (("grey_picture.CALMINGS", (NO_CALMING,)),),
+    "smoothing before the judge": (("grey_picture.CALM_NOISE", 1e9),),
     "dots": (("grey_picture.mark_dots", nothing),),
-    "second sample": (("binarise.FEWEST_PAIRS", 0),),
-    "missed obstacles": (("binarise.with_left_out", binary_of),),
-    "missed: flat": (("regions.missed_obstacles._asked", asked_itself),),
-    "missed: itself": (("regions.missed_obstacles._asked", asked_flat),),
-    "missed: levels": (("regions.missed_obstacles._asked", no_one),),
-    "missed: others": (("binarise.with_left_out", without_others),),
-    "specks": (("regions.missed_obstacles.SPECKS", 0.0),),
-    "short sides": (("regions.judge.SHORT_SIDE", 2.0),),
-    "short sides all": (("regions.judge.SHORT_SIDE", 0.0),),
-    "selected": (("regions.judge.SELECTED", 0.0),),
-    "sigmas": (("regions.judge.SIGMAS", 0.0),),
-    "thick": (("regions.judge.THICK_PX", 0.0),),
-    "thin": (("regions.judge.THIN_SHARE", 9.0),),
-    "thin as thick": (("regions.judge.THICK_PX", 99.0),),
-    "sharp": (("regions.judge.LEAST_SHARP", -9.0),),
-    "focus": (("regions.judge.OUT_OF_FOCUS", 1e9),),
-    "faint": (("regions.judge.FAINT", 0.0),),
-    "mean": (("grey_picture.BUSY_NOISE", 0.0),),
-    "wide": (("grey_picture.WILD_NOISE", 1e9),),
+    "missed obstacles": (("binarise.with_left_out", its_binary),),
+    "specks of them in the mask": (("regions.edge_evidence.SPECKS", 0.0),),
+    "judge: sigmas": (("regions.judge.SIGMAS", 0.0),),
+    "judge: what a level draws in noise": (("regions.judge.SELECTED", 0.0),),
+    "judge: all sides": (("regions.judge.SHORT_SIDE", 2.0),),
+    "judge: but short ones": (("regions.judge.SHORT_SIDE", 0.0),),
+    "judge: sharp": (("regions.judge.LEAST_SHARP", -9.0),),
+    "judge: half the picture out of focus": (("regions.judge.OUT_OF_FOCUS", 1e9),),
+    "judge: half the typical share": (("regions.judge.FAINT", 0.0),),
+    "judge: thick": (("regions.judge.THICK_PX", 0.0),),
+    "judge: or thin, with more": (("regions.judge.THIN_SHARE", 9.0),),
     "colours": (("colour._Colours.of", nothing),),
-    "colour specks": (("colour._without_specks", first),),
-    "calming": (("grey_picture.CALM_NOISE", 1e9),),
-    "calming at level": (("grey_picture.SAFE_MARGIN_SIGMAS", 0.0),),
-    "divided": (("binarise._divided", empty),),
-    "best level": (("regions.edge_evidence.Support.best_level", no_level),),
+    "specks of colour": (("colour._without_specks", first),),
 }
 
 

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from planner.scene import Binarisation
 from vision.binarise import METHODS, POLARITIES, Method, Polarity
-from vision.binarise.binarise_kernels import noise_sigma, sampled_histogram
-from vision.binarise.grey import as_array, as_grey, scaled_threshold
+from vision.binarise.binarise_kernels import SIGMAS, noise_sigma, sampled_histogram
 from vision.binarise.grey_classes import (
     Classes,
     classes_of,
@@ -39,14 +38,21 @@ from vision.binarise.grey_picture import (
     CALMINGS,
     FEWEST,
     LEAST_CONTRAST,
-    SAFE_MARGIN_SIGMAS,
     Binary,
     Look,
+    as_array,
+    as_grey,
     black_and_white,
+    scaled_threshold,
 )
 from vision.binarise.light import FREE_LEVEL, light_surface
-from vision.binarise.regions.edge_evidence import NEARLY_ALL, Support, follows_edges, leaves_out
-from vision.binarise.regions.missed_obstacles import with_left_out
+from vision.binarise.regions.edge_evidence import (
+    NEARLY_ALL,
+    Support,
+    follows_edges,
+    leaves_out,
+    with_left_out,
+)
 from vision.errors import PictureError
 from vision.shared.scratch import Room
 
@@ -54,12 +60,9 @@ MOST_UNEVEN = 0.125
 """How much free pixels spread at most where light is even, as a share of the contrast: chosen, the
 darkest, of two such spreads, stay half as far from the level as they would without. Where light is
 uneven there is so much at least between one level and a class."""
-SURELY_EVEN = 0.075
+SURELY_EVEN = 0.5 / SIGMAS
 """The same where noise, or the glow around light obstacles, hides the edges that are left out:
-chosen."""
-EVEN_IS_AS_GOOD = 1.25
-"""What speaks for a level that even light would have counts so many times: it is half-way too, and
-the picture need not be changed. Chosen, by ``tests/vision/binarise``."""
+derived, no free pixel comes as far as the level then."""
 LIT_SHARE = 0.95
 """Where in its histogram the best lit part of a picture without edges is: chosen."""
 MOSTLY = 0.65
@@ -216,21 +219,18 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
         best, _ = support.best_level(look.counts, even)
     why = f"uneven light: free pixels spread by {spread:.0f} grey levels"
     judged = [(support.judge.real(one), 1.0) for one in _divided(look, side, why)]
-    levels = (best,) if even is None or even is best else (even, best)
-    for each in levels:
-        if each is None:
-            continue
+    # a division need not have as much: edges are measured nearer to half-way there; nor need the
+    # level of even light, which is half-way too, and the picture need not be changed
+    for each in dict.fromkeys(one for one in (even, best) if one is not None):
         level = (_even if each is even else _level)(look.apart(), each, side)
-        # a division need not have as much: edges are measured nearer to half-way there
-        as_good = EVEN_IS_AS_GOOD if each is even and sure else NEARLY_ALL
+        as_good = 1.0 / NEARLY_ALL if each is even and sure else NEARLY_ALL
         judged.append((support.judge.real(level), as_good))
     judged = [one for one in judged if one[0].speaks > 0.0]
     if not judged:
         return _edgeless(look, side)
     typical = max(one.typical for one, _ in judged)
-    judged.sort(key=lambda one: one[1] * one[0].worth(typical), reverse=True)
-    best_of_all, *others = (one for one, _ in judged)
-    return with_left_out(best_of_all, others, support)
+    most, _ = max(judged, key=lambda one: one[1] * one[0].worth(typical))
+    return with_left_out(most, support)
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:
@@ -280,7 +280,7 @@ def _adaptive(look: Look, classes: Classes | None, side: Literal["dark", "light"
     mean = cv2.blur(grey.astype(np.float32), (block, block), borderType=cv2.BORDER_REPLICATE)
     contrast = 2.0 * LEAST_CONTRAST if classes is None else classes.contrast
     # as far below the mean as noise never is, once it is smoothed as far as it may be
-    at_least = SAFE_MARGIN_SIGMAS * CALMINGS[-1].left * look.noise
+    at_least = SIGMAS * CALMINGS[-1].left * look.noise
     offset = max(LEAST_CONTRAST, 0.1 * contrast, at_least)
     centred = np.clip(grey - mean + np.float32(offset + 127.5), 0.0, 255.0)
     how = Binarisation(

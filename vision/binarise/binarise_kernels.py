@@ -22,6 +22,9 @@ SAMPLED = math.isqrt(SAMPLE // 4)
 """Rows, and columns, in which the noise is looked at, about: derived, two differences at each of
 their crossings are half as many as the pixels, and their median is known to one part in a hundred.
 """
+SIGMAS = 6.0
+"""How far what is no noise stands out of it, in standard deviations: derived, noise alone does so
+twice in 10^9."""
 REACH = 4
 """Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
 blurs."""
@@ -40,8 +43,6 @@ TWO = np.int64(2)
 FOUR = np.uint64(4)
 FIRST, LAST = np.int64(0), np.int64(256)
 """Typed, so that kernels are compiled for one kind of number: defined."""
-REFINEMENTS = 3
-"""Times that the level moves half-way between the middles of what it splits: chosen."""
 
 
 @njit(**OWNING)
@@ -250,11 +251,16 @@ def split_histogram(histogram, noise, least):
         return False, 0.0, 0.0, 0.0, 0.0
     dark = _quantile(histogram, FIRST, split + 1, 0.5)
     light = _quantile(histogram, split + 1, LAST, 0.5)
-    for _ in range(REFINEMENTS):
+    before = -1
+    above = int(0.5 * (dark + light)) + 1
+    for _ in range(256):
+        if above == before:
+            break
         # half-way between the middles, whatever tail the split has cut off
-        above = int(0.5 * (dark + light)) + 1
+        before = above
         dark = _quantile(histogram, FIRST, above, 0.5)
         light = _quantile(histogram, above, LAST, 0.5)
+        above = int(0.5 * (dark + light)) + 1
     if light - dark < least:
         return False, 0.0, 0.0, 0.0, 0.0
     level = 0.5 * (dark + light)

@@ -30,9 +30,6 @@ from vision.shared.scratch import Room
 LEAST_DEPTH = 40.0
 """Distance from the floor, in grey levels of one channel, that light does not explain: chosen, more
 than lamps and shadows tint a grey floor."""
-FLOOR_STEP = 4
-"""For the floor's own colour each such pixel of the sample is enough, both ways: chosen, for
-time."""
 BIN = 16
 """Width of a bin of the colours' histogram: chosen, more than the noise of one colour."""
 
@@ -138,7 +135,7 @@ class _Colours:
 
 def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
     """The colour (3,) of the fullest bin: the median of what is near its middle."""
-    pixels = sample[::FLOOR_STEP, ::FLOOR_STEP].reshape(-1, 3)
+    pixels = sample.reshape(-1, 3)
     bins = (pixels // BIN).astype(np.int32) @ np.array([1, 16, 256], dtype=np.int32)
     fullest = int(np.bincount(bins, minlength=4096).argmax())
     middle = np.array([fullest % 16, fullest // 16 % 16, fullest // 256]) * BIN + (BIN - 1) / 2.0

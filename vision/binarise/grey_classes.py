@@ -13,18 +13,18 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import flat_histogram, split_histogram, steepest_level
+from vision.binarise.binarise_kernels import SIGMAS, flat_histogram, split_histogram, steepest_level
 from vision.binarise.grey_picture import (
     FEWEST,
     LEAST_CONTRAST,
     NO_CALMING,
-    SAFE_MARGIN_SIGMAS,
     Look,
     calming_of,
 )
 
 LEAST_CONTRAST_SIGMAS = 5.0
-"""The least contrast in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
+"""The least contrast of two classes in standard deviations of the noise. Chosen, by
+``tests/vision/binarise``."""
 PLATEAU, PLATEAU_SIGMAS = 0.04, 2.0
 """How far from a class's middle its pixels lie that blur has left alone: as a share of the
 contrast, and in standard deviations of the noise. Chosen, by ``tests/vision/binarise``."""
@@ -100,7 +100,7 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
     spread = grey_spread(np.where(rare, flat, 0))
     if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
         return found
-    least = max(STEEP * found.contrast, LEAST_CONTRAST_SIGMAS * look.noise)
+    least = max(STEEP * found.contrast, SIGMAS * look.noise)
     level = float(steepest_level(look.grey, least))
     if level < 0.0:
         return found
@@ -141,12 +141,12 @@ def significant_dark(look: Look, noise: NDArray[np.float32], light: float) -> fl
 
     ``noise`` (h, w) is its standard deviation from place to place, which a histogram of all does
     not know: where there is little light the noise alone has two classes. What counts is each
-    pixel of the smoothed picture that stands out by ``SAFE_MARGIN_SIGMAS``, and then what is
+    pixel of the smoothed picture that stands out by ``SIGMAS``, and then what is
     nearer to those than to free pixels. None where hardly a pixel does.
     """
     calming = calming_of(float(noise.max()))
     calmed = look.grey_after(calming)
-    least = np.maximum(noise * np.float32(SAFE_MARGIN_SIGMAS * calming.left), 0.15 * light)
+    least = np.maximum(noise * np.float32(SIGMAS * calming.left), 0.15 * light)
     found = calmed[light - calmed > least]
     for _ in range(2):
         if found.size < FEWEST:
@@ -159,7 +159,7 @@ def _rare_pixels(grey: NDArray[Any], noise: float) -> Classes | None:
     """Dark pixels so rare that no sample shows them: look at the extremes of all pixels."""
     lowest, highest, _, _ = cv2.minMaxLoc(grey)
     middle = float(np.median(grey[:: max(1, grey.shape[0] // 64)]))
-    least = max(LEAST_CONTRAST, 2.0 * SAFE_MARGIN_SIGMAS * noise)
+    least = max(LEAST_CONTRAST, 2.0 * SIGMAS * noise)
     if middle - lowest >= least and middle - lowest >= highest - middle:
         return Classes(lowest, middle, 0.0, 0.0)
     if highest - middle >= least:

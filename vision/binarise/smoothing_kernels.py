@@ -26,13 +26,11 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
-from vision.binarise.binarise_kernels import AT_A_TIME, count_greys, sample_steps, summed
+from vision.binarise.binarise_kernels import AT_A_TIME, SIGMAS, count_greys, sample_steps, summed
 from vision.shared.typed_numbers import NONE
 
 MARGIN = 2
 """Pixels that the smoothing reaches beyond one: defined, of five weights."""
-SIGMAS = 6.0
-"""How far a dot stands out: derived, noise does so at two pixels in 10^9."""
 BINOMIAL_LEFT = 0.2734
 """The share of white noise that the binomial of 5 x 5 pixels leaves: derived, 70 / 256."""
 RING = 4

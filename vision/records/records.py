@@ -31,6 +31,7 @@ from planner.scene import (
     SegmentRecord,
     Vec,
 )
+from vision.binarise.binarise_kernels import SIGMAS
 from vision.borders.contours import Borders
 from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
@@ -40,8 +41,6 @@ from vision.records.thin_curves import chain_edges, open_chain
 
 SPECK_AREA = 4
 """Pixels of the largest border that counts as noise, where there is so much of it."""
-SPECK_MARGIN_SIGMAS = 6.0
-"""Half the contrast, in standard deviations of the noise, below which specks are expected."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +56,7 @@ def find_specks(borders: Borders, noise: float, contrast: float) -> Specks:
 
     Where noise cannot cross the level a single pixel is an obstacle (P), and stays.
     """
-    if noise <= 0.0 or 0.5 * contrast >= SPECK_MARGIN_SIGMAS * noise:
+    if noise <= 0.0 or 0.5 * contrast >= SIGMAS * noise:
         return Specks(frozenset(), ())
     small = np.flatnonzero(np.abs(borders.area) <= SPECK_AREA)
     if len(small) == 0:

@@ -26,7 +26,7 @@ from scipy.spatial import cKDTree
 from planner.scene import Arc, CircleRecord, PointRecord, PolygonRecord, Record, Scene, record_edges
 from vision.binarise.binarise import Method, Polarity
 from vision.binarise.colour import binarise_by_colour
-from vision.binarise.grey import as_array
+from vision.binarise.grey_picture import as_array
 from vision.shared.scratch import Room
 
 FEW_PX = 4.0

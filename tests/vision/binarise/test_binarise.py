@@ -12,7 +12,7 @@ from planner.scene import CircleRecord
 from tests.support.drawn.render import coverage, draw, outline_points, polygon, ramp
 from vision.binarise.binarise import binarise
 from vision.binarise.binarise_kernels import noise_sigma
-from vision.binarise.grey import as_grey
+from vision.binarise.grey_picture import as_grey
 from vision.binarise.light import light_surface
 from vision.errors import PictureError
 from vision.pipeline import extract
