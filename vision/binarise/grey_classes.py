@@ -100,7 +100,7 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
     spread = grey_spread(np.where(rare, flat, 0))
     if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
         return found
-    least = max(STEEP * found.contrast, SIGMAS * look.noise)
+    least = max(STEEP * found.contrast, LEAST_CONTRAST_SIGMAS * look.noise)
     level = float(steepest_level(look.grey, least))
     if level < 0.0:
         return found
