@@ -94,25 +94,8 @@ def test_a_marker_near_to_where_it_should_be_is_followed_to_the_pose_that_a_sear
     assert len(seen) == 1
     searched = one.look(image, seen[0], Velocity(), [])
     assert searched is not None
-    # The pixels that are fitted to are chosen by the sides, which begin a little elsewhere.
-    assert np.abs(found.corners_px - searched.corners_px).max() < 0.02
-    assert math.dist(found.pose[:2], searched.pose[:2]) < 0.005 * PIXEL_M
-
-
-def test_followed_and_searched_agree_within_a_thousandth_of_a_pixel_in_the_rms() -> None:
-    rng, off = np.random.default_rng(8), []
-    for number in range(40):
-        one = marker(float(rng.uniform(30, 80)), number)
-        pose = at(*rng.uniform(-1, 1, 2), float(rng.uniform(-3, 3)))
-        image = picture(patch_of(one, pose), seed=number)
-        x, y, heading = pose
-        found = follow(image, one, (x + 0.5 * PIXEL_M, y - 0.5 * PIXEL_M, heading + 0.01))
-        quad = next(q for i, q in find_with(finder_of(BOOK, 23, 15.0), image) if i == number)
-        searched = one.look(image, quad, Velocity(), [])
-        assert found is not None
-        assert searched is not None
-        off.append(math.dist(found.pose[:2], searched.pose[:2]) / PIXEL_M)
-    assert math.sqrt(np.mean(np.square(off))) < 1e-3
+    assert np.abs(found.corners_px - searched.corners_px).max() < 5e-3
+    assert math.dist(found.pose[:2], searched.pose[:2]) < 1e-3 * PIXEL_M
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=SLOW)
