@@ -254,9 +254,8 @@ class Pilot:
         if not self.plan.targets or robot.mission_id != self._mission_id:
             return
         executed = max(self.plan.executed, min(robot.executed, len(self.plan.targets)))
-        if executed > self.plan.executed:
-            self.waypoints_executed += executed - self.plan.executed
-            self.plan = replace(self.plan, executed=executed)
+        self.waypoints_executed += executed - self.plan.executed
+        self.plan = replace(self.plan, executed=executed)
         last = len(self.mission.stations) - 1
         # the last station counts when the camera has seen the robot stand there
         visited = min(self.plan.visited, last)
