@@ -41,9 +41,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             environment = {**os.environ, "NUMBA_CACHE_DIR": folder}
             done = subprocess.run(command, env=environment, capture_output=True, check=True)
             found = json.loads(done.stdout)
+            names = [name for name, _ in found["kernels"]]
             print(
-                f"{part:8} {len(found['kernels']):4} kernels   {found['wall_s']:6.1f} s wall"
-                f"   {found['processor_s']:6.1f} s processor time",
+                f"{part:8} {len(set(names)):4} kernels for {len(names):4} combinations of types"
+                f"   {found['wall_s']:6.1f} s wall   {found['processor_s']:6.1f} s processor time",
                 flush=True,
             )
             rows += [(seconds, part, name) for name, seconds in found["kernels"]]

@@ -33,6 +33,8 @@ class Request:
 
     def in_order(self, order: Sequence[int]) -> Request:
         """The same request with its vias in another order."""
+        if tuple(order) == tuple(range(len(order))):
+            return self
         picked = (0, *(i + 1 for i in order), len(self.stations) - 1)
         return replace(
             self,

@@ -180,15 +180,12 @@ def _from_stations(
     asked: Request, leg: int, lines: tuple[FloatArray, ...]
 ) -> tuple[FloatArray, ...]:
     """The leg's lines from and to the very stations, where they lie within the margin."""
-    begin, end = (np.array([place]) for place in asked.stations[leg : leg + 2])
+    begin, end = asked.stations[leg : leg + 2]
     out = []
     for line in lines:
-        parts = [line]
-        if not np.array_equal(line[0], begin[0]):
-            parts.insert(0, begin)
-        if not np.array_equal(line[-1], end[0]):
-            parts.append(end)
-        out.append(np.concatenate(parts))
+        before = [] if tuple(line[0].tolist()) == begin else [[begin]]
+        behind = [] if tuple(line[-1].tolist()) == end else [[end]]
+        out.append(np.concatenate([*before, line, *behind]) if before or behind else line)
     return tuple(out)
 
 

@@ -137,6 +137,32 @@ def test_the_k_cheapest_routes_are_those_of_a_search_of_all(seed: int) -> None:
         assert len(costs) > 4
 
 
+@pytest.mark.parametrize("dearest", [1.0, 1.1, 1.25, 2.0])
+def test_a_limit_on_the_cost_leaves_out_dearer_routes_and_no_others(dearest: float) -> None:
+    fewer, spared = 0, 0
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        roadmap = planner.build_roadmap(random_scene(rng), 2.0)
+        network = Network.of(roadmap.chains, 2.0, 0.0)
+        for a, b in _pairs(_stations(roadmap, rng)[:8]):
+            gates = [attach(roadmap.borders, network, p, 2.0) for p in (a, b)]
+            every, work = cheapest_routes(roadmap.borders, network, *gates, 2.0, 12)
+            found, less = cheapest_routes(
+                roadmap.borders, network, *gates, 2.0, 12, dearest=dearest
+            )
+            n = len(found)
+            assert np.array_equal(found.begin, every.begin[: n + 1])
+            assert np.array_equal(found.points, every.points[: found.begin[-1]])
+            lengths = [_length(every.points[i:j]) for i, j in itertools.pairwise(every.begin)]
+            # lengths of chords, which are a little shorter than the costs
+            assert all(length <= 1.01 * dearest * lengths[0] for length in lengths[:n])
+            assert all(length >= 0.97 * dearest * lengths[0] for length in lengths[n:])
+            fewer += n < len(every)
+            spared += work - less
+    assert fewer > 5
+    assert spared > 0
+
+
 def _key(graph: nx.MultiGraph, u: int, v: int, weight: float) -> int:
     return next(k for k, d in graph[u][v].items() if d["weight"] == weight)
 
