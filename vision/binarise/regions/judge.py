@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.binarise.binarise_kernels import REACH, SIGMAS
+from vision.binarise.grey_classes import LEAST_CONTRAST_SIGMAS
 from vision.binarise.grey_picture import LEAST_CONTRAST, Binary, Look, calming_of
 from vision.binarise.regions.edge_evidence_kernels import OUTER, steps_of_regions, typical_step
 
@@ -145,7 +146,9 @@ class Judge:
         edge too near its dark side. Before the root the least contrast is added, of the
         classes and in noise, which is nothing in the dark either.
         """
-        root: NDArray[np.float64] = np.sqrt(light + LEAST_CONTRAST + SIGMAS * self.noise)
+        root: NDArray[np.float64] = np.sqrt(
+            light + LEAST_CONTRAST + LEAST_CONTRAST_SIGMAS * self.noise
+        )
         return root
 
     @property
@@ -157,7 +160,7 @@ class Judge:
     @property
     def least(self) -> float:
         """What the step of a border is worth at least: the least contrast, and noise, in light."""
-        step = min(LEAST_CONTRAST + 2.0 * SIGMAS * self.noise, 128.0)
+        step = min(LEAST_CONTRAST + 2.0 * LEAST_CONTRAST_SIGMAS * self.noise, 128.0)
         light, less = self.worth(np.array([255.0, 255.0 - math.ceil(step)]))
         return float(light - less)
 
