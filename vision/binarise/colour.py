@@ -135,12 +135,19 @@ class _Colours:
 
 def _most_frequent(sample: NDArray[np.uint8]) -> NDArray[np.float64]:
     """The colour (3,) of the fullest bin: the median of what is near its middle."""
-    pixels = sample.reshape(-1, 3)
-    bins = (pixels // BIN).astype(np.int32) @ np.array([1, 16, 256], dtype=np.int32)
+    channels = [np.ascontiguousarray(sample[:, :, c]).ravel() for c in range(3)]
+    parts = [channel // BIN for channel in channels]
+    bins = parts[0] + np.int32(16) * parts[1] + np.int32(256) * parts[2]
     fullest = int(np.bincount(bins, minlength=4096).argmax())
-    middle = np.array([fullest % 16, fullest // 16 % 16, fullest // 256]) * BIN + (BIN - 1) / 2.0
-    near = (np.abs(pixels - middle) <= BIN).all(axis=1)
-    return np.asarray(np.median(pixels[near], axis=0), dtype=np.float64)
+    middle = [fullest // 16**c % 16 * BIN + (BIN - 1) / 2.0 for c in range(3)]
+    near = np.ones(bins.shape, dtype=np.bool_)
+    for channel, value in zip(channels, middle, strict=True):
+        near &= (channel >= value - BIN) & (channel <= value + BIN)
+    floor = []
+    for channel in channels:
+        running = np.cumsum(np.bincount(channel[near], minlength=256))
+        floor.append(np.searchsorted(running, 0.5 * running[-1]))
+    return np.array(floor, dtype=np.float64)
 
 
 def _unexplained(

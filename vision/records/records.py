@@ -119,14 +119,13 @@ def _beyond(fitted: FittedBorders, limits: tuple[float, float, float, float]) ->
 
     ``limits``: x, y of the least and of the greatest.
     """
-    low, high = np.array(limits[:2]), np.array(limits[2:])
-    data = fitted.data
-    out = np.any((data[:, :2] < low) | (data[:, :2] > high), axis=1)
-    bent = np.flatnonzero(fitted.kind != LINE)
-    center, radius = data[bent, 2:4], data[bent, 4:5]
-    out[bent] |= ((center - radius < low) | (center + radius > high)).any(axis=1)
-    before = np.concatenate(([0], np.cumsum(out)))
-    return np.asarray(np.diff(before[fitted.edge_starts]) > 0)
+    left, top, right, bottom = limits
+    x, y, cx, cy, r, _ = fitted.data.T
+    out = (x < left) | (y < top) | (x > right) | (y > bottom)
+    round_ = (cx - r < left) | (cy - r < top) | (cx + r > right) | (cy + r > bottom)
+    out |= round_ & (fitted.kind != LINE)
+    before = np.concatenate(([0], out.cumsum()))[fitted.edge_starts]
+    return np.asarray(before[1:] > before[:-1])
 
 
 @dataclass(frozen=True, slots=True)
