@@ -25,7 +25,7 @@ from unittest import mock
 
 from navigation.config import Config, load_config
 from navigation.loop.fleet.fleet_daemon import FleetDaemon
-from navigation.loop.vision_stage import VisionStage
+from navigation.loop.seeing.vision_stage import VisionStage
 from navigation.run.fleet.fleet_virtual_run import run_fleet_virtually
 from navigation.run.virtual_world import VirtualFrames
 from vision.markers.markers import MarkerTracker
