@@ -229,8 +229,9 @@ def _auto(look: Look, classes: Classes | None, side: Literal["dark", "light"]) -
     if not judged:
         return _edgeless(look, side)
     typical = max(one.typical for one, _ in judged)
-    most, _ = max(judged, key=lambda one: one[1] * one[0].worth(typical))
-    return with_left_out(most, support)
+    judged.sort(key=lambda one: one[1] * one[0].worth(typical), reverse=True)
+    best_of_all, *others = (one for one, _ in judged)
+    return with_left_out(best_of_all, others, support)
 
 
 def _even(look: Look, classes: Classes, side: Literal["dark", "light"]) -> Binary:

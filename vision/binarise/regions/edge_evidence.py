@@ -19,6 +19,7 @@ Rules and units
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -189,8 +190,8 @@ def _middle(counts: NDArray[np.int64]) -> float:
     return float(np.searchsorted(running, 0.5 * running[-1]))
 
 
-def with_left_out(judged: Judged, support: Support) -> Binary:
-    """The mask with the obstacles that other levels show, and remarks on them.
+def with_left_out(judged: Judged, others: Iterable[Judged], support: Support) -> Binary:
+    """The mask with the obstacles that other masks and levels show, and remarks on them.
 
     The levels are asked of the picture without its light, and then as it is. A remark on the rest,
     too: what is no noise, but is left out of the mask, which is changed. O(pixels) a level.
@@ -211,6 +212,9 @@ def with_left_out(judged: Judged, support: Support) -> Binary:
             if more == 0:
                 break
             found += more
+    # last: an obstacle and the shadow beside it may be one region there
+    for other in others:
+        found += _add_obstacles(other.binary.inside, inside, shut, left, support.judge)
     remarks = binary.remarks
     if found:
         many = f"{found} obstacles that are lighter, or shaded, are seen at levels of their own"
