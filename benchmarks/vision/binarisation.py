@@ -40,6 +40,7 @@ from tests.support.drawn.render import coverage, outline_points, ramp
 from vision import PictureError
 from vision.binarise import colour
 from vision.binarise.grey_picture import FEWEST, NO_CALMING
+from vision.binarise.regions import edge_evidence
 from vision.shared.scratch import Room
 
 Side = Literal["dark", "light"]
@@ -48,6 +49,7 @@ PAGE = ROOT / "docs" / "binarisation.md"
 BEGIN, END = "<!-- benchmarks.vision.binarisation -->\n", "<!-- end -->\n"
 """What the kept table stands between."""
 BINARISE = "vision.binarise"
+ADDED = edge_evidence.with_left_out
 PROCESSES = multiprocessing.get_context("fork")
 COLOURS = (
     ((0, 0, 200), (0, 102, 0)),
@@ -80,6 +82,10 @@ def first(value: Any, *_: Any) -> Any:
 
 def its_binary(judged: Any, *_: Any) -> Any:
     return judged.binary
+
+
+def without_others(judged: Any, _: Any, support: Any) -> Any:
+    return ADDED(judged, (), support)
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +237,7 @@ STAGES: dict[str, tuple[Change, ...]] = {
     "smoothing before the judge": (("grey_picture.CALM_NOISE", 1e9),),
     "dots": (("grey_picture.mark_dots", nothing),),
     "missed obstacles": (("binarise.with_left_out", its_binary),),
+    "masks of the other candidates": (("binarise.with_left_out", without_others),),
     "specks of them in the mask": (("regions.edge_evidence.SPECKS", 0.0),),
     "judge: sigmas": (("regions.judge.SIGMAS", 0.0),),
     "judge: what a level draws in noise": (("regions.judge.SELECTED", 0.0),),
