@@ -95,7 +95,7 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
     # two pixels of a plateau differ by no more than it is wide
     wide = 2.0 * max(PLATEAU * found.contrast, PLATEAU_SIGMAS * look.noise)
     flat = flat_histogram(look.grey, wide)
-    if flat[rare].sum() < FEWEST:
+    if not flat[rare].any():
         return found
     spread = grey_spread(np.where(rare, flat, 0))
     if math.sqrt(max(spread**2 - look.noise**2, 0.0)) > PLATEAU * found.contrast:
