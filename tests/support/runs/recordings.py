@@ -117,5 +117,13 @@ def record_alcove(
     """The files of a recording of two robots in a corridor with one niche, ``until`` says so."""
     config = load_config(CONFIGS / "alcove.yaml", {})
     changed = config.recording.model_copy(update=recording)
-    run_fleet_virtually(config.model_copy(update={"recording": changed}), look=until, record=folder)
+
+    def look(daemon: FleetDaemon, now: FleetState) -> bool:
+        # virtual time does not wait for the writer, which leaves out pictures where it is behind
+        recorder = daemon._recorder
+        assert recorder is not None
+        assert wait_until(lambda: not recorder.counts().waiting or bool(recorder.counts().failed))
+        return until(daemon, now)
+
+    run_fleet_virtually(config.model_copy(update={"recording": changed}), look=look, record=folder)
     return sorted(folder.glob("*.mcap"))
