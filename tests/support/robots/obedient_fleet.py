@@ -1,0 +1,184 @@
+"""Robots that do exactly as the coordinator tells them, in virtual time, and its planner.
+
+A robot here drives one target in `STEP_S` of what it was given; what a coordinator would get from
+camera, pilots and links is made of that. An independent judge looks at all bodies every step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import planner
+from navigation.fleet.coordinator import Coordinator
+from navigation.fleet.joining import join_promises
+from navigation.fleet.orders import FleetOrders
+from navigation.fleet.places_kept import Member
+from navigation.fleet.planning import plan_promises
+from navigation.fleet.request import FleetAnswer, FleetRequest
+from navigation.mission.cycle import PlanAnswer, PlanRequest
+from navigation.mission.mission import State, Station
+from planner.formats.scene_io import read_scene_text
+from planner.motion.trajectory import default_limits
+from planner.path import NoPath
+from planner.scene import Bounds, FloatArray
+
+RADIUS_M, KEEP_M = 0.08, 0.03
+STEP_S = 0.2
+HALL = """#@ clearway.scene/1
+#@ units m
+L 3 (0.02,0.02) (0.02,0.04) (0.04,0.02)
+"""
+ONE_WAY = """#@ clearway.scene/1
+#@ units m
+L 4 (0.70,0.00) (0.70,0.68) (1.30,0.68) (1.30,0.00)
+L 4 (0.70,0.92) (0.70,1.60) (1.30,1.60) (1.30,0.92)
+"""
+"""Two rooms and a corridor that is one robot wide."""
+
+
+@dataclass
+class Robot:
+    """One that does as it is told: drives, halts at once, and asks where it has no path."""
+
+    place: tuple[float, float]
+    state: State = State.IDLE
+    stations: tuple[Station, ...] = ()
+    plan: PlanAnswer | None = None
+    executed: int = 0
+    request_id: int = 0
+    brakes: int = 0
+    """Cycles until it stands."""
+    dead: bool = False
+    runs_m_s: tuple[float, float] = (0.0, 0.0)
+    """A robot that obeys nobody, and how fast it drives along both axes."""
+
+    def go(self, *places: tuple[float, float]) -> None:
+        """A new mission."""
+        self.stations = tuple(Station(*place) for place in places)
+        self.ask()
+
+    def ask(self) -> None:
+        self.state, self.plan, self.executed = State.PLANNING, None, 0
+        self.request_id += 1
+
+    def drive(self, released: int) -> None:
+        """One target further, if it may."""
+        if self.dead or self.state is not State.DRIVING or self.plan is None:
+            return
+        if self.executed < min(released, len(self.plan.targets)):
+            target = self.plan.targets[self.executed]
+            self.place = (target.x_m, target.y_m)
+            self.executed += 1
+        if self.executed == len(self.plan.targets):
+            if target_is_aside(self.plan):
+                self.ask()
+                return
+            self.stations = self.stations[1:]
+            if self.stations:
+                self.ask()
+            else:
+                self.state = State.DONE
+
+
+def target_is_aside(plan: PlanAnswer) -> bool:
+    return plan.targets[-1].station is None
+
+
+class Fleet:
+    """Robots, coordinator and planner; ``late`` cycles pass before the planner answers."""
+
+    def __init__(self, arena: str, places: dict[str, tuple[float, float]], late: int = 1) -> None:
+        self.scene = read_scene_text(arena, "arena").with_bounds(Bounds(0.0, 0.0, 2.0, 1.6))
+        self.roadmap = planner.build_roadmap(self.scene, RADIUS_M)
+        self.robots = {name: Robot(place) for name, place in places.items()}
+        self.coordinator = Coordinator(self._clearance_m)
+        self.now_s, self.least_gap_m = 0.0, math.inf
+        self.requests: list[FleetRequest] = []
+        self.stopped: list[str] = []
+        """Who was told to stop for a plan of all."""
+        self.waited: dict[str, str] = {}
+        self._late, self._due = late, 0
+
+    def _clearance_m(self, points: FloatArray) -> float:
+        return self.roadmap.path_clearance(points).distance
+
+    def _member(self, one: Robot) -> Member:
+        request = None
+        if one.state is State.PLANNING:
+            request = PlanRequest(one.request_id, (*one.place, 0.0), one.stations, 1)
+        at_rest = one.state in (State.IDLE, State.DONE) and not one.dead
+        return Member(
+            state=one.state, pose=(*one.place, 0.0), pose_age_s=0.0, stands=one.brakes == 0,
+            radius_m=RADIUS_M, limits=default_limits(RADIUS_M), max_deviation_m=0.05, reach_m=0.1,
+            executed=None if one.plan is None else one.executed, request=request,
+            sentence="the cable is out" if one.dead else "", obliging=at_rest,
+            velocity=(*one.runs_m_s, 0.0), obeys=one.runs_m_s == (0.0, 0.0),
+        )  # fmt: skip
+
+    def _answer(self) -> FleetAnswer | None:
+        if not self.requests or self._due == 0:
+            return None
+        self._due -= 1
+        if self._due:
+            return None
+        request = self.requests[-1]
+        plan = join_promises if request.driving else plan_promises
+        return plan(self.roadmap, self.scene, request, KEEP_M)
+
+    def step(self) -> FleetOrders:
+        """One cycle, and what the robots do in it."""
+        self.now_s += STEP_S
+        members = {name: self._member(one) for name, one in self.robots.items()}
+        orders = self.coordinator.step(self.now_s, members, 1, self._answer())
+        if orders.request is not None:
+            self.requests.append(orders.request)
+            self._due = self._late
+        for name, _ in orders.plan_again:
+            self.stopped.append(name)
+            self.robots[name].ask()
+        for name, station in orders.errands.items():
+            self.robots[name].stations = (station,)
+            self.robots[name].ask()
+        for name, answer in orders.answers.items():
+            one = self.robots[name]
+            assert answer.id == one.request_id
+            if isinstance(answer.path, NoPath):
+                one.state = State.FAILED
+            else:
+                one.state, one.plan, one.executed = State.DRIVING, answer, 0
+        self.waited |= orders.waits_for
+        for name, one in self.robots.items():
+            one.brakes = max(0, one.brakes - 1)
+            one.place = (
+                one.place[0] + STEP_S * one.runs_m_s[0],
+                one.place[1] + STEP_S * one.runs_m_s[1],
+            )
+            release = self.coordinator.release(name)
+            one.drive(0 if release is None else release.targets)
+        for a, b in combinations(self.robots.values(), 2):
+            self.least_gap_m = min(self.least_gap_m, math.dist(a.place, b.place) - 2 * RADIUS_M)
+        return orders
+
+    def run(self, seconds: float = 120.0) -> None:
+        """Until nobody is under way."""
+        end_s = self.now_s + seconds
+        going = (State.PLANNING, State.DRIVING)
+        while self.now_s < end_s:
+            self.step()
+            if not any(one.state in going and not one.dead for one in self.robots.values()):
+                return
+        raise AssertionError({name: one.state for name, one in self.robots.items()})
+
+    def until_driving(self, *names: str) -> None:
+        for _ in range(200):
+            self.step()
+            if all(self.robots[n].state is State.DRIVING for n in names):
+                return
+        raise AssertionError(f"{names} do not drive")
+
+
+def at(fleet: Fleet, name: str, place: Sequence[float]) -> bool:
+    return math.dist(fleet.robots[name].place, place) < 1e-6
