@@ -4,13 +4,15 @@ Rules
 - A robot that asks for a path and still stands on what it was promised continues there.
 - Any other is planned against the promises of those that drive, who drive on. While the planner
   works at it they are sent no more than they have.
-- Where that cannot be, or a robot waits at a gate for one that will not come (stopped, failed, or
-  held for longer than ``PATIENCE_S``), all are planned: those that drive stop under control, and
-  when all stand, one plan is made of every robot that wants to move.
+- Where that cannot be, or a robot waits at a gate for one that will not come (stopped, failed,
+  refused, or held for longer than ``PATIENCE_S``), all are planned: those that drive stop under
+  control, and when all stand, one plan is made of every robot that wants to move.
 - What the others keep is taken: the place where each stands, and of one that is not seen whatever
   it may have driven to since. One without a mission may have to step aside and come back.
 - Who is in the way of a robot that runs away drives aside, and asks again (`giving_way`).
 - Where no path was found for a robot it waits until something has changed that the plan hung on.
+  A plan of all waits for those that were refused and hold, until they ask again: two that stand on
+  each other's goals have a path together, and none one by one.
 
 Decisions only; `Coordinator.step` once a cycle. Metres, radians, seconds.
 """
@@ -26,8 +28,9 @@ import numpy as np
 
 from navigation.fleet.asking import request_of
 from navigation.fleet.giving_way import GivingWay
-from navigation.fleet.orders import ON_TRACK_M, FleetOrders, Situation, ahead, holds_of, waits_of
+from navigation.fleet.orders import ON_TRACK_M, FleetOrders, ahead, holds_of, waits_of
 from navigation.fleet.places_kept import Member, comes_too_near
+from navigation.fleet.refusals import Refusals
 from navigation.fleet.releases import Held, Release, release_of
 from navigation.fleet.request import Driving, FleetAnswer, FleetRequest, Promise
 from navigation.fleet.runaways import Runaway, runaways_of
@@ -41,6 +44,8 @@ PATIENCE_S: Final = 6.0
 """A robot that holds comes back by itself as a rule: marker hidden, link silent, for a moment."""
 ASK_S: Final = 0.6
 """A robot that is to plan again asks for it within this time, or does not take part."""
+REFUSED_S: Final = 1.5
+"""And one that was refused within this: pilots ask again after a second."""
 AHEAD: Final = 40
 """Targets that a robot has beyond the one it drives to: 2 m, a second's upload."""
 SLACK_M: Final = 0.01
@@ -64,8 +69,7 @@ class Coordinator:
         self._why = ""
         self._asked: FleetRequest | None = None
         self._asked_ids: dict[str, int] = {}
-        self._refused: dict[str, str] = {}
-        self._refused_in: Situation | None = None
+        self._refusals = Refusals()
         self._stuck_since: dict[str, float] = {}
         self._runaways: list[Runaway] = []
         self._giving_way = GivingWay(clearance_m)
@@ -109,9 +113,9 @@ class Coordinator:
         for name in answers:
             self._open.pop(name, None)
         refused = {
-            name: self._refused[name]
-            for name in self._open
-            if name not in answers and name in self._refused and self._gathering_s is None
+            name: why
+            for name, why in self._refusals.reasons.items()
+            if name in self._open and name not in answers and self._gathering_s is None
         }
         waits, waits_for = waits_of(members, self.held, refused, self._giving_way.aside)
         holds = holds_of(members, self.held, self._giving_way.aside) | dict(aside.holds)
@@ -201,20 +205,23 @@ class Coordinator:
         answers: dict[str, PlanAnswer],
     ) -> bool:
         """Whether robots are to join those that drive; else gathers all where there is need."""
-        same = self._situation(members, revision).is_like(self._refused_in)
+        at_rest = self._at_rest(members)
+        refused = self._refusals.reasons
+        if not self._refusals.still_hold(members, self._open, revision, at_rest):
+            refused = {}
         drives = self._someone_drives(members)
         joins = False
         for name, request in self._open.items():
             if name in answers:
                 continue
-            if name not in self._refused or not same:
+            if name not in refused:
                 if drives:
                     joins = True
                     continue
                 self._gather(now_s, f"planning together with {name}")
                 return False
             if not drives:
-                answers[name] = PlanAnswer(request.id, revision, NoPath(self._refused[name]))
+                answers[name] = PlanAnswer(request.id, revision, NoPath(refused[name]))
         waiting = self._hopeless(now_s, members)
         if waiting is not None:
             self._gather(now_s, waiting)
@@ -235,11 +242,12 @@ class Coordinator:
                 continue
             other = members.get(gate.other)
             held = self.held.get(gate.other)
-            if other is not None and other.state in GOING and held is not None:
+            refused = gate.other in self._refusals.reasons and gate.other in self._open
+            if other is not None and other.state in GOING and held is not None and not refused:
                 self._stuck_since.pop(name, None)
                 continue
             since_s = self._stuck_since.setdefault(name, now_s)
-            lost = held is None or held.broken
+            lost = held is None or held.broken or refused
             if lost or now_s - since_s > PATIENCE_S:
                 self._stuck_since.clear()
                 return f"{gate.other} does not come: planning around it"
@@ -258,6 +266,9 @@ class Coordinator:
                 return None, {}
             if name in self._open and one.pose is None:
                 return None, {}
+        soon = now_s - self._gathering_s <= REFUSED_S
+        if soon and self._refusals.will_ask(members, self._open):
+            return None, {}
         self._gathering_s = None
         if not self._open:
             return None, {}
@@ -294,8 +305,7 @@ class Coordinator:
         unseen = [name for name, one in members.items() if one.pose is None]
         if unseen:
             why = f"{unseen[0]} was not seen yet: nobody knows where it is"
-            self._refused = dict.fromkeys(wishes, why)
-            self._refused_in = None
+            self._refusals.refuse(wishes, why)
             return None, {
                 name: PlanAnswer(request.id, revision, NoPath(why))
                 for name, request in wishes.items()
@@ -305,6 +315,7 @@ class Coordinator:
             self.rounds, revision, members, self.held, wishes, driving, self._runaways
         )
         self._asked_ids = {name: request.id for name, request in wishes.items()}
+        self._refusals.ask(wishes, revision, self._at_rest(members))
         return self._asked, {}
 
     def _take(
@@ -335,9 +346,10 @@ class Coordinator:
                 self.held[one.promise.name].promise = replace(one.promise, gates=gates)
             self.held |= new
         else:
-            self.held = new
-        self._refused = dict(answer.refused)
-        self._refused_in = self._situation(members, answer.scene_revision)
+            for old in self.held.values():
+                old.broken, old.errand = True, False
+            self.held |= new  # who is not seen may still be driving what it was given
+        self._refusals.take(answer.refused)
         answers = {}
         for name, request_id in self._asked_ids.items():
             request = self._open.get(name)
@@ -356,18 +368,12 @@ class Coordinator:
         held = self.held.get(one.promise.name)
         return held is None or held.promise is not one.promise or held.broken
 
-    def _situation(self, members: Mapping[str, Member], revision: int) -> Situation:
-        at_rest = {
+    def _at_rest(self, members: Mapping[str, Member]) -> dict[str, tuple[float, float]]:
+        return {
             name: one.pose[:2]
             for name, one in members.items()
             if one.pose is not None and not self._drives(name, one)
         }
-        goals = frozenset(
-            (name, request.stations[0])
-            for name, request in self._open.items()
-            if name in self._refused
-        )
-        return Situation(revision, goals, at_rest)
 
     def _drives(self, name: str, one: Member) -> bool:
         """Whether it is on its promise, and asks for no other path."""

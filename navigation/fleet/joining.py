@@ -3,6 +3,7 @@
 Rules
 - What was sent to a robot stays as it is: nobody is made to wait before it, and no path changes
   of a robot that drives. Those that ask pass behind what was sent, and in turn with the rest.
+  Where nobody can be added nothing changes.
 - Robots that stand without a mission may have to step aside; they come back to their places.
 - Where a robot that drives would have to step aside, the one that asks waits until that has
   arrived. Where the promises no longer fit the arena, nothing can be added to them
@@ -14,7 +15,7 @@ The path is found by `planner.FleetSchedule`. Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -96,23 +97,10 @@ def _join(
     keep_m: float,
 ) -> FleetAnswer:
     sizes = _sizes(here, party, keep_m)
-    schedule = _promised(here, party, everybody, sizes)
-    first, names = len(party.driving), party.names
-    sent = [one.sent - one.executed for one in party.driving] + [0] * len(party.standing)
-    refused: dict[str, str] = {}
-    for k, one in enumerate(party.asking, first):
-        found = schedule.with_goal(
-            k, (one.station.x, one.station.y), sent=sent, time_limit_s=TIME_LIMIT_S
-        )
-        if isinstance(found, NoFleetPlan):
-            refused[one.name] = with_names(found.reason, names)
-            continue
-        aside = [names[i] for i in found.changed if i < first]
-        if aside:
-            has = "have" if len(aside) > 1 else "has"
-            refused[one.name] = f"the path is free once {listed(aside)} {has} arrived"
-            continue
-        schedule, sent = found, list(found.sent)
+    first = len(party.driving)
+    schedule, refused = _with_goals(_promised(here, party, everybody, sizes), party)
+    if not any(one.name not in refused for one in party.asking):
+        return FleetAnswer(request.id, request.scene_revision, {}, refused)
     tracks, waits = _in_pieces(schedule, first, sizes)
     numbers = [point_numbers(track) for track in tracks]
     gates = _gates(party, numbers, waits)
@@ -133,6 +121,51 @@ def _join(
         refused,
         gates={one.promise.name: tuple(gates[j]) for j, one in enumerate(party.driving)},
     )
+
+
+def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, dict[str, str]]:
+    """The schedule with the goals of those that ask, and who has no path and why.
+
+    One goal after the other; those that have no path so are tried together.
+    """
+    first, names = len(party.driving), party.names
+    goals = {k: (one.station.x, one.station.y) for k, one in enumerate(party.asking, first)}
+    sent = [one.sent - one.executed for one in party.driving] + [0] * len(party.standing)
+    refused: dict[int, NoFleetPlan] = {}
+    for k, goal in goals.items():
+        found = _with_goals_at_once(schedule, {k: goal}, sent, party)
+        if isinstance(found, NoFleetPlan):
+            refused[k] = found
+        else:
+            schedule, sent = found, list(found.sent)
+    together = {k: goals[k] for k, why in refused.items() if why.blocking != (k,)}
+    if len(together) > 1:
+        found = _with_goals_at_once(schedule, together, sent, party)
+        if isinstance(found, FleetSchedule):
+            schedule = found
+            refused = {k: why for k, why in refused.items() if k not in together}
+    return schedule, {names[k]: with_names(why.reason, names) for k, why in refused.items()}
+
+
+def _with_goals_at_once(
+    schedule: FleetSchedule,
+    goals: Mapping[int, tuple[float, float]],
+    sent: Sequence[int],
+    party: _Party,
+) -> FleetSchedule | NoFleetPlan:
+    """None of those that drive is to step aside for it."""
+    try:
+        found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S)
+    except ValueError as error:
+        raise CannotJoinError(str(error)) from error
+    if isinstance(found, NoFleetPlan):
+        return found
+    aside = tuple(i for i in found.changed if i < len(party.driving))
+    if not aside:
+        return found
+    has = "have" if len(aside) > 1 else "has"
+    who = listed([party.names[i] for i in aside])
+    return NoFleetPlan(f"the path is free once {who} {has} arrived", aside, proved=False)
 
 
 def _promised(
@@ -230,4 +263,7 @@ def _gates(
             before = offsets[j] + int(numbers[j][row])
             done = offsets[i] + int(numbers[i][min(passed, len(numbers[i]) - 1)])
             gates[j].append(Gate(before, names[i], done))
+    for j, one in enumerate(party.driving):
+        if any(gate.before < one.sent for gate in gates[j]):
+            raise CannotJoinError(f"{one.promise.name} would have to wait before what it was sent")
     return gates

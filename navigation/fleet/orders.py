@@ -5,7 +5,6 @@ Metres.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from typing import Final
@@ -40,25 +39,6 @@ class FleetOrders:
     """Who may not move now, and why."""
     errands: Mapping[str, Station] = field(default_factory=dict)
     """Robots without a mission that have to step aside, and the place that they come back to."""
-
-
-@dataclass(frozen=True, slots=True)
-class Situation:
-    """What a refusal hung on: while it is the same, another plan would be refused too."""
-
-    revision: int
-    goals: frozenset[tuple[str, Station]]
-    at_rest: Mapping[str, tuple[float, float]]
-    """Where those are that do not drive."""
-
-    def is_like(self, other: Situation | None) -> bool:
-        """Whether nothing has changed but by noise."""
-        if other is None or (self.revision, self.goals) != (other.revision, other.goals):
-            return False
-        if self.at_rest.keys() != other.at_rest.keys():
-            return False
-        places = ((at, other.at_rest[name]) for name, at in self.at_rest.items())
-        return all(math.dist(here, there) < ON_TRACK_M for here, there in places)
 
 
 def waits_of(
@@ -101,7 +81,7 @@ def holds_of(
 
 
 def ahead(held: Mapping[str, Held], name: str, here: tuple[float, float, float]) -> FloatArray:
-    """The places (n >= 1, 2) from here through what the robot may drive now."""
+    """The places (n >= 1, 2) from here through what the robot may drive now, or was ever given."""
     mine = held[name]
-    count, _ = release_of(name, held)
+    count = max(release_of(name, held).targets, mine.sent)
     return np.vstack([here[:2], mine.promise.points[mine.executed + 1 : count + 1]])

@@ -6,13 +6,14 @@ Rules and units
 - First the new goal is planned with everything else as promised: if no parked robot cuts the arena
   apart, there always is such a path (COBRA; Cap et al., ICRA 2015). A robot with a new goal passes
   behind all that was sent to others.
-- Where that finds nothing, all keep their promises to the end, and then the fleet is planned as a
-  whole: who is parked in the way steps aside and comes back, or there is a reason.
+- Where that finds nothing, or several goals are asked for at once, all keep their promises to the
+  end, and then the fleet is planned as a whole: who is parked in the way steps aside and comes
+  back, or there is a reason.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -117,15 +118,32 @@ class FleetSchedule:
     ) -> FleetSchedule | NoFleetPlan:
         """The schedule from now on with a new goal for one robot, or why there is none.
 
+        Options and errors are those of :meth:`with_goals`.
+        """
+        return self.with_goals({robot: goal}, passed, sent, time_limit_s=time_limit_s)
+
+    def with_goals(
+        self,
+        goals: Mapping[int, Sequence[float]],
+        passed: Sequence[int] | None = None,
+        sent: Sequence[int] | None = None,
+        *,
+        time_limit_s: float = 30.0,
+    ) -> FleetSchedule | NoFleetPlan:
+        """The schedule from now on with new goals for some robots at once, or why there is none.
+
+        Robots that stand on each other's goals have one together, and none one after the other.
+
         ``passed`` is the row that each robot reached last, ``sent`` the last that it was given; the
         new tracks begin at ``passed`` and are the same up to ``sent``. None means all are
         at their starts, and nothing was sent beyond ``passed``. ``ValueError`` where
         :func:`planner.fleet.execution.releases` did not allow what was sent.
         """
         check_effort(time_limit_s, 0, 0)
-        place = check_places("goal", [goal])
-        if not 0 <= robot < len(self.radii):
-            raise ValueError(f"robot = {robot}: must be 0 to {len(self.radii) - 1}")
+        places = {robot: check_places("goal", [goal]) for robot, goal in goals.items()}
+        for robot in places:
+            if not 0 <= robot < len(self.radii):
+                raise ValueError(f"robot = {robot}: must be 0 to {len(self.radii) - 1}")
         begun = [0] * len(self.radii) if passed is None else list(passed)
         given = list(begun) if sent is None else list(sent)
         self._check_sent(begun, given)
@@ -135,15 +153,19 @@ class FleetSchedule:
         tracks = [track for track, _ in now]
         kept = tuple(number[row] for (_, number), row in zip(now, given, strict=True))
         ends = np.array([track[-1, 1:] for track in tracks])
-        ends[robot] = place[0]
+        for robot, place in places.items():
+            ends[robot] = place[0]
         refused = touching("goals", ends, self.radii)
         if refused is not None:
             return refused
-        alone = self._alone(robot, tracks[robot], kept[robot], place)
-        if isinstance(alone, NoFleetPlan):
-            return alone
-        new = self._among_promises(robot, tracks, kept, alone)
-        return new or self._after_promises(robot, tracks, kept, ends, time_limit_s)
+        new = None
+        for robot, place in places.items():
+            alone = self._alone(robot, tracks[robot], kept[robot], place)
+            if isinstance(alone, NoFleetPlan):
+                return alone
+            if len(places) == 1:
+                new = self._among_promises(robot, tracks, kept, alone)
+        return new or self._after_promises(tracks, kept, ends, time_limit_s)
 
     def cut_off_by(self, robot: int, goal: Sequence[float]) -> tuple[int, ...]:
         """The parked robots that cut a robot off from a goal: none where it is well-formed.
@@ -226,9 +248,12 @@ class FleetSchedule:
         return None
 
     def _after_promises(
-        self, robot: int, tracks: list[FloatArray], kept: tuple[int, ...], ends: FloatArray,
+        self,
+        tracks: list[FloatArray],
+        kept: tuple[int, ...],
+        ends: FloatArray,
         time_limit_s: float,
-    ) -> FleetSchedule | NoFleetPlan:  # fmt: skip
+    ) -> FleetSchedule | NoFleetPlan:
         """All promises kept to their ends, then the whole fleet planned from there."""
         parked = [track[-1, 1:].tolist() for track in tracks]
         limits = [

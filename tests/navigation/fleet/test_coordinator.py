@@ -86,6 +86,47 @@ def test_a_goal_where_another_robot_stands_is_refused_by_name_and_those_that_dri
     assert fleet.stopped == []
 
 
+def test_a_goal_that_is_refused_changes_no_order_among_those_that_drive() -> None:
+    fleet = Fleet(HALL, {"a": (0.2, 0.8), "b": (1.0, 0.2), "c": (1.8, 1.4)}, patient=True)
+    fleet.robots["a"].go((1.8, 0.8))
+    fleet.robots["b"].go((1.0, 1.4))
+    fleet.until_driving("a", "b")
+    while not fleet.waited:
+        fleet.step()
+    ((waits, first),) = fleet.waited.items()
+    fleet.robots[first].late_until_s = fleet.now_s + 30.0  # by the clock the other one were first
+    fleet.robots["c"].go((0.02, 0.02))
+    gates = fleet.coordinator.held[first].promise.gates
+    for _ in range(20):
+        fleet.step()
+    assert fleet.requests[-1].driving
+    assert fleet.coordinator.held[first].promise.gates == gates
+    assert fleet.robots[waits].state is State.DRIVING
+    fleet.robots["c"].state = State.FAILED
+    fleet.robots[first].late_until_s = 0.0
+    fleet.run()
+    assert fleet.least_gap_m > 0.0
+
+
+def test_what_an_unseen_robot_was_given_stays_taken_after_a_plan_of_the_others() -> None:
+    fleet = Fleet(HALL, {"a": (0.3, 0.3), "b": (1.7, 1.3), "c": (0.3, 1.3)}, patient=True)
+    fleet.robots["a"].go((1.7, 0.3))
+    fleet.until_driving("a")
+    for _ in range(4):
+        fleet.step()
+    fleet.robots["a"].hidden_until_s = math.inf
+    seen = fleet.robots["a"].place
+    fleet.step()
+    fleet.robots["a"].hold(fleet.now_s + 60.0, share=1.0)
+    for name, goal in (("b", (1.7, 0.9)), ("c", (0.3, 0.9))):
+        fleet.robots[name].go(goal)
+        while fleet.robots[name].state is not State.DONE:
+            fleet.step()
+        taken = [one for one in fleet.requests[-1].taken if one.name == "a"]
+        assert not fleet.requests[-1].driving
+        assert any(one.x_m > seen[0] + 0.05 for one in taken), name
+
+
 def test_a_robot_that_dies_in_the_way_is_planned_around_by_those_that_wait_for_it() -> None:
     fleet = Fleet(HALL, {"a": (0.3, 0.8), "b": (1.7, 0.8)})
     fleet.robots["a"].go((1.7, 0.75))

@@ -27,6 +27,7 @@ from planner.scene import Bounds, FloatArray
 
 RADIUS_M, KEEP_M = 0.08, 0.03
 STEP_S = 0.2
+RETRY_S = 1.0
 HALL = """#@ clearway.scene/1
 #@ units m
 L 3 (0.02,0.02) (0.02,0.04) (0.04,0.02)
@@ -48,10 +49,20 @@ class Robot:
     stations: tuple[Station, ...] = ()
     plan: PlanAnswer | None = None
     executed: int = 0
+    given: int = 0
+    """Of the plan's targets: what was given to it is not taken back."""
     request_id: int = 0
     brakes: int = 0
     """Cycles until it stands."""
     dead: bool = False
+    hidden_until_s: float = -math.inf
+    """The camera does not see it until then."""
+    seen: tuple[float, float, float] = (math.nan, math.nan, -math.inf)
+    """Where it was seen last, and when."""
+    late_until_s: float = -math.inf
+    """It stands until then, although it may drive."""
+    asks_again_s: float = math.inf
+    """When one that holds asks for a path."""
     runs_m_s: tuple[float, float] = (0.0, 0.0)
     """A robot that obeys nobody, and how fast it drives along both axes."""
 
@@ -61,14 +72,26 @@ class Robot:
         self.ask()
 
     def ask(self) -> None:
-        self.state, self.plan, self.executed = State.PLANNING, None, 0
+        self.state, self.plan, self.executed, self.given = State.PLANNING, None, 0, 0
+        self.asks_again_s = math.inf
         self.request_id += 1
 
-    def drive(self, released: int) -> None:
+    def hold(self, until_s: float, share: float = 0.0) -> None:
+        """It stands, after this share of the way to its next target, and is to ask then."""
+        if self.state is State.DRIVING and self.plan is not None and self.executed < self.given:
+            target = self.plan.targets[self.executed]
+            x, y = self.place
+            self.place = x + share * (target.x_m - x), y + share * (target.y_m - y)
+        self.state, self.plan, self.asks_again_s = State.HOLDING, None, until_s
+
+    def drive(self, released: int, now_s: float) -> None:
         """One target further, if it may."""
         if self.dead or self.state is not State.DRIVING or self.plan is None:
             return
-        if self.executed < min(released, len(self.plan.targets)):
+        self.given = min(max(self.given, released), len(self.plan.targets))
+        if now_s < self.late_until_s:
+            return
+        if self.executed < self.given:
             target = self.plan.targets[self.executed]
             self.place = (target.x_m, target.y_m)
             self.executed += 1
@@ -88,9 +111,19 @@ def target_is_aside(plan: PlanAnswer) -> bool:
 
 
 class Fleet:
-    """Robots, coordinator and planner; ``late`` cycles pass before the planner answers."""
+    """Robots, coordinator and planner; ``late`` cycles pass before the planner answers.
 
-    def __init__(self, arena: str, places: dict[str, tuple[float, float]], late: int = 1) -> None:
+    A robot that has no path fails, or with ``patient`` asks again after a second.
+    """
+
+    def __init__(
+        self,
+        arena: str,
+        places: dict[str, tuple[float, float]],
+        late: int = 1,
+        *,
+        patient: bool = False,
+    ) -> None:
         self.scene = read_scene_text(arena, "arena").with_bounds(Bounds(0.0, 0.0, 2.0, 1.6))
         self.roadmap = planner.build_roadmap(self.scene, RADIUS_M)
         self.robots = {name: Robot(place) for name, place in places.items()}
@@ -100,7 +133,7 @@ class Fleet:
         self.stopped: list[str] = []
         """Who was told to stop for a plan of all."""
         self.waited: dict[str, str] = {}
-        self._late, self._due = late, 0
+        self._late, self._due, self._patient = late, 0, patient
 
     def _clearance_m(self, points: FloatArray) -> float:
         return self.roadmap.path_clearance(points).distance
@@ -109,10 +142,14 @@ class Fleet:
         request = None
         if one.state is State.PLANNING:
             request = PlanRequest(one.request_id, (*one.place, 0.0), one.stations, 1)
+        if self.now_s >= one.hidden_until_s or not math.isfinite(one.seen[2]):
+            one.seen = (*one.place, self.now_s)
+        x, y, seen_s = one.seen
         at_rest = one.state in (State.IDLE, State.DONE) and not one.dead
         return Member(
-            state=one.state, pose=(*one.place, 0.0), pose_age_s=0.0, stands=one.brakes == 0,
-            radius_m=RADIUS_M, limits=default_limits(RADIUS_M), max_deviation_m=0.05, reach_m=0.1,
+            state=one.state, pose=(x, y, 0.0), pose_age_s=self.now_s - seen_s,
+            stands=one.brakes == 0, radius_m=RADIUS_M, limits=default_limits(RADIUS_M),
+            max_deviation_m=0.05, reach_m=0.1,
             executed=None if one.plan is None else one.executed, request=request,
             sentence="the cable is out" if one.dead else "", obliging=at_rest,
             velocity=(*one.runs_m_s, 0.0), obeys=one.runs_m_s == (0.0, 0.0),
@@ -131,6 +168,9 @@ class Fleet:
     def step(self) -> FleetOrders:
         """One cycle, and what the robots do in it."""
         self.now_s += STEP_S
+        for one in self.robots.values():
+            if one.state is State.HOLDING and not one.dead and self.now_s >= one.asks_again_s:
+                one.ask()
         members = {name: self._member(one) for name, one in self.robots.items()}
         orders = self.coordinator.step(self.now_s, members, 1, self._answer())
         if orders.request is not None:
@@ -146,9 +186,15 @@ class Fleet:
             one = self.robots[name]
             assert answer.id == one.request_id
             if isinstance(answer.path, NoPath):
-                one.state = State.FAILED
+                if self._patient:
+                    one.hold(self.now_s + RETRY_S)
+                else:
+                    one.state = State.FAILED
             else:
-                one.state, one.plan, one.executed = State.DRIVING, answer, 0
+                one.state, one.plan, one.executed, one.given = State.DRIVING, answer, 0, 0
+        for name in orders.holds:
+            if self.robots[name].state in (State.DRIVING, State.PLANNING):
+                self.robots[name].hold(self.now_s + RETRY_S)
         self.waited |= orders.waits_for
         for name, one in self.robots.items():
             one.brakes = max(0, one.brakes - 1)
@@ -157,7 +203,7 @@ class Fleet:
                 one.place[1] + STEP_S * one.runs_m_s[1],
             )
             release = self.coordinator.release(name)
-            one.drive(0 if release is None else release.targets)
+            one.drive(0 if release is None else release.targets, self.now_s)
         for a, b in combinations(self.robots.values(), 2):
             self.least_gap_m = min(self.least_gap_m, math.dist(a.place, b.place) - 2 * RADIUS_M)
         return orders
@@ -165,7 +211,7 @@ class Fleet:
     def run(self, seconds: float = 120.0) -> None:
         """Until nobody is under way."""
         end_s = self.now_s + seconds
-        going = (State.PLANNING, State.DRIVING)
+        going = (State.PLANNING, State.DRIVING, *([State.HOLDING] if self._patient else []))
         while self.now_s < end_s:
             self.step()
             if not any(one.state in going and not one.dead for one in self.robots.values()):

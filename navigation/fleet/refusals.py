@@ -1,0 +1,89 @@
+"""Who has no path, why, and what that hung on: while it is the same, another plan is refused too.
+
+Metres.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from navigation.fleet.orders import ON_TRACK_M
+from navigation.fleet.places_kept import Member
+from navigation.mission.cycle import PlanRequest
+from navigation.mission.mission import State, Station
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What a refusal hung on: while it is the same, another plan would be refused too."""
+
+    revision: int
+    goals: frozenset[tuple[str, Station]]
+    at_rest: Mapping[str, tuple[float, float]]
+    """Where those are that do not drive."""
+
+    def is_like(self, other: Situation | None) -> bool:
+        """Whether nothing has changed but by noise."""
+        if other is None or (self.revision, self.goals) != (other.revision, other.goals):
+            return False
+        if self.at_rest.keys() != other.at_rest.keys():
+            return False
+        places = ((at, other.at_rest[name]) for name, at in self.at_rest.items())
+        return all(math.dist(here, there) < ON_TRACK_M for here, there in places)
+
+
+class Refusals:
+    """Those of the plan that was answered last."""
+
+    def __init__(self) -> None:
+        self.reasons: dict[str, str] = {}
+        """By the name of each robot that was refused."""
+        self._goals: dict[str, Station] = {}
+        self._hung_on: Situation | None = None
+        self._asked: tuple[dict[str, Station], Situation] | None = None
+
+    def ask(
+        self,
+        wishes: Mapping[str, PlanRequest],
+        revision: int,
+        at_rest: Mapping[str, tuple[float, float]],
+    ) -> None:
+        """A plan is asked for: what it finds hangs on how things are now."""
+        goals = {name: request.stations[0] for name, request in wishes.items()}
+        self._asked = goals, Situation(revision, frozenset(), at_rest)
+
+    def take(self, reasons: Mapping[str, str]) -> None:
+        """Who was refused in the answer."""
+        assert self._asked is not None
+        goals, situation = self._asked
+        self.reasons = dict(reasons)
+        self._goals = {name: goals[name] for name in reasons}
+        self._hung_on = replace(situation, goals=frozenset(self._goals.items()))
+
+    def refuse(self, names: Iterable[str], why: str) -> None:
+        """Nobody asks for a plan: these are refused in this cycle."""
+        self.reasons = dict.fromkeys(names, why)
+        self._goals, self._hung_on = {}, None
+
+    def still_hold(
+        self,
+        members: Mapping[str, Member],
+        asking: Mapping[str, PlanRequest],
+        revision: int,
+        at_rest: Mapping[str, tuple[float, float]],
+    ) -> bool:
+        """Whether nothing has changed that they hung on."""
+        goals = frozenset(
+            (name, asking[name].stations[0] if name in asking else goal)
+            for name, goal in self._goals.items()
+            if members[name].state in (State.PLANNING, State.HOLDING)
+        )
+        return Situation(revision, goals, at_rest).is_like(self._hung_on)
+
+    def will_ask(self, members: Mapping[str, Member], asking: Mapping[str, PlanRequest]) -> bool:
+        """Whether one that was refused holds, and will ask again."""
+        return any(
+            name not in asking and members[name].state is State.HOLDING for name in self.reasons
+        )
