@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -61,6 +60,8 @@ class Coordinator:
 
     def __init__(self, clearance_m: Clearance) -> None:
         self.held: dict[str, Held] = {}
+        self._left: dict[str, Held] = {}
+        """What others were given before: one that is not seen may be driving it."""
         self.rounds = 0
         """How often all were planned together."""
         self._clearance_m = clearance_m
@@ -312,8 +313,9 @@ class Coordinator:
             }
         self.rounds += 1
         self._asked = request_of(
-            self.rounds, revision, members, self.held, wishes, driving, self._runaways
-        )
+            self.rounds, revision, members, self._left | self.held, wishes, driving,
+            self._runaways,
+        )  # fmt: skip
         self._asked_ids = {name: request.id for name, request in wishes.items()}
         self._refusals.ask(wishes, revision, self._at_rest(members))
         return self._asked, {}
@@ -341,14 +343,16 @@ class Coordinator:
             for name, promise in answer.promises.items()
         }
         if asked.driving:
-            for one in asked.driving:
-                gates = (answer.gates or {}).get(one.promise.name, one.promise.gates)
-                self.held[one.promise.name].promise = replace(one.promise, gates=gates)
+            for promise in answer.driving:
+                self.held[promise.name].promise = promise
+            for name in self._asked_ids if new else ():
+                self.forget(name)  # the others' order is one with it standing where it asked
             self.held |= new
         else:
-            for old in self.held.values():
-                old.broken, old.errand = True, False
-            self.held |= new  # who is not seen may still be driving what it was given
+            self._left |= self.held
+            self.held = new
+        for name in new:
+            self._left.pop(name, None)
         self._refusals.take(answer.refused)
         answers = {}
         for name, request_id in self._asked_ids.items():

@@ -15,8 +15,8 @@ The path is found by `planner.FleetSchedule`. Metres, radians, seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -114,12 +114,20 @@ def _join(
             )
         except TrajectoryError as error:
             raise CannotJoinError(f"{one.name}: {error}") from error
+    coming = {*promises, *(one.promise.name for one in party.driving)}
+    missing = {gate.other for rows in gates for gate in rows} - coming
+    if missing:
+        raise CannotJoinError(f"{listed(sorted(missing))} would be waited for, and has no path")
     return FleetAnswer(
         request.id,
         request.scene_revision,
         promises,
         refused,
-        gates={one.promise.name: tuple(gates[j]) for j, one in enumerate(party.driving)},
+        driving=tuple(
+            # the next order is taken with no more room than this one
+            replace(one.promise, gates=tuple(gates[j]), margin_m=sizes[j] - one.promise.radius_m)
+            for j, one in enumerate(party.driving)
+        ),
     )
 
 
@@ -132,15 +140,17 @@ def _with_goals(schedule: FleetSchedule, party: _Party) -> tuple[FleetSchedule, 
     goals = {k: (one.station.x, one.station.y) for k, one in enumerate(party.asking, first)}
     sent = [one.sent - one.executed for one in party.driving] + [0] * len(party.standing)
     refused: dict[int, NoFleetPlan] = {}
+    may_move = {*range(first + len(party.asking), len(names))}
     for k, goal in goals.items():
-        found = _with_goals_at_once(schedule, {k: goal}, sent, party)
+        found = _with_goals_at_once(schedule, {k: goal}, sent, party, {*may_move, k})
         if isinstance(found, NoFleetPlan):
             refused[k] = found
         else:
+            may_move.add(k)
             schedule, sent = found, list(found.sent)
     together = {k: goals[k] for k, why in refused.items() if why.blocking != (k,)}
     if len(together) > 1:
-        found = _with_goals_at_once(schedule, together, sent, party)
+        found = _with_goals_at_once(schedule, together, sent, party, {*may_move, *together})
         if isinstance(found, FleetSchedule):
             schedule = found
             refused = {k: why for k, why in refused.items() if k not in together}
@@ -152,15 +162,16 @@ def _with_goals_at_once(
     goals: Mapping[int, tuple[float, float]],
     sent: Sequence[int],
     party: _Party,
+    may_move: Container[int],
 ) -> FleetSchedule | NoFleetPlan:
-    """None of those that drive is to step aside for it."""
+    """Nobody else is to step aside for it: who drives, or has no path of its own."""
     try:
         found = schedule.with_goals(goals, sent=sent, time_limit_s=TIME_LIMIT_S)
     except ValueError as error:
         raise CannotJoinError(str(error)) from error
     if isinstance(found, NoFleetPlan):
         return found
-    aside = tuple(i for i in found.changed if i < len(party.driving))
+    aside = tuple(i for i in found.changed if i not in may_move)
     if not aside:
         return found
     has = "have" if len(aside) > 1 else "has"

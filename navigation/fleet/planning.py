@@ -134,8 +134,9 @@ def _try(
             for i, passed, waiting, row in waits
             if waiting == j and row < len(numbers[j]) and numbers[j][row] < last
         ]
+        margin_m = sizes[j] - one.radius_m - SLACK_M  # chords of rounded corners: 25 um nearer
         try:
-            promises[one.name] = make_promise(here, one, tracks[j], gates, sizes[j] - one.radius_m)
+            promises[one.name] = make_promise(here, one, tracks[j], gates, margin_m)
         except TrajectoryError as error:
             return j, str(error)
     return promises
@@ -276,14 +277,16 @@ def _number(numbers: FloatArray, row: int) -> int:
 
 def _sizes(here: Roadmap, moving: Sequence[Traveller], keep_m: float) -> list[float]:
     """Each robot's radius with the margin that there is room for."""
-    margin_m = 0.5 * keep_m
-    for a, b in combinations(moving, 2):
+    margins = [0.5 * keep_m] * len(moving)
+    for i, j in combinations(range(len(moving)), 2):
+        a, b = moving[i], moving[j]
         both_m = a.radius_m + b.radius_m
         goals_m = math.dist((a.station.x, a.station.y), (b.station.x, b.station.y))
-        for apart_m in (math.dist(a.start[:2], b.start[:2]), goals_m):
-            margin_m = min(margin_m, 0.5 * (apart_m - both_m) - SLACK_M)
+        apart_m = min(math.dist(a.start[:2], b.start[:2]), goals_m)
+        for k in (i, j):
+            margins[k] = min(margins[k], 0.5 * (apart_m - both_m) - SLACK_M)
     sizes = []
-    for one in moving:
+    for one, margin_m in zip(moving, margins, strict=True):
         ends = np.array([one.start[:2], (one.station.x, one.station.y)])
         room_m = float(here.clearance(ends).min()) - one.radius_m - SLACK_M
         sizes.append(one.radius_m + max(min(margin_m, room_m), -OVERLAP_M))

@@ -97,14 +97,14 @@ class Driving:
 class FleetAnswer:
     """A promise for each traveller that has one, and the reason for each that has none.
 
-    ``gates`` are all gates of those that drive on, where the request had some; ``cannot`` is the
-    reason where nothing could be added to their promises. A promise of an idle robot asks it to
-    step aside and come back.
+    ``driving`` are the promises of those that drive on with the gates that they have now, where any
+    have changed; ``cannot`` is the reason where nothing could be added to them. A promise of an
+    idle robot asks it to step aside and come back.
     """
 
     id: int
     scene_revision: int
     promises: Mapping[str, Promise]
     refused: Mapping[str, str]
-    gates: Mapping[str, tuple[Gate, ...]] | None = None
+    driving: tuple[Promise, ...] = ()
     cannot: str = ""
