@@ -137,6 +137,31 @@ def test_a_goal_where_another_parks_is_refused_with_both_names() -> None:
     assert "0.1 apart" in refused.reason
 
 
+def test_two_that_stand_on_each_others_goals_have_a_plan_together_and_none_alone() -> None:
+    roadmap = build_roadmap(ALCOVE, radius=0.1)
+    schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (2.7, 0.5)])
+    for robot, goal in ((0, (2.7, 0.5)), (1, (0.3, 0.5))):
+        assert isinstance(schedule.with_goal(robot, goal), NoFleetPlan)
+    new = schedule.with_goals({0: (2.7, 0.5), 1: (0.3, 0.5)})
+    assert isinstance(new, FleetSchedule), new
+    assert [track[-1, 1:].tolist() for track in new.plan.tracks] == [[2.7, 0.5], [0.3, 0.5]]
+    assert least_gap(new.plan.tracks, new.radii) >= -1e-7
+
+
+def test_goals_that_others_drive_across_are_added_at_once_and_keep_what_was_sent() -> None:
+    roadmap = build_roadmap(ALCOVE, radius=0.1)
+    schedule = FleetSchedule.parked(roadmap, [(0.3, 0.5), (2.7, 0.5), (1.5, 0.86)])
+    first = schedule.with_goal(2, (1.0, 0.5))
+    assert isinstance(first, FleetSchedule)
+    sent = [0, 0, len(first.plan.tracks[2]) - 1]
+    new = first.with_goals({0: (2.7, 0.5), 1: (0.3, 0.5)}, sent=sent)
+    assert isinstance(new, FleetSchedule), new
+    kept = new.plan.tracks[2][: new.sent[2] + 1, 1:]
+    assert kept[-1].tolist() == [1.0, 0.5]
+    assert all(row >= new.sent[waiting] for _, _, waiting, row in new.plan.dependencies)
+    assert least_gap(new.plan.tracks, new.radii) >= -1e-7
+
+
 def test_a_goal_in_a_wall_names_the_robot() -> None:
     schedule = FleetSchedule.parked(build_roadmap(ALCOVE, radius=0.1), [(0.3, 0.5)])
     refused = schedule.with_goal(0, (1.0, 0.2))
