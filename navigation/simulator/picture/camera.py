@@ -208,7 +208,10 @@ class SimulatedCamera:
 
     def _with_robots(self, floor: _Floor, poses: Sequence[TruePose]) -> Image:
         picture, noise = floor.picture, floor.noise
-        painted = list(zip(self._robot_painters, poses, strict=True))
+        painted = sorted(  # who is nearer to the lens stands before the others
+            zip(self._robot_painters, poses, strict=True),
+            key=lambda one: -one[0].from_lens_m(one[1]),
+        )
         boxes = [painter.box(pose, picture.shape) for painter, pose in painted]
         parts = [np.s_[box[1] : box[3], box[0] : box[2]] for box in boxes if box is not None]
         for part in parts:

@@ -162,6 +162,11 @@ class RobotPainter:
         """The pixels that the robot may touch: x0, y0, x1, y1; None where it is out of sight."""
         return box_around(self._rims_seen(pose), shape)
 
+    def from_lens_m(self, pose: tuple[float, float, float]) -> float:
+        """How far the robot's foot is from the place below the lens."""
+        x, y, _ = self._pinhole.position_m.tolist()
+        return math.dist(pose[:2], (x, y))
+
     def _rims_seen(self, pose: tuple[float, float, float]) -> FloatArray:
         """Pixels (256, 2) of the lower and the upper rim."""
         x, y, _ = pose

@@ -226,6 +226,30 @@ def test_other_robots_are_drawn_where_they_are(config: Config, arena: SimulatedA
     assert place == pytest.approx((1.4, 1.0), abs=5e-4)
 
 
+@pytest.mark.parametrize("outer_first", [True, False])
+def test_who_is_nearer_to_the_lens_covers_the_other_whatever_their_order(
+    outer_first: bool, config: Config, arena: SimulatedArena
+) -> None:
+    """The outer of two robots side by side was drawn over the other one's marker."""
+    other = MarkerSection(marker_id=9, marker_size_m=0.08, marker_height_m=0.2, radius_m=0.08)
+    two = config.model_copy(update={"other_robots": (other,)})
+    x_m, y_m, _ = pinhole_of(config).position_m
+    reach_m = config.robot.radius_m + 0.08 + 0.002
+    inner = (x_m - 0.6, y_m - 0.45, 0.0)
+    outer = (inner[0] - 0.8 * reach_m, inner[1] - 0.6 * reach_m, 0.0)
+    poses = (outer, inner) if outer_first else (inner, outer)
+    camera = make_camera(two, arena, lambda: poses[0], Clock(), others=[lambda: poses[1]])
+    away = (x_m + 0.5, y_m + 0.4, 0.0)
+    alone = camera.render([away, inner] if outer_first else [inner, away], None)
+    corners, ids, _ = detector().detectMarkers(alone)
+    assert ids is not None
+    seen = dict(zip(ids.ravel().tolist(), corners, strict=True))
+    at = np.asarray(seen[9 if outer_first else config.robot.marker_id], np.int32).reshape(-1, 2)
+    (x0, y0), (x1, y1) = at.min(axis=0) - 4, at.max(axis=0) + 4
+    both = camera.render(poses, None)
+    assert np.array_equal(both[y0:y1, x0:x1], alone[y0:y1, x0:x1])
+
+
 def test_every_other_robot_needs_its_place(config: Config, arena: SimulatedArena) -> None:
     with pytest.raises(ValueError, match="zip"):
         make_camera(
