@@ -1,11 +1,14 @@
-"""What every tuned constant of the fit of outlines earns: halved and doubled, which figures change.
+"""How much every number of the fit of outlines matters: halved and doubled, which outlines change.
 
-Run ``python -m benchmarks.vision.constants [--count 12] [--only SNAP,CORNER]``: a row for each one
-of ``vision/outline/*_kernels.py`` whose docstring calls it chosen or measured. For the pictures of
-``benchmarks.vision.stages``, with grey and without: how many more outlines are wrong, how many more
-edges they have in the mean, and by how much farther off they are. Where neither half nor double
-changes a figure, the mechanism does nothing or only spares work. The kernels are compiled once, for
-numbers that they read where they lie: about two minutes, and a second a shape a cell for each.
+Run ``python -m benchmarks.vision.constants [--count 4] [--only SNAP,CORNER] [--figures]``: a row
+for each one of ``vision/outline/*_kernels.py`` whose docstring calls it chosen, measured or
+indifferent: how many of all pictures have another outline, by whatever little. The pictures are
+those of ``benchmarks.vision.stages`` with grey and without, small drawn shapes, discs with blurred
+steps, ragged borders with texture, and the real shapes below ``CLEARWAY_REAL_DATA`` where that is
+set. With ``--figures`` also how many more outlines are wrong, how many more edges they have in the
+mean, and by how much farther off they are. A number that is called indifferent and is not ends the
+run with 1. The kernels are compiled once, for numbers that they read where they lie: about two
+minutes.
 """
 
 # mypy: allow-untyped-defs
@@ -16,13 +19,15 @@ import argparse
 import ast
 import importlib.abc
 import importlib.machinery
+import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
 from types import CodeType, ModuleType
 from typing import Any
 
+import cv2
 import numpy as np
 from llvmlite import ir
 from numba.core import types
@@ -39,6 +44,12 @@ REALS, WHOLES = np.zeros(500), np.zeros(500, np.int64)
 PLACES: dict[str, tuple[np.ndarray, int]] = {}
 """Of each ``module.NAME`` (``module.NAME[i]``): in which of both arrays, and where."""
 Figure = tuple[int, float, float]
+FREE = "indifferent"
+FREE_ONES: set[str] = set()
+"""Those that are called so."""
+REAL_PX = 1_000_000
+SMALL = (2, 3, 4, 6, 9, 13, 20)
+"""Radii of small shapes, pixels."""
 
 
 def _reader(numbers: np.ndarray, real: bool) -> Any:
@@ -102,7 +113,10 @@ class _Loader(importlib.machinery.SourceFileLoader):
         tree = ast.parse(text)
         values = module.__dict__
         file = File(PurePosixPath(self.path).relative_to(ROOT), text, tree)
-        tuned = {one.name for one in named_numbers([file]) if one.tuned}
+        tuned = {one.name for one in named_numbers([file]) if one.tuned or one.source == FREE}
+        FREE_ONES.update(
+            f"{module.__name__}.{n.name}" for n in named_numbers([file]) if n.source == FREE
+        )
         known: dict[str, str] = {}
         body = [n for n in tree.body if not isinstance(n, ast.FunctionDef) or not n.decorator_list]
         exec(self._compiled(body), values)
@@ -112,7 +126,12 @@ class _Loader(importlib.machinery.SourceFileLoader):
                     key = f"{node.module}.{alias.name}"
                     if key in PLACES or f"{key}[0]" in PLACES:
                         known[alias.name] = key
-        for name in sorted(tuned):
+        gone_through = {
+            one.iter.id
+            for one in ast.walk(tree)
+            if isinstance(one, ast.For) and isinstance(one.iter, ast.Name)
+        }
+        for name in sorted(tuned - gone_through):
             key = f"{module.__name__}.{name}"
             self._place(key, values[name])
             known[name] = key
@@ -165,38 +184,119 @@ def change(before: dict[str, Figure], now: dict[str, Figure]) -> str:
     return "; ".join(said) or "nothing"
 
 
-def row(key: str, count: int, figures: Callable[[int], dict[str, Figure]], usual: Any) -> str:
-    """A constant's row: its value, and what half and double of it change."""
+def pictures(count: int) -> list[tuple[np.ndarray, float]]:
+    """Pictures with the texture that their outlines are asked for, in pixels."""
+    from benchmarks.vision.cover import KINDS, outline
+    from benchmarks.vision.grey_shapes import FAMILIES, SEED, drawn
+    from benchmarks.vision.rounds import stepped_disc
+    from tests.vision.outline.test_texture import picture_of, ragged
+
+    grey = [
+        drawn(name, look, i)[1]
+        for name, family in FAMILIES.items()
+        for look in family.looks
+        for i in range(count)
+    ]
+    crisp = [
+        picture_of(outline(np.random.default_rng([SEED, i, len(kind)]), kind))
+        for kind in KINDS
+        for i in range(count)
+    ]
+    stepped = [
+        stepped_disc(radius, blur, noise, np.random.default_rng([SEED, radius, int(noise)]))
+        for radius in SMALL[3:]
+        for blur in (0.7, 1.5)
+        for noise in (0.0, 4.0)
+    ]
+    rough = [(picture_of(ragged(seed)), px) for seed in range(2 * count) for px in (0.0, 1.0, 2.0)]
+    plain = [*grey, *crisp, *stepped, *_small(count), *_real()]
+    return [*((one, 0.0) for one in plain), *rough]
+
+
+def _small(count: int) -> Iterator[np.ndarray]:
+    """Crisp discs, squares and half discs, turned by chance."""
+    rng = np.random.default_rng(5)
+    for radius in SMALL:
+        for _ in range(count):
+            y, x = np.mgrid[0:60, 0:60] - 30.0 + rng.uniform(-0.5, 0.5, 2)[:, None, None]
+            turn = rng.uniform(0.0, math.tau)
+            u = x * math.cos(turn) + y * math.sin(turn)
+            v = y * math.cos(turn) - x * math.sin(turn)
+            round_one = np.hypot(u, v) <= radius
+            for mask in (round_one, np.maximum(abs(u), abs(v)) <= radius, round_one & (v >= 0)):
+                yield np.where(mask, 25, 235).astype(np.uint8)
+
+
+def _real() -> Iterator[np.ndarray]:
+    data = os.environ.get("CLEARWAY_REAL_DATA")
+    for file in sorted(Path(data, "shapes").rglob("*.png")) if data else ():
+        picture = cv2.imread(str(file))
+        if picture is not None and picture.shape[0] * picture.shape[1] <= REAL_PX:
+            yield picture
+
+
+def outlines(shown: list[tuple[np.ndarray, float]]) -> list[str]:
+    """Of each picture its outlines as text, or why there are none."""
+    from vision import PictureError, extract
+
+    found = []
+    for picture, texture_px in shown:
+        try:
+            found.append(repr(extract(picture, texture_px=texture_px).objects))
+        except PictureError as error:
+            found.append(str(error))
+    return found
+
+
+def row(key: str, told: Callable[[], list[str]]) -> tuple[str, bool]:
+    """A constant's row: what half and double of it change; and whether no outline is another."""
     numbers, at = PLACES[key]
     value = numbers[at].copy()
-    told = []
+    cells = []
     for other in (value / 2, value * 2):
         numbers[at] = max(other, 1) if numbers is WHOLES else other
-        told.append(change(usual, figures(count)))
+        cells.append(told())
     numbers[at] = value
-    return f"| {key.removeprefix(PACKAGE)} | {value:g} | {told[0]} | {told[1]} |"
+    both = [cell for pair in zip(*cells, strict=True) for cell in pair]
+    line = " | ".join([key.removeprefix(PACKAGE), f"{value:g}", *both])
+    return f"| {line} |", both[:2] == ["0", "0"]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=12, help="shapes a cell")
+    parser.add_argument("--count", type=int, default=4, help="shapes a cell")
     parser.add_argument("--only", default="", help="names, separated by commas")
+    parser.add_argument("--figures", action="store_true", help="of the stages, too")
     given = parser.parse_args()
     sys.meta_path.insert(0, _Finder())
     from benchmarks.vision.stages import figures
 
-    usual = figures(given.count)
-    print("| constant | value | half | double |\n|---|---|---|---|")
+    shown = pictures(given.count)
+    usual, before = outlines(shown), figures(given.count) if given.figures else {}
+
+    def told() -> list[str]:
+        others = sum(a != b for a, b in zip(outlines(shown), usual, strict=True))
+        return [str(others), *([change(before, figures(given.count))] if given.figures else [])]
+
+    more = " figures, half | double |" if given.figures else ""
+    print(f"{len(shown)} pictures.\n\n| number | value | other outlines, half | double |{more}")
+    print("|---" * (4 + 2 * given.figures) + "|", flush=True)
+    wrong = 0
     for key in sorted(PLACES):
         name = key.rsplit(".", 1)[1].split("[")[0]
         if given.only and name not in given.only.split(","):
             continue
         # in a process of its own: a number that is out of bounds may end it
-        if os.fork() == 0:
-            print(row(key, given.count, figures, usual), flush=True)
-            os._exit(0)
-        os.wait()
-    return 0
+        child = os.fork()
+        if child == 0:
+            line, same = row(key, told)
+            print(line, flush=True)
+            os._exit(0 if same or key.split("[")[0] not in FREE_ONES else 3)
+        _, status = os.waitpid(child, 0)
+        if os.waitstatus_to_exitcode(status) == 3:
+            print(f"{key} is called indifferent, and is not", file=sys.stderr)
+            wrong = 1
+    return wrong
 
 
 if __name__ == "__main__":
