@@ -1,9 +1,11 @@
-"""Named numbers, and what their sources are: derived, measured, chosen or defined.
+"""Named numbers, and what their sources are: derived, measured, chosen, defined or indifferent.
 
 A named number is a constant in capitals of a module with a number in its value. Its source is the
 first of these words, before a comma, colon or full stop, in its docstring or a comment above it.
-What is derived or defined (a kind, an index, a type) is no tuned number; everything else is, and
-what has no source too.
+What is derived or defined (a kind, an index, a type, a promise) is no tuned number, and neither is
+one of which half and double change nothing (indifferent: ``benchmarks.vision.constants`` fails
+where that is not so, and ``benchmarks.vision.binarisation --numbers`` shows it); everything else
+is, and what has no source too.
 """
 
 from __future__ import annotations
@@ -17,9 +19,9 @@ from itertools import pairwise
 from benchmarks.house.tree import File
 
 NAME = re.compile(r"_?[A-Z][A-Z0-9_]*")
-SOURCE = re.compile(r"\b(derived|measured|chosen|defined)\b[:,.;)]", re.IGNORECASE)
+SOURCE = re.compile(r"\b(derived|measured|chosen|defined|indifferent)\b[:,.;)]", re.IGNORECASE)
 """With what follows: not "is measured across"."""
-UNTUNED = ("derived", "defined")
+UNTUNED = ("derived", "defined", "indifferent")
 
 
 @dataclass(frozen=True, slots=True)

@@ -332,7 +332,10 @@ def main() -> int:
         for place, value in numbers().items():
             for factor in (0.5, 2.0) if given.numbers in place else ():
                 other = type(value)(factor * value)
-                row = changed(drawings, ((place, other),)).row(f"{place} = {other:g}", usual)
+                try:
+                    row = changed(drawings, ((place, other),)).row(f"{place} = {other:g}", usual)
+                except EOFError:  # a share beyond all, say
+                    row = f"| {place} = {other:g} | ends with an error |"
                 print(row, flush=True)
         return 0
     for name in given.only.split(",") if given.only else STAGES:

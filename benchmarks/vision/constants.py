@@ -1,7 +1,7 @@
 """How much every number of the fit of outlines matters: halved and doubled, which outlines change.
 
 Run ``python -m benchmarks.vision.constants [--count 4] [--only SNAP,CORNER] [--figures]``: a row
-for each one of ``vision/outline/*_kernels.py`` whose docstring calls it chosen, measured or
+for each one of ``vision/outline`` that is no tuple and whose docstring calls it chosen, measured or
 indifferent: how many of all pictures have another outline, by whatever little. The pictures are
 those of ``benchmarks.vision.stages`` with grey and without, small drawn shapes, discs with blurred
 steps, ragged borders with texture, and the real shapes below ``CLEARWAY_REAL_DATA`` where that is
@@ -43,6 +43,8 @@ REALS, WHOLES = np.zeros(500), np.zeros(500, np.int64)
 """Where the numbers lie."""
 PLACES: dict[str, tuple[np.ndarray, int]] = {}
 """Of each ``module.NAME`` (``module.NAME[i]``): in which of both arrays, and where."""
+PLAIN: dict[str, ModuleType] = {}
+"""Of each ``module.NAME`` that no kernel reads: its module."""
 Figure = tuple[int, float, float]
 FREE = "indifferent"
 FREE_ONES: set[str] = set()
@@ -69,6 +71,45 @@ def _reader(numbers: np.ndarray, real: bool) -> Any:
 
 
 READERS = {"_read_real": _reader(REALS, True), "_read_whole": _reader(WHOLES, False)}
+
+
+def number(key: str) -> float:
+    """A number's value."""
+    if key in PLAIN:
+        found: float = vars(PLAIN[key])[key.rsplit(".", 1)[1]]
+        return found
+    numbers, at = PLACES[key]
+    return float(numbers[at]) if numbers is REALS else int(numbers[at])
+
+
+def set_number(key: str, value: float) -> None:
+    """Let a number have another value, whole where it is."""
+    whole = isinstance(number(key), int)
+    value = max(int(value), 1) if whole else value
+    if key not in PLAIN:
+        numbers, at = PLACES[key]
+        numbers[at] = value
+        return
+    name, old = key.rsplit(".", 1)[1], number(key)
+    for module in [m for n, m in sys.modules.items() if n.startswith("vision.outline")]:
+        if getattr(module, name, None) is old:
+            setattr(module, name, value)
+
+
+def find_plain() -> None:
+    """The numbers of the modules that are no kernels."""
+    for path in sorted((ROOT / "vision" / "outline").rglob("*.py")):
+        place = PurePosixPath(path.relative_to(ROOT))
+        if place.stem.endswith("_kernels") or place.stem == "__init__":
+            continue
+        text = path.read_text(encoding="utf-8")
+        file = File(place, text, ast.parse(text))
+        for one in named_numbers([file]):
+            module, key = importlib.import_module(file.module), f"{file.module}.{one.name}"
+            if one.source == FREE:
+                FREE_ONES.add(key)
+            if (one.tuned or key in FREE_ONES) and isinstance(vars(module)[one.name], int | float):
+                PLAIN[key] = module
 
 
 class _Reading(ast.NodeTransformer):
@@ -250,13 +291,12 @@ def outlines(shown: list[tuple[np.ndarray, float]]) -> list[str]:
 
 def row(key: str, told: Callable[[], list[str]]) -> tuple[str, bool]:
     """A constant's row: what half and double of it change; and whether no outline is another."""
-    numbers, at = PLACES[key]
-    value = numbers[at].copy()
+    value = number(key)
     cells = []
     for other in (value / 2, value * 2):
-        numbers[at] = max(other, 1) if numbers is WHOLES else other
+        set_number(key, other)
         cells.append(told())
-    numbers[at] = value
+        set_number(key, value)
     both = [cell for pair in zip(*cells, strict=True) for cell in pair]
     line = " | ".join([key.removeprefix(PACKAGE), f"{value:g}", *both])
     return f"| {line} |", both[:2] == ["0", "0"]
@@ -282,7 +322,8 @@ def main() -> int:
     print(f"{len(shown)} pictures.\n\n| number | value | other outlines, half | double |{more}")
     print("|---" * (4 + 2 * given.figures) + "|", flush=True)
     wrong = 0
-    for key in sorted(PLACES):
+    find_plain()
+    for key in sorted({*PLACES, *PLAIN}):
         name = key.rsplit(".", 1)[1].split("[")[0]
         if given.only and name not in given.only.split(","):
             continue

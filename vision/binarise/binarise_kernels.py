@@ -29,7 +29,7 @@ REACH = 4
 """Pixels from one end of a step to the other: chosen, the width of an edge that a lens in focus
 blurs."""
 AT_A_TIME = 128
-"""Pixels of a row that are looked at together: chosen, for time."""
+"""Pixels of a row that are looked at together: indifferent, for time."""
 BINS = 2048
 """Second differences that are told apart: derived, there can be 2,040 quarters."""
 PARTS = np.int64(4)

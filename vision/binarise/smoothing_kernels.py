@@ -26,15 +26,22 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING
 from planner.scene.primitive_kernels import grown
-from vision.binarise.binarise_kernels import AT_A_TIME, SIGMAS, count_greys, sample_steps, summed
+from vision.binarise.binarise_kernels import (
+    AT_A_TIME,
+    REACH,
+    SIGMAS,
+    count_greys,
+    sample_steps,
+    summed,
+)
 from vision.shared.typed_numbers import NONE
 
 MARGIN = 2
 """Pixels that the smoothing reaches beyond one: defined, of five weights."""
 BINOMIAL_LEFT = 0.2734
 """The share of white noise that the binomial of 5 x 5 pixels leaves: derived, 70 / 256."""
-RING = 4
-"""How far away the pixels around a dot lie: chosen, outside its blurred rim."""
+RING = REACH
+"""How far away the pixels around a dot lie: derived, outside its blurred rim."""
 BESIDE = 0.4
 """How deep the picture is on both sides of what is no dot, as a share of its own depth: chosen."""
 NEAR = RING + 1

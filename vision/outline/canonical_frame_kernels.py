@@ -26,8 +26,8 @@ from vision.shared.typed_numbers import NONE
 APART = 7
 """A border's share between points that are compared: chosen, no usual symmetry has it."""
 NEITHER = 1e-10
-"""A skewness below this share of what it could be is rounding: chosen, thousands of sums round by
-1e-12 in all. The border is its own mirror image then."""
+"""A skewness below this share of what it could be is rounding: indifferent, thousands of sums
+round by 1e-12 in all. The border is its own mirror image then."""
 
 STEPS = 2.0**20
 """To so many parts of a pixel points are rounded: chosen, a power of two, exact. What is equal but

@@ -81,7 +81,8 @@ NO_BLUR = 0.0
 SURE = 0.5
 """Pixels by which the last check is stricter than the search: chosen."""
 HELD_AREA = 400
-"""Pixels from which an object drawn again covers its own, whether or not it is round: chosen."""
+"""Pixels from which an object drawn again covers its own, whether or not it is round:
+indifferent."""
 
 
 @njit(**LEAF, forceinline=True)

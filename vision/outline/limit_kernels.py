@@ -28,15 +28,16 @@ grey no more than ``KNOWN_PX``, noise aside."""
 CUT_PX = 0.7
 """Blur's worth of a missing corner pixel: chosen, the sides still meet where they would with it."""
 MOST_PX = 1.0
-"""How far an edge may leave a border without noise: chosen, the pixel that is promised. At a tip,
+"""How far an edge may leave a border without noise: defined, the pixel that is promised. At a tip,
 too: what is farther off is none."""
 CALM_LOSS_PX = 0.02
 """Deviation that does not count as area lost: chosen."""
-CHORD_PX, CRISP_CHORD_PX = 0.2, 0.34
-"""How far a chord of a ragged stretch may leave its border points: chosen, without grey no farther
-than half a pixel along the axis at 45 degrees."""
+CHORD_PX = 0.2
+"""How far a chord of a ragged stretch may leave its border points: chosen."""
+CRISP_CHORD_PX = 0.34
+"""The same without grey: indifferent, no farther than half a pixel along the axis at 45 degrees."""
 LOSS_SHARE, LEAST_LOSS = 0.0035, 1.0
-"""Area that an object's edges may lose, as a share of its own, and in pixels: chosen,
+"""Area that an object's edges may lose, as a share of its own, and in pixels: defined,
 the promise of the page on outlines."""
 
 

@@ -30,7 +30,7 @@ FAILED = 4.0
 NEAR_MISS = 1.6
 """Share of the worst deviation up to which an arc is worth turning between the pixels: chosen."""
 SPAN = 160
-"""At most so many seeds in one stretch: chosen, a bound on the work."""
+"""At most so many seeds in one stretch: indifferent, a bound on the work."""
 CORNER = 1.2
 """Turn in radians from which a seed is surely a corner: chosen, a cap of 10 px radius turns by
 0.6, and a staircase turns sharply by itself."""
@@ -40,7 +40,7 @@ work."""
 ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
 """What a stretch may be: defined, a line or an arc, an arc, neither."""
 ROUNDING = 1e-9
-"""A partition begun elsewhere may cost as much, but for the order of its sums: chosen."""
+"""A partition begun elsewhere may cost as much, but for the order of its sums: indifferent."""
 ASTRAY = 3.0
 """In worst deviations: how far a seed may lie from the chord, or from the circle through both
 ends and the middle, of a stretch that might be a line or an arc (chosen)."""

@@ -26,16 +26,16 @@ from numpy.typing import NDArray
 from planner.scene.compile_options import LEAF
 
 HAIR = 1e-6
-"""Rounding that is no deviation, pixels: measured, the edge points of a drawing are up to 2e-8 px
-from the middles of its cracks."""
+"""Rounding that is no deviation, pixels: indifferent, the edge points of a drawing are up to 2e-8
+px from the middles of its cracks."""
 LEVELS = (0.1, 0.25, 0.5, 0.75, 1.0)
 """Shares of the tolerance that steps may use, one after the other: chosen, so that what takes
 little is done first and does not stand in the way."""
 MOST_ROUNDS = 100
-"""Times around the border at each level: a bound on the work, chosen. Each takes away at least one
-corner, and most of them nearly all that can go."""
+"""Times around the border at each level: a bound on the work, indifferent. Each takes away at
+least one corner, and most of them nearly all that can go."""
 SHARE_OF_GAP = 0.45
-"""Of the way to another object's border: chosen, below one half, so that two never meet."""
+"""Of the way to another object's border: indifferent, below one half, so that two never meet."""
 
 
 class Ring(NamedTuple):

@@ -34,7 +34,7 @@ from vision.outline.limit_kernels import LOUD_PX
 from vision.shared.typed_numbers import NONE, ONE
 
 CIRCLE_LOSS = 1.3
-"""How much more than its edges might a circle may lose that spares them all: chosen."""
+"""How much more than its edges might a circle may lose that spares them all: indifferent."""
 INWARDS = 0.31
 """Blur moves the half-way level of a circle inwards by half its variance over the radius; a blur
 that is read off profiles along rows and columns, which meet a circle aslant, looks so much wider
@@ -42,7 +42,7 @@ that it is less than a third (measured). Less with noise, and nothing from ``LOU
 own measure of the same (``half_variance`` in ``vision.outline.corners.fillet_kernels``) gives more:
 nearer for most circles, but 0.08 px too much at a radius of 5 px and a blur of 1.5 px."""
 ROUGH = 64
-"""Points that tell most other shapes from a circle: chosen, it only spares work."""
+"""Points that tell most other shapes from a circle: indifferent, it only spares work."""
 THIRDS = np.int64(3)
 """Arcs that a circle is cut into where it does not separate its pixels: derived, each turns by
 less than half a circle."""

@@ -75,8 +75,8 @@ FEWEST_CLEAR = 3
 NOWHERE = np.zeros((0, 0), np.uint8)
 """No pixel is shut out: defined."""
 LEFT_PAIRS = 1 << 21
-"""Pairs of pixels that are looked at for what a level has left out, about. Chosen, by
-``tests/vision/binarise``."""
+"""Pairs of pixels that are looked at for what a level has left out, about:
+indifferent."""
 NEARLY_ALL = 0.95
 """The share of the most that any level has from which another one is as good. Chosen, by
 ``tests/vision/binarise``."""

@@ -50,7 +50,7 @@ LEAST_HALF_PX = 2 * (REACH + 2 * OUTER)
 """Pixels of the shortest side of half a picture: derived, twice what a pair looks at."""
 FAINT = 0.5
 """What a border has to have of the share that most of them have, to be of the same stuff, and each
-of its sides of its own: chosen, half-way between that and none."""
+of its sides of its own: derived, half-way between that and none."""
 SHORT_SIDE = 0.15
 """Share of a border's pairs from which one of its sides is asked: chosen, tips of triangles that
 blur rounds have 0.13, and whole bars were no obstacles for their ends."""

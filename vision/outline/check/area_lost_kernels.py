@@ -23,9 +23,11 @@ from vision.outline.fit.shape_kernels import HUGE, ROUNDS
 from vision.outline.fitted_borders import LINE
 from vision.shared.typed_numbers import NONE
 
-RAGGED_SHARE, CRISP_RAGGED_SHARE = 0.15, 0.03
+RAGGED_SHARE = 0.15
 """Area lost per point from which a stretch counts as ragged, where its border loses too much:
 chosen."""
+CRISP_RAGGED_SHARE = 0.03
+"""The same without grey: indifferent."""
 
 
 @njit(**LEAF)

@@ -17,13 +17,13 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.fit.outline_kernels import STRAY_PX, arc_ends, distance_to_edge
-from vision.outline.fit.separating_fit_kernels import HALF
+from vision.outline.fit.separating_fit_kernels import COARSE_PX, HALF
 from vision.outline.fitted_borders import LINE
 from vision.outline.limit_kernels import MOST_PX
 
-LOST_AXIS_PX = 0.505
+LOST_AXIS_PX = HALF + COARSE_PX
 """Along a pixel's axis, how far from the middle between two pixels' centres an edge may run
-before a pixel counts as lost: chosen, half a pixel and a hundredth of that."""
+before a pixel counts as lost: derived, half a pixel and what a drawing is off."""
 NARROW_PX = 0.75
 """Half the width of a tip without a pixel's centre: chosen, a little more than half a pixel's
 diagonal."""

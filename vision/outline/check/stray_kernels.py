@@ -28,7 +28,7 @@ from vision.outline.fitted_borders import LINE
 
 LONGEST = 4.0
 """What is longer than so many of its stretch's points, and a tip at either end, is not its edge:
-chosen."""
+indifferent."""
 
 
 @njit(**LEAF)

@@ -53,7 +53,7 @@ SHARES = 0.0, 1.0, 1.0, 1.5
 """Their prices in lines. A fillet has one free number, a line and its break have two: between the
 line that it is dearer than and the two that it saves, so that a bevel stays straight (chosen)."""
 LONGEST_RUN = 6
-"""Edges that one edit may replace: a bound on the work, O(edges) (chosen)."""
+"""Edges that one edit may replace: a bound on the work, O(edges) (indifferent)."""
 SHORT_RUN = 2
 """Edges that a corner or a wall's end may replace: blur rounds a corner to two sides at most, and
 what is longer was seen by the search (chosen)."""

@@ -12,22 +12,25 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
+from vision.outline.fit.outline_kernels import KNOWN_PX
 from vision.outline.fit.shape_kernels import circle_rms, fit_circle
 from vision.shared.typed_numbers import ONE
 
-BENT_PX, BENT_BY = 0.15, 2.0
-"""A bent line's arc rises so high over its chord, and so many times the noise of a point more:
-chosen, a line through it is off by a third of that, as much as the points' spread is believed at
-least."""
+BENT_PX = 3.0 * KNOWN_PX
+"""A bent line's arc rises so high over its chord: derived, a line through it is off by a third of
+that, as much as the points' spread is believed at least."""
+BENT_BY = 2.0
+"""And so many times the noise of a point more: chosen."""
 BETTER_BY = 0.5
-"""Share of the line's residual that its arc leaves (chosen)."""
-LEAST = 7
-"""Points that tell a bend: chosen, more than twice the numbers of a circle."""
+"""Share of the line's residual that its arc leaves (indifferent)."""
+LEAST = 2 * 3 + 1
+"""Points that tell a bend: derived, more than twice the numbers of a circle."""
 SHALLOW = 0.9
-"""Cosine of the turn up to which two lines may be two chords of one arc: 26 degrees (chosen)."""
+"""Cosine of the turn up to which two lines may be two chords of one arc: 26 degrees
+(indifferent)."""
 AS_GOOD_PX = 0.02
-"""An arc that leaves so little more than both of them is as good (chosen, below the 0.05 px that
-edge points are believed to)."""
+"""An arc that leaves so little more than both of them is as good (indifferent, below the 0.05 px
+that edge points are believed to)."""
 
 
 @njit(**LEAF)

@@ -27,10 +27,13 @@ from vision.shared.typed_numbers import NO
 BACK = math.cos(MOST_TURN)
 """Cosine between two lines from which on the border turns back: where there is no fillet."""
 LEAST = 8
-"""Points of a line that the border turns back from or to: less than that is no wall (chosen)."""
-WIDTH_BY, SHARP_PX = 2.2, 0.5
-"""A sharp tip's border is no wider than so many times the blur's sigma, and so much more
-(chosen). The half-way level alone would be where it is 1.35 sigma wide."""
+"""Points of a line that the border turns back from or to: less than that is no wall
+(indifferent)."""
+WIDTH_BY = 2.2
+"""A sharp tip's border is no wider than so many times the blur's sigma (chosen), and `SHARP_PX`.
+The half-way level alone would be where it is 1.35 sigma wide."""
+SHARP_PX = 0.5
+"""More than `WIDTH_BY` says: indifferent."""
 PLAIN_PX = 2.5
 """A side is seen by the search from so many times what blur rounds at a corner on, and so much
 more, the points of its fit: chosen."""

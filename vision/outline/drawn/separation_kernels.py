@@ -21,22 +21,22 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
 from vision.outline.fit.outline_kernels import distance_to_edge, in_sweep
-from vision.outline.fit.separating_fit_kernels import HALF
+from vision.outline.fit.separating_fit_kernels import COARSE_PX, HALF
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
 
 AHEAD, SAME_PX = 12, 1e-6
-"""The crack of an edge point is looked for among so many; one so near is it: chosen, far more than
-lie between two points, and rounding."""
+"""The crack of an edge point is looked for among so many; one so near is it: indifferent, far
+more than lie between two points, and rounding."""
 NEAR_JOINT_PX = 2.0
 """So near to a joint more than its own edge may pass a point: chosen, a pixel and its neighbour."""
 NEIGHBOURS = 2
 """Edges on either side that may pass a point: chosen."""
-GRAVE_PX = 0.75
+GRAVE_PX = 0.5 * (0.5 + 1.0)
 """A lost point so far from its edges is mended whatever its border may lose: its pixel lies more
-than one from what is drawn: chosen, half-way from half a pixel to one."""
-ROUND_HALF = 0.495
-"""So far from a crack's middle an arc may pass: chosen, who draws it as a polyline is a little
+than one from what is drawn: derived, half-way from half a pixel to one."""
+ROUND_HALF = HALF - COARSE_PX
+"""So far from a crack's middle an arc may pass: derived, who draws it as a polyline is a little
 off."""
 OK, LOST, GRAVE = 0, 1, 2
 """What becomes of a point: defined."""

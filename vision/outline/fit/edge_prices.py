@@ -22,8 +22,8 @@ LINE_CHANCE = 18.0
 8,000. Both plateaus wander a little along the border, so that it is more. Chosen as the least
 that keeps false corners below 1 % at blur 1.5 and noise 20 (0.4 % measured; with 10 it were
 1.5 %): from 19 on, polygons with corners of 150 degrees begin to pass for arcs at noise 20."""
-LEAST_LINE = 10.0
-"""A line's price where there is hardly noise: chosen, one point more than three sigma off."""
+LEAST_LINE = 3.0**2 + 1.0
+"""A line's price where there is hardly noise: derived, one point more than three sigma off."""
 SHARES = 1.0, 2.2, 1.8
 """A line, an arc and a whole circle in lines: chosen, an arc replaces two lines and a corner, and a
 little, since a polygon of short sides is nearly round."""

@@ -29,7 +29,7 @@ blur rounded back. Edges leave their points by a pixel and 4.5 sigma of their no
 border only: what ``tests/support/drawn/outline_judge.py`` fails, which allows 3 px, fails here
 (``python -m benchmarks.outlines``)."""
 TURNS = 8
-"""Steps in which an arc's points are looked at for its turning sense: chosen."""
+"""Steps in which an arc's points are looked at for its turning sense: indifferent."""
 
 
 @njit(**LEAF)

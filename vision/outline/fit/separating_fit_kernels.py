@@ -18,6 +18,8 @@ from planner.scene.compile_options import LEAF, SUMS
 HALF = 0.5
 """Along a pixel's axis, how far an edge may leave the middle between two pixels' centres:
 derived."""
+COARSE_PX = 0.01 * HALF
+"""How far off an arc is that is drawn as a polyline: chosen."""
 SEPARATION_STEPS = 12
 """Times that it is turned or moved: chosen, a bound on the work."""
 SEPARATION_MARGIN = 0.03

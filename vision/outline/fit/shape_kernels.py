@@ -27,9 +27,9 @@ HUGE = 1e18
 BEATEN = 1e12
 """The cost of what is dearer than the best known: defined."""
 CHUNK = 32
-"""Points after which a cost is compared with its bound: chosen, it only spares work."""
+"""Points after which a cost is compared with its bound: indifferent, it only spares work."""
 FLATTEST_RADIUS_PX = 1e6
-"""A circle of a larger radius is a line: chosen, beyond any picture."""
+"""A circle of a larger radius is a line: indifferent, beyond any picture."""
 ROUNDS = 8
 """Times that a fit, a search or a check is repeated at most: chosen, a bound on the work; nearly
 all settle after two to four."""
