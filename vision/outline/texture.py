@@ -30,16 +30,16 @@ MOST_TEXTURE_PX = 5.0
 """The largest tolerance: derived, a part of a picture that is looked at again keeps 6 px from the
 objects that stay (``vision.watch.refit``)."""
 MOST_POINTS = 20_000
-"""Points of the longest border that is looked at: a bound on the work, chosen. One of them takes a
-second at the worst."""
+"""Points of the longest border that is looked at: a bound on the work, indifferent. One of them
+takes a second at the worst."""
 LEAST_REACH = 1e-6
 """Pixels: derived, borders that touch leave each other nothing, and nothing cannot be divided
 by."""
 TOUCHING_PX = 1e-4
-"""A point so near to its outline lies on it: chosen, above rounding and below what is seen."""
+"""A point so near to its outline lies on it: indifferent, above rounding and below what is seen."""
 _CENTRE_STEPS = 60
-"""Steps towards the centre that is as far from the nearest point as from the farthest: chosen, the
-last one moves it by a sixtieth of the difference."""
+"""Steps towards the centre that is as far from the nearest point as from the farthest: indifferent,
+the last one moves it by a sixtieth of the difference."""
 
 FloatArray = NDArray[np.float64]
 
