@@ -98,6 +98,21 @@ def summed(counters):
     return histogram
 
 
+@njit(**LEAF)
+def mark_below(grey, bound, mask):
+    """Mark in a padded mask (h + 2, w') where a picture (h, w) is ``bound`` or darker.
+
+    By one thread: OpenCV's would wait for each other longer than this takes.
+    """
+    least_light = np.uint8(min(bound + 1, 255))
+    all_dark = bound >= 255
+    for y in range(grey.shape[0]):
+        row = grey[y]
+        marks = mask[y + 1, 1 : grey.shape[1] + 1]
+        for x in range(row.shape[0]):
+            marks[x] = all_dark | (row[x] < least_light)
+
+
 @njit(**OWNING)
 def noise_sigma(grey):
     """The noise's standard deviation, from the median absolute second difference.

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.binarise.binarise_kernels import SIGMAS, noise_sigma, sampled_histogram
+from vision.binarise.binarise_kernels import SIGMAS, mark_below, noise_sigma, sampled_histogram
 from vision.binarise.smoothing_kernels import (
     calmed_histogram,
     dots_left_out,
@@ -139,7 +139,7 @@ class Look:
             return mask
         smoothed = self.grey_after(calming)
         if whole:
-            cv2.threshold(smoothed, float(bound), 1, cv2.THRESH_BINARY_INV, dst=inside)
+            mark_below(smoothed, np.int64(bound), mask)
         else:
             inside[:] = smoothed < level
         if calming is not NO_CALMING:
