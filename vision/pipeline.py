@@ -92,7 +92,9 @@ def extract(
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
     drawn = tolerance.crisp or is_drawing(binary.grey, borders)
-    shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
+    shrunk = rectified
+    if np.any(stretches != 1.0):
+        shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
     separate = calibration is None and drawn
     fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
     rough: tuple[str, ...] = ()
