@@ -20,7 +20,7 @@ from planner.scene.compile_options import LEAF
 from vision.outline.corners.crossing_kernels import AROUND
 from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
-from vision.outline.fit.shape_kernels import HUGE, circle_cost, line_cost
+from vision.outline.fit.shape_kernels import ASTRAY, HUGE, circle_cost, line_cost
 from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 from vision.shared.typed_numbers import NONE
@@ -41,9 +41,10 @@ ANY, BENT, NOTHING = np.int64(0), np.int64(1), np.int64(2)
 """What a stretch may be: defined, a line or an arc, an arc, neither."""
 ROUNDING = 1e-9
 """A partition begun elsewhere may cost as much, but for the order of its sums: indifferent."""
-ASTRAY = 3.0
-"""In worst deviations: how far a seed may lie from the chord, or from the circle through both
-ends and the middle, of a stretch that might be a line or an arc (chosen)."""
+ROUND_SEEDS = 12
+"""At most so many seeds on a border that is nearly a circle and no polygon: indifferent, it only
+spares work. Such a border turns evenly, and a break beside an arc moves to its place when the edges
+are fitted."""
 
 
 @njit(**LEAF)
@@ -64,6 +65,12 @@ def partition(border, outline, skip, costs, tolerance, prices, limit, radius, ro
         if is_seed[k]:
             seeds[m] = k
             m += 1
+    chord = _longest_line(n, radius, 0.5 * costs.worst, NONE)
+    if radius > 0.0 and m > ROUND_SEEDS and prices.line * n >= limit * chord:
+        # no polygon is cheaper than the circle: what is left are arcs
+        for t in range(ROUND_SEEDS):
+            seeds[t] = seeds[t * m // ROUND_SEEDS]
+        m = ROUND_SEEDS
     seeds = seeds[:m]
     snap_seeds(border, seeds, skip + 4)
     sharpest = -1.0

@@ -48,7 +48,11 @@ def outline_strays(border, finished, count):
         far, _ = loss_beside(border, lo, hi, finished, i, after, HUGE, 0.0, 0.0)
         if far > STRAY_PX and not _beside_any(border, lo, hi, finished, count):
             return True
-        lies, ax, ay, bx, by = _beside_border(border, lo, hi, finished, i, after)
+        if _runs_along(border, lo, hi, finished, i, after, far):
+            lies = True
+            ax, ay, bx, by = _ends(finished.rows, i, after)
+        else:
+            lies, ax, ay, bx, by = _beside_border(border, lo, hi, finished, i, after)
         if not lies:
             return True
         if i == 0:
@@ -83,6 +87,34 @@ def _beside_any(border, lo, hi, finished, count):
         if not near:
             return False
     return True
+
+
+@njit(**LEAF)
+def _ends(rows, i, after):
+    """Where edge i begins and ends."""
+    return rows[i, 0], rows[i, 1], rows[after, 0], rows[after, 1]
+
+
+@njit(**LEAF)
+def _runs_along(border, lo, hi, finished, i, after, far):
+    """Whether points lo .. hi lead along all of edge i, none farther from it than ``far``.
+
+    What leads from one end of an edge to the other, and stays near it, has every point of the edge
+    beside it, since the nearest point on the edge moves on without a leap. On an arc it would leap
+    near the centre, and between two ends that are near each other. That spares most edges the
+    search for each of their points.
+    """
+    x0, y0, x1, y1 = _ends(finished.rows, i, after)
+    if 2.0 * far > STRAY_PX:
+        return False
+    if finished.kind[i] != LINE:
+        near_ends = (x1 - x0) ** 2 + (y1 - y0) ** 2 <= (4.0 * STRAY_PX) ** 2
+        if near_ends or finished.rows[i, 4] <= 2.0 * STRAY_PX:
+            return False
+    limit = STRAY_PX * STRAY_PX
+    to_begin = (border.x[lo] - x0) ** 2 + (border.y[lo] - y0) ** 2
+    to_end = (border.x[hi] - x1) ** 2 + (border.y[hi] - y1) ** 2
+    return to_begin <= limit and to_end <= limit
 
 
 @njit(**LEAF)

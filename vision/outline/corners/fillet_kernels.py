@@ -23,7 +23,7 @@ from vision.outline.corners.blurred_corner_kernels import (
     TURN,
     change_cost,
 )
-from vision.outline.fit.shape_kernels import HUGE, ROUNDS, circle_rms, fit_line
+from vision.outline.fit.shape_kernels import ASTRAY, HUGE, ROUNDS, circle_rms, fit_line
 from vision.shared.typed_numbers import ONE, YES
 
 LEAST_TURN, MOST_TURN = math.radians(15.0), math.radians(150.0)
@@ -44,6 +44,8 @@ of an arc that has to touch two lines: its radius moves four times as far where 
 degrees. Half the variance from the one that is read off profiles along rows and columns, which
 meet a border aslant and end before a wide blur does, and from its square (measured: right to a
 twelfth for discs at blurs of 0.5 .. 2)."""
+LOOKS = 6
+"""Parts of a run at whose ends is looked whether it is round: indifferent, it only spares work."""
 OWN = 3
 """Points that a fillet and the lines beside it have for themselves: derived, two would lie on any
 line."""
@@ -137,6 +139,20 @@ def _cut(border, lo, hi, corner):
 
 
 @njit(**LEAF)
+def _is_round(border, lo, hi, corner, radius, worst):
+    """Whether some of the points lo .. hi lie near a fillet: most polygons are told by these."""
+    px = border.x
+    py = border.y
+    cx = corner[0] + radius / corner[4] * corner[2]
+    cy = corner[1] + radius / corner[4] * corner[3]
+    for t in range(LOOKS + 1):
+        k = lo + (hi - lo) * t // LOOKS
+        if abs(math.sqrt((px[k] - cx) ** 2 + (py[k] - cy) ** 2) - radius) > worst:
+            return False
+    return True
+
+
+@njit(**LEAF)
 def put_fillet(border, radius, blur, costs, change):
     """Let the fillet of a radius be between the lines of ``change``: the cost, or HUGE.
 
@@ -202,6 +218,8 @@ def try_fillet(border, blur, costs, change):
         if again == 0:
             radius = _cut(border, a_to, b_from, corner) / (1.0 / corner[4] - 1.0)
             if radius * corner[5] < 0.7 * least:
+                return HUGE
+            if not _is_round(border, stays[1], stays[2], corner, radius, ASTRAY * costs.worst):
                 return HUGE
         radius = solve_radius(border, lo, hi, rows[0], rows[2], corner, radius, blur.half_variance)
         if radius * corner[5] < least:

@@ -70,9 +70,12 @@ def try_end(border, blur, costs, change):
     best = -HUGE
     tip = change.stays[1]
     width = 0.0
-    for k in range(change.stays[1] - AROUND, change.stays[2] + AROUND + 1):
-        x = px[k % n]
-        y = py[k % n]
+    first = change.stays[1] - AROUND
+    here = first % n
+    for k in range(first, change.stays[2] + AROUND + 1):
+        x = px[here]
+        y = py[here]
+        here = successor(here, n)
         from_a = (x - a[0]) * a[3] - (y - a[1]) * a[2]
         from_b = (x - b[0]) * b[3] - (y - b[1]) * b[2]
         # amid the two lines, and far out

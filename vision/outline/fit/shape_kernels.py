@@ -33,6 +33,10 @@ FLATTEST_RADIUS_PX = 1e6
 ROUNDS = 8
 """Times that a fit, a search or a check is repeated at most: chosen, a bound on the work; nearly
 all settle after two to four."""
+ASTRAY = 3.0
+"""In worst deviations: how far a point may lie from the chord, from the circle through both ends
+and the middle, or from the first guess of a fillet, where a line or an arc is worth a fit
+(chosen)."""
 SETTLED_PX = 1e-6
 """A circle that moves less has converged: chosen, far below what points are known to."""
 
