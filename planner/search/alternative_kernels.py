@@ -4,6 +4,9 @@ Rules and units
 - Method: Yen (1971): every route found is left once at each of its nodes, for the cheapest way
   on that no route found before it takes. Nodes on the way there are shut, so no route meets
   a node twice. Up to where it left another one itself, that one was left before (Lawler 1972).
+- Where a route is left, the cheapest way on is sought only once nothing else can be cheaper: it
+  costs no less than the step away, and from there what is left at least.
+- What is dearer than the dearest of as many routes as are wanted is not sought.
 - Two such routes are never shifts of one another: the chains are what is left of the free space
   when it is shrunk, and in a graph two ways without a step back and forth are shifts of one
   another only where they are the same.
@@ -36,16 +39,22 @@ from planner.search.search_kernels import GateCosts, Graph
 
 BEYOND = 1.0 + 1e-9
 """Costs are known but for rounding: so many times the limit is surely beyond it."""
-COST, ENTRY, EXIT, BEGIN, END, TAKEN, LEFT = 0, 1, 2, 3, 4, 5, 6
+COST, ENTRY, EXIT, BEGIN, END, TAKEN, LEFT, KIND = 0, 1, 2, 3, 4, 5, 6, 7
 """Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told,
-and after how many steps it left another, -1 at its gate."""
+after how many steps it left another, -1 at its gate, and its kind."""
+SOUGHT_EXIT = np.int64(-(2**31))
+"""In place of the gate out where that is not known yet."""
+ANSWER, LOOP, SOUGHT = 0.0, 1.0, 2.0
+"""A route; one that passes a station of its own on the way, which is left like others and no
+answer; and where one was left, with the steps up to there and what a way on costs at least."""
 
 
 class Query(NamedTuple):
     """What is asked, the same for every search.
 
     ``ahead`` (n,) as :func:`planner.search.route_kernels.left_to` returns it; what the gates of
-    both stations cost, and the steps that lead over a station's ``own`` chain (2 c,).
+    both stations cost, the steps that lead over a station's ``own`` chain (2 c,), and the chains
+    that the stations' entries lie on.
     """
 
     graph: Graph
@@ -54,32 +63,30 @@ class Query(NamedTuple):
     start: GateCosts
     goal: GateCosts
     own: NDArray[np.bool_]
+    start_chains: NDArray[np.int32]
+    goal_chains: NDArray[np.int32]
 
 
 class Table(NamedTuple):
-    """The routes that were found: ``filled`` rows of ``routes`` (r, 7), and all their ``steps``."""
+    """The routes that were found: ``filled`` rows of ``routes`` (r, 8), and all their ``steps``.
+
+    ``least``: what the cheapest answers among them cost, as many as are wanted, ascending.
+    """
 
     routes: NDArray[np.float64]
     steps: NDArray[np.int32]
     filled: np.int64
+    least: NDArray[np.float64]
 
 
 @njit(**OWNING)
-def _noted(table, cost, entry, out, root, rest, left):
-    """The table with a route with the steps ``root`` and then ``rest``, unless it is known.
+def _noted(query, table, cost, entry, out, root, rest, left):
+    """The table with a route with the steps ``root`` and then ``rest``, which none in it has.
 
     It ``left`` another after so many steps.
     """
-    routes, steps, count = table
+    routes, steps, count, least = table
     n = len(root) + len(rest)
-    for k in range(count):
-        begin, end = int(routes[k, BEGIN]), int(routes[k, END])
-        same = routes[k, ENTRY] == entry and routes[k, EXIT] == out and end - begin == n
-        for i in range(n if same else 0):
-            step = root[i] if i < len(root) else rest[i - len(root)]
-            same = same and steps[begin + i] == step
-        if same:
-            return Table(routes, steps, count)
     begin = int(routes[count - 1, END]) if count > 0 else 0
     if count == len(routes):
         routes = grown(routes, 2 * count)
@@ -90,7 +97,29 @@ def _noted(table, cost, entry, out, root, rest, left):
     routes[count, COST], routes[count, ENTRY], routes[count, EXIT] = cost, entry, out
     routes[count, BEGIN], routes[count, END], routes[count, TAKEN] = begin, begin + n, 0.0
     routes[count, LEFT] = left
-    return Table(routes, steps, count + 1)
+    routes[count, KIND] = ANSWER
+    if out == SOUGHT_EXIT:
+        routes[count, KIND] = SOUGHT
+    elif entry >= 0:
+        way = steps[begin : begin + n]
+        loops = _passes(way, query.start_chains[entry // 2])
+        if loops or _passes(way, query.goal_chains[out // 2]):
+            routes[count, KIND] = LOOP
+    if routes[count, KIND] == ANSWER:
+        _insert(least, cost)
+    return Table(routes, steps, count + 1, least)
+
+
+@njit(**BORROWING)
+def _insert(least, cost):
+    """Put a cost among the least ones, which ascend, in place of the last."""
+    k = len(least) - 1
+    if cost >= least[k]:
+        return
+    while k > 0 and least[k - 1] > cost:
+        least[k] = least[k - 1]
+        k -= 1
+    least[k] = cost
 
 
 @njit(**BORROWING)
@@ -147,7 +176,7 @@ def _cheapest(routes, count):
 def _bar_told(table, told, entry, way, at, barred, to_cost):
     """Bar what routes that were told do after the first ``at`` steps of a ``way``, if they share
     them: the next step, or the gate that they leave by."""
-    routes, steps, _ = table
+    routes, steps = table.routes, table.steps
     for t in range(len(told)):
         k = told[t]
         lo, hi = int(routes[k, BEGIN]), int(routes[k, END])
@@ -161,9 +190,10 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
 
 
 @njit(**OWNING)
-def _first_routes(query, start, goal):
+def _first_routes(query, start, goal, wanted):
     """The cheapest route, and those within one chain, in a new table; and the work."""
-    table = Table(np.empty((32, 7)), np.empty(64, np.int32), np.int64(0))
+    least = np.full(wanted, np.inf)
+    table = Table(np.empty((32, 8)), np.empty(64, np.int32), np.int64(0), least)
     none = np.empty(0, np.int32)
     shut = np.zeros(len(query.graph.around) - 1, np.bool_)
     best, entry, out, way, work = search(
@@ -171,60 +201,117 @@ def _first_routes(query, start, goal):
         np.inf,
     )  # fmt: skip
     if best < np.inf:
-        table = _noted(table, best, entry, out, none, way, NONE)
+        table = _noted(query, table, best, entry, out, none, way, NONE)
     for i in range(len(start.where)):
         for j in range(len(goal.where)):
             if start.where[i, 0] == goal.where[j, 0]:
                 wide, apart = between(query.graph, start, i, goal, j)
                 if wide >= query.floor:
                     cost = start.price[i, 1] + goal.price[j, 1] + apart
-                    table = _noted(table, cost, -1 - i, -1 - j, none, none, NONE)
+                    table = _noted(query, table, cost, -1 - i, -1 - j, none, none, NONE)
+    return table, work
+
+
+@njit(**BORROWING)
+def _bar_gates(table, told, from_cost):
+    """Bar the gates that routes that were told come in by."""
+    for t in range(len(told)):
+        entry = int(table.routes[told[t], ENTRY])
+        if entry >= 0:
+            from_cost[entry] = np.inf
+
+
+@njit(**BORROWING)
+def _least_onwards(query, u, shut, barred, to_cost):
+    """What the way on from a node costs at least: out by a gate there, or over a step."""
+    graph, ends = query.graph, query.graph.chains.ends
+    least = np.inf
+    for i in range(len(query.goal.node)):
+        if query.goal.node[i] == u:
+            least = min(least, to_cost[i])
+    for k in range(graph.around[u], graph.around[u + 1]):
+        c, end = graph.leaving[k] // 2, graph.leaving[k] % 2
+        v = ends[c, 1 - end]
+        if graph.chains.clearance[c] < query.floor or shut[v] or barred[graph.leaving[k]]:
+            continue
+        least = min(least, graph.total[c] + query.ahead[v])
+    return least
+
+
+@njit(**OWNING)
+def _leave(query, table, told, pick, most):
+    """Note where route ``pick`` may be left: at its gate, and at each of its nodes.
+
+    Not before it left another itself, nor where every way on costs ``most`` or more. The table,
+    and the work.
+    """
+    graph, ends = query.graph, query.graph.chains.ends
+    routes = table.routes
+    entry, first = int(routes[pick, ENTRY]), int(routes[pick, LEFT])
+    way = table.steps[int(routes[pick, BEGIN]) : int(routes[pick, END])].copy()
+    none = np.empty(0, np.int32)
+    shut = np.zeros(len(graph.around) - 1, np.bool_)
+    barred, to_cost = query.own.copy(), query.goal.cost.copy()
+    work = np.int64(len(shut) + len(barred)) // CLEARED
+    if first < 0:
+        cost = query.start.cost.copy()
+        _bar_gates(table, told, cost)
+        least = np.inf
+        for i in range(len(cost)):
+            least = min(least, cost[i] + query.ahead[query.start.node[i]])
+        if least < most:
+            table = _noted(query, table, least, entry, SOUGHT_EXIT, none, none, NONE)
+    u, gone = query.start.node[entry], query.start.cost[entry]
+    for at in range(len(way) + 1):
+        if at > 0:
+            gone += graph.total[way[at - 1] // 2]
+            u = ends[way[at - 1] // 2, 1 - way[at - 1] % 2]
+        shut[u] = True
+        if at < first:
+            continue
+        to_cost[:] = query.goal.cost
+        _bar_told(table, told, entry, way, at, barred, to_cost)
+        least = gone + _least_onwards(query, u, shut, barred, to_cost)
+        for k in range(graph.around[u], graph.around[u + 1]):
+            barred[graph.leaving[k]] = query.own[graph.leaving[k]]
+        work += 1 + graph.around[u + 1] - graph.around[u] + len(told) * (at + 2)
+        if least < most:
+            table = _noted(query, table, least, entry, SOUGHT_EXIT, way[:at], none, at)
     return table, work
 
 
 @njit(**OWNING)
-def _leave(query, table, told, pick, way, most, work, budget):
-    """Leave route ``pick``, its steps ``way``, at its gate and at each of its nodes.
+def _seek(query, table, told, row, most):
+    """The cheapest way on from where a route was left, in the table, and the work.
 
-    Not before it left another itself, and for routes that cost less than ``most``. The table with
-    the routes that were found, and the work, which ends at ``budget``.
+    Only if it costs less than ``most``.
     """
-    graph, ends, own = query.graph, query.graph.chains.ends, query.own
-    entry, first = int(table.routes[pick, ENTRY]), int(table.routes[pick, LEFT])
+    graph, ends = query.graph, query.graph.chains.ends
+    routes = table.routes
+    entry, at = int(routes[row, ENTRY]), int(routes[row, LEFT])
+    root = table.steps[int(routes[row, BEGIN]) : int(routes[row, END])].copy()
     shut = np.zeros(len(graph.around) - 1, np.bool_)
-    u, gone = np.int32(-1), 0.0
-    # at its gate (-1), and then at each of its nodes
-    for at in range(min(first, 0), len(way) + 1):
-        if at == 0:
-            u, gone = query.start.node[entry], query.start.cost[entry]
-        elif at > 0:
-            gone += graph.total[way[at - 1] // 2]
-            u = ends[way[at - 1] // 2, 1 - way[at - 1] % 2]
-        if at >= 0:
+    barred, to_cost = query.own.copy(), query.goal.cost.copy()
+    node, cost = query.start.node, query.start.cost.copy()
+    if at < 0:
+        _bar_gates(table, told, cost)
+    else:
+        u, gone = node[entry], cost[entry]
+        shut[u] = True
+        for k in range(at):
+            gone += graph.total[root[k] // 2]
+            u = ends[root[k] // 2, 1 - root[k] % 2]
             shut[u] = True
-        if at < first:
-            continue
-        barred = own.copy()
-        origin = GateCosts(query.start.node, query.start.cost.copy())
-        goal = GateCosts(query.goal.node, query.goal.cost.copy())
-        if at < 0:
-            for t in range(len(told)):
-                if table.routes[told[t], ENTRY] >= 0:
-                    origin.cost[int(table.routes[told[t], ENTRY])] = np.inf
-        else:
-            _bar_told(table, told, entry, way, at, barred, goal.cost)
-            origin = GateCosts(np.full(1, u, np.int32), np.full(1, gone))
-        found, way_in, way_out, rest, looked_at = search(
-            graph, query.ahead, query.floor, origin, goal, shut, barred, most
-        )
-        work += looked_at + len(own) // CLEARED + len(told) * (at + 2) + table.filled
-        if found < np.inf:
-            table = _noted(
-                table, found, way_in if at < 0 else entry, way_out, way[: max(at, 0)], rest, at
-            )
-        if work > budget:
-            break
-    return table, work
+        _bar_told(table, told, entry, root, at, barred, to_cost)
+        node, cost = np.full(1, u, np.int32), np.full(1, gone)
+    found, way_in, way_out, rest, work = search(
+        graph, query.ahead, query.floor, GateCosts(node, cost),
+        GateCosts(query.goal.node, to_cost), shut, barred, most,
+    )  # fmt: skip
+    if found < np.inf:
+        way_in = way_in if at < 0 else entry
+        table = _noted(query, table, found, way_in, way_out, root, rest, at)
+    return table, work + len(barred) // CLEARED + table.filled
 
 
 @njit(**OWNING)
@@ -249,8 +336,11 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
     _bar_own(start.where, from_cost.cost, own)
     _bar_own(goal.where, to_cost.cost, own)
     ahead = left_to(graph, floor, start, goal)
-    query = Query(graph, ahead, floor, from_cost, to_cost, own)
-    table, work = _first_routes(query, start, goal)
+    query = Query(
+        graph, ahead, floor, from_cost, to_cost, own,
+        start.where[:, 0].copy(), goal.where[:, 0].copy(),
+    )  # fmt: skip
+    table, work = _first_routes(query, start, goal, wanted)
     taken = np.zeros(wanted * 4 + 8, np.int32)
     told, laid = 0, 0
     limit = np.inf
@@ -259,21 +349,25 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
         pick = _cheapest(table.routes, table.filled)
         if pick < 0 or table.routes[pick, COST] > limit:
             break
+        table.routes[pick, TAKEN] = 1.0
+        if table.routes[pick, KIND] == SOUGHT:
+            most = BEYOND * min(limit, table.least[-1])
+            table, more = _seek(query, table, taken[:told], pick, most)
+            work += more
+            continue
         if told == 0:
             limit = dearest * table.routes[pick, COST]
-        taken[told], table.routes[pick, TAKEN] = pick, 1.0
+        taken[told] = pick
         told += 1
         entry, out = int(table.routes[pick, ENTRY]), int(table.routes[pick, EXIT])
         way = table.steps[int(table.routes[pick, BEGIN]) : int(table.routes[pick, END])].copy()
-        round_trip = entry >= 0 and (
-            _passes(way, start.where[entry // 2, 0]) or _passes(way, goal.where[out // 2, 0])
-        )
-        if not round_trip:
+        if table.routes[pick, KIND] == ANSWER:
             xy, beside = lay(graph.chains, start, entry, way, goal, out)
             line, pair = put_behind(line, pair, begin[laid], xy, beside)
             laid += 1
             begin[laid] = begin[laid - 1] + len(xy)
         if entry >= 0 and laid < wanted:
-            most = limit * BEYOND
-            table, work = _leave(query, table, taken[:told], pick, way, most, work, budget)
+            most = BEYOND * min(limit, table.least[-1])
+            table, more = _leave(query, table, taken[:told], pick, most)
+            work += more
     return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy(), work
