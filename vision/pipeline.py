@@ -92,8 +92,9 @@ def extract(
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
     drawn = tolerance.crisp or is_drawing(binary.grey, borders)
+    even = bool(np.all(stretches == 1.0))
     shrunk = rectified
-    if np.any(stretches != 1.0):
+    if not even:
         shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]
     separate = calibration is None and drawn
     fitted = fit_edges(shrunk, edges.starts, borders, tolerance, separate=separate)
@@ -105,7 +106,7 @@ def extract(
         fitted, rough = without_texture(
             fitted, points, starts, borders.owner, stretches, texture_px
         )
-    fitted = fitted.stretched(stretches)
+    fitted = fitted if even else fitted.stretched(stretches)
     specks = find_specks(borders, binary.noise, binary.contrast if binary.doubtful else math.inf)
     objects = build_objects(borders, fitted, placement, specks.borders)
     objects, outside = drop_outside(objects, placement)
