@@ -114,7 +114,7 @@ def _noted(query, table, cost, entry, out, root, rest, left):
 def _insert(least, cost):
     """Put a cost among the least ones, which ascend, in place of the last."""
     k = len(least) - 1
-    if cost >= least[k]:
+    if k < 0 or cost >= least[k]:
         return
     while k > 0 and least[k - 1] > cost:
         least[k] = least[k - 1]
