@@ -35,18 +35,16 @@ from planner.search.route_kernels import (
     put_behind,
     search,
 )
-from planner.search.search_kernels import GateCosts, Graph
+from planner.search.search_kernels import GateCosts, Graph, pop, pushed
 
 BEYOND = 1.0 + 1e-9
 """Costs are known but for rounding: so many times the limit is surely beyond it."""
-COST, ENTRY, EXIT, BEGIN, END, TAKEN, LEFT, KIND = 0, 1, 2, 3, 4, 5, 6, 7
-"""Columns of a route: what it costs, its gates, its steps' place among all steps, 1 once told,
-after how many steps it left another, -1 at its gate, and its kind."""
-SOUGHT_EXIT = np.int64(-(2**31))
-"""In place of the gate out where that is not known yet."""
+COST, ENTRY, EXIT, BEGIN, END, LEFT, KIND = 0, 1, 2, 3, 4, 5, 6
+"""Columns of a route: what it costs, its gates, its steps' place among all steps, after how many
+steps it left another, -1 at its gate, and its kind."""
 ANSWER, LOOP, SOUGHT = 0.0, 1.0, 2.0
 """A route; one that passes a station of its own on the way, which is left like others and no
-answer; and where one was left, with the steps up to there and what a way on costs at least."""
+answer; and where one was left: its steps up to there, and what a way on costs at least."""
 
 
 class Query(NamedTuple):
@@ -68,14 +66,19 @@ class Query(NamedTuple):
 
 
 class Table(NamedTuple):
-    """The routes that were found: ``filled`` rows of ``routes`` (r, 8), and all their ``steps``.
+    """The routes that were found: ``filled`` rows of ``routes`` (r, 7), ``used`` of ``steps``.
 
-    ``least``: what the cheapest answers among them cost, as many as are wanted, ascending.
+    ``keys`` and ``items``: a heap of the ``waiting`` rows by what they cost; ``least``: what the
+    cheapest answers among all cost, as many as are wanted, ascending.
     """
 
     routes: NDArray[np.float64]
     steps: NDArray[np.int32]
     filled: np.int64
+    used: np.int64
+    keys: NDArray[np.float64]
+    items: NDArray[np.int32]
+    waiting: np.int64
     least: NDArray[np.float64]
 
 
@@ -85,29 +88,41 @@ def _noted(query, table, cost, entry, out, root, rest, left):
 
     It ``left`` another after so many steps.
     """
-    routes, steps, count, least = table
-    n = len(root) + len(rest)
-    begin = int(routes[count - 1, END]) if count > 0 else 0
-    if count == len(routes):
-        routes = grown(routes, 2 * count)
-    if begin + n > len(steps):
-        steps = grown(steps, 2 * (begin + n))
+    steps, begin = table.steps, table.used
+    end = begin + len(root) + len(rest)
+    if end > len(steps):
+        steps = grown(steps, 2 * end)
     steps[begin : begin + len(root)] = root
-    steps[begin + len(root) : begin + n] = rest
-    routes[count, COST], routes[count, ENTRY], routes[count, EXIT] = cost, entry, out
-    routes[count, BEGIN], routes[count, END], routes[count, TAKEN] = begin, begin + n, 0.0
-    routes[count, LEFT] = left
-    routes[count, KIND] = ANSWER
-    if out == SOUGHT_EXIT:
-        routes[count, KIND] = SOUGHT
-    elif entry >= 0:
-        way = steps[begin : begin + n]
+    steps[begin + len(root) : end] = rest
+    kind = ANSWER
+    if entry >= 0:
+        way = steps[begin:end]
         loops = _passes(way, query.start_chains[entry // 2])
         if loops or _passes(way, query.goal_chains[out // 2]):
-            routes[count, KIND] = LOOP
-    if routes[count, KIND] == ANSWER:
-        _insert(least, cost)
-    return Table(routes, steps, count + 1, least)
+            kind = LOOP
+    if kind == ANSWER:
+        _insert(table.least, cost)
+    return _put(table, steps, end, cost, entry, out, begin, end, left, kind)
+
+
+@njit(**OWNING)
+def _without_first(table):
+    """The table whose cheapest row has left the heap."""
+    routes, steps, filled, used, keys, items, waiting, least = table
+    return Table(routes, steps, filled, used, keys, items, waiting - 1, least)
+
+
+@njit(**OWNING)
+def _put(table, steps, used, cost, entry, out, begin, end, left, kind):
+    """The table with one row more, which waits."""
+    routes, count = table.routes, table.filled
+    if count == len(routes):
+        routes = grown(routes, 2 * count)
+    routes[count, COST], routes[count, ENTRY], routes[count, EXIT] = cost, entry, out
+    routes[count, BEGIN], routes[count, END] = begin, end
+    routes[count, LEFT], routes[count, KIND] = left, kind
+    keys, items = pushed(table.keys, table.items, table.waiting, cost, count)
+    return Table(routes, steps, count + 1, used, keys, items, table.waiting + 1, table.least)
 
 
 @njit(**BORROWING)
@@ -163,16 +178,6 @@ def _passes(way, chain):
 
 
 @njit(**BORROWING)
-def _cheapest(routes, count):
-    """The cheapest of the routes that are not told yet, or -1."""
-    pick, least = -1, np.inf
-    for k in range(count):
-        if routes[k, TAKEN] == 0.0 and routes[k, COST] < least:
-            pick, least = k, routes[k, COST]
-    return pick
-
-
-@njit(**BORROWING)
 def _bar_told(table, told, entry, way, at, barred, to_cost):
     """Bar what routes that were told do after the first ``at`` steps of a ``way``, if they share
     them: the next step, or the gate that they leave by."""
@@ -193,22 +198,26 @@ def _bar_told(table, told, entry, way, at, barred, to_cost):
 def _first_routes(query, start, goal, wanted):
     """The cheapest route, and those within one chain, in a new table; and the work."""
     least = np.full(wanted, np.inf)
-    table = Table(np.empty((32, 8)), np.empty(64, np.int32), np.int64(0), least)
-    none = np.empty(0, np.int32)
+    none = np.int64(0)
+    table = Table(
+        np.empty((32, 7)), np.empty(64, np.int32), none, none,
+        np.empty(32), np.empty(32, np.int32), none, least,
+    )  # fmt: skip
+    no_steps = np.empty(0, np.int32)
     shut = np.zeros(len(query.graph.around) - 1, np.bool_)
     best, entry, out, way, work = search(
         query.graph, query.ahead, query.floor, query.start, query.goal, shut, query.own,
         np.inf,
     )  # fmt: skip
     if best < np.inf:
-        table = _noted(query, table, best, entry, out, none, way, NONE)
+        table = _noted(query, table, best, entry, out, no_steps, way, NONE)
     for i in range(len(start.where)):
         for j in range(len(goal.where)):
             if start.where[i, 0] == goal.where[j, 0]:
                 wide, apart = between(query.graph, start, i, goal, j)
                 if wide >= query.floor:
                     cost = start.price[i, 1] + goal.price[j, 1] + apart
-                    table = _noted(query, table, cost, -1 - i, -1 - j, none, none, NONE)
+                    table = _noted(query, table, cost, -1 - i, -1 - j, no_steps, no_steps, NONE)
     return table, work
 
 
@@ -239,20 +248,20 @@ def _least_onwards(query, u, shut, barred, to_cost):
 
 
 @njit(**OWNING)
-def _leave(query, table, told, pick, most):
+def _leave(query, table, told, pick, most, work, budget):
     """Note where route ``pick`` may be left: at its gate, and at each of its nodes.
 
     Not before it left another itself, nor where every way on costs ``most`` or more. The table,
-    and the work.
+    and the work, which ends at ``budget``.
     """
     graph, ends = query.graph, query.graph.chains.ends
     routes = table.routes
     entry, first = int(routes[pick, ENTRY]), int(routes[pick, LEFT])
-    way = table.steps[int(routes[pick, BEGIN]) : int(routes[pick, END])].copy()
-    none = np.empty(0, np.int32)
+    begin = int(routes[pick, BEGIN])
+    way = table.steps[begin : int(routes[pick, END])]
     shut = np.zeros(len(graph.around) - 1, np.bool_)
     barred, to_cost = query.own.copy(), query.goal.cost.copy()
-    work = np.int64(len(shut) + len(barred)) // CLEARED
+    work += (len(shut) + len(barred)) // CLEARED
     if first < 0:
         cost = query.start.cost.copy()
         _bar_gates(table, told, cost)
@@ -260,7 +269,9 @@ def _leave(query, table, told, pick, most):
         for i in range(len(cost)):
             least = min(least, cost[i] + query.ahead[query.start.node[i]])
         if least < most:
-            table = _noted(query, table, least, entry, SOUGHT_EXIT, none, none, NONE)
+            table = _put(
+                table, table.steps, table.used, least, entry, NONE, begin, begin, NONE, SOUGHT
+            )
     u, gone = query.start.node[entry], query.start.cost[entry]
     for at in range(len(way) + 1):
         if at > 0:
@@ -276,7 +287,11 @@ def _leave(query, table, told, pick, most):
             barred[graph.leaving[k]] = query.own[graph.leaving[k]]
         work += 1 + graph.around[u + 1] - graph.around[u] + len(told) * (at + 2)
         if least < most:
-            table = _noted(query, table, least, entry, SOUGHT_EXIT, way[:at], none, at)
+            table = _put(
+                table, table.steps, table.used, least, entry, NONE, begin, begin + at, at, SOUGHT
+            )
+        if work > budget:
+            break
     return table, work
 
 
@@ -311,7 +326,7 @@ def _seek(query, table, told, row, most):
     if found < np.inf:
         way_in = way_in if at < 0 else entry
         table = _noted(query, table, found, way_in, way_out, root, rest, at)
-    return table, work + len(barred) // CLEARED + table.filled
+    return table, work + len(barred) // CLEARED + len(told) * (at + 2)
 
 
 @njit(**OWNING)
@@ -344,19 +359,19 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
     taken = np.zeros(wanted * 4 + 8, np.int32)
     told, laid = 0, 0
     limit = np.inf
-    while laid < wanted and told < len(taken) and work <= budget:
-        work += table.filled
-        pick = _cheapest(table.routes, table.filled)
-        if pick < 0 or table.routes[pick, COST] > limit:
+    while laid < wanted and told < len(taken) and work <= budget and table.waiting > 0:
+        cost, pick = pop(table.keys, table.items, table.waiting)
+        if cost > limit:
             break
-        table.routes[pick, TAKEN] = 1.0
+        table = _without_first(table)
+        work += 1
         if table.routes[pick, KIND] == SOUGHT:
             most = BEYOND * min(limit, table.least[-1])
             table, more = _seek(query, table, taken[:told], pick, most)
             work += more
             continue
         if told == 0:
-            limit = dearest * table.routes[pick, COST]
+            limit = dearest * cost
         taken[told] = pick
         told += 1
         entry, out = int(table.routes[pick, ENTRY]), int(table.routes[pick, EXIT])
@@ -368,6 +383,5 @@ def cheapest_routes(graph, floor, start, goal, wanted, rounding, budget, dearest
             begin[laid] = begin[laid - 1] + len(xy)
         if entry >= 0 and laid < wanted:
             most = BEYOND * min(limit, table.least[-1])
-            table, more = _leave(query, table, taken[:told], pick, most)
-            work += more
+            table, work = _leave(query, table, taken[:told], pick, most, work, budget)
     return line[: begin[laid]], pair[: begin[laid]], begin[: laid + 1].copy(), work
