@@ -20,7 +20,7 @@ from vision.outline.fit.outline_kernels import STRAY_PX
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.outline_types import BorderPoints, FinishedEdges
 
-WAYS = ("along", "the other way", "straight", "along, and back a little")
+WAYS = ("along", "the other way", "straight", "along, and back a little", "along, with a gap")
 
 
 def arc_points(radius: float, begin: float, sweep: float) -> FloatArray:
@@ -65,6 +65,8 @@ def test_an_outline_strays_where_dense_samples_say_so(
     elif way == "along, and back a little":
         third = len(arc) // 3
         beside = np.concatenate([arc[: 2 * third], arc[2 * third : third : -1], arc[third:]])
+    elif way == "along, with a gap":
+        beside = np.concatenate([arc[: len(arc) // 4 + 1], arc[3 * len(arc) // 4 :]])
     points = np.concatenate([beside, chord])
     points = points + np.random.default_rng(seed).normal(0.0, noise, points.shape).clip(-1.0, 1.0)
     doubled = np.concatenate([points, points, points[:1]])

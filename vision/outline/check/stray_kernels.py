@@ -97,20 +97,15 @@ def _ends(rows, i, after):
 
 @njit(**LEAF)
 def _runs_along(border, lo, hi, finished, i, after, far):
-    """Whether points lo .. hi lead along all of edge i, none farther from it than ``far``.
+    """Whether points lo .. hi lead along all of a line, none farther from it than ``far``.
 
-    What leads from one end of an edge to the other, and stays near it, has every point of the edge
-    beside it, since the nearest point on the edge moves on without a leap. On an arc it would leap
-    near the centre, and between two ends that are near each other. That spares most edges the
-    search for each of their points.
+    What leads from one end of a line to the other, and stays near it, has every point of the line
+    beside it, however far apart its own points are. That spares most lines the search for each of
+    their points. It does not hold for arcs: a link between two points far apart cuts across.
     """
-    x0, y0, x1, y1 = _ends(finished.rows, i, after)
-    if 2.0 * far > STRAY_PX:
+    if finished.kind[i] != LINE or far > STRAY_PX:
         return False
-    if finished.kind[i] != LINE:
-        near_ends = (x1 - x0) ** 2 + (y1 - y0) ** 2 <= (4.0 * STRAY_PX) ** 2
-        if near_ends or finished.rows[i, 4] <= 2.0 * STRAY_PX:
-            return False
+    x0, y0, x1, y1 = _ends(finished.rows, i, after)
     limit = STRAY_PX * STRAY_PX
     to_begin = (border.x[lo] - x0) ** 2 + (border.y[lo] - y0) ** 2
     to_end = (border.x[hi] - x1) ** 2 + (border.y[hi] - y1) ** 2
