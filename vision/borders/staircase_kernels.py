@@ -22,6 +22,7 @@ import numpy as np
 from numba import njit
 
 from planner.scene.compile_options import LEAF, OWNING, SUMS
+from planner.scene.primitive_kernels import successor
 
 NARROWEST, WIDEST = 4, 16
 """Points on either side that a parabola is fitted to, at least and at most: chosen, by
@@ -57,7 +58,7 @@ def follow_staircase(points, starts, blur):
     longest = 0
     for b in range(starts.shape[0] - 1):
         longest = max(longest, starts[b + 1] - starts[b])
-    work = np.empty((3, longest + 1))
+    work = np.empty((4, longest + 1))
     reach = math.ceil(TAILS * blur)
     taps = np.empty(2 * reach + 1)
     total = 0.0
@@ -74,10 +75,13 @@ def follow_staircase(points, starts, blur):
             begin = _first_break(border, axis)
             k = 0
             while k < n and squares < ENOUGH:
-                count = _course(border, axis, begin + k, n - k)
+                first = begin + k if begin + k < n else begin + k - n
+                count = _course(border, axis, first, n - k)
                 if count > 2 * (NARROWEST + reach):
+                    here = first
                     for i in range(count):
-                        work[0, i] = border[(begin + k + i) % n, 1 - axis]
+                        work[0, i] = border[here, 1 - axis]
+                        here = successor(here, n)
                     more, most = _compare(work, count, taps, reach)
                     shared += more
                     squares += most
@@ -86,19 +90,16 @@ def follow_staircase(points, starts, blur):
 
 
 @njit(**LEAF)
-def _steps_alike(border, axis, k):
-    """Whether points k - 1, k and k + 1 follow each other a pixel apart along the axis."""
-    n = border.shape[0]
-    here = border[k % n, axis]
-    before = here - border[(k - 1) % n, axis]
-    return abs(before) == 1.0 and border[(k + 1) % n, axis] - here == before
-
-
-@njit(**LEAF)
 def _first_break(border, axis):
-    """A point at which no course goes on."""
-    for k in range(border.shape[0]):
-        if not _steps_alike(border, axis, k):
+    """A point at which no course goes on: those before and behind it are not both a pixel away."""
+    n = border.shape[0]
+    if n == 0:
+        return 0
+    step = border[0, axis] - border[n - 1, axis]
+    for k in range(n):
+        before = step
+        step = border[successor(k, n), axis] - border[k, axis]
+        if abs(before) != 1.0 or step != before:
             return k
     return 0
 
@@ -107,10 +108,16 @@ def _first_break(border, axis):
 def _course(border, axis, begin, most):
     """How many points from ``begin`` on follow each other a pixel apart; at most one more."""
     n = border.shape[0]
-    if abs(border[(begin + 1) % n, axis] - border[begin % n, axis]) != 1.0:
+    here = successor(begin, n)
+    step = border[here, axis] - border[begin, axis]
+    if abs(step) != 1.0:
         return 1
     count = 2
-    while count <= most and _steps_alike(border, axis, begin + count - 1):
+    while count <= most:
+        after = successor(here, n)
+        if border[after, axis] - border[here, axis] != step:
+            break
+        here = after
         count += 1
     return count
 
@@ -121,6 +128,7 @@ def _compare(work, count, taps, reach):
     course = work[0]
     smooth = work[1]
     rounded = work[2]
+    blurred = work[3]
     width = int(NARROW * (count / COURSE) ** WIDER)
     width = min(max(width, NARROWEST), WIDEST)
     size = 2 * width + 1
@@ -130,25 +138,33 @@ def _compare(work, count, taps, reach):
     scale = 1.0 / (size * fourth - second * second)
     a = fourth * scale
     b = second * scale
-    for i in range(width, count - width):
-        value = 0.0
-        for j in range(-width, width + 1):
-            value += (a - b * j * j) * course[i + j]
-        smooth[i] = value
-        rounded[i] = math.floor(value) + 0.5
+    inner = count - 2 * width
+    smooth[:inner] = 0.0
+    for j in range(size):
+        weight = a - b * (j - width) ** 2
+        ahead = course[j:]
+        for i in range(inner):
+            smooth[i] += weight * ahead[i]
+    for i in range(inner):
+        rounded[i] = math.floor(smooth[i]) + 0.5
+    end = inner - 2 * reach
+    blurred[:end] = 0.0
+    for j in range(2 * reach + 1):
+        ahead = rounded[j:]
+        for i in range(end):
+            blurred[i] += taps[j] * ahead[i]
+    first = course[reach:]
+    middle = course[reach + width :]
+    last = course[reach + 2 * width :]
+    parabola = smooth[reach:]
     shared = 0.0
     squares = 0.0
-    for i in range(width + reach, count - width - reach):
-        first = course[i - width]
-        middle = course[i]
-        last = course[i + width]
-        rise = max(abs(first - last), max(abs(first - middle), abs(last - middle)))
-        away = middle - smooth[i]
-        if rise < RISE_PX or abs(away) >= ASTRAY_PX:
-            continue
-        stair = -smooth[i]
-        for j in range(2 * reach + 1):
-            stair += taps[j] * rounded[i + j - reach]
-        shared += away * stair
-        squares += stair * stair
+    for i in range(end):
+        rise = abs(first[i] - last[i])
+        rise = max(rise, abs(first[i] - middle[i]), abs(last[i] - middle[i]))
+        away = middle[i] - parabola[i]
+        stair = blurred[i] - parabola[i]
+        tells = 1.0 if (rise >= RISE_PX) & (abs(away) < ASTRAY_PX) else 0.0
+        shared += tells * away * stair
+        squares += tells * stair * stair
     return shared, squares
