@@ -37,6 +37,7 @@ from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBor
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.records.clipping import clip_circle, clip_polygon
 from vision.records.placement import Placement
+from vision.records.record_kernels import look_at_borders
 from vision.records.thin_curves import chain_edges, open_chain
 
 SPECK_AREA = 4
@@ -77,12 +78,13 @@ def build_objects(
     """The scene's objects in the order of their first pixel. O(records)."""
     bounds = placement.bounds
     limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
-    strays = _beyond(fitted, limits).tolist()
-    outlines = _Outlines.of(fitted, placement)
+    ends, stray, thin = look_at_borders(
+        fitted.kind, fitted.data, fitted.edge_starts, limits, borders.area, borders.starts
+    )
+    strays, may_be_thin = stray.tolist(), thin.tolist()
+    outlines = _Outlines.of(fitted, ends, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
-    # two cracks for every pixel that they enclose, or more
-    thin = ((borders.area > 0) & (2 * borders.area <= np.diff(borders.starts))).tolist()
     # in metres the picture's edge is not the bounds'
     in_pixels = placement.calibration is None
     outline: dict[int, Record] = {}
@@ -93,11 +95,10 @@ def build_objects(
         record: Record
         if border_kind[b] == TINY:
             record = tiny_record(borders, b, placement)
-        elif thin[b] and (straight := thin_record(borders, b, placement)) is not None:
+        elif may_be_thin[b] and (straight := thin_record(borders, b, placement)) is not None:
             record = straight
         elif border_kind[b] == CIRCLE:
-            cx, cy, r, rms = outlines.centered(starts[b])
-            circle = CircleRecord((cx, cy), r, rms)
+            circle = outlines.circle(starts[b])
             record = clip_circle(circle, limits) if in_pixels else circle
         else:
             polygon = outlines.polygon(starts[b], starts[b + 1])
@@ -114,63 +115,48 @@ def build_objects(
     )
 
 
-def _beyond(fitted: FittedBorders, limits: tuple[float, float, float, float]) -> NDArray[np.bool_]:
-    """Which borders (b,) have a corner, or an arc's whole circle, beyond the limits.
-
-    ``limits``: x, y of the least and of the greatest.
-    """
-    left, top, right, bottom = limits
-    x, y, cx, cy, r, _ = fitted.data.T
-    out = (x < left) | (y < top) | (x > right) | (y > bottom)
-    round_ = (cx - r < left) | (cy - r < top) | (cx + r > right) | (cy + r > bottom)
-    out |= round_ & (fitted.kind != LINE)
-    before = np.concatenate(([0], out.cumsum()))[fitted.edge_starts]
-    return np.asarray(before[1:] > before[:-1])
-
-
 @dataclass(frozen=True, slots=True)
 class _Outlines:
     """Fitted edges in the scene's coordinates.
 
-    ``edges`` (k,): each from its first point to the next edge's; ``data`` (k, 6) as in
-    ``FittedBorders``; ``rms`` (k,).
+    ``edges`` (k,): each from its first point to the next edge's; ``centers``, ``radii`` (k,) of
+    arcs and circles; ``rms`` (k,): the whole border's deviation in pixels.
     """
 
     edges: list[Edge]
-    data: NDArray[np.float64]
+    centers: list[Vec]
+    radii: list[float]
     rms: list[float]
 
     @classmethod
-    def of(cls, fitted: FittedBorders, placement: Placement) -> _Outlines:
+    def of(
+        cls, fitted: FittedBorders, next_edges: NDArray[np.int64], placement: Placement
+    ) -> _Outlines:
         data = fitted.data
         if placement.calibration is not None:
             x, y = placement.scale, placement.y_scale
             data = data * np.array([x, y, x, y, x, 1.0])
-        corners: list[Vec] = list(zip(data[:, 0].tolist(), data[:, 1].tolist(), strict=True))
-        starts = fitted.edge_starts
-        some = starts[1:] > starts[:-1]
-        ends = corners[1:] + corners[:1]
-        # a border's last edge ends where its first one begins
-        for first, last in zip(starts[:-1][some].tolist(), starts[1:][some].tolist(), strict=True):
-            ends[last - 1] = corners[first]
+        xs, ys, center_xs, center_ys, radii, rms = data.T.tolist()
+        corners: list[Vec] = list(zip(xs, ys, strict=True))
+        centers: list[Vec] = list(zip(center_xs, center_ys, strict=True))
+        ends = [corners[e] for e in next_edges.tolist()]
         edges: list[Edge] = [*new_segments(corners, ends)]
-        bent = np.flatnonzero(fitted.kind != LINE)
-        which = bent.tolist()
+        kind = fitted.kind.tolist()
+        bent = [e for e, one in enumerate(kind) if one != LINE]
         arcs = new_arcs(
-            [corners[e] for e in which],
-            [ends[e] for e in which],
-            list(zip(data[bent, 2].tolist(), data[bent, 3].tolist(), strict=True)),
-            data[bent, 4].tolist(),
-            (fitted.kind[bent] == ARC_CCW).tolist(),
+            [corners[e] for e in bent],
+            [ends[e] for e in bent],
+            [centers[e] for e in bent],
+            [radii[e] for e in bent],
+            [kind[e] == ARC_CCW for e in bent],
         )
-        for e, arc in zip(which, arcs, strict=True):
+        for e, arc in zip(bent, arcs, strict=True):
             edges[e] = arc
-        return cls(edges, data, data[:, 5].tolist())
+        return cls(edges, centers, radii, rms)
 
-    def centered(self, edge: int) -> list[float]:
-        """Centre x, y, radius and rms deviation of an edge that has a centre."""
-        values: list[float] = self.data[edge, 2:].tolist()
-        return values
+    def circle(self, edge: int) -> CircleRecord:
+        """The record of a circle's one edge."""
+        return CircleRecord(self.centers[edge], self.radii[edge], self.rms[edge])
 
     def polygon(self, first: int, last: int) -> PolygonRecord:
         """The record of edges first .. last - 1."""
