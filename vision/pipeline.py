@@ -92,7 +92,7 @@ def extract(
     rectified = placement.rectified(edges.points)
     stretches = placement.stretches(edges.points, rectified, edges.starts)
     drawn = tolerance.crisp or is_drawing(binary.grey, borders)
-    even = bool(np.all(stretches == 1.0))
+    even = calibration is None or bool((stretches == 1.0).all())
     shrunk = rectified
     if not even:
         shrunk = rectified / np.repeat(stretches, np.diff(edges.starts))[:, None]

@@ -113,9 +113,9 @@ def binarise(
         width = grey.shape[1]
         binary.mask[1:-1, 1 : width + 1][ignore] = 0
         binary = replace(binary, by_level=False)
-    # where the first row has a free pixel the others need not be looked at
+    # where the first pixel is free, or one of its row, the others need not be looked at
     first_row = binary.inside[0]
-    if first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
+    if first_row[0] and first_row.all() and cv2.countNonZero(binary.mask) == grey.size:
         raise PictureError(
             f"the picture has no free space: all {grey.shape[1]} x {grey.shape[0]} pixels are "
             f"{'black' if side == 'dark' else 'white'}, which is what obstacles are"

@@ -99,6 +99,18 @@ def summed(counters):
 
 
 @njit(**LEAF)
+def clear_margin(mask, width):
+    """Mark nothing around ``width`` pixels of a padded mask's rows, nor in its first and last."""
+    last = mask.shape[0] - 1
+    mask[0] = 0
+    mask[last] = 0
+    for y in range(1, last):
+        mask[y, 0] = 0
+        for x in range(width + 1, mask.shape[1]):
+            mask[y, x] = 0
+
+
+@njit(**LEAF)
 def mark_below(grey, bound, mask):
     """Mark in a padded mask (h + 2, w') where a picture (h, w) is ``bound`` or darker.
 
@@ -224,6 +236,23 @@ def flat_histogram(grey, most):
             if across <= most and down <= most:
                 histogram[int(here[x] + 0.5)] += 1
     return histogram
+
+
+@njit(**LEAF)
+def plateau_share(histogram, level, dark, middle, reach):
+    """The share of a class's pixels within ``reach`` of its ``middle``; 1 where it has none.
+
+    ``dark``: of the class below ``level``, or else of the other one. ``histogram`` (256,).
+    """
+    every = 0.0
+    near = 0.0
+    for v in range(256):
+        if (v < level) != dark:
+            continue
+        every += histogram[v]
+        if abs(v - middle) <= reach:
+            near += histogram[v]
+    return near / every if every > 0.0 else 1.0
 
 
 @njit(**OWNING)

@@ -13,7 +13,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.binarise.binarise_kernels import SIGMAS, flat_histogram, split_histogram, steepest_level
+from vision.binarise.binarise_kernels import (
+    SIGMAS,
+    flat_histogram,
+    plateau_share,
+    split_histogram,
+    steepest_level,
+)
 from vision.binarise.grey_picture import (
     FEWEST,
     LEAST_CONTRAST,
@@ -73,7 +79,7 @@ def classes_of(look: Look, strongest: float | None = None) -> Classes | None:
     if found is None or calming is NO_CALMING:
         return found
     # the spread that noise explains, as the unsmoothed picture would have it
-    explained = float(np.hypot(look.noise, found.light_spread))
+    explained = math.hypot(look.noise, found.light_spread)
     return replace(found, light_spread=explained)
 
 
@@ -85,13 +91,13 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
     uneven. The level is where edges are steepest then, and the spread that of what is no edge.
     ``counts`` are the classes' own, ``noise`` is what is left in them.
     """
-    dark_side = np.arange(256) < found.level
-    rare = dark_side if found.dark_share < 0.5 else ~dark_side
-    middle = found.dark if found.dark_share < 0.5 else found.light
+    dark_is_rare = found.dark_share < 0.5
+    middle = found.dark if dark_is_rare else found.light
     reach = max(PLATEAU * found.contrast, PLATEAU_SIGMAS * noise)
-    on_plateau = rare & (np.abs(np.arange(256) - middle) <= reach)
-    if counts[on_plateau].sum() >= MOST_ON_PLATEAU * counts[rare].sum():
+    if plateau_share(counts, found.level, dark_is_rare, middle, reach) >= MOST_ON_PLATEAU:
         return found
+    dark_side = np.arange(256) < found.level
+    rare = dark_side if dark_is_rare else ~dark_side
     # two pixels of a plateau differ by no more than it is wide
     wide = 2.0 * max(PLATEAU * found.contrast, PLATEAU_SIGMAS * look.noise)
     flat = flat_histogram(look.grey, wide)
@@ -104,7 +110,7 @@ def _sharpened(found: Classes, look: Look, counts: NDArray[np.int64], noise: flo
     level = float(steepest_level(look.grey, least))
     if level < 0.0:
         return found
-    if found.dark_share < 0.5:
+    if dark_is_rare:
         dark = min(max(2.0 * level - found.light, 0.0), found.dark)
         return replace(found, dark=dark, dark_spread=spread)
     light = max(min(2.0 * level - found.dark, 255.0), found.light)

@@ -21,7 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner.scene import Binarisation
-from vision.binarise.binarise_kernels import SIGMAS, mark_below, noise_sigma, sampled_histogram
+from vision.binarise.binarise_kernels import (
+    SIGMAS,
+    clear_margin,
+    mark_below,
+    noise_sigma,
+    sampled_histogram,
+)
 from vision.binarise.smoothing_kernels import (
     calmed_histogram,
     dots_left_out,
@@ -44,22 +50,18 @@ least contrast."""
 
 @dataclass(frozen=True, slots=True)
 class Calming:
-    """A smoothing: its ``sigma_px``, and the share of white noise that it leaves.
-
-    ``kernel``: the weights and their norm, as in ``vision.binarise.smoothing_kernels``, where it
-    has them.
-    """
+    """A smoothing: its ``sigma_px``, and the share of white noise that it leaves."""
 
     sigma_px: float
     left: float
-    kernel: tuple[tuple[np.uint16, np.uint16, np.uint16], int] | None = None
 
 
 NO_CALMING = Calming(0.0, 1.0)
 """The picture as it is: defined."""
-BINOMIAL = Calming(1.0, 0.2734, ((np.uint16(6), np.uint16(4), np.uint16(1)), 256))
+BINOMIAL = Calming(1.0, 0.2734)
 """The binomial of 5 x 5 pixels: the Gaussian of its width, in a third of the time; derived, 70 /
-256 of the noise."""
+256 of the noise. Of whole grey values ``vision.binarise.smoothing_kernels`` works out no more of it
+than is looked at."""
 WIDE = Calming(2.0, 0.1411)
 """A Gaussian: derived, it leaves 1 / (2 sqrt(pi) sigma) of the noise."""
 CALMINGS = (NO_CALMING, BINOMIAL, WIDE)
@@ -103,8 +105,8 @@ class Look:
         """The smoothed picture's histogram (256,), from a sample."""
         if calming is NO_CALMING:
             return self.counts
-        if calming.kernel is not None and self.grey.dtype == np.uint8:
-            counts: NDArray[np.int64] = calmed_histogram(self.grey, *calming.kernel)
+        if calming is BINOMIAL and self.grey.dtype == np.uint8:
+            counts: NDArray[np.int64] = calmed_histogram(self.grey)
             return counts
         counts = sampled_histogram(self.grey_after(calming))
         return counts
@@ -127,14 +129,12 @@ class Look:
         height, width = self.grey.shape
         stride = (width + 2 + 7) // 8 * 8
         mask = self.room.take("mask", (height + 2) * stride, np.uint8).reshape(-1, stride)
-        mask[0] = mask[-1] = 0
-        mask[:, 0] = 0
-        mask[:, width + 1 :] = 0
+        clear_margin(mask, width)
         inside = mask[1:-1, 1 : width + 1]
         whole = self.grey.dtype == np.uint8
         bound = min(max(math.ceil(level) - 1, -1), 255)
-        if whole and calming.kernel is not None:
-            places = mark_below_but_dots(self.grey, bound, *calming.kernel, mask)
+        if whole and calming is BINOMIAL:
+            places = mark_below_but_dots(self.grey, bound, mask)
             mark_dots(self.grey, noise, places, mask)
             return mask
         smoothed = self.grey_after(calming)

@@ -1,9 +1,8 @@
 """A picture with less noise, only as far as it is looked at, and the dots that are lost in it.
 
 Rules and units
-- Grey values are whole, 0 .. 255. A smoothing is three weights, of the centre, of what is next
-  to it and of what is next but one, in both directions; their sum, squared, is ``norm``: at
-  most 256, so that sums stay within 16 bits.
+- Grey values are whole, 0 .. 255. They are smoothed by the binomial of 5 x 5 pixels, whose weights
+  add up to 256 and their sums stay within 16 bits.
 - Beyond the picture's edge it is mirrored, the pixels of the edge themselves not repeated.
 - Everything is worked out row by row in two rows of room, whole rows at a time.
 - A pixel that lies below the level as it came is a dot's where it stands out of what is around
@@ -36,6 +35,13 @@ from vision.binarise.binarise_kernels import (
 )
 from vision.shared.typed_numbers import NONE
 
+# defined: the binomial's weights in either direction, of the centre, of what is next to it and of
+# what is next but one, typed so that sums stay as narrow as they are
+CENTRE, NEXT, NEXT_BUT_ONE = np.uint16(6), np.uint16(4), np.uint16(1)
+# defined: what all weights add up to is 2 to this power
+WHOLE_BITS = np.uint16(8)
+# defined: half of it, for rounding
+HALF = np.uint16(128)
 MARGIN = 2
 """Pixels that the smoothing reaches beyond one: defined, of five weights."""
 BINOMIAL_LEFT = 0.2734
@@ -52,7 +58,7 @@ room for."""
 
 
 @njit(**OWNING)
-def calmed_histogram(grey, weights, norm):
+def calmed_histogram(grey):
     """How many of the sampled pixels have each smoothed grey value, rounded: (256,) int64."""
     height, width = grey.shape
     counters = np.zeros((4, 256), np.uint32)
@@ -60,16 +66,16 @@ def calmed_histogram(grey, weights, norm):
     line = np.empty(width, np.uint8)
     rows, columns = sample_steps(height, width)
     for y in range(0, height, rows):
-        sum_rows(grey, y, weights, sums)
-        _divide(sums, weights, norm, line)
+        sum_rows(grey, y, sums)
+        _divide(sums, line)
         count_greys(line[(y // rows) % columns :], columns, counters)
     return summed(counters)
 
 
 @njit(**LEAF)
-def sum_limit(bound, norm):
+def sum_limit(bound):
     """The sum from which on a smoothed grey value is rounded to more than ``bound``."""
-    return np.uint16(min(max((bound + 1) * norm - norm // 2, 0), 65535))
+    return np.uint16(min(max(((bound + 1) << WHOLE_BITS) - HALF, 0), 65535))
 
 
 @njit(**LEAF)
@@ -83,7 +89,7 @@ def _mirrored(i, count):
 
 
 @njit(**LEAF)
-def sum_rows(grey, y, weights, sums):
+def sum_rows(grey, y, sums):
     """The weighted sums over five rows around row ``y``, with the margin at both ends."""
     height, width = grey.shape
     _weigh(
@@ -92,7 +98,6 @@ def sum_rows(grey, y, weights, sums):
         grey[y],
         grey[_mirrored(y + 1, height)],
         grey[_mirrored(y + 2, height)],
-        weights,
         sums[MARGIN : width + MARGIN],
     )
     for beyond in range(1, MARGIN + 1):
@@ -102,62 +107,58 @@ def sum_rows(grey, y, weights, sums):
 
 
 @njit(**LEAF)
-def _weigh(a, b, c, d, e, weights, sums):
-    centre, near, far = weights
+def _weigh(a, b, c, d, e, sums):
+    """The weighted sums of five rows, or of five places of one."""
     for x in range(sums.shape[0]):
         sums[x] = np.uint16(
-            far * (np.uint16(a[x]) + np.uint16(e[x]))
-            + near * (np.uint16(b[x]) + np.uint16(d[x]))
-            + centre * np.uint16(c[x])
+            NEXT_BUT_ONE * (np.uint16(a[x]) + np.uint16(e[x]))
+            + NEXT * (np.uint16(b[x]) + np.uint16(d[x]))
+            + CENTRE * np.uint16(c[x])
         )
 
 
 @njit(**LEAF)
-def _divide(sums, weights, norm, line):
+def _divide(sums, line):
     """The smoothed grey values of a row, rounded."""
     width = line.shape[0]
-    centre, near, far = weights
-    # multiplied by 2^16 / norm instead, which is exact for all sums that there are
-    factor = np.uint16((65536 + norm - 1) // norm)
-    half = np.uint16(norm // 2)
     a, b, c = sums[:width], sums[1 : width + 1], sums[2 : width + 2]
     d, e = sums[3 : width + 3], sums[4 : width + 4]
     for x in range(width):
-        total = np.uint16(far * (a[x] + e[x]) + near * (b[x] + d[x]) + centre * c[x] + half)
-        line[x] = np.uint8((np.uint32(total) * np.uint32(factor)) >> np.uint32(16))
+        total = np.uint16(
+            NEXT_BUT_ONE * (a[x] + e[x]) + NEXT * (b[x] + d[x]) + CENTRE * c[x] + HALF
+        )
+        line[x] = np.uint8(total >> WHOLE_BITS)
 
 
 @njit(**LEAF)
-def compare(sums, weights, limit, out):
-    """Whether the smoothed grey values of a row lie below the limit, times ``norm``."""
+def compare(sums, limit, out):
+    """Whether the smoothed grey values of a row lie below the limit, see ``sum_limit``."""
     width = out.shape[0]
-    centre, near, far = weights
     a, b, c = sums[:width], sums[1 : width + 1], sums[2 : width + 2]
     d, e = sums[3 : width + 3], sums[4 : width + 4]
     for x in range(width):
-        total = np.uint16(far * (a[x] + e[x]) + near * (b[x] + d[x]) + centre * c[x])
+        total = np.uint16(NEXT_BUT_ONE * (a[x] + e[x]) + NEXT * (b[x] + d[x]) + CENTRE * c[x])
         out[x] = total < limit
 
 
 @njit(**OWNING)
-def mark_below_but_dots(grey, bound, weights, norm, mask):
+def mark_below_but_dots(grey, bound, mask):
     """Mark where the smoothed picture is ``bound`` or darker, and list what is by itself only.
 
-    ``mask`` (h + 2, w') is padded, ``weights`` and ``norm`` as in
-    ``vision.binarise.smoothing_kernels``. Returns the rows and columns of what is left out: what
+    ``mask`` (h + 2, w') is padded. Returns the rows and columns of what is left out: what
     ``dots_left_out`` finds, in one pass.
     """
     height, width = grey.shape
     sums = np.empty(width + 2 * MARGIN, np.uint16)
-    limit = sum_limit(bound, norm)
+    limit = sum_limit(bound)
     level = np.uint8(min(max(bound + 1, 0), 255))
     left_out = np.zeros((width + AT_A_TIME - 1) // AT_A_TIME * AT_A_TIME, np.uint8)
     places = np.empty(4 * left_out.shape[0], np.int64)
     count = NONE
     for y in range(height):
-        sum_rows(grey, y, weights, sums)
+        sum_rows(grey, y, sums)
         marks = mask[y + 1, 1 : width + 1]
-        compare(sums, weights, limit, marks)
+        compare(sums, limit, marks)
         _find_left_out(grey[y], level, marks, left_out)
         count = _list(left_out, y * width, places, count)
         if count + left_out.shape[0] > places.shape[0]:
