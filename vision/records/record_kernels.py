@@ -16,20 +16,23 @@ from numba import njit
 
 from planner.scene.compile_options import OWNING
 from vision.outline.fitted_borders import LINE
+from vision.shared.typed_numbers import NONE
 
 
 @njit(**OWNING)
 def look_at_borders(kind, data, edge_starts, limits, areas, crack_starts):
-    """``(ends, stray, thin)`` of edges (k,) and borders (b,).
+    """``(ends, bent, stray, thin)`` of edges (k,) and borders (b,).
 
-    ``ends`` (k,) int64: the edge of the same border that begins where each one ends. ``stray`` (b,)
-    bool: whether a border has a corner, or an arc's whole circle, beyond ``limits``: x, y of the
-    least and of the greatest. ``thin`` (b,) bool: whether it is an object's and has two cracks for
-    every pixel that it encloses, or more.
+    ``ends`` (k,) int64: the edge of the same border that begins where each one ends. ``bent`` (m,)
+    int64: the edges that are no line. ``stray`` (b,) bool: whether a border has a corner, or an
+    arc's whole circle, beyond ``limits``: x, y of the least and of the greatest. ``thin`` (b,)
+    bool: whether it is an object's and has two cracks for every pixel that it encloses, or more.
     """
     left, top, right, bottom = limits
     borders = edge_starts.shape[0] - 1
     ends = np.empty(kind.shape[0], np.int64)
+    bent = np.empty(kind.shape[0], np.int64)
+    count = NONE
     stray = np.zeros(borders, np.bool_)
     thin = np.empty(borders, np.bool_)
     for b in range(borders):
@@ -40,7 +43,9 @@ def look_at_borders(kind, data, edge_starts, limits, areas, crack_starts):
             x, y, cx, cy, r = data[e, 0], data[e, 1], data[e, 2], data[e, 3], data[e, 4]
             out = x < left or y < top or x > right or y > bottom
             if kind[e] != LINE:
+                bent[count] = e
+                count += 1
                 out |= cx - r < left or cy - r < top or cx + r > right or cy + r > bottom
             stray[b] |= out
         thin[b] = areas[b] > 0 and 2 * areas[b] <= crack_starts[b + 1] - crack_starts[b]
-    return ends, stray, thin
+    return ends, bent[:count], stray, thin

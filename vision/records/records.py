@@ -33,7 +33,7 @@ from planner.scene import (
 )
 from vision.binarise.binarise_kernels import SIGMAS
 from vision.borders.contours import Borders
-from vision.outline.fitted_borders import ARC_CCW, CIRCLE, LINE, TINY, FittedBorders
+from vision.outline.fitted_borders import ARC_CCW, CIRCLE, TINY, FittedBorders
 from vision.records.bulk_records import new_arcs, new_object, new_polygon, new_segments
 from vision.records.clipping import clip_circle, clip_polygon
 from vision.records.placement import Placement
@@ -78,11 +78,11 @@ def build_objects(
     """The scene's objects in the order of their first pixel. O(records)."""
     bounds = placement.bounds
     limits = (bounds.x_min, bounds.y_min, bounds.x_max, bounds.y_max)
-    ends, stray, thin = look_at_borders(
+    ends, bent, stray, thin = look_at_borders(
         fitted.kind, fitted.data, fitted.edge_starts, limits, borders.area, borders.starts
     )
     strays, may_be_thin = stray.tolist(), thin.tolist()
-    outlines = _Outlines.of(fitted, ends, placement)
+    outlines = _Outlines.of(fitted, ends, bent, placement)
     border_kind = fitted.border_kind.tolist()
     starts = fitted.edge_starts.tolist()
     # in metres the picture's edge is not the bounds'
@@ -119,44 +119,46 @@ def build_objects(
 class _Outlines:
     """Fitted edges in the scene's coordinates.
 
-    ``edges`` (k,): each from its first point to the next edge's; ``centers``, ``radii`` (k,) of
-    arcs and circles; ``rms`` (k,): the whole border's deviation in pixels.
+    ``edges`` (k,): each from its first point to the next edge's; ``data`` (k, 6) as in
+    ``FittedBorders``; ``rms`` (k,).
     """
 
     edges: list[Edge]
-    centers: list[Vec]
-    radii: list[float]
+    data: NDArray[np.float64]
     rms: list[float]
 
     @classmethod
     def of(
-        cls, fitted: FittedBorders, next_edges: NDArray[np.int64], placement: Placement
+        cls,
+        fitted: FittedBorders,
+        next_edges: NDArray[np.int64],
+        bent: NDArray[np.int64],
+        placement: Placement,
     ) -> _Outlines:
         data = fitted.data
         if placement.calibration is not None:
             x, y = placement.scale, placement.y_scale
             data = data * np.array([x, y, x, y, x, 1.0])
-        xs, ys, center_xs, center_ys, radii, rms = data.T.tolist()
-        corners: list[Vec] = list(zip(xs, ys, strict=True))
-        centers: list[Vec] = list(zip(center_xs, center_ys, strict=True))
+        corners: list[Vec] = list(zip(data[:, 0].tolist(), data[:, 1].tolist(), strict=True))
         ends = [corners[e] for e in next_edges.tolist()]
         edges: list[Edge] = [*new_segments(corners, ends)]
-        kind = fitted.kind.tolist()
-        bent = [e for e, one in enumerate(kind) if one != LINE]
+        which = bent.tolist()
+        center_xs, center_ys, radii = data[bent, 2:5].T.tolist()
         arcs = new_arcs(
-            [corners[e] for e in bent],
-            [ends[e] for e in bent],
-            [centers[e] for e in bent],
-            [radii[e] for e in bent],
-            [kind[e] == ARC_CCW for e in bent],
+            [corners[e] for e in which],
+            [ends[e] for e in which],
+            list(zip(center_xs, center_ys, strict=True)),
+            radii,
+            (fitted.kind[bent] == ARC_CCW).tolist(),
         )
-        for e, arc in zip(bent, arcs, strict=True):
+        for e, arc in zip(which, arcs, strict=True):
             edges[e] = arc
-        return cls(edges, centers, radii, rms)
+        return cls(edges, data, data[:, 5].tolist())
 
     def circle(self, edge: int) -> CircleRecord:
         """The record of a circle's one edge."""
-        return CircleRecord(self.centers[edge], self.radii[edge], self.rms[edge])
+        cx, cy, r, rms = self.data[edge, 2:].tolist()
+        return CircleRecord((cx, cy), r, rms)
 
     def polygon(self, first: int, last: int) -> PolygonRecord:
         """The record of edges first .. last - 1."""
