@@ -23,6 +23,8 @@ from typing import Any
 from numba.core import caching, codegen, environment
 from numba.core.runtime.nrt import rtsys
 
+from planner.shared.kernel_compiler import PART, KernelLibrary, is_part
+
 NEEDED = (
     (caching.FunctionCache, ("_index_key", "_load_overload")),
     (codegen.CPUCodeLibrary, ("_unserialize", "_set_compiled_object", "_finalize_final_module")),
@@ -45,6 +47,8 @@ class LoadedLibrary(codegen.JITCodeLibrary):
     def _unserialize(cls, own_codegen: Any, state: Any) -> Any:
         """As numba does, but the bitcode stays as it is."""
         name, kind, data = state
+        if kind == PART:
+            return KernelLibrary.of_part(own_codegen, name, data)
         if kind != "object":
             return super()._unserialize(own_codegen, state)
         machine_code, bitcode = data
@@ -82,12 +86,22 @@ def load_lightly(locator: type) -> None:
             found = _read(self._cache_file, self._index_key(signature, target.codegen()))
         if found is None:  # numba looks for it once more, ready to compile
             return numbas(self, signature, target)
+        if found[0][1] == PART:
+            return _part(self, target, found) if is_part() else None
         function = found[1]
         target.codegen()._engine._defined_symbols.add(function.llvm_cpython_wrapper_name)
         with _light_libraries(target.codegen()):
             return self._impl.rebuild(target, found)
 
     setattr(caching.FunctionCache, "load_overload", load_overload)  # noqa: B010 - for mypy it is a method
+
+
+def _part(cache: Any, target: Any, found: Any) -> Any:
+    """A part that another kernel is built on; what it refers to is set once that has its code."""
+    *kept, environments = found
+    with _light_libraries(target.codegen()):
+        rebuilt = cache._impl.rebuild(target, (*kept, ()))
+    return rebuilt._replace(referenced_envs=environments)
 
 
 def _read(file: Any, key: Any) -> Any:

@@ -24,6 +24,7 @@ from typing import Any
 import numba
 from numba.core import caching
 
+from planner.shared.kernel_compiler import compile_in_parts
 from planner.shared.kernel_loader import load_lightly
 from planner.shared.processor import choose_processor
 from planner.shared.source_stamp import stamp_of
@@ -105,6 +106,7 @@ def prepare_kernels() -> None:
     processor = choose_processor(os.environ)
     caching.CacheImpl._locator_classes.insert(0, KernelLocator)
     load_lightly(KernelLocator)
+    compile_in_parts(KernelLocator)
     if processor is not None:
         with contextlib.suppress(OSError):  # nothing can be written there: numba has more places
             unpack_shipped(SHIPPED / processor)

@@ -1,0 +1,196 @@
+"""Kernels that kernels call are parts of them, and give what they give as wholes."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from planner.shared import kernel_compiler
+from planner.shared.kernel_locator import ROOT
+
+INNER = """
+import numpy as np
+from numba import njit
+from planner.scene.compile_options import OWNING, SUMS
+
+@njit(**SUMS)
+def norm(values):
+    total = 0.0
+    for k in range(values.shape[0]):
+        total += values[k] * values[k] / 3.0
+    return np.sqrt(total)
+
+@njit(**OWNING)
+def checked(values):
+    if values.shape[0] == 0:
+        raise ValueError("no values")
+    return np.zeros(values.shape[0]) + values
+"""
+OUTER = """
+import numpy as np
+from numba import njit
+from planner.scene.compile_options import OWNING
+from strange.inner_kernels import checked, norm
+
+@njit(**OWNING)
+def twice(values):
+    return norm(checked(values)) + norm(values)
+"""
+BEGIN = """
+import sys
+from pathlib import Path
+import numpy as np
+import planner.scene.compile_options
+import planner.shared.kernel_locator as locator
+
+locator.ROOT = Path(sys.argv[1])
+locator.PACKAGES = ("strange",)
+sys.path.insert(0, sys.argv[1])
+from strange.inner_kernels import checked, norm
+from strange.outer_kernels import twice
+
+values = np.random.default_rng(0).random(999)
+
+def kinds(kernel):
+    return [type(one.entry_point).__name__ for one in kernel.overloads.values()]
+
+def found(kernel):
+    return sum(kernel.stats.cache_hits.values()), sum(kernel.stats.cache_misses.values())
+"""
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A folder with a package of two files of kernels."""
+    (tmp_path / "strange").mkdir()
+    (tmp_path / "strange" / "__init__.py").touch()
+    (tmp_path / "strange" / "inner_kernels.py").write_text(INNER)
+    (tmp_path / "strange" / "outer_kernels.py").write_text(OUTER)
+    return tmp_path
+
+
+def run(code: str, package: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", BEGIN + code, str(package)],
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        env={**os.environ, "NUMBA_CACHE_DIR": str(package / "cache")},
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_what_a_kernel_calls_has_no_entry_until_python_calls_it(package: Path) -> None:
+    told = run(
+        """
+both = twice(values)
+print(kinds(twice), kinds(norm), kinds(checked))
+alone = norm(values)
+print(kinds(norm), both == 2 * alone, norm(checked(values)) == alone)
+""",
+        package,
+    )
+    wholes = "['builtin_function_or_method']"
+    assert told == f"{wholes} ['NoEntry'] ['NoEntry']\n{wholes} True True\n"
+
+
+def test_a_whole_is_the_same_whatever_was_compiled_before_it(package: Path) -> None:
+    show = """
+import re
+[whole] = twice.overloads.values()
+names = {}
+lines = whole.library.get_asm_str().splitlines()
+code = "\\n".join(line for line in lines if not line.startswith("\\t."))  # instructions
+print(re.sub(r"_Z[\\w$.]+", lambda one: names.setdefault(one[0], str(len(names))), code))
+"""
+    last = run("twice(values)" + show, package)
+    assert "sqrt" in last
+    for kept in (package / "cache").rglob("*.nb[ci]"):
+        kept.unlink()
+    assert run("norm(values); checked(values); twice(values)" + show, package) == last
+
+
+def test_a_changed_kernel_is_built_on_parts_that_were_kept(package: Path) -> None:
+    before = run("print(twice(values), found(norm), found(checked))", package)
+    assert before.endswith(" (0, 1) (0, 1)\n")
+    (package / "strange" / "outer_kernels.py").write_text(OUTER + "\n# changed\n")
+    after = run("print(twice(values), found(norm), found(checked), found(twice))", package)
+    assert after == before.replace("(0, 1) (0, 1)", "(1, 0) (1, 0) (0, 1)")
+
+
+def test_a_part_that_was_kept_is_no_whole_for_python(package: Path) -> None:
+    first = run("twice(values); print(norm(values), found(norm))", package)
+    assert first.endswith(" (0, 2)\n")  # as a part, and as a whole
+    assert run("print(norm(values), found(norm))", package) == first.replace("(0, 2)", "(1, 0)")
+    (package / "strange" / "outer_kernels.py").write_text(OUTER + "\n# changed\n")
+    run("twice(values); norm(values); assert found(norm) == (1, 0), norm.stats", package)
+
+
+@pytest.mark.parametrize("first", ["twice(values)", "pass", "checked(values)"])
+def test_what_a_part_refuses_is_told_compiled_and_kept(package: Path, first: str) -> None:
+    code = f"""
+{first}
+try:
+    twice(values[:0])
+except ValueError as refused:
+    print(refused)
+"""
+    assert run(code, package) == "no values\n"
+    assert run(code, package) == "no values\n"
+
+
+def test_functions_of_others_are_compiled_by_numba_and_built_on_ours(package: Path) -> None:
+    told = run(
+        """
+from numba import njit
+
+@njit
+def others(values):
+    return checked(values)[0] + np.zeros(values.shape[0])[0] - values[0]
+
+twice(values)
+print(others(values), type(others.overloads[others.signatures[0]].library).__name__)
+print(len(checked(values)), kinds(checked))
+""",
+        package,
+    )
+    assert told == "0.0 JITCodeLibrary\n999 ['builtin_function_or_method']\n"
+
+
+def test_a_function_of_others_that_was_a_part_is_compiled_when_python_calls_it(
+    package: Path,
+) -> None:
+    others = "@njit\ndef other(values):\n    return norm(values)\n\n"
+    twice = "@njit(**OWNING)\ndef twice(values):\n    return other(values)\n"
+    head = OUTER.partition("@njit")[0]
+    (package / "strange" / "outer_kernels.py").write_text(head + others + twice)
+    told = run(
+        "from strange.outer_kernels import other; print(twice(values) == other(values))", package
+    )
+    assert told == "True\n"
+
+
+def test_after_a_kernel_that_is_refused_others_are_compiled(package: Path) -> None:
+    told = run(
+        """
+from numba.core.errors import TypingError
+try:
+    twice("words")
+except TypingError as refused:
+    print("No implementation" in str(refused) or "Unknown attribute" in str(refused))
+print(twice(values) > 0.0, kinds(norm))
+""",
+        package,
+    )
+    assert told == "True\nTrue ['NoEntry']\n"
+
+
+def test_a_numba_that_lacks_what_is_used_compiles_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = kernel_compiler.dispatcher.Dispatcher.compile
+    monkeypatch.setattr(kernel_compiler, "NEEDED", ((object, ("no_such_name",)),))
+    kernel_compiler.compile_in_parts(object)
+    assert kernel_compiler.dispatcher.Dispatcher.compile is usual
