@@ -13,9 +13,6 @@ Rules and units
 - A kernel that says nothing of ``forceinline`` or ``fastmath`` inherits it from the one that it is
   first compiled for. ``fit_borders`` takes in all that is below it but what is called seldom: a
   call copies nine numbers for an array, which costs small borders a fifth of their time.
-- A step that is handed all the memory is written into its caller before anything is compiled
-  (``inline``). As kernels of their own the steps are compiled again and again, each with all that
-  is below it and once more with the next one above.
 """
 
 # mypy: allow-untyped-defs
@@ -131,7 +128,7 @@ def fit_borders(
     return count
 
 
-@njit(**LEAF, inline="always")
+@njit(**LEAF)
 def share_out(memory):
     """What each array of the memory for one border is used for: ``Work``."""
     most = memory.most
@@ -156,7 +153,7 @@ def share_out(memory):
     )
 
 
-@njit(**LEAF, inline="always")
+@njit(**LEAF)
 def _fit_border(
     border, cracks, place, budget, held, tolerance, limits, prices, work, finished
 ):  # fmt: skip
@@ -200,7 +197,7 @@ def _fit_border(
     return POLYGON, edges
 
 
-@njit(**LEAF, inline="always")
+@njit(**LEAF)
 def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices, work):
     """Break a border into edges, and once more where they do not cover it.
 
@@ -258,7 +255,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
     return edges, sound
 
 
-@njit(**LEAF, inline="always")
+@njit(**LEAF)
 def _finish_drawn(border, cracks, edges, budget, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number."""
     outline = work.outline
@@ -281,7 +278,7 @@ def _finish_drawn(border, cracks, edges, budget, work, finished):
     return count
 
 
-@njit(**LEAF, inline="always")
+@njit(**LEAF)
 def _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished):
     """Write edges that cover their border, chords where none do; returns their number."""
     outline = work.outline
