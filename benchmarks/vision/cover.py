@@ -14,6 +14,8 @@ from vision import extract
 
 KINDS = ("rectangle", "disc", "half disc", "stadium", "star", "ellipse", "blob")
 """The shapes that ``outline`` draws."""
+BY_OPENCV = ("thick line", "filled polygon", "filled ellipse")
+"""Those that OpenCV draws, ``outline_by_opencv``: as pictures of arenas are often made."""
 
 
 def outline(rng: np.random.Generator, kind: str) -> np.ndarray:
@@ -45,20 +47,38 @@ def outline(rng: np.random.Generator, kind: str) -> np.ndarray:
     return coverage([star], (200, 200), lines=1) >= 0.5
 
 
+def outline_by_opencv(rng: np.random.Generator, kind: str) -> np.ndarray:
+    """A mask (200, 200) of one object that OpenCV drew without anti-aliasing."""
+    mask = np.zeros((200, 200), np.uint8)
+    if kind == "thick line":
+        begin, end = rng.integers(30, 170, (2, 2)).tolist()
+        cv2.line(mask, begin, end, 1, int(rng.integers(3, 20)))
+    elif kind == "filled polygon":
+        corners = int(rng.integers(3, 12))
+        angles = np.sort(rng.uniform(0.0, math.tau, corners))
+        vertices = 100.0 + rng.uniform(8, 90) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        cv2.fillPoly(mask, [np.rint(vertices).astype(np.int32)], 1)
+    else:
+        axes = (int(rng.integers(10, 60)), int(rng.integers(8, 60)))
+        cv2.ellipse(mask, (100, 100), axes, float(rng.uniform(0.0, 180.0)), 0, 360, 1, -1)
+    return mask > 0
+
+
 def cover_table(count: int, cells: list[str]) -> list[str]:
     """Records of crisp objects of 400 px and more drawn again, beside approxPolyDP's."""
     lines = [
         "| shape | method | least IoU | below 0.995 | most Hausdorff px | edges, mean |",
         "|---|---|---|---|---|---|",
     ]
-    for kind in KINDS:
+    for kind in (*KINDS, *BY_OPENCV):
         if not wanted(kind, cells):
             continue
         rows: dict[str, list[tuple[float, float, int]]] = {
             "clearway": [], "cv2.approxPolyDP, 1 px": [],
         }  # fmt: skip
         for i in range(count):
-            mask = outline(np.random.default_rng([SEED, i, len(kind)]), kind)
+            draw = outline if kind in KINDS else outline_by_opencv
+            mask = draw(np.random.default_rng([SEED, i, len(kind)]), kind)
             if mask.sum() < 400:
                 continue
             picture = np.where(mask, 0, 255).astype(np.uint8)

@@ -38,6 +38,7 @@ from vision import extract
 from vision.outline import fitting_kernels, partition_kernels, whole_circle_kernels
 from vision.outline.check import area_lost_kernels
 from vision.outline.corners import edit_kernels, edit_search_kernels, joint_kernels
+from vision.outline.drawn import merged_edge_kernels
 
 FARTHER_BY = 1.02
 """What makes a difference: one more wrong shape, or so many times the distance."""
@@ -54,11 +55,12 @@ STAGES = (
     "a second start",
     "fits between the pixels",
     "joints relaxed",
+    "runs merged",
 )
 """What is switched off; the first four are the edits, by their numbers."""
 OFF = np.zeros(len(STAGES), np.int64)
 """Which stages are: kernels read it where it lies, so that they are compiled once."""
-TOUCHING, SQUARING, MISSED, SNAPPING, START, FITS, RELAXING = range(4, len(STAGES))
+TOUCHING, SQUARING, MISSED, SNAPPING, START, FITS, RELAXING, MERGING = range(4, len(STAGES))
 STEPS: tuple[tuple[int, ModuleType, str], ...] = (
     (TOUCHING, edit_search_kernels, "touch_lines"),
     (SQUARING, edit_search_kernels, "square_ends"),
@@ -67,6 +69,7 @@ STEPS: tuple[tuple[int, ModuleType, str], ...] = (
     (FITS, joint_kernels, "separate_circle"),
     (FITS, partition_kernels, "separate_circle"),
     (FITS, whole_circle_kernels, "separate_circle"),
+    (FITS, merged_edge_kernels, "separate_circle"),
     (RELAXING, area_lost_kernels, "relax_joints"),
 )
 """The steps of stages that give nothing back, and where they are called."""
@@ -106,6 +109,7 @@ def make_optional() -> None:
                 kernel._cache = NullCache()
     may_be: Any = edit_kernels._may_be
     any_bent, turn_at = fitting_kernels.any_bent_line, partition_kernels.turn_at
+    merge: Any = fitting_kernels.merge_edges
 
     @njit(**LEAF)
     def edits(border, outline, edges, run, kind, line_price, blur, stays):
@@ -121,7 +125,11 @@ def make_optional() -> None:
     def turning(border, k, reach):
         return turn_at(border, k, reach) + (CORNERED if is_off(START) else 0.0)
 
-    edit_kernels._may_be = edits
+    @njit(**LEAF)
+    def merging(cracks, finished, count, trial, circle, room):
+        return count if is_off(MERGING) else merge(cracks, finished, count, trial, circle, room)
+
+    edit_kernels._may_be, fitting_kernels.merge_edges = edits, merging
     fitting_kernels.any_bent_line, partition_kernels.turn_at = missed_arcs, turning
     for stage, module, name in STEPS:
         vars(module)[name] = optional(stage, vars(module)[name])

@@ -39,6 +39,7 @@ from vision.outline.check.stray_kernels import outline_strays
 from vision.outline.corners.edit_search_kernels import edit_outline
 from vision.outline.corners.joint_kernels import fit_and_join
 from vision.outline.corners.missed_arc_kernels import any_bent_line
+from vision.outline.drawn.merging_kernels import merge_edges
 from vision.outline.drawn.separating_chord_kernels import all_chords, separate_by_chords
 from vision.outline.drawn.separation_kernels import fill_cracks, find_cracks
 from vision.outline.fit.outline_kernels import finish_edge
@@ -271,6 +272,8 @@ def _finish_drawn(border, cracks, edges, budget, work, finished):
         cracks, finished, edges, budget - SURE, room.indices[2], room.flags[0], found, work.trial,
         room.numbers[0:2],
     )  # fmt: skip
+    if count > edges or _any(finished.kind, count):
+        count = merge_edges(cracks, finished, count, work.trial, work.circle, room)
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)
     if outline_strays(middles, finished, count):
         count = all_chords(cracks, finished, found)

@@ -22,7 +22,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import successor
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN
+from vision.outline.fit.separating_fit_kernels import ACTIVE_PX, HALF, SEPARATION_MARGIN
 from vision.outline.fitted_borders import ARC_CW, LINE
 
 SWEEPS = 24
@@ -106,7 +106,7 @@ def _rise(rows, e, after, kind):
 
 
 @njit(**LEAF)
-def _circle_through(x0, y0, x1, y1, rise):
+def circle_through(x0, y0, x1, y1, rise):
     """Centre and radius of the arc that rises so far to the left of its chord."""
     dx = x1 - x0
     dy = y1 - y0
@@ -163,7 +163,8 @@ def _line_pushes(xs, ys, joints, edges, e, push):
         y = ys[k] - y0
         d = x * nx + y * ny
         t = (x * dx + y * dy) * inv
-        counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
+        inside = (abs(d) > limit) & (t >= 0.0) & (t <= 1.0)
+        counts = ACTIVE_PX / (ACTIVE_PX + max(abs(d) - limit, 0.0)) if inside else 0.0
         excess = counts * (d + limit if d < 0.0 else d - limit)
         w = 1.0 - t
         ww += counts * w * w
@@ -201,7 +202,7 @@ def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one 
     beyond = 0.0
     rise_ww = 0.0
     rise_w = 0.0
-    cx, cy, r = _circle_through(x0, y0, x0 + dx, y0 + dy, push[e, 5])
+    cx, cy, r = circle_through(x0, y0, x0 + dx, y0 + dy, push[e, 5])
     sign = 1.0 if push[e, 5] > 0.0 else -1.0
     a0 = 0.0
     a1 = 0.0
@@ -223,7 +224,8 @@ def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one 
         d = sign * (far - r)
         t = ((xs[k] - x0) * dx + (ys[k] - y0) * dy) * inv
         limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
-        counts = 1.0 if (abs(d) > limit) & (t >= 0.0) & (t <= 1.0) else 0.0
+        inside = (abs(d) > limit) & (t >= 0.0) & (t <= 1.0)
+        counts = ACTIVE_PX / (ACTIVE_PX + max(abs(d) - limit, 0.0)) if inside else 0.0
         excess = counts * (d + limit if d < 0.0 else d - limit)
         w = 1.0 - t
         ww = counts * w * w
@@ -272,7 +274,7 @@ def _shape_of(outline, e, after, rise):
     if outline.is_arc[e]:
         if abs(rise) < 1e-6:
             rise = 1e-6 if rise >= 0.0 else -1e-6
-        shape[e, 0], shape[e, 1], shape[e, 2] = _circle_through(x0, y0, x1, y1, rise)
+        shape[e, 0], shape[e, 1], shape[e, 2] = circle_through(x0, y0, x1, y1, rise)
     else:
         shape[e, 0] = x0
         shape[e, 1] = y0

@@ -204,42 +204,53 @@ def _judge(kind, rows, count, i, x, y, upright):
 @njit(**LEAF)
 def find_lost(cracks, finished, count, state):
     """``state`` (n,) of every crack; cracks lost, and how many of them gravely."""
-    n = cracks.n
     lost = 0
     grave = 0
     for i in range(count):
-        after = successor(i, count)
-        lo = finished.at[i]
-        hi = finished.at[after]
-        hi = hi + n if hi <= lo else hi
-        x0 = finished.rows[i, 0]
-        y0 = finished.rows[i, 1]
-        dx = finished.rows[after, 0] - x0
-        dy = finished.rows[after, 1] - y0
-        # a crack well within a line is told by the line alone
-        square = dx * dx + dy * dy if finished.kind[i] == LINE else 0.0
-        margin = NEAR_JOINT_PX * math.sqrt(square)
-        across_upright = HALF * abs(dy)
-        across_level = HALF * abs(dx)
-        for k in range(lo, hi):
-            here = k - n if k >= n else k
-            x = cracks.x[k] - x0
-            y = cracks.y[k] - y0
-            along = x * dx + y * dy
-            limit = across_upright if cracks.free_x[k] != 0.0 else across_level
-            if (margin < along) & (along < square - margin) & (abs(x * dy - y * dx) < limit):
-                state[here] = OK
-                continue
-            found = _judge(
-                finished.kind,
-                finished.rows,
-                count,
-                i,
-                cracks.x[k],
-                cracks.y[k],
-                cracks.free_x[k] != 0.0,
-            )
-            state[here] = found
-            lost += found != OK
-            grave += found == GRAVE
+        some, worse = find_lost_beside(cracks, finished, count, i, state)
+        lost += some
+        grave += worse
+    return lost, grave
+
+
+@njit(**LEAF)
+def find_lost_beside(cracks, finished, count, i, state):
+    """The same of the cracks whose stretch edge i is."""
+    n = cracks.n
+    lost = 0
+    grave = 0
+    after = successor(i, count)
+    lo = finished.at[i]
+    hi = finished.at[after]
+    hi = hi + n if hi <= lo else hi
+    x0 = finished.rows[i, 0]
+    y0 = finished.rows[i, 1]
+    dx = finished.rows[after, 0] - x0
+    dy = finished.rows[after, 1] - y0
+    # a crack well within a line is told by the line alone
+    square = dx * dx + dy * dy if finished.kind[i] == LINE else 0.0
+    margin = NEAR_JOINT_PX * math.sqrt(square)
+    across_upright = HALF * abs(dy)
+    across_level = HALF * abs(dx)
+    for k in range(lo, hi):
+        here = k - n if k >= n else k
+        x = cracks.x[k] - x0
+        y = cracks.y[k] - y0
+        along = x * dx + y * dy
+        limit = across_upright if cracks.free_x[k] != 0.0 else across_level
+        if (margin < along) & (along < square - margin) & (abs(x * dy - y * dx) < limit):
+            state[here] = OK
+            continue
+        found = _judge(
+            finished.kind,
+            finished.rows,
+            count,
+            i,
+            cracks.x[k],
+            cracks.y[k],
+            cracks.free_x[k] != 0.0,
+        )
+        state[here] = found
+        lost += found != OK
+        grave += found == GRAVE
     return lost, grave

@@ -109,8 +109,8 @@ def separate_line(px, py, lo, hi, line, near):
             dy = near_y[i] - y
             d = dy * ux - dx * uy
             excess = max(abs(d) - limit, 0.0)
-            one = 1.0 if excess > 0.0 else 0.0
-            excess = -excess if d < 0.0 else excess
+            one = ACTIVE_PX / (ACTIVE_PX + excess) if excess > 0.0 else 0.0
+            excess = -one * excess if d < 0.0 else one * excess
             t = dx * ux + dy * uy
             w += one
             wt += one * t

@@ -1,0 +1,292 @@
+"""The line or the arc that may stand for a run of edges without grey.
+
+Rules and units
+- ``cracks``, and ``trial``, edges ``0 .. count - 1`` with their first cracks, of which edge ``at``
+  stands for cracks lo .. hi - 1: see ``vision.outline.outline_types``.
+- A chord begins in the middle of a crack's way, so that two or three of them, with a jog between,
+  stand for a line that begins elsewhere in it. Here the line is found that runs as far as can be
+  from the pixels on both of its sides, and ends where it meets what is before and behind it.
+"""
+
+# mypy: allow-untyped-defs
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from planner.scene.compile_options import LEAF, SUMS
+from planner.scene.primitive_kernels import predecessor, successor
+from vision.outline.corners.crossing_kernels import SHALLOW
+from vision.outline.drawn.joint_relaxation_kernels import circle_through
+from vision.outline.fit.outline_kernels import FLATTEST_PX
+from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
+from vision.outline.fit.shape_kernels import HUGE, fit_circle
+from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
+from vision.outline.limit_kernels import MOST_PX
+from vision.shared.typed_numbers import ONE
+
+STEPS = 12
+"""Steps to the line that is farthest from its pixels: indifferent, a bound on the work."""
+STEEPEST = 0.5
+"""How far such a line may be turned from the run's own direction (its tangent): indifferent."""
+SETTLED_PX = 1e-3
+"""A gap that could be wider by less is the widest: indifferent."""
+LEAST_ARC = 5
+"""Cracks of an arc at least: derived, three would lie on any circle."""
+ASTRAY_PX = 3.0
+"""So far from the circle through its ends and its middle no arc runs: indifferent, it only spares
+work."""
+LOOKS = 8
+"""Parts of a run at whose ends is looked for that: indifferent."""
+
+
+@njit(**LEAF)
+def put_line(cracks, trial, count, at, lo, hi):
+    """Let edge ``at`` be the line farthest from the pixels of cracks lo .. hi - 1, if it can be."""
+    gap, x, y, vx, vy = line_between(cracks, lo, hi)
+    if gap < 0.0:
+        return False
+    before = predecessor(at, count)
+    after = successor(at, count)
+    x0, y0, met = _meet(cracks, trial, before, at, lo, x, y, vx, vy)
+    if not met:
+        return False
+    x1, y1, met = _meet(cracks, trial, after, successor(after, count), hi, x, y, vx, vy)
+    if not met or (x1 - x0) * vx + (y1 - y0) * vy <= 0.0:
+        return False
+    trial.rows[at, 0], trial.rows[at, 1] = x0, y0
+    trial.rows[after, 0], trial.rows[after, 1] = x1, y1
+    return True
+
+
+@njit(**SUMS)
+def _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt):
+    """The least height of a free pixel and the greatest of an obstacle, and where both are.
+
+    Heights are over a line through (x0, y0) whose slope against (ux, uy) is ``tilt``, towards the
+    free pixels.
+    """
+    free = HUGE
+    dark = -HUGE
+    free_at = 0.0
+    dark_at = 0.0
+    for k in range(lo, hi):
+        x = cracks.x[k] - x0
+        y = cracks.y[k] - y0
+        along = x * ux + y * uy
+        height = x * uy - y * ux
+        more = cracks.free_x[k] * ux + cracks.free_y[k] * uy
+        up = cracks.free_x[k] * uy - cracks.free_y[k] * ux
+        above = height + up - tilt * (along + more)
+        below = height - up - tilt * (along - more)
+        if above < free:
+            free = above
+            free_at = along + more
+        if below > dark:
+            dark = below
+            dark_at = along - more
+    return free, dark, free_at, dark_at
+
+
+@njit(**LEAF)
+def line_between(cracks, lo, hi):
+    """The line farthest from the pixels on both sides of cracks lo .. hi - 1.
+
+    Returns how wide the gap between them is, negative where no line separates them, a point and the
+    unit vector. The gap is a concave function of the slope: it is at most as wide as where its
+    tangents at two slopes meet, and there it is looked at next.
+    """
+    x0 = cracks.x[lo]
+    y0 = cracks.y[lo]
+    ux = cracks.x[hi - 1] - x0
+    uy = cracks.y[hi - 1] - y0
+    length = math.sqrt(ux * ux + uy * uy)
+    if length <= 0.0:
+        return -HUGE, x0, y0, 1.0, 0.0
+    ux /= length
+    uy /= length
+    low, low_gap, low_slope = -STEEPEST, HUGE, 0.0
+    high, high_gap, high_slope = STEEPEST, HUGE, 0.0
+    tilt = 0.0
+    best = -HUGE
+    best_tilt = 0.0
+    best_height = 0.0
+    for _ in range(STEPS):
+        free, dark, free_at, dark_at = _gap_at(cracks, lo, hi, x0, y0, ux, uy, tilt)
+        gap = free - dark
+        if gap > best:
+            best = gap
+            best_tilt = tilt
+            best_height = 0.5 * (free + dark)
+        slope = dark_at - free_at
+        if slope == 0.0 or (abs(tilt) >= STEEPEST and slope * tilt > 0.0):
+            break
+        if slope > 0.0:
+            low, low_gap, low_slope = tilt, gap, slope
+        else:
+            high, high_gap, high_slope = tilt, gap, slope
+        if low_gap >= HUGE:
+            tilt = -STEEPEST
+            continue
+        if high_gap >= HUGE:
+            tilt = STEEPEST
+            continue
+        tilt = (high_gap - low_gap + low_slope * low - high_slope * high) / (low_slope - high_slope)
+        most = low_gap + low_slope * (tilt - low)
+        if most < 0.0 or most - best < SETTLED_PX:
+            break
+    share = 1.0 / math.sqrt(1.0 + best_tilt * best_tilt)
+    vx = (ux + best_tilt * uy) * share
+    vy = (uy - best_tilt * ux) * share
+    return best, x0 + best_height * uy, y0 - best_height * ux, vx, vy
+
+
+@njit(**LEAF)
+def _meet(cracks, edges, i, after, k, x, y, vx, vy):
+    """Where a line meets edge i, which ends or begins at crack k: x, y, and whether it does there.
+
+    An arc on its circle; another line where both cross, or else on the crack's own way.
+    """
+    kx = cracks.x[k]
+    ky = cracks.y[k]
+    ax = edges.rows[i, 0]
+    ay = edges.rows[i, 1]
+    if edges.kind[i] != LINE:
+        qx, qy, met = _on_circle(edges.rows[i, 2:5], x, y, vx, vy, kx, ky)
+        off = (edges.rows[i, 2] - x) * vy - (edges.rows[i, 3] - y) * vx
+        return qx, qy, met and abs(off) < edges.rows[i, 4]
+    bx = edges.rows[after, 0] - ax
+    by = edges.rows[after, 1] - ay
+    cross = vx * by - vy * bx
+    if abs(cross) > SHALLOW * math.sqrt(bx * bx + by * by):
+        t = ((ax - x) * by - (ay - y) * bx) / cross
+        qx = x + t * vx
+        qy = y + t * vy
+        if (qx - kx) ** 2 + (qy - ky) ** 2 < MOST_PX * MOST_PX:
+            return qx, qy, True
+    across = cracks.free_x[k] * vy - cracks.free_y[k] * vx
+    if across == 0.0:
+        return kx, ky, False
+    t = ((x - kx) * vy - (y - ky) * vx) / across
+    return kx + t * cracks.free_x[k], ky + t * cracks.free_y[k], abs(t) < 1.0
+
+
+@njit(**LEAF)
+def _on_circle(circle, x, y, vx, vy, near_x, near_y):
+    """Where a line meets a circle, or comes nearest to it: x, y, and whether near to a place."""
+    cx = circle[0] - x
+    cy = circle[1] - y
+    along = cx * vx + cy * vy
+    off = cx * vy - cy * vx
+    root = math.sqrt(max(circle[2] * circle[2] - off * off, 0.0))
+    here = (near_x - x) * vx + (near_y - y) * vy
+    t = along + root if here > along else along - root
+    qx = x + t * vx
+    qy = y + t * vy
+    near = (qx - near_x) ** 2 + (qy - near_y) ** 2 < MOST_PX * MOST_PX
+    return qx, qy, near
+
+
+@njit(**LEAF)
+def put_arc(cracks, trial, count, at, lo, hi, circle, room):
+    """Let edge ``at`` be the arc that fits cracks lo .. hi - 1 best, if there is one.
+
+    Between two lines it begins and ends where its circle meets or touches them, else at its joints.
+    """
+    if hi - lo < LEAST_ARC or _is_astray(cracks, lo, hi):
+        return False
+    if not fit_circle(cracks.x, cracks.y, lo, hi, ONE, circle):
+        return False
+    separate_circle(cracks.x, cracks.y, lo, hi, circle, room.numbers[0:2])
+    rows = trial.rows
+    before = predecessor(at, count)
+    after = successor(at, count)
+    x0, y0 = rows[at, 0], rows[at, 1]
+    x1, y1 = rows[after, 0], rows[after, 1]
+    if trial.kind[before] == LINE and trial.kind[after] == LINE:
+        ax, ay, met = _end_on(circle, rows[before, 0], rows[before, 1], x0, y0)
+        end = successor(after, count)
+        bx, by, meets = _end_on(circle, rows[end, 0], rows[end, 1], x1, y1)
+        if met and meets:
+            x0, y0, x1, y1 = ax, ay, bx, by
+            rows[at, 0], rows[at, 1], rows[after, 0], rows[after, 1] = x0, y0, x1, y1
+    middle = (lo + hi) // 2
+    rise = _rise_of(circle, x0, y0, x1, y1, cracks.x[middle], cracks.y[middle])
+    if abs(rise) < FLATTEST_PX:
+        return False
+    trial.kind[at] = ARC_CW if rise > 0.0 else ARC_CCW
+    rows[at, 2], rows[at, 3], rows[at, 4] = circle_through(x0, y0, x1, y1, rise)
+    return _keeps_off(cracks, lo, hi, rows[at, 2], rows[at, 3], rows[at, 4])
+
+
+@njit(**SUMS)
+def _keeps_off(cracks, lo, hi, cx, cy, r):
+    """Whether a circle passes between the pixels of cracks lo .. hi - 1, and not by a hair.
+
+    One whose centre is just inside an arc lies outside by the larger part.
+    """
+    beyond = 0
+    for k in range(lo, hi):
+        x = cracks.x[k] - cx
+        y = cracks.y[k] - cy
+        far = math.sqrt(x * x + y * y)
+        limit = (HALF - SEPARATION_MARGIN) * max(abs(x), abs(y))
+        beyond += abs(far - r) * far > limit
+    return beyond == 0
+
+
+@njit(**LEAF)
+def _end_on(circle, ax, ay, x, y):
+    """Where the line from (ax, ay) to (x, y) ends on a circle: x, y, and whether near to that."""
+    vx = x - ax
+    vy = y - ay
+    length = math.sqrt(vx * vx + vy * vy)
+    if length < MOST_PX:
+        return x, y, False
+    return _on_circle(circle, x, y, vx / length, vy / length, x, y)
+
+
+@njit(**LEAF)
+def _rise_of(circle, x0, y0, x1, y1, x, y):
+    """How far a circle's arc beside (x, y) rises to the left of the chord between two places."""
+    dx = x1 - x0
+    dy = y1 - y0
+    chord = math.sqrt(dx * dx + dy * dy)
+    if chord <= 0.0:
+        return 0.0
+    mx = x0 + 0.5 * dx
+    my = y0 + 0.5 * dy
+    center = ((circle[0] - mx) * dy - (circle[1] - my) * dx) / chord
+    height = ((x - mx) * dy - (y - my) * dx) / chord
+    left = center + circle[2]
+    right = center - circle[2]
+    return left if abs(left - height) < abs(right - height) else right
+
+
+@njit(**LEAF)
+def _is_astray(cracks, lo, hi):
+    """Whether some of cracks lo .. hi - 1 are far from the circle through three of them."""
+    last = hi - 1
+    k = (lo + hi) // 2
+    x0 = cracks.x[lo]
+    y0 = cracks.y[lo]
+    ax = cracks.x[k] - x0
+    ay = cracks.y[k] - y0
+    bx = cracks.x[last] - x0
+    by = cracks.y[last] - y0
+    det = 2.0 * (ax * by - ay * bx)
+    if det == 0.0:
+        return True
+    aa = ax * ax + ay * ay
+    bb = bx * bx + by * by
+    cx = (by * aa - ay * bb) / det
+    cy = (ax * bb - bx * aa) / det
+    r = math.sqrt(cx * cx + cy * cy)
+    for part in range(1, LOOKS):
+        j = lo + (last - lo) * part // LOOKS
+        away = math.sqrt((cracks.x[j] - x0 - cx) ** 2 + (cracks.y[j] - y0 - cy) ** 2)
+        if abs(away - r) > ASTRAY_PX:
+            return True
+    return False
