@@ -16,8 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.scene import Arc, FloatArray, PolygonRecord
-from tests.vision.outline.test_area_lost import blob, drawn_by_opencv, ellipse, rings, star
-from tests.vision.outline.test_separating_chords import (
+from tests.vision.outline.drawn.test_separating_chords import (
     borders_of,
     cracks_of,
     only_record,
@@ -25,6 +24,7 @@ from tests.vision.outline.test_separating_chords import (
     random_walls,
     speckled,
 )
+from tests.vision.outline.test_area_lost import blob, drawn_by_opencv, ellipse, rings, star
 from vision import extract
 from vision.outline.drawn.merged_edge_kernels import line_between
 from vision.outline.drawn.merging_kernels import merge_edges

@@ -1,0 +1,1 @@
+"""Tests of pictures without grey: edges that separate the pixels."""
