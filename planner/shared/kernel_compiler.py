@@ -7,7 +7,7 @@ the time that all kernels take to compile. Here
 
 - a kernel that is compiled because another one calls it is a part: it has no machine code and no
   entry for Python, and is linked as it was written down. If Python calls it later, it is compiled
-  as a whole then. What a whole is made of does not depend on what was compiled before it;
+  as a whole then. What a whole is made of does not depend on which kernels were compiled before;
 - the implementation that could take some types is asked first when they come up again;
 - two sets of options that were set alike are equal, without a look at those that were not.
 
@@ -34,6 +34,7 @@ from numba.core.utils import order_by_target_specificity
 
 NEEDED = (
     (dispatcher.Dispatcher, ("compile", "add_overload")),
+    (caching, ("NullCache",)),
     (caching.CacheImpl, ("locator",)),
     (codegen.JITCodeLibrary, ("_optimize_final_module", "_finalize_final_module")),
     (codegen.JITCPUCodegen, ("_library_class", "set_env")),
@@ -76,6 +77,7 @@ class KernelLibrary(codegen.JITCodeLibrary):
 
     def finalize(self) -> None:
         """Optimise all of it at once, and make machine code."""
+        self._codegen._check_llvm_bugs()
         self._raise_if_finalized()
         self._get_module_for_linking()
         self._optimize_final_module()
@@ -92,8 +94,8 @@ class KernelLibrary(codegen.JITCodeLibrary):
         if self._is_linked:
             return
         for library in dict.fromkeys(self._linking_libraries):
-            self._reload_init.update(library._reload_init)
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+            self._reload_init.update(library._reload_init)
         self._is_linked = True
 
     @property
@@ -123,9 +125,15 @@ class NoEntry:
 
 
 class _Work:
-    """How deep in kernels of ours that call each other the compiler is; numba's lock is held."""
+    """How deep in kernels of ours that call each other the compiler is; numba's lock is held.
 
-    depth = 0
+    ``forgotten``: parts that Python has a whole of now; code that is built on them refers to what
+    they hold.
+    """
+
+    def __init__(self) -> None:
+        self.depth = 0
+        self.forgotten: list[Any] = []
 
 
 _WORK = _Work()
@@ -154,7 +162,12 @@ def _compile_parts(locator: type) -> None:
         with global_compiler_lock:
             if _WORK.depth == 0:
                 _forget_part(self, signature)
-                if not _is_found_by(locator, self):
+            ours = _is_found_by(locator, self)
+            # what others keep is read without us, too; what nobody keeps may be a part
+            is_kept = not isinstance(self._cache, caching.NullCache)
+            if not ours and (_WORK.depth == 0 or is_kept):
+                with _by_numba_alone(self.targetctx.codegen()):
+                    _forget_part(self, signature)
                     return numbas(self, signature)
             with _one_deeper(self.targetctx.codegen()):
                 return numbas(self, signature)
@@ -172,7 +185,7 @@ def _forget_part(kernel: Any, signature: Any) -> None:
     types = tuple(sigutils.normalize_signature(signature)[0])
     known = kernel.overloads.get(types)
     if known is not None and isinstance(known.entry_point, NoEntry):
-        del kernel.overloads[types]
+        _WORK.forgotten.append(kernel.overloads.pop(types))
 
 
 @contextmanager
@@ -185,6 +198,19 @@ def _one_deeper(own_codegen: Any) -> Iterator[None]:
         yield
     finally:
         _WORK.depth -= 1
+        own_codegen._library_class = usual
+
+
+@contextmanager
+def _by_numba_alone(own_codegen: Any) -> Iterator[None]:
+    """In a function of others, which may be called by a kernel of ours."""
+    usual, depth = own_codegen._library_class, _WORK.depth
+    own_codegen._library_class = codegen.JITCodeLibrary
+    _WORK.depth = 0
+    try:
+        yield
+    finally:
+        _WORK.depth = depth
         own_codegen._library_class = usual
 
 

@@ -73,27 +73,32 @@ class LoadedLibrary(codegen.JITCodeLibrary):
         self._parsed = module
 
 
-def load_lightly(locator: type) -> None:
-    """From now on, kernels that a locator of this class finds are loaded as this module says."""
+def load_lightly(locator: type) -> bool:
+    """From now on, kernels that a locator of this class finds are loaded as this module says.
+
+    False where this version of numba lacks what that takes.
+    """
     if not all(hasattr(owner, name) for owner, names in NEEDED for name in names):
-        return
+        return False
     numbas = caching.FunctionCache.load_overload
 
     def load_overload(self: Any, signature: Any, target: Any) -> Any:
-        found = None
-        if self._enabled and isinstance(self._impl.locator, locator):
-            rtsys.initialize(target)
-            found = _read(self._cache_file, self._index_key(signature, target.codegen()))
-        if found is None:  # numba looks for it once more, ready to compile
+        if not (self._enabled and isinstance(self._impl.locator, locator)):
             return numbas(self, signature, target)
+        rtsys.initialize(target)
+        found = _read(self._cache_file, self._index_key(signature, target.codegen()))
+        if found is None or (found[0][1] == PART and not is_part()):
+            target.refresh()  # ready to compile
+            return None
         if found[0][1] == PART:
-            return _part(self, target, found) if is_part() else None
+            return _part(self, target, found)
         function = found[1]
         target.codegen()._engine._defined_symbols.add(function.llvm_cpython_wrapper_name)
         with _light_libraries(target.codegen()):
             return self._impl.rebuild(target, found)
 
     setattr(caching.FunctionCache, "load_overload", load_overload)  # noqa: B010 - for mypy it is a method
+    return True
 
 
 def _part(cache: Any, target: Any, found: Any) -> Any:

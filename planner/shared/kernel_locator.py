@@ -37,7 +37,9 @@ SHIPPED = Path(__file__).parents[1] / "compiled"
 LABEL = "label.txt"
 """Beside shipped kernels: the versions that they were made by, and a digest of their sources."""
 CONFIG: Any = numba.config
-VERSIONS = f"numba {numba.__version__}, llvmlite {version('llvmlite')}"
+FORMAT = 2
+"""Of what is kept of a kernel: one more with every change that older programs cannot read."""
+VERSIONS = f"numba {numba.__version__}, llvmlite {version('llvmlite')}, format {FORMAT}"
 
 
 class KernelLocator(caching._CacheLocator):
@@ -105,8 +107,8 @@ def prepare_kernels() -> None:
     CONFIG.DISABLE_TYPEINFER_FAIL_CACHE = 1
     processor = choose_processor(os.environ)
     caching.CacheImpl._locator_classes.insert(0, KernelLocator)
-    load_lightly(KernelLocator)
-    compile_in_parts(KernelLocator)
+    if load_lightly(KernelLocator):  # which alone reads what is kept of parts
+        compile_in_parts(KernelLocator)
     if processor is not None:
         with contextlib.suppress(OSError):  # nothing can be written there: numba has more places
             unpack_shipped(SHIPPED / processor)

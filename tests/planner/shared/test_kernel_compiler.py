@@ -174,6 +174,41 @@ def test_a_function_of_others_that_was_a_part_is_compiled_when_python_calls_it(
     assert told == "True\n"
 
 
+def test_what_others_keep_is_kept_as_numba_does(package: Path) -> None:
+    """A function of others with a cache of its own: any program may read that, without us."""
+    (package / "foreign.py").write_text(
+        "from numba import njit\n\n@njit(cache=True)\ndef other(values):\n    return values.sum()\n"
+    )
+    source = package / "strange" / "outer_kernels.py"
+    source.write_text(OUTER.replace("norm(checked(values))", "other(checked(values))"))
+    source.write_text(
+        source.read_text().replace("import njit", "import njit\nfrom foreign import other")
+    )
+    run("twice(values)", package)
+    told = run("from foreign import other; print(other(values) > 0.0, found(other))", package)
+    assert told == "True (1, 0)\n"
+
+
+def test_what_a_forgotten_part_held_is_there_for_those_built_on_it(package: Path) -> None:
+    """What a kernel prints is found by its environment, which is its own."""
+    source = package / "strange" / "outer_kernels.py"
+    saying = "@njit(**OWNING)\ndef say(values):\n    print('there are', values.shape[0])\n\n"
+    head = OUTER.partition("@njit")[0]
+    twice = "@njit(**OWNING)\ndef twice(values):\n    say(values)\n"
+    source.write_text(head + saying + twice)
+    code = """
+import gc
+from strange.outer_kernels import say
+twice(values)
+say(values)
+gc.collect()
+spare = [object() for _ in range(9999)]
+twice(values)
+"""
+    assert run(code, package) == "there are 999\n" * 3
+    assert run(code, package) == "there are 999\n" * 3
+
+
 def test_after_a_kernel_that_is_refused_others_are_compiled(package: Path) -> None:
     told = run(
         """

@@ -56,9 +56,30 @@ def put_line(cracks, trial, count, at, lo, hi):
     x1, y1, met = _meet(cracks, trial, after, successor(after, count), hi, x, y, vx, vy)
     if not met or (x1 - x0) * vx + (y1 - y0) * vy <= 0.0:
         return False
-    trial.rows[at, 0], trial.rows[at, 1] = x0, y0
-    trial.rows[after, 0], trial.rows[after, 1] = x1, y1
+    rows = trial.rows
+    end = successor(after, count)
+    if count > 2:
+        if not _goes_on(trial.kind[before], rows[before], rows[at], x0, y0):
+            return False
+        if not _goes_on(trial.kind[after], rows[end], rows[after], x1, y1):
+            return False
+    rows[at, 0], rows[at, 1] = x0, y0
+    rows[after, 0], rows[after, 1] = x1, y1
     return True
+
+
+@njit(**LEAF)
+def _goes_on(kind, stays, moves, x, y):
+    """Whether an edge between a joint that stays and one that moves still runs the same way.
+
+    ``stays``, ``moves``: their rows; (x, y): where the latter moves to. An arc that is no longer
+    than its end may move could become nearly a whole circle.
+    """
+    dx = moves[0] - stays[0]
+    dy = moves[1] - stays[1]
+    if kind != LINE and dx * dx + dy * dy < 4.0 * MOST_PX * MOST_PX:
+        return False
+    return (x - stays[0]) * dx + (y - stays[1]) * dy > 0.0
 
 
 @njit(**SUMS)
@@ -195,8 +216,6 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, room):
 
     Between two lines it begins and ends where its circle meets or touches them, else at its joints.
     """
-    if hi - lo < LEAST_ARC or _is_astray(cracks, lo, hi):
-        return False
     if not fit_circle(cracks.x, cracks.y, lo, hi, ONE, circle):
         return False
     separate_circle(cracks.x, cracks.y, lo, hi, circle, room.numbers[0:2])
@@ -266,8 +285,10 @@ def _rise_of(circle, x0, y0, x1, y1, x, y):
 
 
 @njit(**LEAF)
-def _is_astray(cracks, lo, hi):
-    """Whether some of cracks lo .. hi - 1 are far from the circle through three of them."""
+def may_be_arc(cracks, lo, hi):
+    """Whether none of cracks lo .. hi - 1 is far from the circle through three of them."""
+    if hi - lo < LEAST_ARC:
+        return False
     last = hi - 1
     k = (lo + hi) // 2
     x0 = cracks.x[lo]
@@ -278,7 +299,7 @@ def _is_astray(cracks, lo, hi):
     by = cracks.y[last] - y0
     det = 2.0 * (ax * by - ay * bx)
     if det == 0.0:
-        return True
+        return False
     aa = ax * ax + ay * ay
     bb = bx * bx + by * by
     cx = (by * aa - ay * bb) / det
@@ -288,5 +309,5 @@ def _is_astray(cracks, lo, hi):
         j = lo + (last - lo) * part // LOOKS
         away = math.sqrt((cracks.x[j] - x0 - cx) ** 2 + (cracks.y[j] - y0 - cy) ** 2)
         if abs(away - r) > ASTRAY_PX:
-            return True
-    return False
+            return False
+    return True

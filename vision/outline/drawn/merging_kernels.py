@@ -18,7 +18,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
-from vision.outline.drawn.merged_edge_kernels import put_arc, put_line
+from vision.outline.drawn.merged_edge_kernels import may_be_arc, put_arc, put_line
 from vision.outline.drawn.separation_kernels import (
     NEIGHBOURS,
     find_lost,
@@ -35,6 +35,8 @@ ROUNDS = 8
 AFFECTED = NEIGHBOURS + 1
 """Edges on either side whose pixels an edge may change: derived, those that may pass a point beside
 it, and one whose end it moves."""
+BESIDE = AFFECTED + NEIGHBOURS + 1
+"""Edges on either side that judging those takes: derived."""
 ROUNDED = 1.0 / 12.0
 """What rounding to pixels leaves of a straight line, in the mean square: derived."""
 ARC_LINES = 2
@@ -67,9 +69,10 @@ def merge_edges(cracks, finished, count, trial, circle, room):
                 if now[k] or then[k]:
                     run = _best_run(cracks, finished, count, e, arc, trial, circle, room)
                 if run > 1:
-                    _put(cracks, finished, count, e, run, arc, trial, circle, room)
-                    at = _place_of(count, e, run)
-                    count = _take_over(trial, finished, count - run + 1)
+                    at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
+                    number = _window(count, run)
+                    count = _take_over(trial, number, at, finished, count, e, run)
+                    at = min(e, count - 1)
                     _judge_around(cracks, finished, count, at, state)
                     for step in range(-AFFECTED, 1):
                         then[finished.at[(at + step + count) % count]] = True
@@ -91,9 +94,13 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, room):
             break
         if arc and not _is_dearer(finished, count, e, run):
             continue
-        good = _put(cracks, finished, count, e, run, arc, trial, circle, room)
-        good = good and (arc or _is_as_near(cracks, finished, count, e, run, trial))
-        if good and _loses_no_more(cracks, trial, count - run + 1, _place_of(count, e, run), room):
+        at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
+        number = _window(count, run)
+        if (
+            at >= 0
+            and (arc or _is_as_near(cracks, finished, count, e, run, trial, number, at))
+            and _loses_no_more(cracks, trial, number, at, room)
+        ):
             best = run
             continue
         failed += 1
@@ -103,7 +110,7 @@ def _best_run(cracks, finished, count, e, arc, trial, circle, room):
 
 
 @njit(**LEAF)
-def _is_as_near(cracks, finished, count, e, run, trial):
+def _is_as_near(cracks, finished, count, e, run, trial, number, at):
     """Whether the line for a run is as near to its cracks as the edges were, but for rounding.
 
     That of all but the longest edge: a side must not turn for a corner's pixel.
@@ -112,12 +119,11 @@ def _is_as_near(cracks, finished, count, e, run, trial):
     total = 0
     longest = 0
     for t in range(run):
-        number, squares = _squares(cracks, finished, count, (e + t) % count)
+        points, squares = _squares(cracks, finished, count, (e + t) % count)
         before += squares
-        total += number
-        longest = max(longest, number)
-    at = _place_of(count, e, run)
-    _, after = _squares(cracks, trial, count - run + 1, at)
+        total += points
+        longest = max(longest, points)
+    _, after = _squares(cracks, trial, number, at)
     return after <= before + ROUNDED * (total - longest + 1)
 
 
@@ -150,9 +156,9 @@ def _is_dearer(finished, count, e, run):
 
 
 @njit(**LEAF)
-def _place_of(count, e, run):
-    """Which edge is the one for a run from e on: one that passes the last edge comes first."""
-    return e if e + run <= count else 0
+def _window(count, run):
+    """How many edges a trial has: one for a run, and those on either side that matter."""
+    return min(count - run + 1, 2 * BESIDE + 1)
 
 
 @njit(**LEAF)
@@ -198,39 +204,61 @@ def _loses_no_more(cracks, trial, count, at, room):
 
 @njit(**LEAF)
 def _put(cracks, finished, count, e, run, arc, trial, circle, room):
-    """Write the outline with one edge for a run into ``trial``: whether there is such an edge."""
+    """Write one edge for a run, and those around it, into ``trial``: its place there, or -1."""
+    n = cracks.n
     lo = finished.at[e]
-    behind = (e + run) % count
-    hi = finished.at[behind]
-    hi = hi + cracks.n if hi <= lo else hi
-    if hi - lo < 2:
-        return False
-    fewer = count - run + 1
-    at = _place_of(count, e, run)
-    after = successor(at, fewer)
-    for t in range(fewer):
-        i = (e + (t - at if t <= at else t - at + run - 1)) % count
+    hi = finished.at[(e + run) % count]
+    hi = hi + n if hi <= lo else hi
+    if hi - lo < 2 or (arc and not may_be_arc(cracks, lo, hi)):
+        return -1
+    number = _window(count, run)
+    at = min(BESIDE, number - 1)
+    for t in range(number):
+        i = (e + t - at + (run - 1 if t > at else 0) + count) % count
         for c in range(6):
             trial.rows[t, c] = finished.rows[i, c]
         trial.kind[t] = finished.kind[i]
         trial.at[t] = finished.at[i]
     if arc:
-        return put_arc(cracks, trial, fewer, at, lo, hi, circle, room)
+        return at if put_arc(cracks, trial, number, at, lo, hi, circle, room) else -1
     trial.kind[at] = LINE
     for c in range(2, 5):
         trial.rows[at, c] = 0.0
     # two lines enclose nothing
-    if fewer < FEWEST_LINES and trial.kind[after] == LINE:
-        return False
-    return put_line(cracks, trial, fewer, at, lo, hi)
+    if count - run + 1 < FEWEST_LINES and trial.kind[successor(at, number)] == LINE:
+        return -1
+    return at if put_line(cracks, trial, number, at, lo, hi) else -1
 
 
 @njit(**LEAF)
-def _take_over(trial, finished, count):
-    """Let the trial be the outline: its number of edges."""
-    for i in range(count):
+def _take_over(trial, number, at, finished, count, e, run):
+    """Put edge ``at`` of a trial in the place of a run from edge e on: the new number of edges.
+
+    Where the run passes the last edge it comes last.
+    """
+    fewer = count - run + 1
+    passed = max(e + run - count, 0)
+    place = e - passed
+    if passed > 0:
+        _move(finished, passed, 0, place)
+    else:
+        _move(finished, e + run, e + 1, fewer - e - 1)
+    after = successor(place, fewer)
+    for c in range(6):
+        finished.rows[place, c] = trial.rows[at, c]
+    finished.kind[place] = trial.kind[at]
+    finished.at[place] = trial.at[at]
+    beside = successor(at, number)
+    finished.rows[after, 0] = trial.rows[beside, 0]
+    finished.rows[after, 1] = trial.rows[beside, 1]
+    return fewer
+
+
+@njit(**LEAF)
+def _move(finished, from_, to, number):
+    """Move edges down."""
+    for t in range(number):
         for c in range(6):
-            finished.rows[i, c] = trial.rows[i, c]
-        finished.kind[i] = trial.kind[i]
-        finished.at[i] = trial.at[i]
-    return count
+            finished.rows[to + t, c] = finished.rows[from_ + t, c]
+        finished.kind[to + t] = finished.kind[from_ + t]
+        finished.at[to + t] = finished.at[from_ + t]
