@@ -23,7 +23,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from llvmlite.binding import Linkage, parse_bitcode
 from numba.core import caching, codegen, cpu, dispatcher, environment, lowering, sigutils
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.errors import NumbaError
@@ -36,6 +35,7 @@ NEEDED = (
     (dispatcher.Dispatcher, ("compile", "add_overload")),
     (caching, ("NullCache",)),
     (caching.CacheImpl, ("locator",)),
+    (codegen, ("ll",)),
     (codegen.JITCodeLibrary, ("_optimize_final_module", "_finalize_final_module")),
     (codegen.JITCPUCodegen, ("_library_class", "set_env")),
     (cpu.CPUContext, ("get_executable",)),
@@ -49,6 +49,7 @@ NEEDED = (
 PART = "part"
 """The kind of a library that is kept without machine code, where numba has ``object``."""
 _FUNCTIONS: Any = functions
+_CODEGEN: Any = codegen
 ENVIRONMENT = "_ZN08NumbaEnv"
 """How names of what compiled code refers to at run time begin."""
 
@@ -71,7 +72,7 @@ class KernelLibrary(codegen.JITCodeLibrary):
             self._link()
             self._shared_module = shared = self._final_module.clone()
             for function in shared.functions:
-                if not function.is_declaration and function.linkage == Linkage.external:
+                if not function.is_declaration and function.linkage == _CODEGEN.ll.Linkage.external:
                     function.linkage = "linkonce_odr"
         return self._shared_module
 
@@ -114,7 +115,7 @@ class KernelLibrary(codegen.JITCodeLibrary):
     def of_part(cls, own_codegen: Any, name: str, code: bytes) -> KernelLibrary:
         """A part that was kept."""
         library = cls(own_codegen, name)
-        library._final_module = parse_bitcode(code)
+        library._final_module = _CODEGEN.ll.parse_bitcode(code)
         library._is_linked = True
         library.is_part = True
         return library
@@ -148,6 +149,8 @@ def compile_in_parts(locator: type) -> None:
     """From now on, kernels that a locator of this class finds are compiled as this module says."""
     if not all(hasattr(owner, name) for owner, names in NEEDED for name in names):
         return
+    if hasattr(dispatcher.Dispatcher.compile, "in_parts"):
+        return  # once a process: twice, each kernel would be within itself
     _compile_parts(locator)
     _leave_out_entries()
     _ask_again_who_answered()
@@ -172,6 +175,7 @@ def _compile_parts(locator: type) -> None:
             with _one_deeper(self.targetctx.codegen()):
                 return numbas(self, signature)
 
+    vars(compile_kernel)["in_parts"] = True
     setattr(dispatcher.Dispatcher, "compile", compile_kernel)  # noqa: B010 - for mypy it is a method
 
 

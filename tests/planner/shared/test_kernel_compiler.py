@@ -209,6 +209,20 @@ twice(values)
     assert run(code, package) == "there are 999\n" * 3
 
 
+def test_kernels_that_are_prepared_twice_are_wholes_for_python(package: Path) -> None:
+    """A module that was imported again prepared them once more: each was a part of itself."""
+    told = run(
+        """
+import importlib
+importlib.reload(planner.scene.compile_options)
+locator.prepare_kernels()
+print(twice(values) > 0.0, kinds(twice), kinds(norm))
+""",
+        package,
+    )
+    assert told == "True ['builtin_function_or_method'] ['NoEntry']\n"
+
+
 def test_after_a_kernel_that_is_refused_others_are_compiled(package: Path) -> None:
     told = run(
         """
