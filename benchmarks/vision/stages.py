@@ -126,8 +126,10 @@ def make_optional() -> None:
         return turn_at(border, k, reach) + (CORNERED if is_off(START) else 0.0)
 
     @njit(**LEAF)
-    def merging(cracks, finished, count, trial, circle, room):
-        return count if is_off(MERGING) else merge(cracks, finished, count, trial, circle, room)
+    def merging(cracks, finished, count, one_circle, trial, circle, room):
+        if is_off(MERGING):
+            return count
+        return merge(cracks, finished, count, one_circle, trial, circle, room)
 
     edit_kernels._may_be, fitting_kernels.merge_edges = edits, merging
     fitting_kernels.any_bent_line, partition_kernels.turn_at = missed_arcs, turning

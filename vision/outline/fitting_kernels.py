@@ -174,7 +174,8 @@ def _fit_border(
     )
     edges = 0
     sound = False
-    if cracks.n > 0 and nearly:
+    one_circle = cracks.n > 0 and nearly
+    if one_circle:
         # no search would find what it loses: the last check does
         edges = cut_circle(border, work.circle, work.outline)
     # a circle that costs no more than any lines would is not compared with other edges
@@ -187,7 +188,7 @@ def _fit_border(
         put_edges_back(finished, ONE, place)
         return CIRCLE, ONE
     if cracks.n > 0:
-        edges = _finish_drawn(border, cracks, edges, budget, work, finished)
+        edges = _finish_drawn(border, cracks, edges, budget, one_circle, work, finished)
     else:
         edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
     _move(finished, edges, place)
@@ -257,7 +258,7 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
 
 
 @njit(**LEAF)
-def _finish_drawn(border, cracks, edges, budget, work, finished):
+def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     """Write edges that separate the pixels of a border without grey; returns their number."""
     outline = work.outline
     room = work.room
@@ -273,7 +274,7 @@ def _finish_drawn(border, cracks, edges, budget, work, finished):
         room.numbers[0:2],
     )  # fmt: skip
     if count > edges or _any(finished.kind, count):
-        count = merge_edges(cracks, finished, count, work.trial, work.circle, room)
+        count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, room)
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)
     if outline_strays(middles, finished, count):
         count = all_chords(cracks, finished, found)

@@ -44,9 +44,10 @@ ARC_LINES = 2
 
 
 @njit(**LEAF)
-def merge_edges(cracks, finished, count, trial, circle, room):
+def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
     """Merge runs of edges where no pixel is lost by it; returns the new ``count``.
 
+    ``one_circle``: all of its arcs are of the circle that the border nearly is, and stay so.
     ``trial``, as long as ``finished``, ``circle`` (3,) and ``room`` are memory to work in.
     """
     state = room.indices[1]
@@ -62,7 +63,7 @@ def merge_edges(cracks, finished, count, trial, circle, room):
             then[k] = False
         before = count
         for arc in (NO, YES):
-            e = 0
+            e = count if arc and one_circle else 0
             while e < count:
                 k = finished.at[e]
                 run = 0

@@ -106,7 +106,7 @@ def test_merged_chords_are_fewer_and_lose_no_pixel(name: str) -> None:
                 continue
             edges, trial, circle, scratch = room_for(cracks.n)
             before = all_chords(cracks, edges, np.empty(cracks.n + 2, np.int64))
-            after = merge_edges(cracks, edges, before, trial, circle, scratch)
+            after = merge_edges(cracks, edges, before, False, trial, circle, scratch)
             assert 2 <= after <= before
             merged += before - after
             assert pixels_lost(cracks, edges, after) == 0, f"seed {seed}, border {b}"
