@@ -163,16 +163,13 @@ def _compile_parts(locator: type) -> None:
 
     def compile_kernel(self: Any, signature: Any) -> Any:
         with global_compiler_lock:
-            if _WORK.depth == 0:
-                _forget_part(self, signature)
-            ours = _is_found_by(locator, self)
             # what others keep is read without us, too; what nobody keeps may be a part
             is_kept = not isinstance(self._cache, caching.NullCache)
-            if not ours and (_WORK.depth == 0 or is_kept):
-                with _by_numba_alone(self.targetctx.codegen()):
-                    _forget_part(self, signature)
-                    return numbas(self, signature)
-            with _one_deeper(self.targetctx.codegen()):
+            alone = not _is_found_by(locator, self) and (_WORK.depth == 0 or is_kept)
+            if alone or _WORK.depth == 0:
+                _forget_part(self, signature)
+            within = _by_numba_alone if alone else _one_deeper
+            with within(self.targetctx.codegen()):
                 return numbas(self, signature)
 
     vars(compile_kernel)["in_parts"] = True

@@ -20,7 +20,7 @@ from planner.scene.compile_options import LEAF
 from vision.outline.corners.crossing_kernels import AROUND
 from vision.outline.fit.moment_kernels import FIRST, circle_of, grow, line_of
 from vision.outline.fit.separating_fit_kernels import separate_circle
-from vision.outline.fit.shape_kernels import ASTRAY, HUGE, circle_cost, line_cost
+from vision.outline.fit.shape_kernels import ASTRAY, HUGE, circle_cost, circle_of_three, line_cost
 from vision.outline.outline_types import Search, StretchFit
 from vision.outline.seed_kernels import seed_breaks, snap_seeds, turn_at
 from vision.shared.typed_numbers import NONE
@@ -253,18 +253,9 @@ def _what_seeds_allow(border, a, b, position, i, j, shift, worst):
         return ANY
     # the circle through both ends and the middle
     c = (a + b) // 2
-    cx = px[c] - x0
-    cy = py[c] - y0
-    det = 2.0 * (cx * dy - cy * dx)
-    if abs(det) < 1e-9:
-        return BENT
-    cc = cx * cx + cy * cy
-    dd = dx * dx + dy * dy
-    mx = (dy * cc - cy * dd) / det
-    my = (cx * dd - dx * cc) / det
-    r = math.sqrt(mx * mx + my * my)
+    mx, my, r = circle_of_three(px[c] - x0, py[c] - y0, dx, dy)
     if chord < r:
-        # too little is known of a circle from points so near to each other
+        # a line, or too little is known of a circle from points so near to each other
         return BENT
     for s in range(i, j):
         # the seeds, and half-way between them

@@ -6,7 +6,7 @@ Rules and units
   pixel along the axis keeps both on their sides.
 - Joints move, and arcs rise or sink. A point moves with both joints of its edge, in the shares
   of a lever, and with the arc's rise as a parabola: damped least squares on what exceeds the
-  limit, every joint and every rise by itself, a sweep at a time.
+  limit, less of it the farther, every joint and every rise by itself, a sweep at a time.
 - ``push`` (2 * edges, 6): for each edge the normal equations of the joint that it begins at, xx,
   xy, yy and x, y, and its rise; then its rise's, and where that joint was at first.
 """
@@ -22,7 +22,7 @@ from numba import njit
 from planner.scene.compile_options import LEAF, SUMS
 from planner.scene.primitive_kernels import successor
 from vision.outline.fit.outline_kernels import edge_end
-from vision.outline.fit.separating_fit_kernels import ACTIVE_PX, HALF, SEPARATION_MARGIN
+from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, weight_of
 from vision.outline.fitted_borders import ARC_CW, LINE
 
 SWEEPS = 24
@@ -164,7 +164,7 @@ def _line_pushes(xs, ys, joints, edges, e, push):
         d = x * nx + y * ny
         t = (x * dx + y * dy) * inv
         inside = (abs(d) > limit) & (t >= 0.0) & (t <= 1.0)
-        counts = ACTIVE_PX / (ACTIVE_PX + max(abs(d) - limit, 0.0)) if inside else 0.0
+        counts = weight_of(max(abs(d) - limit, 0.0)) if inside else 0.0
         excess = counts * (d + limit if d < 0.0 else d - limit)
         w = 1.0 - t
         ww += counts * w * w
@@ -225,7 +225,7 @@ def _arc_pushes(xs, ys, joints, edges, e, push):  # noqa: PLR0915 - sums of one 
         t = ((xs[k] - x0) * dx + (ys[k] - y0) * dy) * inv
         limit = (HALF - SEPARATION_MARGIN) * max(abs(nx), abs(ny))
         inside = (abs(d) > limit) & (t >= 0.0) & (t <= 1.0)
-        counts = ACTIVE_PX / (ACTIVE_PX + max(abs(d) - limit, 0.0)) if inside else 0.0
+        counts = weight_of(max(abs(d) - limit, 0.0)) if inside else 0.0
         excess = counts * (d + limit if d < 0.0 else d - limit)
         w = 1.0 - t
         ww = counts * w * w

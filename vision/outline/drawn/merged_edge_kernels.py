@@ -22,7 +22,7 @@ from vision.outline.corners.crossing_kernels import SHALLOW
 from vision.outline.drawn.joint_relaxation_kernels import circle_through
 from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
-from vision.outline.fit.shape_kernels import HUGE, fit_circle
+from vision.outline.fit.shape_kernels import HUGE, circle_of_three, fit_circle
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.limit_kernels import MOST_PX
 from vision.shared.typed_numbers import ONE
@@ -293,18 +293,11 @@ def may_be_arc(cracks, lo, hi):
     k = (lo + hi) // 2
     x0 = cracks.x[lo]
     y0 = cracks.y[lo]
-    ax = cracks.x[k] - x0
-    ay = cracks.y[k] - y0
-    bx = cracks.x[last] - x0
-    by = cracks.y[last] - y0
-    det = 2.0 * (ax * by - ay * bx)
-    if det == 0.0:
+    cx, cy, r = circle_of_three(
+        cracks.x[k] - x0, cracks.y[k] - y0, cracks.x[last] - x0, cracks.y[last] - y0
+    )
+    if r >= HUGE:
         return False
-    aa = ax * ax + ay * ay
-    bb = bx * bx + by * by
-    cx = (by * aa - ay * bb) / det
-    cy = (ax * bb - bx * aa) / det
-    r = math.sqrt(cx * cx + cy * cy)
     for part in range(1, LOOKS):
         j = lo + (last - lo) * part // LOOKS
         away = math.sqrt((cracks.x[j] - x0 - cx) ** 2 + (cracks.y[j] - y0 - cy) ** 2)

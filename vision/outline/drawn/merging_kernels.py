@@ -47,7 +47,7 @@ ARC_LINES = 2
 def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
     """Merge runs of edges where no pixel is lost by it; returns the new ``count``.
 
-    ``one_circle``: all of its arcs are of the circle that the border nearly is, and stay so.
+    ``one_circle``: its arcs all belong to the circle that the border nearly is; they stay.
     ``trial``, as long as ``finished``, ``circle`` (3,) and ``room`` are memory to work in.
     """
     state = room.indices[1]

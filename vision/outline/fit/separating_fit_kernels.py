@@ -28,6 +28,17 @@ chosen."""
 ACTIVE_PX = 0.15
 """Points so near to their limit take part when an edge is turned between the pixels:
 chosen."""
+FAR_PX = ACTIVE_PX
+"""A point so far beyond its limit counts half: derived, as near as points take part at all."""
+
+
+@njit(**SUMS)
+def weight_of(excess):
+    """How much a point counts that lies so far beyond its limit, in pixels.
+
+    A pixel is lost or not: one that juts out at a corner must not outweigh a whole side's.
+    """
+    return FAR_PX / (FAR_PX + excess)
 
 
 @njit(**SUMS)
@@ -83,8 +94,9 @@ def separate_line(px, py, lo, hi, line, near):
 
     In a picture without grey every point is the middle between an obstacle pixel and a free
     one: a line that leaves it by less than half a pixel along the axis keeps both on their
-    sides. Least squares on what exceeds that, a few steps from the total-least-squares line;
-    ``near`` (2, hi - lo + 1) is room for the points that may matter.
+    sides. Least squares on what exceeds that, less of it the farther (``weight_of``), a few
+    steps from the total-least-squares line; ``near`` (2, hi - lo + 1) is room for the points
+    that may matter.
     """
     xs, ys = px[lo:hi], py[lo:hi]
     near_x, near_y = near[0], near[1]
@@ -109,7 +121,7 @@ def separate_line(px, py, lo, hi, line, near):
             dy = near_y[i] - y
             d = dy * ux - dx * uy
             excess = max(abs(d) - limit, 0.0)
-            one = ACTIVE_PX / (ACTIVE_PX + excess) if excess > 0.0 else 0.0
+            one = weight_of(excess) if excess > 0.0 else 0.0
             excess = -one * excess if d < 0.0 else one * excess
             t = dx * ux + dy * uy
             w += one
@@ -140,7 +152,10 @@ def separate_line(px, py, lo, hi, line, near):
 
 @njit(**SUMS)
 def separate_circle(px, py, lo, hi, circle, near):
-    """The same for a circle: move and grow it until it passes between the pixels."""
+    """Move and grow a circle until it passes between the pixels, by plain least squares.
+
+    A disc that is no exact circle leaves every one somewhere, and the nearest one is wanted.
+    """
     xs, ys = px[lo:hi], py[lo:hi]
     near_x, near_y = near[0], near[1]
     cx, cy, r = circle[0], circle[1], circle[2]

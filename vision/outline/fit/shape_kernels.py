@@ -194,6 +194,22 @@ def taubin(xx, xy, yy, xz, yz, zz, mx, my, out):
     return out[2] > 0.0
 
 
+@njit(**LEAF)
+def circle_of_three(ax, ay, bx, by):
+    """The circle through (0, 0), (ax, ay) and (bx, by): its centre x, y and its radius.
+
+    The radius is HUGE where all three lie on a line.
+    """
+    det = 2.0 * (ax * by - ay * bx)
+    if abs(det) < 1e-9:
+        return 0.0, 0.0, HUGE
+    aa = ax * ax + ay * ay
+    bb = bx * bx + by * by
+    x = (by * aa - ay * bb) / det
+    y = (ax * bb - bx * aa) / det
+    return x, y, math.sqrt(x * x + y * y)
+
+
 @njit(**SUMS)
 def refine_circle(px, py, lo, hi, circle):
     """Gauss-Newton on the distances of points lo .. hi - 1 from a circle."""
