@@ -29,8 +29,6 @@ from vision.shared.typed_numbers import ONE
 
 STEPS = 12
 """Steps to the line that is farthest from its pixels: indifferent, a bound on the work."""
-STEEPEST = 0.5
-"""How far such a line may be turned from the run's own direction (its tangent): indifferent."""
 SETTLED_PX = 1e-3
 """A gap that could be wider by less is the widest: indifferent."""
 LEAST_ARC = 5
@@ -128,8 +126,10 @@ def line_between(cracks, lo, hi):
         return -HUGE, x0, y0, 1.0, 0.0
     ux /= length
     uy /= length
-    low, low_gap, low_slope = -STEEPEST, HUGE, 0.0
-    high, high_gap, high_slope = STEEPEST, HUGE, 0.0
+    # no line is steeper that passes between the pixels of the first crack and of the last
+    steepest = 2.0 * HALF / max(length - 2.0 * HALF, HALF)
+    low, low_gap, low_slope = -steepest, HUGE, 0.0
+    high, high_gap, high_slope = steepest, HUGE, 0.0
     tilt = 0.0
     best = -HUGE
     best_tilt = 0.0
@@ -142,17 +142,17 @@ def line_between(cracks, lo, hi):
             best_tilt = tilt
             best_height = 0.5 * (free + dark)
         slope = dark_at - free_at
-        if slope == 0.0 or (abs(tilt) >= STEEPEST and slope * tilt > 0.0):
+        if slope == 0.0 or (abs(tilt) >= steepest and slope * tilt > 0.0):
             break
         if slope > 0.0:
             low, low_gap, low_slope = tilt, gap, slope
         else:
             high, high_gap, high_slope = tilt, gap, slope
         if low_gap >= HUGE:
-            tilt = -STEEPEST
+            tilt = -steepest
             continue
         if high_gap >= HUGE:
-            tilt = STEEPEST
+            tilt = steepest
             continue
         tilt = (high_gap - low_gap + low_slope * low - high_slope * high) / (low_slope - high_slope)
         most = low_gap + low_slope * (tilt - low)
