@@ -14,8 +14,9 @@ from vision import extract
 
 KINDS = ("rectangle", "disc", "half disc", "stadium", "star", "ellipse", "blob")
 """The shapes that ``outline`` draws."""
-BY_OPENCV = ("thick line", "filled polygon", "filled ellipse")
-"""Those that OpenCV draws, ``outline_by_opencv``: as pictures of arenas are often made."""
+BY_OPENCV = ("thick line", "filled polygon", "filled ellipse", "smooth disc")
+"""Those that OpenCV draws, ``outline_by_opencv``: as pictures of arenas are often made. Its smooth
+discs are polygons, drawn with grey that is rounded to black and white."""
 
 
 def outline(rng: np.random.Generator, kind: str) -> np.ndarray:
@@ -48,7 +49,7 @@ def outline(rng: np.random.Generator, kind: str) -> np.ndarray:
 
 
 def outline_by_opencv(rng: np.random.Generator, kind: str) -> np.ndarray:
-    """A mask (200, 200) of one object that OpenCV drew without anti-aliasing."""
+    """A mask (200, 200) of one object that OpenCV drew."""
     mask = np.zeros((200, 200), np.uint8)
     if kind == "thick line":
         begin, end = rng.integers(30, 170, (2, 2)).tolist()
@@ -58,6 +59,11 @@ def outline_by_opencv(rng: np.random.Generator, kind: str) -> np.ndarray:
         angles = np.sort(rng.uniform(0.0, math.tau, corners))
         vertices = 100.0 + rng.uniform(8, 90) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
         cv2.fillPoly(mask, [np.rint(vertices).astype(np.int32)], 1)
+    elif kind == "smooth disc":
+        grey = np.zeros((200, 200), np.uint8)
+        center = np.rint(16.0 * (100.0 + rng.uniform(-1.0, 1.0, 2))).astype(int).tolist()
+        cv2.circle(grey, center, round(16.0 * rng.uniform(10, 85)), 255, -1, cv2.LINE_AA, 4)
+        return grey > 127
     else:
         axes = (int(rng.integers(10, 60)), int(rng.integers(8, 60)))
         cv2.ellipse(mask, (100, 100), axes, float(rng.uniform(0.0, 180.0)), 0, 360, 1, -1)

@@ -17,8 +17,8 @@ from numba import njit
 from planner.scene.compile_options import LEAF
 from vision.outline.fit.separating_fit_kernels import (
     HALF,
+    lose_fewest,
     lost_to_circle,
-    pixels_lost_to_circle,
     separate_circle,
 )
 from vision.outline.fit.shape_kernels import (
@@ -30,7 +30,7 @@ from vision.outline.fit.shape_kernels import (
     refine_circle,
 )
 from vision.outline.fitted_borders import LINE
-from vision.outline.limit_kernels import LOUD_PX
+from vision.outline.limit_kernels import LOUD_PX, MOST_PX
 from vision.shared.typed_numbers import NONE, ONE
 
 CIRCLE_LOSS = 1.3
@@ -52,8 +52,9 @@ less than half a circle."""
 def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     """The circle through a whole border: its cost with its price, and whether it nearly fits.
 
-    HUGE where it is none. It nearly fits where it runs beside every point, but loses more pixels
-    than ``budget`` lets an object that is ``held`` to it; ``near`` (2, n) is room to work in.
+    HUGE where it is none. Without grey it is one whatever it costs where it loses no more pixels
+    than ``budget``. It nearly fits where it runs beside every point, but loses more than that of an
+    object that is ``held`` to it; ``near`` (2, n) is room to work in.
     """
     px = border.x
     py = border.y
@@ -73,15 +74,17 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
         return HUGE, False
     if crisp:
         separate_circle(px, py, NONE, n, circle, near)
-        if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) < HUGE:
-            lost = lost_to_circle(px, py, n, circle)
-            if cracks.n > 0:
-                lost = pixels_lost_to_circle(cracks, circle)
-            if lost <= budget:
-                return price, False
-            if held and lost > max(CIRCLE_LOSS * budget, 1.0):
-                return HUGE, True
     cost = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
+    if crisp and circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, MOST_PX, HUGE) < HUGE:
+        # what points cost is their squares, and few far ones pull: a pixel is lost or not
+        if cracks.n > 0:
+            lost = lose_fewest(cracks, circle, near[0])
+        else:
+            lost = lost_to_circle(px, py, n, circle)
+        if lost <= budget:
+            return price, False
+        if held and cost < HUGE and lost > max(CIRCLE_LOSS * budget, 1.0):
+            return HUGE, True
     return price + cost, False
 
 

@@ -14,6 +14,7 @@ import math
 from numba import njit
 
 from planner.scene.compile_options import LEAF, SUMS
+from vision.outline.fit.shape_kernels import HUGE
 
 HALF = 0.5
 """Along a pixel's axis, how far an edge may leave the middle between two pixels' centres:
@@ -30,6 +31,11 @@ ACTIVE_PX = 0.15
 chosen."""
 FAR_PX = ACTIVE_PX
 """A point so far beyond its limit counts half: derived, as near as points take part at all."""
+WITHIN_PX = 1.0
+"""By how much the radius of a circle may change that loses as few pixels as can be: defined, the
+pixel that is promised."""
+RADII = 256
+"""Radii that are looked at: indifferent, nearer to each other than pixels' distances are."""
 
 
 @njit(**SUMS)
@@ -55,37 +61,55 @@ def lost_to_circle(px, py, n, circle):
 
 
 @njit(**LEAF)
-def pixels_lost_to_circle(cracks, circle):
-    """How many pixels beside a border's cracks a circle takes for what they are not.
+def lose_fewest(cracks, circle, losses):
+    """Give a circle the radius about its centre that loses the fewest pixels; returns how many.
 
-    A pixel's cracks follow one another.
+    Those beside a border's cracks that it takes for what they are not; a pixel's cracks follow one
+    another. Its own radius where none loses fewer. ``losses`` is room for a number a radius.
     """
-    qx = cracks.x
-    qy = cracks.y
-    hx = cracks.free_x
-    hy = cracks.free_y
     cx = circle[0]
     cy = circle[1]
-    square = circle[2] * circle[2]
+    own = min(RADII, losses.shape[0] - 2) // 2
+    step = WITHIN_PX / own
+    least = circle[2] - WITHIN_PX
+    for i in range(2 * own + 2):
+        losses[i] = 0.0
     # a hole lies within its free pixels
     turn = 0.0
     for k in range(cracks.n):
-        turn += (qx[k] - cx) * hx[k] + (qy[k] - cy) * hy[k]
-    lost = 0
+        turn += (cracks.x[k] - cx) * cracks.free_x[k] + (cracks.y[k] - cy) * cracks.free_y[k]
     last_x = -1.0
     last_y = -1.0
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
         outside = (sign > 0.0) == (turn > 0.0)
         for k in range(cracks.n):
-            x = qx[k] + sign * hx[k]
-            y = qy[k] + sign * hy[k]
-            away = (x - cx) * (x - cx) + (y - cy) * (y - cy)
-            if (away > square) != outside and (x != last_x or y != last_y):
-                lost += 1
-                last_x = x
-                last_y = y
-    return lost
+            x = cracks.x[k] + sign * cracks.free_x[k]
+            y = cracks.y[k] + sign * cracks.free_y[k]
+            if x == last_x and y == last_y:
+                continue
+            last_x = x
+            last_y = y
+            away = math.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
+            # the first radius that takes the pixel in
+            i = min(max(math.ceil((away - least) / step), 0), 2 * own + 1)
+            losses[i] += 1.0 if outside else -1.0
+            losses[0] += 0.0 if outside else 1.0
+    fewest = HUGE
+    total = 0.0
+    for i in range(2 * own + 1):
+        total += losses[i]
+        losses[i] = total
+        fewest = min(fewest, total)
+    if losses[own] > fewest:
+        first = 0
+        while losses[first] > fewest:
+            first += 1
+        last = first
+        while last < 2 * own and losses[last + 1] == fewest:
+            last += 1
+        circle[2] = least + 0.5 * (first + last) * step
+    return fewest
 
 
 @njit(**SUMS)
