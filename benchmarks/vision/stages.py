@@ -33,7 +33,7 @@ from benchmarks.vision.grey_shapes import FAMILIES, SEED, drawn
 from planner.scene import Arc, PolygonRecord, object_records
 from planner.scene.compile_options import LEAF
 from tests.support.drawn.outline_judge import record_points
-from tests.support.drawn.render import coverage, outline_points
+from tests.support.drawn.render import centers_inside, outline_points
 from vision import extract
 from vision.outline import fitting_kernels, partition_kernels, whole_circle_kernels
 from vision.outline.check import area_lost_kernels
@@ -174,7 +174,7 @@ def drawn_figures(kind: str, count: int) -> tuple[int, float, float]:
         mask = outline(np.random.default_rng([SEED, i, len(kind)]), kind)
         picture = np.where(mask, 0, 255).astype(np.uint8)
         records = [r for o in extract(picture).objects for r in object_records(o)]
-        again = coverage([outline_points(r, 0.01) for r in records], (200, 200), lines=1) >= 0.5
+        again = centers_inside([outline_points(r) for r in records], (200, 200))
         overlap = alike(mask, again)[0]
         wrong += overlap < 0.995
         edges.append(sum(len(r.edges) if isinstance(r, PolygonRecord) else 1 for r in records))

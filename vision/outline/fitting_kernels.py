@@ -76,8 +76,6 @@ ROUNDER_BY = 0.85
 for it."""
 NO_BLUR = 0.0
 """Without grey no corner is rounded: defined."""
-SURE = 0.5
-"""Pixels by which the last check is stricter than the search: chosen."""
 HELD_AREA = 400
 """Pixels from which an object drawn again covers its own, whether or not it is round:
 indifferent."""
@@ -183,14 +181,14 @@ def _fit_border(
         edges, sound = _search_edges(
             border, cracks, round_cost, budget, tolerance, limits, prices, work
         )
+    if edges > 0 and cracks.n > 0:
+        edges = _finish_drawn(border, cracks, edges, budget, one_circle, work, finished)
+    elif edges > 0:
+        edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
     if edges == 0:
         write_circle(border, work.circle, tolerance, place, finished)
         put_edges_back(finished, ONE, place)
         return CIRCLE, ONE
-    if cracks.n > 0:
-        edges = _finish_drawn(border, cracks, edges, budget, one_circle, work, finished)
-    else:
-        edges = _finish_grey(border, edges, sound, budget, tolerance, limits, work, finished)
     _move(finished, edges, place)
     put_edges_back(finished, edges, place)
     if edges < FEWEST_LINES and not _any(finished.kind, edges):
@@ -259,7 +257,11 @@ def _search_edges(border, cracks, round_cost, budget, tolerance, limits, prices,
 
 @njit(**LEAF)
 def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
-    """Write edges that separate the pixels of a border without grey; returns their number."""
+    """Write edges that separate the pixels of a border without grey; returns their number.
+
+    ``one_circle``: they are arcs of the circle that the border nearly is; 0 where nothing becomes
+    of them but that.
+    """
     outline = work.outline
     room = work.room
     crack_of = room.indices[0]
@@ -270,9 +272,11 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
     for e in range(edges):
         finished.at[e] = crack_of[outline.breaks[e]]
     count = separate_by_chords(
-        cracks, finished, edges, budget - SURE, room.indices[2], room.flags[0], found, work.trial,
+        cracks, finished, edges, budget, room.indices[2], room.flags[0], found, work.trial,
         room.numbers[0:2],
     )  # fmt: skip
+    if one_circle and count == edges:
+        return NONE
     if count > edges or _any(finished.kind, count):
         count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, room)
     middles = BorderPoints(cracks.x, cracks.y, cracks.n)

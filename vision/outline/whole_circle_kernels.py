@@ -33,8 +33,8 @@ from vision.outline.fitted_borders import LINE
 from vision.outline.limit_kernels import LOUD_PX, MOST_PX
 from vision.shared.typed_numbers import NONE, ONE
 
-CIRCLE_LOSS = 1.3
-"""How much more than its edges might a circle may lose that spares them all: indifferent."""
+LEAST_LOST = 1.0
+"""A pixel lost does not cut a circle into arcs, whatever its border may lose: defined."""
 INWARDS = 0.31
 """Blur moves the half-way level of a circle inwards by half its variance over the radius; a blur
 that is read off profiles along rows and columns, which meet a circle aslant, looks so much wider
@@ -83,7 +83,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
             lost = lost_to_circle(px, py, n, circle)
         if lost <= budget:
             return price, False
-        if held and cost < HUGE and lost > max(CIRCLE_LOSS * budget, 1.0):
+        if held and cost < HUGE and lost > LEAST_LOST:
             return HUGE, True
     return price + cost, False
 

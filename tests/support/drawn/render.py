@@ -102,6 +102,18 @@ def coverage(outlines: Sequence[Points], size: tuple[int, int], lines: int = LIN
     return total
 
 
+def centers_inside(outlines: Sequence[Points], size: tuple[int, int]) -> NDArray[np.bool_]:
+    """The pixels (h, w) whose centres lie inside the outlines, even-odd."""
+    width, height = size
+    passed = np.zeros((height, width + 1), np.int64)
+    for o in outlines:
+        edges = np.concatenate([o, np.roll(o, -1, axis=0)], axis=1)
+        rows, xs = _crossings(edges, np.arange(height, dtype=float))
+        # the first centre to the right of each crossing
+        np.add.at(passed, (rows, np.clip(np.floor(xs) + 1.0, 0, width).astype(np.int64)), 1)
+    return np.cumsum(passed, axis=1)[:, :width] % 2 == 1
+
+
 def _crossings(edges: Points, ys: Points) -> tuple[NDArray[np.int64], Points]:
     low = np.minimum(edges[:, 1], edges[:, 3])
     high = np.maximum(edges[:, 1], edges[:, 3])

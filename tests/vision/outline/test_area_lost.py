@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from planner.scene import CircleRecord, PolygonRecord, Scene, object_records
-from tests.support.drawn.render import coverage, outline_points
+from tests.support.drawn.render import centers_inside, coverage, outline_points
 from vision import extract
 
 SIDE = 200
@@ -112,6 +112,37 @@ def test_records_of_a_crisp_object_cover_its_pixels(
         overlap = (mask & again).sum() / (mask | again).sum()
         assert overlap >= 0.995, f"seed {seed}: {overlap:.4f}"
         assert farthest(mask, again) <= 1.0 + 1e-6, f"seed {seed}"
+
+
+def thick_line(rng: np.random.Generator) -> Mask:
+    picture = np.zeros((SIDE, SIDE), np.uint8)
+    begin, end = rng.integers(30, 170, (2, 2)).tolist()
+    cv2.line(picture, begin, end, 255, int(rng.integers(3, 20)))
+    return picture > 0
+
+
+def smooth_disc(rng: np.random.Generator) -> Mask:
+    picture = np.zeros((SIDE, SIDE), np.uint8)
+    cv2.circle(picture, (100, 100), int(rng.integers(12, 85)), 255, -1, cv2.LINE_AA)
+    return picture > 127
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [ellipse, blob, rounded_square, stadium, star, drawn_by_opencv, thick_line, smooth_disc],
+)
+def test_an_object_loses_no_more_pixels_than_is_promised(
+    shape: Callable[[np.random.Generator], Mask],
+) -> None:
+    """0.35 % of its own, or one: by the pixels whose centres the outline holds."""
+    for seed in range(40):
+        mask = shape(np.random.default_rng([33, seed]))
+        if mask.sum() < LEAST_AREA:
+            continue
+        (only,) = extract(np.where(mask, 0, 255).astype(np.uint8)).objects
+        outlines = [outline_points(r) for r in object_records(only)]  # type: ignore[arg-type]
+        lost = int((mask ^ centers_inside(outlines, (SIDE, SIDE))).sum())
+        assert lost <= max(0.0035 * mask.sum(), 1.0), f"seed {seed}"
 
 
 def rings(rng: np.random.Generator) -> Mask:

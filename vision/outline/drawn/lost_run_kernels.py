@@ -15,6 +15,7 @@ from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import predecessor, successor
 from vision.outline.drawn.separation_kernels import GRAVE, OK
 from vision.outline.fit.separating_fit_kernels import HALF
+from vision.outline.fit.shape_kernels import HUGE
 
 TIP = 5
 """Cracks around the last two pixels of a tip: derived, three of the last and two of the one before;
@@ -28,8 +29,8 @@ def weigh_runs(cracks, state, weights):
     A tip lost is grave too: all cracks of a pixel that hangs on by a corner, or so many as ``TIP``
     around one that hangs on by a side.
 
-    A pixel is lost at one upright and one level crack where the border runs aslant. Returns
-    the pixels of all runs, and of the heaviest one that is not grave.
+    A pixel may be lost at several cracks, which follow one another. Returns the pixels of all runs,
+    and of the heaviest one that is not grave.
     """
     n = cracks.n
     start = 0
@@ -37,8 +38,10 @@ def weigh_runs(cracks, state, weights):
         start += 1
     total = 0
     heaviest = 0
-    standing = 0
-    lying = 0
+    pixels = 0
+    here = 0
+    last_x = HUGE
+    last_y = HUGE
     grave = False
     around = 0
     most = 0
@@ -47,25 +50,31 @@ def weigh_runs(cracks, state, weights):
     for t in range(1, n + 1):
         k = start + t if start + t < n else start + t - n
         if state[k] != OK:
-            standing += cracks.free_x[k] != 0.0
-            lying += cracks.free_x[k] == 0.0
-            grave = grave or state[k] == GRAVE
+            here += 1
+            side = 1.0 if state[k] > 0 else -1.0
+            x = cracks.x[k] + side * cracks.free_x[k]
+            y = cracks.y[k] + side * cracks.free_y[k]
+            pixels += x != last_x or y != last_y
+            last_x = x
+            last_y = y
+            grave = grave or abs(state[k]) == GRAVE
             j = predecessor(k, n)
             apart = abs(cracks.x[k] - cracks.free_x[k] - cracks.x[j] + cracks.free_x[j]) + abs(
                 cracks.y[k] - cracks.free_y[k] - cracks.y[j] + cracks.free_y[j]
             )
-            around = around + 1 if apart < HALF and standing + lying > 1 else 1
+            around = around + 1 if apart < HALF and here > 1 else 1
             most = max(most, around)
             continue
-        pixels = max(standing, lying)
-        grave = grave or most >= 4 or (most == 3 and standing + lying >= TIP)
+        grave = grave or most >= 4 or (most == 3 and here >= TIP)
         most = 0
         if pixels > 0:
             weights[predecessor(k, n)] = -pixels if grave else pixels
             total += pixels
             heaviest = max(heaviest, 0 if grave else pixels)
-        standing = 0
-        lying = 0
+        pixels = 0
+        here = 0
+        last_x = HUGE
+        last_y = HUGE
         grave = False
     return total, heaviest
 

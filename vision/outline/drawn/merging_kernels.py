@@ -198,7 +198,7 @@ def _loses_no_more(cracks, trial, count, at, room):
     hi = hi + n if hi <= lo else hi
     for k in range(lo, hi):
         here = k - n if k >= n else k
-        if fresh[here] > state[here]:
+        if fresh[here] * state[here] < fresh[here] * fresh[here]:
             return False
     return True
 

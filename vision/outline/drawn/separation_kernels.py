@@ -20,7 +20,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
-from vision.outline.fit.outline_kernels import distance_to_edge, in_sweep
+from vision.outline.fit.outline_kernels import STRAY_PX, distance_to_edge, in_sweep
 from vision.outline.fit.separating_fit_kernels import COARSE_PX, HALF
 from vision.outline.fit.shape_kernels import HUGE
 from vision.outline.fitted_borders import LINE
@@ -38,8 +38,12 @@ than one from what is drawn: derived, half-way from half a pixel to one."""
 ROUND_HALF = HALF - COARSE_PX
 """So far from a crack's middle an arc may pass: derived, who draws it as a polyline is a little
 off."""
+REACH = 8
+"""A joint is looked for beside so many cracks on either side of its own: indifferent, an edge that
+ends elsewhere loses pixels."""
 OK, LOST, GRAVE = 0, 1, 2
-"""What becomes of a point: defined."""
+"""What becomes of a crack: defined. Negative where its obstacle's pixel is lost, or else the free
+one."""
 
 
 @njit(**LEAF)
@@ -175,8 +179,9 @@ def _round_crossings(kind, rows, i, after, x, y, upright):
 
 
 @njit(**LEAF)
-def _judge(kind, rows, count, i, x, y, upright):
+def _judge(kind, rows, count, i, x, y, free_x, free_y):
     """What becomes of the crack at (x, y), whose stretch edge i is: OK, LOST or GRAVE."""
+    upright = free_x != 0.0
     after = successor(i, count)
     own = _crossings(kind, rows, i, after, x, y, upright)
     near = NEAR_JOINT_PX * NEAR_JOINT_PX
@@ -193,12 +198,16 @@ def _judge(kind, rows, count, i, x, y, upright):
             own += _crossings(kind, rows, j, successor(j, count), x, y, upright)
     if own % 2 == 1:
         return OK
+    nearest = HUGE
+    beyond = False
     for step in range(first, last + 1):
         j = (i + step + count) % count
-        away, _, _ = distance_to_edge(kind, rows, j, successor(j, count), x, y)
-        if away <= GRAVE_PX:
-            return LOST
-    return GRAVE
+        away, foot_x, foot_y = distance_to_edge(kind, rows, j, successor(j, count), x, y)
+        if away < nearest:
+            nearest = away
+            beyond = (foot_x - x) * free_x + (foot_y - y) * free_y > 0.0
+    found = LOST if nearest <= GRAVE_PX else GRAVE
+    return found if beyond else -found
 
 
 @njit(**LEAF)
@@ -248,9 +257,32 @@ def find_lost_beside(cracks, finished, count, i, state):
             i,
             cracks.x[k],
             cracks.y[k],
-            cracks.free_x[k] != 0.0,
+            cracks.free_x[k],
+            cracks.free_y[k],
         )
         state[here] = found
         lost += found != OK
-        grave += found == GRAVE
+        grave += abs(found) == GRAVE
+    if not _is_beside(cracks, lo, x0, y0):
+        lost += state[lo] == OK
+        grave += abs(state[lo]) != GRAVE
+        state[lo] = GRAVE
     return lost, grave
+
+
+@njit(**LEAF)
+def _is_beside(cracks, k, x, y):
+    """Whether a joint at (x, y) lies beside the border at crack k, as all of an outline has to.
+
+    A pointed corner that reaches beyond its last pixel may hold other pixels there, which have no
+    crack; without blur nothing was rounded back.
+    """
+    n = cracks.n
+    for step in range(REACH + 1):
+        for j in (k + step, k - step):
+            here = (j + n) % n
+            dx = cracks.x[here] - x
+            dy = cracks.y[here] - y
+            if dx * dx + dy * dy <= STRAY_PX * STRAY_PX:
+                return True
+    return False

@@ -78,8 +78,8 @@ def lose_fewest(cracks, circle, losses):
     turn = 0.0
     for k in range(cracks.n):
         turn += (cracks.x[k] - cx) * cracks.free_x[k] + (cracks.y[k] - cy) * cracks.free_y[k]
-    last_x = -1.0
-    last_y = -1.0
+    last_x = HUGE
+    last_y = HUGE
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
         outside = (sign > 0.0) == (turn > 0.0)
