@@ -22,7 +22,7 @@ from vision.outline.corners.crossing_kernels import SHALLOW
 from vision.outline.drawn.joint_relaxation_kernels import circle_through
 from vision.outline.fit.outline_kernels import FLATTEST_PX
 from vision.outline.fit.separating_fit_kernels import HALF, SEPARATION_MARGIN, separate_circle
-from vision.outline.fit.shape_kernels import HUGE, circle_of_three, fit_circle
+from vision.outline.fit.shape_kernels import HUGE, circle_cost, circle_of_three, fit_circle
 from vision.outline.fitted_borders import ARC_CCW, ARC_CW, LINE
 from vision.outline.limit_kernels import MOST_PX
 from vision.shared.typed_numbers import ONE
@@ -217,6 +217,8 @@ def put_arc(cracks, trial, count, at, lo, hi, circle, room):
     Between two lines it begins and ends where its circle meets or touches them, else at its joints.
     """
     if not fit_circle(cracks.x, cracks.y, lo, hi, ONE, circle):
+        return False
+    if circle_cost(cracks.x, cracks.y, lo, hi, circle, True, HALF, 1.0, MOST_PX, HUGE) >= HUGE:
         return False
     separate_circle(cracks.x, cracks.y, lo, hi, circle, room.numbers[0:2])
     rows = trial.rows

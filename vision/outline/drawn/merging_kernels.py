@@ -18,7 +18,7 @@ from numba import njit
 
 from planner.scene.compile_options import LEAF
 from planner.scene.primitive_kernels import successor
-from vision.outline.drawn.merged_edge_kernels import may_be_arc, put_arc, put_line
+from vision.outline.drawn.merged_edge_kernels import line_between, may_be_arc, put_arc, put_line
 from vision.outline.drawn.separation_kernels import (
     NEIGHBOURS,
     find_lost,
@@ -86,28 +86,56 @@ def merge_edges(cracks, finished, count, one_circle, trial, circle, room):
 @njit(**LEAF)
 def _best_run(cracks, finished, count, e, arc, trial, circle, room):
     """The most edges from e on that one line or arc may stand for; 0 where there are none."""
+    if not arc:
+        return _longest_line(cracks, finished, count, e, trial, circle, room)
     best = 0
     failed = 0
-    if not arc and finished.kind[e] != LINE:
-        return best
     for run in range(2, min(LONGEST, count - 1) + 1):
-        if not arc and finished.kind[(e + run - 1) % count] != LINE:
-            break
-        if arc and not _is_dearer(finished, count, e, run):
+        if not _is_dearer(finished, count, e, run):
             continue
         at = _put(cracks, finished, count, e, run, arc, trial, circle, room)
-        number = _window(count, run)
-        if (
-            at >= 0
-            and (arc or _is_as_near(cracks, finished, count, e, run, trial, number, at))
-            and _loses_no_more(cracks, trial, number, at, room)
-        ):
+        if at >= 0 and _loses_no_more(cracks, trial, _window(count, run), at, room):
             best = run
             continue
         failed += 1
         if failed == FAILURES:
             break
     return best
+
+
+@njit(**LEAF)
+def _longest_line(cracks, finished, count, e, trial, circle, room):
+    """The most lines from e on that one line may stand for; 0 where there are none.
+
+    Where no line separates a run's pixels none separates those of a longer one.
+    """
+    if finished.kind[e] != LINE:
+        return 0
+    most = 1
+    while most < min(LONGEST, count - 1) and finished.kind[(e + most) % count] == LINE:
+        lo, hi = _stretch(cracks, finished, count, e, most + 1)
+        gap, _, _, _, _ = line_between(cracks, lo, hi)
+        if gap < 0.0:
+            break
+        most += 1
+    for run in range(most, 1, -1):
+        at = _put(cracks, finished, count, e, run, NO, trial, circle, room)
+        number = _window(count, run)
+        if (
+            at >= 0
+            and _is_as_near(cracks, finished, count, e, run, trial, number, at)
+            and _loses_no_more(cracks, trial, number, at, room)
+        ):
+            return run
+    return 0
+
+
+@njit(**LEAF)
+def _stretch(cracks, finished, count, e, run):
+    """The cracks lo .. hi - 1 of a run of edges from e on."""
+    lo = finished.at[e]
+    hi = finished.at[(e + run) % count]
+    return lo, hi + cracks.n if hi <= lo else hi
 
 
 @njit(**LEAF)
@@ -206,10 +234,7 @@ def _loses_no_more(cracks, trial, count, at, room):
 @njit(**LEAF)
 def _put(cracks, finished, count, e, run, arc, trial, circle, room):
     """Write one edge for a run, and those around it, into ``trial``: its place there, or -1."""
-    n = cracks.n
-    lo = finished.at[e]
-    hi = finished.at[(e + run) % count]
-    hi = hi + n if hi <= lo else hi
+    lo, hi = _stretch(cracks, finished, count, e, run)
     if hi - lo < 2 or (arc and not may_be_arc(cracks, lo, hi)):
         return -1
     number = _window(count, run)
