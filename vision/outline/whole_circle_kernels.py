@@ -78,7 +78,7 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     if crisp and circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, MOST_PX, HUGE) < HUGE:
         # what points cost is their squares, and few far ones pull: a pixel is lost or not
         if cracks.n > 0:
-            lost = lose_fewest(cracks, circle, near[0])
+            lost = lose_fewest(cracks, circle, near[0], near[1])
         else:
             lost = lost_to_circle(px, py, n, circle)
         if lost <= budget:

@@ -10,7 +10,12 @@ import threading
 
 import numpy as np
 
+from vision.outline.fit.separating_fit_kernels import RADII
 from vision.outline.outline_types import Fitted, Memory
+
+LEAST = RADII + 1
+"""The shortest border that there is memory for: defined, whole circles are given their radius in
+it."""
 
 
 class _Kept(threading.local):
@@ -26,7 +31,7 @@ def memory_for(longest: int) -> Memory:
     """Memory to fit borders of up to ``longest`` points or cracks; the next call takes it again."""
     memory = _KEPT.memory
     if memory is None or memory.most <= longest:
-        memory = _KEPT.memory = make_memory(longest + 1)
+        memory = _KEPT.memory = make_memory(max(longest + 1, LEAST))
     return memory
 
 

@@ -34,8 +34,9 @@ FAR_PX = ACTIVE_PX
 WITHIN_PX = 1.0
 """By how much the radius of a circle may change that loses as few pixels as can be: defined, the
 pixel that is promised."""
-RADII = 256
-"""Radii that are looked at: indifferent, nearer to each other than pixels' distances are."""
+RADII = 128
+"""Smaller radii that are looked at, and larger ones: chosen, most pixels' distances differ by more
+than these do."""
 
 
 @njit(**SUMS)
@@ -61,23 +62,24 @@ def lost_to_circle(px, py, n, circle):
 
 
 @njit(**LEAF)
-def lose_fewest(cracks, circle, losses):
+def lose_fewest(cracks, circle, losses, away):
     """Give a circle the radius about its centre that loses the fewest pixels; returns how many.
 
     Those beside a border's cracks that it takes for what they are not; a pixel's cracks follow one
-    another. Its own radius where none loses fewer. ``losses`` is room for a number a radius.
+    another. Its own radius where none loses fewer, or else half-way between the two pixels next to
+    it. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are room to work in.
     """
     cx = circle[0]
     cy = circle[1]
-    own = min(RADII, losses.shape[0] - 2) // 2
-    step = WITHIN_PX / own
+    step = WITHIN_PX / RADII
     least = circle[2] - WITHIN_PX
-    for i in range(2 * own + 2):
+    for i in range(2 * RADII + 2):
         losses[i] = 0.0
     # a hole lies within its free pixels
     turn = 0.0
     for k in range(cracks.n):
         turn += (cracks.x[k] - cx) * cracks.free_x[k] + (cracks.y[k] - cy) * cracks.free_y[k]
+    pixels = 0
     last_x = HUGE
     last_y = HUGE
     for side in range(2):
@@ -90,26 +92,29 @@ def lose_fewest(cracks, circle, losses):
                 continue
             last_x = x
             last_y = y
-            away = math.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
+            here = math.sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy))
+            away[pixels] = here
+            pixels += 1
             # the first radius that takes the pixel in
-            i = min(max(math.ceil((away - least) / step), 0), 2 * own + 1)
+            i = min(max(math.ceil((here - least) / step), 0), 2 * RADII + 1)
             losses[i] += 1.0 if outside else -1.0
             losses[0] += 0.0 if outside else 1.0
-    fewest = HUGE
-    total = 0.0
-    for i in range(2 * own + 1):
-        total += losses[i]
-        losses[i] = total
-        fewest = min(fewest, total)
-    if losses[own] > fewest:
-        first = 0
-        while losses[first] > fewest:
-            first += 1
-        last = first
-        while last < 2 * own and losses[last + 1] == fewest:
-            last += 1
-        circle[2] = least + 0.5 * (first + last) * step
-    return fewest
+    for i in range(2 * RADII):
+        losses[i + 1] += losses[i]
+    best = RADII
+    for i in range(2 * RADII + 1):
+        if losses[i] < losses[best]:
+            best = i
+    if best != RADII:
+        inner = least
+        outer = least + 2.0 * WITHIN_PX
+        for p in range(pixels):
+            if away[p] <= least + best * step:
+                inner = max(inner, away[p])
+            else:
+                outer = min(outer, away[p])
+        circle[2] = 0.5 * (inner + outer)
+    return losses[best]
 
 
 @njit(**SUMS)
