@@ -96,7 +96,9 @@ class KernelLibrary(codegen.JITCodeLibrary):
             return
         for library in dict.fromkeys(self._linking_libraries):
             self._final_module.link_in(library._get_module_for_linking(), preserve=True)
-            self._reload_init.update(library._reload_init)
+            if hasattr(library, "_reload_init"):
+                # what is run where a kept library is loaded, unknown to older versions
+                self._reload_init.update(library._reload_init)
         self._is_linked = True
 
     @property
