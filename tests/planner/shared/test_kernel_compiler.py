@@ -105,7 +105,8 @@ import re
 names = {}
 lines = whole.library.get_asm_str().splitlines()
 code = "\\n".join(line for line in lines if not line.startswith("\\t."))  # instructions
-print(re.sub(r"_Z[\\w$.]+", lambda one: names.setdefault(one[0], str(len(names))), code))
+# names, some with an address in them before numba 0.67
+print(re.sub(r"_Z[\\w$.]+|\\d{9,}", lambda one: names.setdefault(one[0], str(len(names))), code))
 """
     last = run("twice(values)" + show, package)
     assert "sqrt" in last
