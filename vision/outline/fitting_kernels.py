@@ -275,7 +275,7 @@ def _finish_drawn(border, cracks, edges, budget, one_circle, work, finished):
         cracks, finished, edges, budget, room.indices[2], room.flags[0], found, work.trial,
         room.numbers[0:2],
     )  # fmt: skip
-    if one_circle and count == edges:
+    if one_circle and count == edges and not _any_line(finished.kind, count):
         return NONE
     if count > edges or _any(finished.kind, count):
         count = merge_edges(cracks, finished, count, one_circle, work.trial, work.circle, room)
@@ -308,6 +308,15 @@ def _any(flags, count):
     """Whether any of the first ``count`` is not 0."""
     for i in range(count):  # noqa: SIM110 (numba knows no generators)
         if flags[i]:
+            return True
+    return False
+
+
+@njit(**LEAF)
+def _any_line(kinds, count):
+    """Whether any of the first ``count`` edges is a line."""
+    for e in range(count):  # noqa: SIM110 (numba knows no generators)
+        if kinds[e] == LINE:
             return True
     return False
 

@@ -75,16 +75,21 @@ def circle_of_all(border, cracks, costs, budget, held, price, circle, near):
     if crisp:
         separate_circle(px, py, NONE, n, circle, near)
     cost = circle_cost(px, py, NONE, n, circle, crisp, dead_zone, sigma, worst, HUGE)
-    if crisp and circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, MOST_PX, HUGE) < HUGE:
+    if not crisp:
+        return price + cost, False
+    fitted = circle[2]
+    if cracks.n > 0:
         # what points cost is their squares, and few far ones pull: a pixel is lost or not
-        if cracks.n > 0:
-            lost = lose_fewest(cracks, circle, near[0], near[1])
-        else:
-            lost = lost_to_circle(px, py, n, circle)
-        if lost <= budget:
-            return price, False
-        if held and cost < HUGE and lost > LEAST_LOST:
-            return HUGE, True
+        lost = lose_fewest(cracks, circle, near[0], near[1])
+        worst = MOST_PX
+    else:
+        lost = lost_to_circle(px, py, n, circle)
+    if circle_cost(px, py, NONE, n, circle, crisp, HALF, 1.0, worst, HUGE) >= HUGE:
+        circle[2] = fitted
+    elif lost <= budget:
+        return price, False
+    elif held and cost < HUGE and lost > LEAST_LOST:
+        return HUGE, True
     return price + cost, False
 
 

@@ -66,8 +66,8 @@ def lose_fewest(cracks, circle, losses, away):
     """Give a circle the radius about its centre that loses the fewest pixels; returns how many.
 
     Those beside a border's cracks that it takes for what they are not; a pixel's cracks follow one
-    another. Its own radius where none loses fewer, or else half-way between the two pixels next to
-    it. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are room to work in.
+    another. Its own radius where none loses fewer, or else the nearest that does: half-way between
+    two pixels. ``losses`` (2 * RADII + 2,) and ``away`` (2 n,) are room to work in.
     """
     cx = circle[0]
     cy = circle[1]
@@ -103,7 +103,8 @@ def lose_fewest(cracks, circle, losses, away):
         losses[i + 1] += losses[i]
     best = RADII
     for i in range(2 * RADII + 1):
-        if losses[i] < losses[best]:
+        nearer = abs(i - RADII) < abs(best - RADII)
+        if losses[i] < losses[best] or (losses[i] == losses[best] and nearer):
             best = i
     if best != RADII:
         inner = least
