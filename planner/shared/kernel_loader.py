@@ -138,6 +138,9 @@ def _environment(module: str, constants: Any, name: str) -> Any:
     module of numba that is not loaded are left out.
     """
     known = environment.lookup_environment(name)
+    if known is not None:
+        # perhaps a part's, compiled by another process under the same number: its entry has more
+        known.consts.extend(constants[len(known.consts) :])
     if known is not None or not module.startswith("numba.") or module in sys.modules:
         return known or environment._rebuild_env(module, constants, name)
     made = environment.Environment({"__name__": module})

@@ -115,6 +115,22 @@ print(re.sub(r"_Z[\\w$.]+|\\d{9,}", lambda one: names.setdefault(one[0], str(len
     assert run("norm(values); checked(values); twice(values)" + show, package) == last
 
 
+def test_a_whole_that_was_kept_has_its_constants_beside_a_part_of_the_same_number(
+    package: Path,
+) -> None:
+    """Numba numbers what it compiles, process by process, and names constants by that number."""
+    uid = run("twice(values)\n[part] = checked.overloads.values()\nprint(part.fndesc.uid)", package)
+    pin = f"""
+import itertools
+from numba.core.bytecode import FunctionIdentity
+FunctionIdentity._unique_ids = itertools.count({uid})
+"""
+    whole = "[whole] = checked.overloads.values()\nprint(whole.fndesc.uid)"
+    assert run(f"{pin}checked(values)\n{whole}", package) == uid
+    told = run("twice(values)\nprint((checked(values) == values).all(), found(checked))", package)
+    assert told == "True (1, 0)\n"
+
+
 def test_a_changed_kernel_is_built_on_parts_that_were_kept(package: Path) -> None:
     before = run("print(twice(values), found(norm), found(checked))", package)
     assert before.endswith(" (0, 1) (0, 1)\n")
