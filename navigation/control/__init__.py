@@ -12,13 +12,20 @@ that there was no place, and that the same may be asked again. Only the owner ca
 """
 
 from navigation.control.ask import default_socket, send_order
-from navigation.control.orders import Commanded, ControlError, carry_out, read_stations
+from navigation.control.orders import (
+    Commanded,
+    ControlError,
+    NoDaemonError,
+    carry_out,
+    read_stations,
+)
 from navigation.control.server import ControlServer
 
 __all__ = [
     "Commanded",
     "ControlError",
     "ControlServer",
+    "NoDaemonError",
     "carry_out",
     "default_socket",
     "read_stations",

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from navigation.control.orders import ControlError
+from navigation.control.orders import ControlError, NoDaemonError
 from navigation.shared.outside import OutsideError, printable, read_object
 
 PATIENCE_S: Final = 2.0
@@ -43,7 +43,8 @@ def default_socket() -> Path:
 def send_order(path: Path, request: Mapping[str, Any]) -> dict[str, Any]:
     """Give an order to the daemon that listens at ``path``; its answer.
 
-    ``ControlError`` where no daemon runs there, or it does not answer or refuses.
+    ``NoDaemonError`` where no daemon runs there; ``ControlError`` where it does not answer, or
+    refuses.
     """
     until_s = time.monotonic() + PATIENCE_S
     line = json.dumps(request).encode() + b"\n"
@@ -54,7 +55,7 @@ def send_order(path: Path, request: Mapping[str, Any]) -> dict[str, Any]:
                 raise ConnectionResetError("it is crowded")
             break
         except (FileNotFoundError, ConnectionRefusedError):
-            raise ControlError(
+            raise NoDaemonError(
                 f"no daemon listens at {path}: start one with 'clearway run CONFIG'"
             ) from None
         except (_CrowdedError, ConnectionError) as error:

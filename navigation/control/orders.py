@@ -29,6 +29,10 @@ class ControlError(ValueError):
     """An order that cannot be given or taken; the message says why."""
 
 
+class NoDaemonError(ControlError):
+    """An order that nobody takes, because certainly no daemon runs."""
+
+
 class Commanded(Protocol):
     """What orders are given to: the daemon."""
 

@@ -11,7 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from navigation.control import ControlError, ControlServer, carry_out, default_socket, send_order
+from navigation.control import (
+    ControlError,
+    ControlServer,
+    NoDaemonError,
+    carry_out,
+    default_socket,
+    send_order,
+)
 from navigation.mission.mission import MissionError, Station
 
 
@@ -84,7 +91,7 @@ def test_a_refused_order_is_told_with_its_reason(server: ControlServer) -> None:
 
 
 def test_without_a_daemon_the_error_says_how_to_start_one(tmp_path: Path) -> None:
-    with pytest.raises(ControlError, match="clearway run CONFIG"):
+    with pytest.raises(NoDaemonError, match="clearway run CONFIG"):
         send_order(tmp_path / "nobody.sock", {"order": "status"})
 
 
