@@ -3,6 +3,9 @@
 SIGHUP asks for it (`systemctl reload clearway`). The file is read in a thread of its own, so
 that the control loop goes on; a good one is handed over, of a bad one every error is told. So is
 the calibration that it names: another one there is news, too.
+
+Requests that come together are one, which keeps the stricter of both: a person who changes settings
+on the page has ordered no drive, whatever else asks for the same file a moment before or after.
 """
 
 from __future__ import annotations
@@ -36,11 +39,22 @@ class Reloader:
         self._load, self._say, self._good = load, say, good
         self._calibration = _calibration_in(present)
         self._asked = threading.Event()
+        self._hands_over = False
+        self._waiting_asked = self._waiting_answered = 0
         self._thread: threading.Thread | None = None
         self._lock = threading.Lock()
 
-    def ask(self) -> None:
-        """Read the file soon; for a signal's handler, which must not wait."""
+    @property
+    def waits(self) -> bool:
+        """True if the run that begins again has to wait for orders."""
+        return self._waiting_asked > self._waiting_answered
+
+    def ask(self, *, waits: bool = False) -> None:
+        """Read the file soon; for a signal's handler, which must not wait.
+
+        ``waits``: the run that begins again waits for orders, whoever else asks for it.
+        """
+        self._waiting_asked += waits
         self._asked.set()
         if self._lock.acquire(blocking=False):
             self._thread = threading.Thread(target=self._run, name="reload", daemon=True)
@@ -62,6 +76,7 @@ class Reloader:
             self.ask()
 
     def _read_once(self) -> None:
+        asked = self._waiting_asked  # before the file is read: a later request reads it again
         try:
             config = self._load(self._file)
         except ConfigError as error:
@@ -70,6 +85,8 @@ class Reloader:
         calibration = _calibration_in(config)
         if config == self._present and calibration == self._calibration:
             self._say("info", f"{self._file} was read again: nothing has changed")
+            if not self._hands_over:
+                self._waiting_answered = asked
             return
         names = [
             name
@@ -80,6 +97,7 @@ class Reloader:
             names.append("the calibration")
         self._present, self._calibration = config, calibration
         self._say("info", f"{self._file} was read again: {', '.join(names)} changed")
+        self._hands_over = True
         self._good(config)
 
 

@@ -122,7 +122,7 @@ def command(
             done, folder, exit_code = (
                 runner.run_fleet() if isinstance(runner, FleetRunner) else _run_one(runner)
             )
-        loaded, waits = reload.fresh, reload.from_the_page
+        loaded, waits = reload.fresh, reload.reloader.waits
     if report is not None:
         try:
             done.write(report)
@@ -195,8 +195,6 @@ class _Reload:
         from navigation.run.reload import Reloader
 
         self.fresh: Config | None = None
-        self.from_the_page = False
-        """Asked for by somebody who changed settings, and gave no order to drive."""
         self._runner, self._log = runner, log
         self.reloader = Reloader(
             file,
@@ -210,13 +208,11 @@ class _Reload:
 
     def ask(self) -> None:
         """Read the file soon, and begin again as at the start."""
-        self.from_the_page = False
         self.reloader.ask()
 
     def ask_from_the_page(self) -> None:
         """Read the file soon, and begin again without driving anywhere."""
-        self.from_the_page = True
-        self.reloader.ask()
+        self.reloader.ask(waits=True)
 
     def _say(self, level: Level, sentence: str) -> None:
         complain(f"clearway: {sentence}")

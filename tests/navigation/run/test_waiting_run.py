@@ -63,16 +63,59 @@ def test_several_robots_that_wait_drive_neither_missions_nor_tasks(file: Path) -
     assert sum(one.waypoints_sent for one in report.robots.values()) == 0
 
 
-def test_only_what_the_page_asked_for_waits(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    config = load_config(file, {})
-    runner = runner_of(config, file.parent)
+@pytest.mark.parametrize("kind", [Runner, FleetRunner], ids=["one robot", "several robots"])
+@pytest.mark.parametrize(
+    ("asked", "waits"),
+    [
+        (["page"], True),
+        (["HUP"], False),
+        (["page", "HUP"], True),
+        (["HUP", "page"], True),
+        (["page", "HUP", "HUP"], True),
+    ],
+    ids=["page", "HUP", "page then HUP", "HUP then page", "page then HUP twice"],
+)
+def test_settings_of_the_page_wait_for_orders_whatever_asks_at_the_same_time(
+    file: Path, asked: list[str], waits: bool, kind: type[Runner]
+) -> None:
+    runner = runner_of(load_config(file, {}), file.parent, kind)
     with (file.parent / "log").open("w") as out:
-        reload = _Reload(file, config, runner, EventLog(out, None, now=datetime.now))
+        log = EventLog(out, None, now=datetime.now)
+        reload = _Reload(file, runner.config, runner, log)
         file.write_text(file.read_text().replace("  rate_hz: 30\n", "  rate_hz: 25\n"))
-        reload.ask_from_the_page()
+        for who in asked:
+            (reload.ask_from_the_page if who == "page" else reload.ask)()
         assert wait_until(lambda: runner.interrupt.is_set())
-        assert (reload.from_the_page, reload.fresh is not None) == (True, True)
+        reload.reloader.join(10.0)
+    assert reload.fresh is not None
+    assert reload.reloader.waits is waits
+
+
+def test_settings_of_the_page_wait_though_a_signal_had_the_new_file_read_first(
+    file: Path,
+) -> None:
+    runner = runner_of(load_config(file, {}), file.parent)
+    with (file.parent / "log").open("w") as out:
+        log = EventLog(out, None, now=datetime.now)
+        reload = _Reload(file, runner.config, runner, log)
+        file.write_text(file.read_text().replace("  rate_hz: 30\n", "  rate_hz: 25\n"))
         reload.ask()
         reload.reloader.join(10.0)
-        assert not reload.from_the_page
-    assert "camera changed" in capsys.readouterr().err
+        assert not reload.reloader.waits
+        reload.ask_from_the_page()
+        reload.reloader.join(10.0)
+    assert reload.reloader.waits
+
+
+def test_a_page_that_has_changed_nothing_holds_back_no_later_signal(file: Path) -> None:
+    runner = runner_of(load_config(file, {}), file.parent)
+    with (file.parent / "log").open("w") as out:
+        log = EventLog(out, None, now=datetime.now)
+        reload = _Reload(file, load_config(file, {}), runner, log)
+        reload.ask_from_the_page()
+        reload.reloader.join(10.0)
+        file.write_text(file.read_text().replace("  rate_hz: 30\n", "  rate_hz: 25\n"))
+        reload.ask()
+        reload.reloader.join(10.0)
+    assert reload.fresh is not None
+    assert not reload.reloader.waits
