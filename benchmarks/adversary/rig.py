@@ -70,7 +70,7 @@ class Rig:
     def __init__(self, folder: Path, errand: Errand, needs: Needs, seed: int) -> None:
         self.folder, self.errand, self.needs, self.seed = folder, errand, needs, seed
         self.rng = np.random.default_rng(seed)
-        self.socket = folder / "c.sock"
+        self.socket = folder / "door" / "c.sock"
         self.page_port = _free_port() if needs.page else None
         self.camera_port = _free_port()
         self.halted_s: list[tuple[float, float]] = []

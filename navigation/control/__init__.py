@@ -1,14 +1,16 @@
 """Orders to a running daemon over a local socket: go, stop, pause, resume, replan and others.
 
 - `orders`: what may be asked for, checked and carried out; the dashboard uses it too.
-- `server`: the socket and its thread, which reads all clients at once and never waits for one;
-  `clients`: who is connected, until when, and who makes room; `order_thread`: the threads that
-  carry orders out, so that a stop waits for no other order.
-- `ask`: the other end, for the command line.
+- `server`: the thread that reads all clients at once and never waits for one; `places`: the file
+  that it listens at, made again where somebody removes it, and `abstract`: the socket without a
+  file beside it; `clients`: who is connected, until when, and who makes room; `order_thread`: the
+  threads that carry orders out, so that a stop waits for no other order.
+- `ask`: the other end, for the command line, and `exchange`: one request of it.
+- `peers`: whose process is at the other end, for both.
 
 One request and one answer a connection, each one line of JSON; ``"again": true`` in an answer says
-that there was no place, and that the same may be asked again. Only the owner can use the socket
-(mode 0600, in a folder of mode 0700).
+that there was no place, and that the same may be asked again. Only the owner can use the file
+(mode 0600, in a folder of mode 0700), and only the owner and root are served at the other one.
 """
 
 from navigation.control.ask import default_socket, send_order

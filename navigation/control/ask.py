@@ -1,6 +1,11 @@
-"""The asking end of the control socket: where it is, and one order with its answer.
+"""The asking end of the control sockets: where they are, and one order with its answer.
 
 Rules
+- The file is asked first. Where nobody listens there, the daemon is found by its socket without a
+  file: the one of that path, or, where no path was given, any daemon of this user. A stop goes to
+  all of those at once; any other order is refused where there are several.
+- ``NoDaemonError`` is raised only where certainly nobody listens. Another user's process that has
+  taken a name or a file is nobody.
 - The whole of an order, answer included, has ``PATIENCE_S``.
 - A stop and a status may be asked for twice, so a daemon that is crowded is asked again; any
   other order is sent once.
@@ -12,24 +17,23 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Final
 
-from navigation.control.orders import ControlError, NoDaemonError
+from navigation.control.abstract import LISTS_SOCKETS, Abstract, all_listening, digest_of
+from navigation.control.exchange import CrowdedError, NobodyError, exchange
+from navigation.control.orders import SCHEMA, ControlError, NoDaemonError
+from navigation.control.peers import ROOT
 from navigation.shared.outside import OutsideError, printable, read_object
 
 PATIENCE_S: Final = 2.0
 AGAIN_AFTER_S: Final = 0.01
-MOST_ANSWER_BYTES: Final = 1_000_000
 REPEATABLE: Final = frozenset({"stop", "status"})
-
-
-class _CrowdedError(OSError):
-    """The daemon had no place for us just now."""
+MOST_AT_ONCE: Final = 32
 
 
 def default_socket() -> Path:
@@ -40,31 +44,47 @@ def default_socket() -> Path:
     return Path(tempfile.gettempdir()) / f"clearway-{os.getuid()}" / "control.sock"
 
 
-def send_order(path: Path, request: Mapping[str, Any]) -> dict[str, Any]:
-    """Give an order to the daemon that listens at ``path``; its answer.
+def send_order(path: Path | None, request: Mapping[str, Any]) -> dict[str, Any]:
+    """Give an order to the daemon of ``path``, None: of this user; its answer.
 
-    ``NoDaemonError`` where no daemon runs there; ``ControlError`` where it does not answer, or
-    refuses.
+    Where several daemons were stopped, their answers are in ``daemons``. ``NoDaemonError`` where
+    no daemon runs; ``ControlError`` where one does not answer, or refuses.
     """
     until_s = time.monotonic() + PATIENCE_S
+    file = path or default_socket()
+    try:
+        return _ask(str(file), f"the daemon at {file}", request, until_s)
+    except NobodyError:
+        forbidden = None
+    except PermissionError as error:
+        # our own daemon never listens where we may not look: a default path is somebody else's
+        forbidden = None if path is None else error
+    answers = _ask_all(_found(file, any_path=path is None), request, until_s)
+    if answers:
+        return answers[0] if len(answers) == 1 else _together(answers)
+    if forbidden is not None:
+        raise ControlError(f"the daemon at {file} cannot be asked: {forbidden.strerror}")
+    raise NoDaemonError(f"no daemon listens at {file}: start one with 'clearway run CONFIG'")
+
+
+def _ask(address: str, who: str, request: Mapping[str, Any], until_s: float) -> dict[str, Any]:
+    """The answer of the daemon at one address; ``ControlError`` where it has none for us."""
     line = json.dumps(request).encode() + b"\n"
     while True:
         try:
-            answer = read_object(_exchange(path, line, until_s))
+            answer = read_object(exchange(address, line, until_s))
             if answer.get("again") is True:
                 raise ConnectionResetError("it is crowded")
             break
-        except (FileNotFoundError, ConnectionRefusedError):
-            raise NoDaemonError(
-                f"no daemon listens at {path}: start one with 'clearway run CONFIG'"
-            ) from None
-        except (_CrowdedError, ConnectionError) as error:
-            again = isinstance(error, _CrowdedError) or request.get("order") in REPEATABLE
+        except (NobodyError, PermissionError):
+            raise
+        except (CrowdedError, ConnectionError) as error:
+            again = isinstance(error, CrowdedError) or request.get("order") in REPEATABLE
             if not again or time.monotonic() + AGAIN_AFTER_S > until_s:
-                raise ControlError(f"the daemon at {path} does not answer: {error}") from None
+                raise ControlError(f"{who} does not answer: {error}") from None
             time.sleep(AGAIN_AFTER_S)  # a crowded daemon has room by then; nothing tells us
         except (OSError, OutsideError) as error:
-            raise ControlError(f"the daemon at {path} does not answer: {error}") from None
+            raise ControlError(f"{who} does not answer: {error}") from None
     if not answer.get("ok"):
         reason = answer.get("error")
         words = printable(reason, 1000) if isinstance(reason, str) else "no reason given"
@@ -72,31 +92,67 @@ def send_order(path: Path, request: Mapping[str, Any]) -> dict[str, Any]:
     return answer
 
 
-def _exchange(path: Path, line: bytes, until_s: float) -> bytes:
-    """One request and its answer; `_CrowdedError` where nothing was sent yet, or dropped unread."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as client:
-        client.settimeout(_left_s(until_s))
+def _found(file: Path, *, any_path: bool) -> list[Abstract]:
+    """The sockets without a file that may be daemons of this user, for root of any user."""
+    try:
+        everybody = all_listening()
+    except OSError as error:
+        raise ControlError(
+            f"nobody listens at {file}, and whether a daemon runs all the same cannot be known: "
+            f"{LISTS_SOCKETS}: {error.strerror or error}"
+        ) from None
+    me = os.geteuid()
+    ours = [one for one in everybody if me in (ROOT, one.uid)]
+    return [one for one in ours if any_path or one.digest == digest_of(file)]
+
+
+def _ask_all(
+    found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
+) -> list[dict[str, Any]]:
+    """The answers of those that are daemons; only a stop is given to more than one."""
+    if request.get("order") != "stop" and len(found) > 1:
+        statuses = [one for one in _at_once(found, {"order": "status"}, until_s) if one is not None]
+        if len(statuses) > 1:
+            places = ", ".join(sorted(str(one.get("socket")) for one in statuses))
+            raise ControlError(f"{len(statuses)} daemons run: name one by --socket: {places}")
+    return [one for one in _at_once(found, request, until_s) if one is not None]
+
+
+def _at_once(
+    found: Sequence[Abstract], request: Mapping[str, Any], until_s: float
+) -> list[dict[str, Any] | None]:
+    """Each one's answer, None where it is no daemon; none waits for another."""
+    if not found:
+        return []
+
+    def ask(one: Abstract) -> dict[str, Any] | ControlError | None:
         try:
-            client.connect(str(path))
-        except BlockingIOError:  # its queue is full at this moment
-            raise _CrowdedError("too many wait for it") from None
-        client.sendall(line)
-        answer = bytearray()
-        while not answer.endswith(b"\n"):
-            client.settimeout(_left_s(until_s))
-            part = client.recv(4096)
-            if not part:
-                break
-            answer += part
-            if len(answer) > MOST_ANSWER_BYTES:
-                raise OutsideError(f"its answer is longer than {MOST_ANSWER_BYTES} bytes")
-    if not answer:
-        raise ConnectionResetError("it hung up")
-    return bytes(answer)
+            return _ask(one.address, f"the daemon @{one.name}", request, until_s)
+        except (NobodyError, PermissionError):
+            return None
+        except ControlError as error:
+            return error
+
+    with ThreadPoolExecutor(min(len(found), MOST_AT_ONCE)) as threads:
+        answers = list(threads.map(ask, found))
+    errors = [str(one) for one in answers if isinstance(one, ControlError)]
+    if errors:
+        done = [_in_words(one) for one in answers if isinstance(one, dict)]
+        raise ControlError("; ".join(errors + done))
+    return [one for one in answers if not isinstance(one, ControlError)]
 
 
-def _left_s(until_s: float) -> float:
-    left_s = until_s - time.monotonic()
-    if left_s <= 0.0:
-        raise TimeoutError("timed out")
-    return left_s
+def _together(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """One answer for several."""
+    states = {str(one.get("state")) for one in answers}
+    return {
+        "schema": SCHEMA,
+        "ok": True,
+        "state": states.pop() if len(states) == 1 else "stopping",
+        "reason": "; ".join(map(_in_words, answers)),
+        "daemons": list(answers),
+    }
+
+
+def _in_words(answer: Mapping[str, Any]) -> str:
+    return f"the daemon of {answer.get('socket')}: {answer.get('state')}"

@@ -1,4 +1,4 @@
-"""The control socket and the thread that reads it; a stop is taken whatever else goes on.
+"""The thread that reads the control sockets; a stop is taken whatever else goes on.
 
 Rules
 - The thread waits for nobody: all clients are read as their bytes come, orders are carried out
@@ -6,8 +6,8 @@ Rules
 - Where no descriptor is left, one of those held back lets the next client in.
 - The thread is watched like every other stage: `turns` grows while it works, `failure` says
   what has ended it, `restart` starts it again on the same socket.
-- Two daemons never share a socket: one that answers is left alone, one that does not is a
-  leftover and is replaced.
+- Where it listens is looked after several times a second (`places`); who connects has to be of
+  this daemon's own user, or root (`peers`): others are hung up on unread.
 
 Units: seconds.
 """
@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import queue
 import selectors
 import socket
-import stat
 import threading
 import time
 from collections.abc import Callable
@@ -28,12 +28,13 @@ from typing import Any, Final
 
 from navigation.control.clients import MOST_CLIENTS, Client, TooLongError, who_makes_room
 from navigation.control.order_thread import Job, OrderThread
-from navigation.control.orders import Commanded, ControlError
+from navigation.control.orders import Commanded
+from navigation.control.peers import may_order, peer_of
+from navigation.control.places import Places
 from navigation.machine.descriptors import NONE_LEFT, SpareDescriptors
 from navigation.shared.outside import OutsideError, read_object
 from navigation.shared.supervisor import in_words
 
-BACKLOG: Final = 512
 ACCEPTS_A_TURN: Final = 64
 SPARE: Final = 4
 IDLE_S: Final = 0.2
@@ -42,7 +43,6 @@ STOP_ANSWER_S: Final = 0.2
 """A stop that was carried out is confirmed by then, whether the control loop has acted or not."""
 STUCK_S: Final = 5.0
 """An order takes milliseconds; a thread that is at one for longer hangs."""
-PROBE_S: Final = 2.0
 STOP_SENT: Final = {
     "ok": True,
     "state": "stopping",
@@ -51,7 +51,7 @@ STOP_SENT: Final = {
 
 
 class ControlServer:
-    """Listens on a socket in a thread of its own; a context manager."""
+    """Listens at ``path``, and without a file, in a thread of its own; a context manager."""
 
     def __init__(
         self, path: Path, daemon: Commanded, *, clock: Callable[[], float] = time.monotonic
@@ -62,6 +62,7 @@ class ControlServer:
         self.turns = 0
         """Grows while the thread works, and the orders' threads do not hang."""
         self._daemon, self._clock = daemon, clock
+        self._places = Places(path, self._watch, self._unwatch, lambda: self._spare.release())
         self._clients: list[Client] = []
         self._crash: BaseException | None = None
         self._stopping = threading.Event()
@@ -69,16 +70,15 @@ class ControlServer:
     # Life.
 
     def __enter__(self) -> ControlServer:
-        _make_private(self.path.parent)
-        _remove_leftover(self.path)
-        self._socket = _listen(self.path)
+        self._places.open()
         self._wake_out, self._wake_in = socket.socketpair()
         for end in (self._wake_out, self._wake_in):
             end.setblocking(False)
         # here, not in the thread: there may be no descriptor left when it begins
         self._selector = selectors.DefaultSelector()
-        self._selector.register(self._socket, selectors.EVENT_READ, self._accept)
         self._selector.register(self._wake_out, selectors.EVENT_READ, self._drain)
+        for one in self._places.sockets:
+            self._watch(one)
         self._spare = SpareDescriptors(SPARE)
         self._stops, self._orders = (
             OrderThread(name, self._daemon, self._wake, self._clock)
@@ -94,10 +94,22 @@ class ControlServer:
         self._stops.end()
         self._orders.end()
         self._spare.close()
-        for one in (self._selector, self._socket, self._wake_in, self._wake_out):
+        self._places.close()
+        for one in (self._selector, self._wake_in, self._wake_out):
             one.close()
-        with contextlib.suppress(FileNotFoundError):
-            self.path.unlink()
+
+    @property
+    def trouble(self) -> str:
+        """Why orders cannot come where they should, and where they can; empty: they can."""
+        return self._places.trouble
+
+    def news(self) -> list[str]:
+        """What a person should know once: a socket that was removed and made again."""
+        found = []
+        with contextlib.suppress(queue.Empty):
+            while True:
+                found.append(self._places.news.get_nowait())
+        return found
 
     def failure(self) -> str | None:
         """The error that ended the thread, in words; None while it runs."""
@@ -138,6 +150,7 @@ class ControlServer:
         for client in list(self._clients):
             self._look_after(client, now_s)
         self._spare.refill()
+        self._places.look(now_s)
         if max(self._stops.busy_s(now_s), self._orders.busy_s(now_s)) < STUCK_S:
             self.turns += 1
 
@@ -145,10 +158,16 @@ class ControlServer:
         with contextlib.suppress(BlockingIOError):
             self._wake_out.recv(4096)
 
-    def _accept(self) -> None:
+    def _watch(self, listening: socket.socket) -> None:
+        self._selector.register(listening, selectors.EVENT_READ, partial(self._accept, listening))
+
+    def _unwatch(self, listening: socket.socket) -> None:
+        self._selector.unregister(listening)
+
+    def _accept(self, listening: socket.socket) -> None:
         for _ in range(ACCEPTS_A_TURN):
             try:
-                connection, _ = self._socket.accept()
+                connection, _ = listening.accept()
             except (BlockingIOError, InterruptedError, ConnectionAbortedError):
                 return
             except OSError as error:
@@ -156,6 +175,9 @@ class ControlServer:
                     raise
                 if not self._make_room():
                     return
+                continue
+            if not may_order(peer_of(connection)):
+                connection.close()  # and so it takes nobody's place
                 continue
             if len(self._clients) >= MOST_CLIENTS:
                 self._drop_one()
@@ -182,7 +204,7 @@ class ControlServer:
 
     def _hang_up(self, client: Client, answer: dict[str, Any]) -> None:
         self._forget(client)
-        client.answer(answer)
+        client.answer({**answer, "socket": os.path.abspath(self.path)})
 
     def _forget(self, client: Client) -> None:
         self._clients.remove(client)
@@ -232,45 +254,3 @@ def _is_due(job: Job, now_s: float) -> bool:
     if not job.is_stop or now_s - job.came_s < STOP_ANSWER_S:
         return False
     return job.answer is not None and bool(job.answer["ok"])
-
-
-def _listen(path: Path) -> socket.socket:
-    one = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    mask = os.umask(0o177)
-    try:
-        one.bind(str(path))
-        one.listen(BACKLOG)
-        one.setblocking(False)
-    except OSError as error:
-        one.close()
-        raise ControlError(f"control socket {path}: {error.strerror or error}") from None
-    finally:
-        os.umask(mask)
-    return one
-
-
-def _make_private(folder: Path) -> None:
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    info = folder.lstat()
-    # systemd makes a link to the folder of an account that it has made up; a stranger's may turn
-    if stat.S_ISLNK(info.st_mode) and info.st_uid in (0, os.getuid()):
-        info = folder.stat()
-    if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or info.st_mode & 0o022:
-        raise ControlError(f"control socket folder {folder}: must be yours alone (mode 0700)")
-
-
-def _remove_leftover(path: Path) -> None:
-    if not path.exists():
-        return
-    if not path.is_socket():
-        raise ControlError(f"control socket {path}: is a file that is no socket")
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-        probe.settimeout(PROBE_S)
-        try:
-            probe.connect(str(path))
-        except BlockingIOError:  # its queue is full: somebody listens
-            pass
-        except OSError:
-            path.unlink()
-            return
-    raise ControlError(f"control socket {path}: another daemon listens there already")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 from firmware_protocol.host.state import LinkState
 from navigation.machine.logs import Level, RunLog
 from navigation.machine.sd_notify import Watchdog
+from navigation.run.trouble_lines import TroubleLines
 
 if TYPE_CHECKING:
     from navigation.loop.daemon import Daemon
@@ -45,7 +46,7 @@ class Attendance:
         self._said_drops = False
         self._said_end = False
         self._said_silence = False
-        self._troubles: tuple[str, ...] = ()
+        self._troubles = TroubleLines(log, say)
         self._waits_for_robot = self._waits_for_camera = False
         self._recorder_turns = -1
         self._recorder_turned_s = 0.0
@@ -55,7 +56,8 @@ class Attendance:
         camera = self._daemon.camera.status()
         self._log.cycle(now, camera)
         self._look_at_devices(now, camera)
-        self._look_at_troubles(now.troubles)
+        self._daemon.troubles["log"] = self._log.trouble
+        self._troubles.cycle(now.troubles)
         self._watchdog.tick(time_s)
         if self._watchdog.hanging != self._hanging:
             self._hanging = self._watchdog.hanging
@@ -79,19 +81,6 @@ class Attendance:
                 if self._waits_for_camera
                 else "the camera gives pictures"
             )
-
-    def _look_at_troubles(self, troubles: tuple[str, ...]) -> None:
-        """Say each trouble once, and once that it is over."""
-        self._daemon.troubles["log"] = self._log.trouble
-        before, self._troubles = self._troubles, troubles
-        for sentence in troubles:
-            if sentence not in before:
-                self._log.write("error", "trouble", reason=sentence)
-                self._say(f"trouble: {sentence}")
-        for sentence in before:
-            if sentence not in troubles:
-                self._log.write("info", "trouble", reason=f"over: {sentence}")
-                self._say(f"trouble over: {sentence}")
 
     def _look_at_the_recording(self, recorder: Recorder, time_s: float) -> None:
         counts = recorder.counts()

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from navigation.config import Config
 from navigation.config.secrecy.secrets import hide
 from navigation.config.sections import SIMULATED
-from navigation.control import ControlServer, default_socket
+from navigation.control import default_socket
 from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
 from navigation.loop.daemon import Daemon
@@ -43,8 +43,8 @@ from navigation.run.summary import (
     write_report,
     write_run,
 )
+from navigation.run.taking_orders import TakingOrders
 from navigation.run.world import World, camera_words
-from navigation.shared.supervisor import Part
 from vision.calibration.calibration import Calibration
 from vision.camera.camera import Frame, Image
 
@@ -154,17 +154,14 @@ class Runner:
                 )
             )
             daemon.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
-            control = open_things.enter_context(ControlServer(socket, daemon))
-            daemon.look_after(
-                "control socket", Part(control.failure, control.restart), lambda: control.turns
-            )
+            taking = TakingOrders(open_things, socket, daemon, daemon, self._log, self._say)
             self._say(f"orders at {socket}: clearway go X,Y, stop, pause, resume, status")
             page = self._serve_dashboard(daemon, open_things, socket, folder)
             self._begin_mission(daemon, journal)
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=world.port)
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive(daemon, recorder)
+            state, reason = self._drive(daemon, recorder, taking)
             daemon.halt()
             # while the robot brakes
             if page is not None and self.interrupt.is_set():
@@ -318,13 +315,16 @@ class Runner:
         if stations and not self.waits:
             daemon.give(stations, any_order=self.config.mission.order == "best")
 
-    def _drive(self, daemon: Daemon, recorder: Recorder | None) -> tuple[State, str]:
+    def _drive(
+        self, daemon: Daemon, recorder: Recorder | None, taking: TakingOrders
+    ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
         attendance = Attendance(daemon, self._log, watchdog, recorder, self._say)
         while True:
             now = daemon.cycle()
             self._tell(now)
+            taking.cycle()
             attendance.cycle(now, self._clock())
             if self.interrupt.is_set():
                 return State.STOPPED, self.interrupt_reason

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +26,17 @@ def _send(path: Path | None, form: str, request: dict[str, Any], robot: str | No
 
     if robot is not None:
         request = {**request, "robot": robot}
-    answer = send_order(path or default_socket(), request)
+    answer = send_order(path, request)
     if form == "json":
         click.echo(json.dumps(answer, allow_nan=False))
         return
-    click.echo(f"{answer['state']}: {answer['reason']}")
+    for one in answer.get("daemons", [answer]):
+        elsewhere = one.get("socket") not in (None, os.path.abspath(path or default_socket()))
+        _print(one, f"the daemon of {one['socket']}: " if elsewhere else "")
+
+
+def _print(answer: dict[str, Any], who: str) -> None:
+    click.echo(f"{who}{answer['state']}: {answer['reason']}")
     robots = answer.get("robots")
     if isinstance(robots, dict):
         width = max(map(len, robots))
@@ -74,7 +81,8 @@ def go(
 def stop(reason: str, robot: str | None, path: Path | None, form: str) -> None:
     """Stop the robot at once; it stays stopped until `clearway resume` re-arms it.
 
-    Of several robots all are stopped, or the one that --robot names.
+    Of several robots all are stopped, or the one that --robot names. A daemon is found even
+    where its socket was removed; without --socket every daemon of yours is stopped then.
     """
     _send(path, form, {"order": "stop", "reason": reason}, robot)
 

@@ -51,10 +51,10 @@ def command(config: Path | None, source: str | None, path: Path | None, name: st
 
 
 def _ask_the_daemon(path: Path | None, name: str | None) -> None:
-    from navigation.control import default_socket, send_order
+    from navigation.control import send_order
 
     order = {"order": "reanchor"} | ({} if name is None else {"camera": name})
-    answer = send_order(path or default_socket(), order)
+    answer = send_order(path, order)
     for line in answer["anchoring"]:
         click.echo(line)
 

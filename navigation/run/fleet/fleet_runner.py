@@ -13,7 +13,7 @@ from pathlib import Path
 from navigation.config import Config
 from navigation.config.sections import SIMULATED
 from navigation.config.several.each_robot import each_robot
-from navigation.control import ControlServer, default_socket
+from navigation.control import default_socket
 from navigation.draw import DrawError
 from navigation.journal.journal import Journal, owner_of
 from navigation.link.serial_port import PortNotReadyError, look_for_port
@@ -28,8 +28,9 @@ from navigation.run.fleet.fleet_warm_up import warm_up_fleet
 from navigation.run.fleet.fleet_world import FleetWorld
 from navigation.run.fleet.give_missions import GiveMissions
 from navigation.run.runner import DONE, FAILED, NO_PATH, PROGRESS_EVERY_S, Runner
+from navigation.run.taking_orders import TakingOrders
+from navigation.run.trouble_lines import TroubleLines, troubles_of
 from navigation.run.world import camera_words
-from navigation.shared.supervisor import Part
 from navigation.shared.whole_file import UnwrittenFileError
 
 
@@ -64,10 +65,7 @@ class FleetRunner(Runner):
             socket = self._socket or default_socket()
             people = People(daemon)
             people.reanchor = lambda camera: self.reanchor(camera, daemon.newest)
-            control = open_things.enter_context(ControlServer(socket, people))
-            daemon.look_after(
-                "control socket", Part(control.failure, control.restart), lambda: control.turns
-            )
+            taking = TakingOrders(open_things, socket, people, daemon, self._log, self._say)
             self._say(
                 f"orders at {socket}: clearway go X,Y --robot NAME, stop, pause, resume, status"
             )
@@ -76,7 +74,7 @@ class FleetRunner(Runner):
             self._notifier.send("READY=1")
             self._log.write("info", "ready", camera=seen_by.partition(" ")[2], port=ports)
             open_things.callback(self._notifier.send, "STOPPING=1")
-            state, reason = self._drive_all(daemon, missions)
+            state, reason = self._drive_all(daemon, missions, taking)
             daemon.halt()
             if page is not None and self.interrupt.is_set():
                 page.begin_closing()  # while the robots brake
@@ -129,14 +127,18 @@ class FleetRunner(Runner):
                 self._say(f"{name}: {sentence}")
         return journals
 
-    def _drive_all(self, daemon: FleetDaemon, missions: GiveMissions) -> tuple[State, str]:
+    def _drive_all(
+        self, daemon: FleetDaemon, missions: GiveMissions, taking: TakingOrders
+    ) -> tuple[State, str]:
         limit_s, give_up_s = self._time_limit_s(), self.config.safety.give_up_s
         watchdog = Watchdog(self._notifier, self._watchdog_s, daemon.turns)
-        teller = _Teller(self)
+        teller, troubles = _Teller(self), TroubleLines(self._log, self._say)
         while True:
             missions.cycle()
             now = daemon.cycle()
             teller.cycle(now)
+            taking.cycle()
+            troubles.cycle(troubles_of(now))
             watchdog.tick(self._clock())
             if self.interrupt.is_set():
                 return State.STOPPED, self.interrupt_reason

@@ -367,6 +367,9 @@ def test_a_stop_arrives_where_no_descriptor_is_left(tmp_path: Path) -> None:
                 began_s = time.monotonic()
                 assert send_order(path, {"order": "stop"})["state"] == "stopped"
                 assert time.monotonic() - began_s < STOPPED_WITHIN_S
+        path.unlink()
+        assert send_order(path, {"order": "stop"})["state"] == "stopped"
+        assert wait_until(path.is_socket, 2.0), "made again with a descriptor that was held back"
         process.stdin.close()
         assert process.wait(10.0) == 0
 

@@ -1,0 +1,222 @@
+"""The sockets that a daemon listens at: its file, and one without a file.
+
+Rules
+- The file is looked after: where it is no longer this daemon's own socket, because somebody
+  removed it or its folder, it is made again; where that cannot be, one in the temporary folder
+  stands in until it can. `trouble` says so.
+- The socket without a file is there all the time, whatever becomes of files.
+- Two daemons never share a file: one that answers is left alone, one that does not is a
+  leftover and is replaced.
+
+Units: seconds.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import socket
+import stat
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from navigation.control.abstract import listen_without_a_file
+from navigation.control.orders import ControlError
+from navigation.machine.descriptors import NONE_LEFT
+
+BACKLOG: Final = 512
+PROBE_S: Final = 2.0
+LOOK_EVERY_S: Final = 0.25
+"""A socket that was removed is noticed within so long, and a turn of the server's thread."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Bound:
+    """A socket at a path, and the file that it is there."""
+
+    path: Path
+    socket: socket.socket
+    file: tuple[int, int]
+
+    @property
+    def is_there(self) -> bool:
+        """True if the file at the path still is this socket."""
+        try:
+            found = self.path.lstat()
+        except OSError:
+            return False
+        return (found.st_dev, found.st_ino) == self.file
+
+
+class Places:
+    """Listens at ``path`` and without a file, from `open` on.
+
+    ``watch`` is called with each socket that `look` makes, ``unwatch`` before one is closed, and
+    ``release`` where no descriptor is left: True if it gave one back.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        watch: Callable[[socket.socket], None],
+        unwatch: Callable[[socket.socket], None],
+        release: Callable[[], bool],
+    ) -> None:
+        self._path = path
+        self._watch, self._unwatch, self._release = watch, unwatch, release
+        self._bound: _Bound | None = None
+        self._abstract: socket.socket | None = None
+        self._look_at_s = 0.0
+        self.trouble = ""
+        """Why orders cannot come where they should, and where they can; empty: they can."""
+        self.news: queue.SimpleQueue[str] = queue.SimpleQueue()
+        """Sentences for a person: a socket that was made again."""
+
+    def open(self) -> None:
+        """Begin to listen; ``ControlError`` where that cannot be."""
+        self._bound = _bind(self._path)
+        try:
+            self._abstract = listen_without_a_file(self._path, BACKLOG)
+        except OSError as error:
+            self._leave()
+            raise ControlError(f"control socket without a file: {error.strerror}") from None
+
+    @property
+    def sockets(self) -> list[socket.socket]:
+        """What listens now."""
+        bound = None if self._bound is None else self._bound.socket
+        return [one for one in (bound, self._abstract) if one is not None]
+
+    def look(self, now_s: float) -> None:
+        """Make the file again where it is gone; a few times a second, cheap where it is there."""
+        if now_s < self._look_at_s:
+            return
+        self._look_at_s = now_s + LOOK_EVERY_S
+        if self._is_at(self._path):
+            return
+        try:
+            self._move_to(self._path)
+        except (ControlError, OSError) as error:
+            self._stand_in(in_its_place(self._path), _reason(error))
+            return
+        again = "can be made again" if self.trouble else "was removed and is made again"
+        self.news.put(f"control socket {self._path}: {again}: orders work there")
+        self.trouble = ""
+
+    def close(self) -> None:
+        """End listening and remove the file, if it still is this daemon's."""
+        self._leave()
+        if self._abstract is not None:
+            self._abstract.close()
+
+    def _stand_in(self, other: Path, reason: str) -> None:
+        """Listen at another file, or at none."""
+        where = f"orders work at {other}"
+        if not self._is_at(other):
+            try:
+                self._move_to(other)
+            except (ControlError, OSError):
+                self._leave()
+        if self._bound is None:
+            where = "orders work without --socket only"
+        self.trouble = f"control socket {self._path} is gone and cannot be made: {reason}; {where}"
+
+    def _is_at(self, path: Path) -> bool:
+        return self._bound is not None and self._bound.path == path and self._bound.is_there
+
+    def _move_to(self, path: Path) -> None:
+        try:
+            bound = _bind(path)
+        except ControlError as error:
+            cause = error.__cause__
+            no_room = isinstance(cause, OSError) and cause.errno in NONE_LEFT
+            if not no_room or not self._release():
+                raise
+            bound = _bind(path)
+        self._leave()
+        self._bound = bound
+        self._watch(bound.socket)
+
+    def _leave(self) -> None:
+        if self._bound is None:
+            return
+        with contextlib.suppress(KeyError):  # it never came to be watched
+            self._unwatch(self._bound.socket)
+        self._bound.socket.close()
+        if self._bound.is_there:
+            with contextlib.suppress(OSError):
+                self._bound.path.unlink()
+        self._bound = None
+
+
+def in_its_place(path: Path) -> Path:
+    """The file in the temporary folder that stands in for ``path``, this process's own."""
+    folder = Path(tempfile.gettempdir()) / f"clearway-{os.getuid()}"
+    return folder / f"{path.name[:40]}.{os.getpid()}"
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return str(error).removeprefix("control socket ")
+
+
+def _bind(path: Path) -> _Bound:
+    _make_private(path.parent)
+    _remove_leftover(path)
+    one = _listen(path)
+    try:
+        found = path.lstat()
+    except OSError:
+        one.close()
+        raise
+    return _Bound(path, one, (found.st_dev, found.st_ino))
+
+
+def _listen(path: Path) -> socket.socket:
+    try:
+        one = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    except OSError as error:
+        raise ControlError(f"control socket {path}: {error.strerror or error}") from error
+    mask = os.umask(0o177)
+    try:
+        one.bind(str(path))
+        one.listen(BACKLOG)
+        one.setblocking(False)
+    except OSError as error:
+        one.close()
+        raise ControlError(f"control socket {path}: {error.strerror or error}") from error
+    finally:
+        os.umask(mask)
+    return one
+
+
+def _make_private(folder: Path) -> None:
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    info = folder.lstat()
+    # systemd makes a link to the folder of an account that it has made up; a stranger's may turn
+    if stat.S_ISLNK(info.st_mode) and info.st_uid in (0, os.getuid()):
+        info = folder.stat()
+    if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or info.st_mode & 0o022:
+        raise ControlError(f"control socket folder {folder}: must be yours alone (mode 0700)")
+
+
+def _remove_leftover(path: Path) -> None:
+    if not path.exists():
+        return
+    if not path.is_socket():
+        raise ControlError(f"control socket {path}: is a file that is no socket")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+        probe.settimeout(PROBE_S)
+        try:
+            probe.connect(str(path))
+        except BlockingIOError:  # its queue is full: somebody listens
+            pass
+        except OSError:
+            path.unlink()
+            return
+    raise ControlError(f"control socket {path}: another daemon listens there already")

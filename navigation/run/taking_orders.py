@@ -1,0 +1,44 @@
+"""The control socket of a run: opened, watched like every other stage, and what it has to say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from navigation.control import ControlServer
+from navigation.shared.supervisor import Part
+
+if TYPE_CHECKING:
+    from navigation.control import Commanded
+    from navigation.loop.control_loop import ControlLoop
+    from navigation.machine.logs import RunLog
+
+
+class TakingOrders:
+    """Takes orders for ``commanded`` at a socket until the run ends; `cycle` after each cycle.
+
+    ``say`` gets a line for the terminal.
+    """
+
+    def __init__(
+        self,
+        open_things: ExitStack,
+        socket: Path,
+        commanded: Commanded,
+        loop: ControlLoop[Any, Any, Any],
+        log: RunLog,
+        say: Callable[[str], None],
+    ) -> None:
+        self._loop, self._log, self._say = loop, log, say
+        self._control = open_things.enter_context(ControlServer(socket, commanded))
+        part = Part(self._control.failure, self._control.restart)
+        loop.look_after("control socket", part, lambda: self._control.turns)
+
+    def cycle(self) -> None:
+        """Say once what a person should know; what lasts becomes one of the run's troubles."""
+        for sentence in self._control.news():
+            self._log.write("warning", "trouble", reason=sentence)
+            self._say(sentence)
+        self._loop.troubles["control socket"] = self._control.trouble
